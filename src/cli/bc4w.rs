@@ -9,19 +9,18 @@ use crate::cli::encode;
 use crate::cli::options::{DepthUnitArgs, DomainArgs, SequenceInputArgs, StoreArgs, Target, Unfinished};
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
 use crate::encode::tile_quality::{self, TileQualityReport};
 use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::StreamKind;
-use crate::report::{Column, Table};
+use crate::report::Table;
 
 /// Length of the longest bar of the histogram.
 const BAR_COLUMNS: u64 = 8;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("lzma2", |lzma2| lzma2.requires("output")), after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
     lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
@@ -37,21 +36,16 @@ pub struct Args {
     /// Measure the PSNR of each tile with each modelling function
     #[arg(long)]
     pub stats: bool,
-    /// Chunks.
     #[command(flatten)]
     pub store: StoreArgs,
-    /// Sequence.
     #[command(flatten)]
     pub input: SequenceInputArgs,
-    /// Domain.
     #[command(flatten)]
     pub domain: DomainArgs,
-    /// Units.
     #[command(flatten)]
     pub units: DepthUnitArgs,
 }
 
-/// The JSON report of `--stats`.
 #[derive(Serialize)]
 struct Document {
     #[serde(flatten)]
@@ -60,24 +54,21 @@ struct Document {
     encode: Option<EncodeReport>,
 }
 
-/// Encodes the sequence, measures it, or both.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-    args.domain.apply(&mut settings);
+    settings.depth.domain = args.domain.depth_domain;
     args.units.apply(&mut options, &mut settings);
     args.input.apply(&mut options, &mut settings);
     args.store.apply(&mut settings);
     settings.depth.codec = DepthCodec::Blocks;
     let output = args.output.as_deref();
     if output.is_none() && !args.stats {
-        return Err(Error::Usage(
-            "nothing to do: name a container to write with -o, or measure the tiles with --stats".into(),
-        ));
+        return refuse("nothing to do: name a container to write with -o, or measure the tiles with --stats");
     }
     if output == Some(Path::new("-")) && args.stats {
-        return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
+        return refuse("--stats and -o - would both write to standard output; name a file");
     }
-    let source = args.input.open(StreamKind::Depth, options)?;
+    let source = args.input.open(StreamKind::Depth, &options)?;
     let target = output.map(|path| Target { path, unfinished: Unfinished::Discard, json: args.store.json });
     match target {
         Some(target) if !args.stats => encode::encode_to(&source, &settings, &target, global),
@@ -103,8 +94,8 @@ fn measure(
     if args.store.json {
         output::print_report(&Document { quality: TileQualityReport::new(&found, seconds), encode: encoded })?;
     } else {
-        if let (Some(encoded), Some(path), false) = (encoded, &args.output, global.quiet) {
-            output::note(encode::text(path, &encoded));
+        if let (Some(encoded), Some(path)) = (encoded, &args.output) {
+            global.note(encode::text(path, &encoded));
         }
         output::print_text(&stats_text(&found, seconds))?;
     }
@@ -112,29 +103,13 @@ fn measure(
 }
 
 fn stats_text(found: &TilePsnr, seconds: f64) -> String {
-    let mut table = Table::new(&[
-        Column::Left("PSNR in dB"),
-        Column::Right("Mean"),
-        Column::Right("Min"),
-        Column::Right("5%"),
-        Column::Right("50%"),
-        Column::Right("95%"),
-        Column::Right("Exact"),
-        Column::Right("Not modelled"),
-    ]);
+    let mut table = Table::new("PSNR in dB|>Mean|>Min|>5%|>50%|>95%|>Exact|>Not modelled");
     for of in TileModel::ALL {
         let psnr = found.of(of);
-        let db = |value: f64| format!("{value:.2}");
-        table.row([
-            title(of).to_owned(),
-            db(psnr.mean_db()),
-            db(psnr.min_db()),
-            db(psnr.quantile_db(0.05)),
-            db(psnr.quantile_db(0.5)),
-            db(psnr.quantile_db(0.95)),
-            psnr.exact.to_string(),
-            psnr.unmodelled.to_string(),
-        ]);
+        let quantiles = [0.05, 0.5, 0.95].map(|part| psnr.quantile_db(part));
+        let db = [psnr.mean_db(), psnr.min_db()].into_iter().chain(quantiles).map(|db| format!("{db:.2}"));
+        let counts = [psnr.exact, psnr.unmodelled].map(|count| count.to_string());
+        table.row(std::iter::once(title(of).to_owned()).chain(db).chain(counts));
     }
     format!(
         "{table}\n{}\n{} tiles of 8x8 pixels, largest error of BC4w {} codes, {seconds:.2} s\n",
@@ -155,9 +130,7 @@ fn histogram_text(found: &TilePsnr) -> String {
     let most = all.iter().flatten().copied().max().unwrap_or(0).max(1);
     let bins = all[0].len();
     let Some(first) = (0..bins).find(|&bin| used(bin)) else { return String::new() };
-    let heads = TileModel::ALL.map(title);
-    let columns: Vec<Column> = std::iter::once("Tiles by dB").chain(heads).map(Column::Left).collect();
-    let mut table = Table::new(&columns);
+    let mut table = Table::new(&format!("Tiles by dB|{}", TileModel::ALL.map(title).join("|")));
     for bin in (first..bins).filter(|&bin| bin + 1 < bins || used(bin)) {
         if bin + 1 < bins && !(bin..bins - 1).any(used) {
             continue;

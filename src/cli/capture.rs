@@ -8,36 +8,32 @@ use std::time::Instant;
 
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
 use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
+use crate::report::coding_map::counted;
 use crate::scene::capture::CaptureReport;
 use crate::scene::capture::write::UNFINISHED;
 use crate::scene::{CapturePlan, CaptureSummary, ExistingImages, Pass, Play, Scene};
 
 pub use args::{Args, parse_size};
 
-/// Captures.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     if args.output == Path::new("-") {
-        return Err(Error::Usage("standard output cannot hold a dataset: name a folder".into()));
+        return refuse("standard output cannot hold a dataset: name a folder");
     }
     check_cameras_stay(args)?;
     let (cameras, viewers) = args.read_cameras()?;
     let play = args.animation.as_deref().map_or(Play::First, Play::Named);
     let (scene, notes) = Scene::open_to_play(&args.scene, play)?;
-    if !global.quiet {
-        notes.iter().for_each(output::note);
-    }
+    notes.iter().for_each(|note| global.note(note));
     let plan = args.plan(&scene, cameras, viewers)?;
     plan.manifest()?;
     check_output(&plan, &args.output)?;
-    if !global.quiet {
-        args.notes(&scene, &plan).iter().for_each(output::note);
-    }
+    args.notes(&scene, &plan).iter().for_each(|note| global.note(note));
     let loaded = start.elapsed();
     let progress = Progress::start(global, "capturing", plan.image_count())?;
     let work = Work { plan: &plan, scene: &scene, args, global, progress: &progress };
@@ -46,23 +42,21 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
     if args.json {
         output::print_report(&report)?;
-    } else if !global.quiet {
-        output::note(text(&args.output, &plan, &summary, &report));
+    } else {
+        global.note(text(&args.output, &plan, &summary, &report));
     }
     Ok(ExitStatus::Passed)
 }
 
 /// Refuses to overwrite the manifest that the cameras are read from.
 fn check_cameras_stay(args: &Args) -> Result<()> {
-    let manifest = args.output.join(MANIFEST_NAME).canonicalize().ok();
+    let manifest = args.output.join(MANIFEST_NAME);
     let cameras = args.cameras.as_ref().and_then(|path| path.canonicalize().ok());
-    match manifest {
-        Some(path) if cameras.as_ref() == Some(&path) => Err(Error::Usage(format!(
-            "{}: the file of cameras would be overwritten; name another folder",
-            args.output.join(MANIFEST_NAME).display()
-        ))),
-        _ => Ok(()),
+    if cameras.is_some() && manifest.canonicalize().ok() == cameras {
+        let path = manifest.display();
+        return refuse(format!("{path}: the file of cameras would be overwritten; name another folder"));
     }
+    Ok(())
 }
 
 /// Refuses a folder with a dataset of other images.
@@ -138,9 +132,7 @@ impl Work<'_> {
     }
 
     fn say(&self, words: &str) {
-        if !self.global.quiet {
-            output::note(format_args!("{}: {words}", self.args.output.display()));
-        }
+        self.global.note(format_args!("{}: {words}", self.args.output.display()));
     }
 
     /// Everything that the images depend on.
@@ -169,13 +161,12 @@ fn text(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, report: &Capt
         count => format!(" ({count} resumed)"),
     };
     let (probes, frames) = (plan.cameras.cameras.len() as u64, plan.frames.count());
-    let of = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     format!(
         "{}: {}, {}, {}{kept}, {}{range}; {:.2} M rays, {:.2} M a second, {:.2} s",
         path.display(),
-        of(probes, "probe"),
-        of(frames, "frame"),
-        of(summary.images, "image"),
+        counted(probes, "probe"),
+        counted(frames, "frame"),
+        counted(summary.images, "image"),
         human_bytes(summary.bytes),
         summary.rays as f64 / 1e6,
         report.rays_per_second / 1e6,

@@ -2,6 +2,7 @@
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::cli::encode::Encodes;
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
@@ -23,15 +24,12 @@ use crate::cli::{
         lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
 )]
 pub struct Cli {
-    /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Options of every command.
     #[command(flatten)]
     pub global: GlobalArgs,
 }
 
-/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Capture, encode, decode and compare a built-in scene
@@ -69,6 +67,18 @@ pub enum Command {
     /// Write the man pages
     #[command(hide = true)]
     Man(man::Args),
+}
+
+impl Command {
+    /// A command that writes a container of footage.
+    pub fn as_encoder(&self) -> Option<&dyn Encodes> {
+        match self {
+            Command::Encode(args) => Some(args),
+            Command::EncodeColor(args) => Some(args),
+            Command::EncodeDepth(args) => Some(args),
+            _ => None,
+        }
+    }
 }
 
 /// The whole command line, for man pages and completions.

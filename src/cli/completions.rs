@@ -3,7 +3,6 @@
 use crate::cli::{ExitStatus, output};
 use crate::error::Result;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold completions bash > ~/.local/share/bash-completion/completions/lightfold")]
 pub struct Args {
@@ -12,7 +11,6 @@ pub struct Args {
     pub shell: clap_complete::Shell,
 }
 
-/// Prints the script.
 pub fn run(args: &Args, mut root: clap::Command) -> Result<ExitStatus> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut root, "lightfold", &mut script);

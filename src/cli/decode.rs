@@ -3,25 +3,27 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::ValueEnum;
 use serde::Serialize;
 
 use crate::cli::damage;
-use crate::cli::device::{self, DeviceArg, GpuArgs};
+use crate::cli::device::{self, DEVICES, GpuArgs};
+use crate::cli::options::choice::{Choices, one_of};
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, SelectionArgs, View};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::MANIFEST_NAME;
 use crate::decode::{
     self, DecodeReport, DecodeTimes, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu, OnDamage, Request,
 };
 use crate::error::{Error, Result};
-use crate::files::OutputFolder;
+use crate::files::{OutputFolder, parent_of};
 use crate::gpu::Gpu;
+use crate::gpu::device::DeviceChoice;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::memory::Budget;
+use crate::report::coding_map::counted;
 use crate::report::timing::{Spread, median, spread};
 use crate::views::camera_units::CameraUnitsReport;
 
@@ -30,7 +32,6 @@ const LOAD_BYTES: u64 = 1 << 30;
 /// Larger ones are read only if at least an eighth of them is needed.
 const LOAD_ANY_BYTES: u64 = 64 << 20;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
@@ -60,54 +61,42 @@ pub struct Args {
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub repeat: Option<u32>,
     /// Decoding device; the images do not depend on it [default: cpu]
-    #[arg(long, value_enum)]
-    pub device: Option<DeviceArg>,
+    #[arg(long, value_parser = one_of(DEVICES))]
+    pub device: Option<DeviceChoice>,
     /// Decode on a graphics device and on the CPU and compare; exit code 1 if a word differs
     #[arg(long, conflicts_with = "output")]
     pub verify: bool,
     /// Decode every intact image of a damaged container, list the damaged chunks, and exit with code 2
     #[arg(long, conflicts_with_all = ["verify", "repeat"])]
     pub keep_going: bool,
-    /// Which graphics device.
     #[command(flatten)]
     pub gpu: GpuArgs,
-    /// Streams.
     #[command(flatten)]
     pub selection: SelectionArgs,
-    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Image format. PNG stores codes without loss, 8-bit colour and 16-bit log depth; other programs need the range in
     /// lightfield.json to turn depth codes into metres
-    #[arg(long, value_enum, default_value_t = FormatArg::Exr)]
-    pub format: FormatArg,
+    #[arg(long, value_parser = one_of(FORMATS), default_value = "exr")]
+    pub format: FileFormat,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
-    /// Cameras.
     #[command(flatten)]
     pub cameras: CameraArgs,
 }
 
 /// `--format`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FormatArg {
-    /// OpenEXR
-    Exr,
-    /// PNG
-    Png,
-}
+const FORMATS: &Choices<FileFormat> = &[("exr", FileFormat::Exr, "OpenEXR"), ("png", FileFormat::Png, "PNG")];
 
-/// Decodes.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
-    let Some(input) = &args.input else { return Err(Error::Usage("name a container to decode".into())) };
-    let (choice, gpu) = open_device(args, global)?;
+    let Some(input) = &args.input else { return refuse("name a container to decode") };
+    let gpu = open_device(args, global)?;
     let mut decoder = Decoder::open(input)?;
     let selection = args.selection.with(args.frames.frames);
     let memory = args.memory.get();
@@ -124,13 +113,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let progress = Progress::start(global, "decoding", images * passes)?;
     let mut runs = Vec::new();
     let request = Request { streams: &chosen, filter: view.filter(), memory };
+    let write = |source: &dyn ImageSource, output: &Path| {
+        Export { source, decoder: &decoder, request, format: args.format, progress: &progress }.write(output)
+    };
     let mut once = || {
         let start = Instant::now();
         let done = device::or_on_cpu(
-            (gpu.as_ref(), choice),
+            (gpu.as_ref(), args.device.filter(|_| !args.verify)),
             global,
             |gpu| match &args.output {
-                Some(output) => Ok((write(gpu, &decoder, request, output, args.format, &progress)?, None)),
+                Some(output) => Ok((write(gpu, output)?, None)),
                 None if args.verify => {
                     let (summary, found) = verify::verify(gpu, &decoder, request, &progress)?;
                     Ok((Decoded { summary, ..Decoded::default() }, Some(found)))
@@ -143,9 +135,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             || {
                 let on_damage = if args.keep_going { OnDamage::KeepGoing } else { OnDamage::Stop };
                 match &args.output {
-                    Some(output) => {
-                        Ok((write(&OnCpu(on_damage), &decoder, request, output, args.format, &progress)?, None))
-                    }
+                    Some(output) => Ok((write(&OnCpu(on_damage), output)?, None)),
                     None => Ok((decode::decode_units(&decoder, request, on_damage, &progress)?, None)),
                 }
             },
@@ -183,8 +173,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 
 /// The error of a container with damaged chunks.
 fn verdict(decoded: &Decoded, images: u64) -> Error {
-    let (missing, damaged) = (decoded.missing_images(), decoded.damaged.len());
-    let chunks = if damaged == 1 { "1 damaged chunk".to_owned() } else { format!("{damaged} damaged chunks") };
+    let (missing, chunks) = (decoded.missing_images(), counted(decoded.damaged.len() as u64, "damaged chunk"));
     Error::invalid(if missing == images {
         format!("none of the {images} images is intact ({chunks}); nothing was written")
     } else {
@@ -201,112 +190,97 @@ fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
     memory.bytes().map_or(LOAD_BYTES, |bytes| bytes / 4)
 }
 
-/// The chosen device, and the graphics device if that is one; --verify needs one.
-fn open_device(args: &Args, global: &GlobalArgs) -> Result<(DeviceArg, Option<Gpu>)> {
-    if args.memory.memory.is_some()
-        && (args.verify || args.device == Some(DeviceArg::Gpu) || args.gpu.gpu_index.is_some())
-    {
-        return Err(Error::Usage(
-            "--memory limits the CPU decoder only, not graphics devices: leave out one of them".into(),
-        ));
+/// The graphics device that decodes, if one does; --verify needs one.
+fn open_device(args: &Args, global: &GlobalArgs) -> Result<Option<Gpu>> {
+    let is_named = args.device == Some(DeviceChoice::Gpu) || args.gpu.gpu_index.is_some();
+    if args.memory.memory.is_some() && (args.verify || is_named) {
+        return refuse("--memory limits the CPU decoder only, not graphics devices: leave out one of them");
     }
-    if args.memory.memory.is_some() && !args.keep_going {
-        return Ok((DeviceArg::Cpu, None));
+    if args.keep_going && is_named {
+        return refuse("--keep-going decodes on the CPU: leave out --device gpu");
     }
-    if args.keep_going {
-        if args.device == Some(DeviceArg::Gpu) || args.gpu.gpu_index.is_some() {
-            return Err(Error::Usage("--keep-going decodes on the CPU: leave out --device gpu".into()));
-        }
-        return Ok((DeviceArg::Cpu, None));
+    if args.memory.memory.is_some() || args.keep_going {
+        return Ok(None);
     }
     let choice = match (args.device, args.verify) {
-        (Some(DeviceArg::Cpu), true) => {
-            return Err(Error::Usage(
-                "--verify compares a graphics device with the CPU: leave out --device cpu".into(),
-            ));
+        (Some(DeviceChoice::Cpu), true) => {
+            return refuse("--verify compares a graphics device with the CPU: leave out --device cpu");
         }
         // Software will do to compare.
-        (_, true) => DeviceArg::Gpu,
-        // Naming a device selects it.
-        (None, false) if args.gpu.gpu_index.is_some() => DeviceArg::Gpu,
-        (choice, false) => choice.unwrap_or(DeviceArg::Cpu),
+        (_, true) => Some(DeviceChoice::Gpu),
+        (choice, false) => choice,
     };
-    Ok((choice, args.gpu.open(choice, global)?))
+    args.gpu.open(choice, global)
 }
 
-fn write(
-    source: &dyn ImageSource,
-    decoder: &Decoder,
-    request: Request<'_>,
-    output: &Path,
-    format: FormatArg,
-    progress: &Progress,
-) -> Result<Decoded> {
-    let format = match format {
-        FormatArg::Exr => FileFormat::Exr,
-        FormatArg::Png => FileFormat::Png,
-    };
-    if output == Path::new("-") {
-        return Err(Error::Usage("standard output cannot hold image files: name a folder".into()));
-    }
-    let Some(pattern) = file_pattern(output)? else {
-        if output.join(MANIFEST_NAME).exists() {
-            output::note(format_args!(
-                "{}: contains a dataset; files of the same names are replaced, others stay",
+/// Images to be written.
+pub struct Export<'a> {
+    pub source: &'a dyn ImageSource,
+    pub decoder: &'a Decoder,
+    pub request: Request<'a>,
+    pub format: FileFormat,
+    pub progress: &'a Progress,
+}
+
+impl Export<'_> {
+    /// Writes a dataset into a folder, or the images of a pattern.
+    fn write(&self, output: &Path) -> Result<Decoded> {
+        if output == Path::new("-") {
+            return refuse("standard output cannot hold image files: name a folder");
+        }
+        let Some(pattern) = file_pattern(output)? else {
+            if output.join(MANIFEST_NAME).exists() {
+                output::note(format_args!(
+                    "{}: contains a dataset; files of the same names are replaced, others stay",
+                    output.display()
+                ));
+            }
+            return self.write_into(output, |folder| Destination::Dataset(folder.to_path_buf()));
+        };
+        let streams = self.request.streams;
+        let images: u64 = streams.iter().map(|part| part.frames.count()).sum();
+        if !pattern.has_field() && images != 1 {
+            return refuse(format!(
+                "{}: one file for {images} images; name a pattern such as depth.%04d.exr, or a folder",
                 output.display()
             ));
         }
-        let dataset = |folder: &Path| Destination::Dataset(folder.to_path_buf());
-        return write_into((source, decoder, request, format), output, dataset, progress);
-    };
-    let images: u64 = request.streams.iter().map(|part| part.frames.count()).sum();
-    if !pattern.has_field() && images != 1 {
-        return Err(Error::Usage(format!(
-            "{}: one file for {images} images; name a pattern such as depth.%04d.exr, or a folder",
-            output.display()
-        )));
-    }
-    if request.streams.len() != 1 {
-        return Err(Error::Usage(format!(
-            "{}: a pattern names the files of one stream, {} are selected; use --probe, --face and --stream, or name a folder",
-            output.display(),
-            request.streams.len()
-        )));
-    }
-    let format = match output.extension().and_then(|extension| extension.to_str()) {
-        Some("png") => FileFormat::Png,
-        Some("exr") => FileFormat::Exr,
-        _ => {
-            return Err(Error::Usage(format!("{}: file names ending in .exr or .png were expected", output.display())));
-        }
-    };
-    let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let files = |folder: &Path| Destination::Files(pattern.clone().below(folder));
-    write_into((source, decoder, request, format), parent, files, progress)
-}
-
-/// Writes into a folder, which appears once it has files; `destination` names the files below a folder.
-fn write_into(
-    (source, decoder, request, format): (&dyn ImageSource, &Decoder, Request<'_>, FileFormat),
-    path: &Path,
-    destination: impl Fn(&Path) -> Destination,
-    progress: &Progress,
-) -> Result<Decoded> {
-    let folder = OutputFolder::create(path)?;
-    let work = destination(folder.work_path());
-    let decoded = decode::decode_to_files(source, decoder, request, &work, format, progress)
-        .map_err(|error| folder.present(error))?;
-    if decoded.summary.frames > 0 {
-        let removed = destination(path).remove_missing(decoder, &decoded.missing, format)?;
-        if removed > 0 {
-            output::note(format_args!(
-                "{}: removed {removed} older files of images that are missing now",
-                path.display()
+        if streams.len() != 1 {
+            return refuse(format!(
+                "{}: a pattern names the files of one stream, {} are selected; use --probe, --face and --stream, or name a \
+                 folder",
+                output.display(),
+                streams.len()
             ));
         }
-        folder.commit()?;
+        let format = match output.extension().and_then(|extension| extension.to_str()) {
+            Some("png") => FileFormat::Png,
+            Some("exr") => FileFormat::Exr,
+            _ => return refuse(format!("{}: file names ending in .exr or .png were expected", output.display())),
+        };
+        let files = |folder: &Path| Destination::Files(pattern.clone().below(folder));
+        Export { format, ..*self }.write_into(parent_of(output), files)
     }
-    Ok(decoded)
+
+    /// Writes into a folder, which appears once it has files; `destination` names the files below a folder.
+    pub fn write_into(&self, path: &Path, destination: impl Fn(&Path) -> Destination) -> Result<Decoded> {
+        let folder = OutputFolder::create(path)?;
+        let work = destination(folder.work_path());
+        let decoded =
+            decode::decode_to_files(self.source, self.decoder, self.request, &work, self.format, self.progress)
+                .map_err(|error| folder.present(error))?;
+        if decoded.summary.frames > 0 {
+            let removed = destination(path).remove_missing(self.decoder, &decoded.missing, self.format)?;
+            if removed > 0 {
+                output::note(format_args!(
+                    "{}: removed {removed} older files of images that are missing now",
+                    path.display()
+                ));
+            }
+            folder.commit()?;
+        }
+        Ok(decoded)
+    }
 }
 
 /// The pattern of an output path; none if it names a folder.
@@ -320,7 +294,6 @@ fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     Ok((pattern.has_field() || image).then_some(pattern))
 }
 
-/// The JSON report.
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
@@ -352,9 +325,7 @@ impl Run<'_> {
         match &args.output {
             None => output::print_text(&format!("{line}\n")),
             Some(output) => {
-                if !global.quiet {
-                    output::note(format_args!("{}: {line}", output.display()));
-                }
+                global.note(format_args!("{}: {line}", output.display()));
                 Ok(())
             }
         }

@@ -3,24 +3,26 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use serde_json::json;
+use serde::Serialize;
 
-use crate::cli::output::{self, human_bytes, json_number};
+use crate::cli::decode::Export;
+use crate::cli::options::{Target, Unfinished};
+use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, encode};
 use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
-use crate::encode::{self, EncodeSettings, ErrorBound};
+use crate::encode::{EncodeSettings, ErrorBound};
 use crate::error::Result;
-use crate::files::{OutputFile, OutputFolder};
+use crate::files::OutputFolder;
 use crate::image::StreamKind;
-use crate::inspect::{self, InspectSettings, Totals};
+use crate::inspect::{self, InspectSettings, percent};
+use crate::json::Number;
+use crate::report::Table;
 use crate::report::tradeoff::runner::shell_word;
-use crate::report::{Column, Table};
 use crate::scene::{CapturePlan, DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frame-count 48 --size 256 --json\n\n\
@@ -79,45 +81,87 @@ impl Places {
     }
 }
 
+/// Figures of the demo.
+#[derive(Serialize)]
+struct Report {
+    bytes: u64,
+    raw_bytes: u64,
+    ratio_percent: f64,
+    frames: u64,
+    kinds: Vec<KindReport>,
+    depth: DepthReport,
+    color: ColorReport,
+    seconds: Seconds,
+    commands: [String; 4],
+}
+
 /// Figures of one kind of streams.
-struct KindRow {
-    kind: StreamKind,
-    totals: Totals,
+#[derive(Serialize)]
+struct KindReport {
+    kind: &'static str,
+    streams: u64,
+    frames: u64,
+    raw_bytes: u64,
+    temporal_bytes: u64,
+    ratio_percent: f64,
     decode_megapixels_per_second: f64,
 }
 
-/// Figures of the demo.
-struct Report {
-    rows: Vec<KindRow>,
-    all: Totals,
-    file_bytes: u64,
-    comparison: Comparison,
-    /// Of capturing, encoding, and decoding with files.
-    seconds: [f64; 3],
+#[derive(Serialize)]
+struct DepthReport {
+    max_error_codes: Option<u16>,
 }
 
-/// Runs the demo.
+/// The lowest PSNR of any frame of any cell.
+#[derive(Serialize)]
+struct ColorReport {
+    min_psnr_db: Option<Number>,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    capture: f64,
+    encode: f64,
+    /// With files.
+    decode: f64,
+}
+
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let places = Places::below(&args.output);
     let settings = EncodeSettings::default();
     let start = Instant::now();
     capture(args, &places.scene, global)?;
     let captured = start.elapsed();
-    encode(&places, &settings, global)?;
+    let source = Source::open(&places.scene, &SourceOptions::default())?;
+    let target = Target { path: &places.container, unfinished: Unfinished::Discard, json: false };
+    encode::encode_file(&source, &settings, &target, global)?;
     let encoded = start.elapsed();
     let decoder = Decoder::open(&places.container)?;
     decode(&decoder, &places.decoded, global)?;
-    let seconds = [captured, encoded - captured, start.elapsed() - encoded].map(|time| time.as_secs_f64());
+    let [capture, encode, decode] =
+        [captured, encoded - captured, start.elapsed() - encoded].map(|time| time.as_secs_f64());
     let comparison = compare(&places, global)?;
-    let (rows, all) = measure(&decoder, global)?;
-    let report = Report { rows, all, file_bytes: decoder.reader().file_bytes(), comparison, seconds };
-    let commands = places.commands(&settings);
+    let (bytes, all) = (decoder.reader().file_bytes(), measure(&decoder, global)?);
+    let raw_bytes = all.iter().map(|kind| kind.raw_bytes).sum();
+    let lowest_db = |total: compare::SampleTotal| total.lowest_cell.map_or(f64::INFINITY, |(_, lowest)| lowest.psnr_db);
+    let report = Report {
+        bytes,
+        raw_bytes,
+        ratio_percent: percent(bytes, raw_bytes),
+        frames: all.iter().map(|kind| kind.frames).sum(),
+        kinds: all,
+        depth: DepthReport { max_error_codes: comparison.depth().map(|(errors, _)| errors.max_error_codes) },
+        color: ColorReport { min_psnr_db: comparison.color().map(lowest_db).map(Number) },
+        seconds: Seconds { capture, encode, decode },
+        commands: places.commands(&settings),
+    };
     if args.json {
-        output::print_json(&report.json(&commands))?;
+        output::print_json(&report)?;
     } else {
-        output::print_text(&report.text(&places, &commands))?;
+        output::print_text(&report.text(&places))?;
     }
-    Ok(if report.keeps(&settings) { ExitStatus::Passed } else { ExitStatus::Failed })
+    let passed = report.keeps(&settings) && comparison.missing.is_empty();
+    Ok(if passed { ExitStatus::Passed } else { ExitStatus::Failed })
 }
 
 fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
@@ -131,24 +175,12 @@ fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
     folder.commit()
 }
 
-fn encode(places: &Places, settings: &EncodeSettings, global: &GlobalArgs) -> Result<()> {
-    let source = Source::open(&places.scene, &SourceOptions::default())?;
-    let images = source.groups().iter().map(|group| group.frames.count()).sum();
-    let progress = Progress::start(global, "encoding", images)?;
-    let path = &places.container;
-    let file = OutputFile::create(path)?;
-    let (mut file, _) = encode::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
-    file.commit()
-}
-
 fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let chosen = Selection::default().choose(decoder)?;
     let progress = Progress::start(global, "decoding", chosen.iter().map(|part| part.frames.count()).sum())?;
-    let folder = OutputFolder::create(path)?;
-    let destination = Destination::Dataset(folder.work_path().to_path_buf());
     let request = decode::Request::all(&chosen);
-    decode::decode_to_files(&OnCpu::default(), decoder, request, &destination, FileFormat::Exr, &progress)?;
-    folder.commit()
+    let export = Export { source: &OnCpu::default(), decoder, request, format: FileFormat::Exr, progress: &progress };
+    export.write_into(path, |folder| Destination::Dataset(folder.to_path_buf())).map(drop)
 }
 
 fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
@@ -161,7 +193,7 @@ fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
 }
 
 /// Sizes from the container, and decoding times without writing files.
-fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Totals)> {
+fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<Vec<KindReport>> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
     let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams))?;
     let settings = InspectSettings::default();
@@ -172,97 +204,56 @@ fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Tota
         let start = Instant::now();
         let summary = decode::decode_units(decoder, decode::Request::all(&chosen), OnDamage::Stop, &progress)?.summary;
         let seconds = start.elapsed().as_secs_f64().max(1e-9);
-        rows.push(KindRow {
-            kind,
-            totals: inspection.totals(Some(kind)),
+        let totals = inspection.totals(Some(kind));
+        rows.push(KindReport {
+            kind: kind.name(),
+            streams: totals.streams,
+            frames: totals.frames,
+            raw_bytes: totals.raw_bytes,
+            temporal_bytes: totals.temporal_bytes,
+            ratio_percent: percent(totals.temporal_bytes, totals.raw_bytes),
             decode_megapixels_per_second: summary.pixels as f64 / 1e6 / seconds,
         });
     }
-    Ok((rows, inspection.totals(None)))
+    Ok(rows)
 }
 
 impl Report {
-    fn max_error_codes(&self) -> Option<u16> {
-        self.comparison.depth().map(|(errors, _)| errors.max_error_codes)
-    }
-
-    /// The lowest PSNR of any frame of any cell, in dB.
-    fn min_psnr_db(&self) -> Option<f64> {
-        self.comparison.color().map(|total| total.lowest_cell.map_or(f64::INFINITY, |(_, lowest)| lowest.psnr_db))
-    }
-
     /// Whether errors are within the bounds of the encoder.
     fn keeps(&self, settings: &EncodeSettings) -> bool {
-        let depth = self.max_error_codes().is_none_or(|codes| codes <= depth_bound(settings));
+        let depth = self.depth.max_error_codes.is_none_or(|codes| codes <= depth_bound(settings));
         // The encoder and diff may differ in the last digit.
-        let color = self.min_psnr_db().is_none_or(|db| db >= settings.search.min_psnr_db - 1e-6);
-        depth && color && self.comparison.missing.is_empty()
+        depth && self.color.min_psnr_db.is_none_or(|db| db.0 >= settings.search.min_psnr_db - 1e-6)
     }
 
-    fn text(&self, places: &Places, commands: &[String]) -> String {
-        let mut table = Table::new(&[
-            Column::Left("Kind"),
-            Column::Right("Streams"),
-            Column::Right("Images"),
-            Column::Right("Raw"),
-            Column::Right("Temporal"),
-            Column::Right("%"),
-            Column::Right("Max error"),
-            Column::Right("Min PSNR"),
-            Column::Right("Decoding"),
-        ]);
-        for row in &self.rows {
-            let error = self.max_error_codes().filter(|_| row.kind == StreamKind::Depth);
-            let psnr = self.min_psnr_db().filter(|_| row.kind == StreamKind::Color);
+    fn text(&self, places: &Places) -> String {
+        let mut table = Table::new("Kind|>Streams|>Images|>Raw|>Temporal|>%|>Max error|>Min PSNR|>Decoding");
+        for row in &self.kinds {
+            let error = self.depth.max_error_codes.filter(|_| row.kind == StreamKind::Depth.name());
+            let psnr = self.color.min_psnr_db.filter(|_| row.kind == StreamKind::Color.name());
             table.row([
-                row.kind.name().to_owned(),
-                row.totals.streams.to_string(),
-                row.totals.frames.to_string(),
-                human_bytes(row.totals.raw_bytes),
-                human_bytes(row.totals.temporal_bytes),
-                format!("{:.2}", percent(row.totals.temporal_bytes, row.totals.raw_bytes)),
+                row.kind.to_owned(),
+                row.streams.to_string(),
+                row.frames.to_string(),
+                human_bytes(row.raw_bytes),
+                human_bytes(row.temporal_bytes),
+                format!("{:.2}", row.ratio_percent),
                 error.map_or_else(String::new, |codes| format!("{codes} codes")),
-                psnr.map_or_else(String::new, |db| format!("{db:.2} dB")),
+                psnr.map_or_else(String::new, |db| format!("{:.2} dB", db.0)),
                 format!("{:.0} MPix/s", row.decode_megapixels_per_second),
             ]);
         }
-        let [captured, encoded, decoded] = self.seconds;
+        let Seconds { capture, encode, decode } = self.seconds;
         format!(
             "{table}\n{}: {} of {} raw ({:.2}%)\n\
-             captured in {captured:.2} s, encoded in {encoded:.2} s, decoded into files in {decoded:.2} s\n\n\
+             captured in {capture:.2} s, encoded in {encode:.2} s, decoded into files in {decode:.2} s\n\n\
              The same, step by step:\n  {}\n",
             places.container.display(),
-            human_bytes(self.file_bytes),
-            human_bytes(self.all.raw_bytes),
-            percent(self.file_bytes, self.all.raw_bytes),
-            commands.join("\n  "),
+            human_bytes(self.bytes),
+            human_bytes(self.raw_bytes),
+            self.ratio_percent,
+            self.commands.join("\n  "),
         )
-    }
-
-    fn json(&self, commands: &[String]) -> serde_json::Value {
-        let kind = |row: &KindRow| {
-            json!({
-                "kind": row.kind.name(),
-                "streams": row.totals.streams,
-                "frames": row.totals.frames,
-                "raw_bytes": row.totals.raw_bytes,
-                "temporal_bytes": row.totals.temporal_bytes,
-                "ratio_percent": percent(row.totals.temporal_bytes, row.totals.raw_bytes),
-                "decode_megapixels_per_second": row.decode_megapixels_per_second,
-            })
-        };
-        let [captured, encoded, decoded] = self.seconds;
-        json!({
-            "bytes": self.file_bytes,
-            "raw_bytes": self.all.raw_bytes,
-            "ratio_percent": percent(self.file_bytes, self.all.raw_bytes),
-            "frames": self.all.frames,
-            "kinds": self.rows.iter().map(kind).collect::<Vec<_>>(),
-            "depth": { "max_error_codes": self.max_error_codes() },
-            "color": { "min_psnr_db": self.min_psnr_db().map(json_number) },
-            "seconds": { "capture": captured, "encode": encoded, "decode": decoded },
-            "commands": commands,
-        })
     }
 }
 
@@ -273,8 +264,4 @@ fn depth_bound(settings: &EncodeSettings) -> u16 {
         // Not used by the demo.
         ErrorBound::Relative(_) => settings.temporal.epsilon,
     }
-}
-
-fn percent(part: u64, whole: u64) -> f64 {
-    100.0 * part as f64 / whole.max(1) as f64
 }

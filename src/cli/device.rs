@@ -1,17 +1,16 @@
 //! Options of graphics devices, the list of devices, fallback to the CPU.
 
-use clap::ValueEnum;
 use serde_json::json;
 
+use crate::cli::options::choice::Choices;
 use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, Gpu, Pick};
-use crate::report::table::{Column, Table};
+use crate::report::Table;
 
 /// Number or part of the name of a graphics device, without `--gpu-index`.
 const VARIABLE: &str = "LIGHTFOLD_GPU";
 
-/// Which graphics device.
 #[derive(Debug, Clone, clap::Args)]
 pub struct GpuArgs {
     /// Number of the graphics device; LIGHTFOLD_GPU may hold a number or part of a name instead
@@ -23,15 +22,11 @@ pub struct GpuArgs {
 }
 
 /// `--device`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DeviceArg {
-    /// A hardware graphics device if there is one, else the CPU
-    Auto,
-    /// A graphics device, or an error without one
-    Gpu,
-    /// The CPU
-    Cpu,
-}
+pub const DEVICES: &Choices<DeviceChoice> = &[
+    ("auto", DeviceChoice::Auto, "A hardware graphics device if there is one, else the CPU"),
+    ("gpu", DeviceChoice::Gpu, "A graphics device, or an error without one"),
+    ("cpu", DeviceChoice::Cpu, "The CPU"),
+];
 
 impl GpuArgs {
     /// The device that the option or the environment asks for.
@@ -40,22 +35,18 @@ impl GpuArgs {
         self.gpu_index.map_or_else(variable, Pick::Index)
     }
 
-    /// Opens the graphics device, `None` for the CPU; notes why `auto` found none.
-    pub fn open(&self, choice: DeviceArg, global: &GlobalArgs) -> Result<Option<Gpu>> {
-        let choice = match choice {
-            DeviceArg::Auto => DeviceChoice::Auto,
-            DeviceArg::Gpu => DeviceChoice::Gpu,
-            DeviceArg::Cpu => DeviceChoice::Cpu,
-        };
-        let (gpu, why) = device::choose(choice, &self.pick())?;
-        why.iter().filter(|_| !global.quiet).for_each(output::note);
+    /// Opens the graphics device, `None` for the CPU; notes why `auto` found none. Naming a device selects it.
+    pub fn open(&self, choice: Option<DeviceChoice>, global: &GlobalArgs) -> Result<Option<Gpu>> {
+        let usual = if self.gpu_index.is_some() { DeviceChoice::Gpu } else { DeviceChoice::Cpu };
+        let (gpu, why) = device::choose(choice.unwrap_or(usual), &self.pick())?;
+        why.iter().for_each(|why| global.note(why));
         Ok(gpu)
     }
 }
 
 /// Runs on a graphics device, or on the CPU without one or, with `auto`, if the device fails.
 pub fn or_on_cpu<T>(
-    (gpu, choice): (Option<&Gpu>, DeviceArg),
+    (gpu, choice): (Option<&Gpu>, Option<DeviceChoice>),
     global: &GlobalArgs,
     on_gpu: impl FnOnce(&Gpu) -> Result<T>,
     on_cpu: impl FnOnce() -> Result<T>,
@@ -63,10 +54,8 @@ pub fn or_on_cpu<T>(
     let Some(gpu) = gpu else { return Ok((on_cpu()?, "cpu".to_owned())) };
     match on_gpu(gpu) {
         Ok(done) => Ok((done, gpu.info.name.clone())),
-        Err(error @ Error::Unsupported { .. }) if choice == DeviceArg::Auto => {
-            if !global.quiet {
-                output::note(format_args!("{error}; decoding on the CPU"));
-            }
+        Err(error @ Error::Unsupported { .. }) if choice == Some(DeviceChoice::Auto) => {
+            global.note(format_args!("{error}; decoding on the CPU"));
             Ok((on_cpu()?, "cpu".to_owned()))
         }
         Err(error) => Err(error),
@@ -80,15 +69,7 @@ pub fn list(as_json: bool) -> Result<ExitStatus> {
         output::print_json(&json!({ "devices": devices }))?;
         return Ok(ExitStatus::Passed);
     }
-    let mut table = Table::new(&[
-        Column::Right("#"),
-        Column::Left("Device"),
-        Column::Left("Kind"),
-        Column::Left("Backend"),
-        Column::Left("Driver"),
-        Column::Right("Buffer MiB"),
-        Column::Right("Workgroup"),
-    ]);
+    let mut table = Table::new(">#|Device|Kind|Backend|Driver|>Buffer MiB|>Workgroup");
     for info in &devices {
         table.row([
             info.index.to_string(),
@@ -100,9 +81,7 @@ pub fn list(as_json: bool) -> Result<ExitStatus> {
             info.max_invocations.to_string(),
         ]);
     }
-    match devices.is_empty() {
-        true => output::print_text("no graphics device was found\n")?,
-        false => output::print_text(&table.to_string())?,
-    }
+    let none = "no graphics device was found\n".to_owned();
+    output::print_text(&if devices.is_empty() { none } else { table.to_string() })?;
     Ok(ExitStatus::Passed)
 }

@@ -1,18 +1,16 @@
 //! `lightfold diff A B`: compares two containers, datasets or image sequences.
 
-use clap::ValueEnum;
-
+use crate::cli::options::choice::{Choices, one_of};
 use crate::cli::options::{self, FrameArgs, MemoryArgs, SideArgs};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::compare::{self, Bounds, CompareSettings, Coverage, Measure, Pairing, SideOptions, SsimFrames, compare};
+use crate::compare::{self, Bounds, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold diff scene/lightfield.json scene.lfold --max-error 1 --min-psnr 50\n  \
     lightfold diff scene.lfold frames --json\n  \
@@ -49,8 +47,8 @@ pub struct Args {
     #[arg(long)]
     pub common: bool,
     /// Frames of each stream to compute SSIM for (8-bit colour; slow)
-    #[arg(long, value_enum, default_value_t = SsimArg::Sampled)]
-    pub ssim: SsimArg,
+    #[arg(long, value_parser = one_of(SSIM), default_value = "sampled")]
+    pub ssim: SsimFrames,
     /// Print a row for every stream [default: up to 12 streams]
     #[arg(long)]
     pub streams: bool,
@@ -66,82 +64,56 @@ pub struct Args {
     /// Only these faces; also the face of an image sequence
     #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
     pub face: Vec<Face>,
-    /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// How files are read.
     #[command(flatten)]
     pub reading: SideArgs,
 }
 
 /// `--ssim`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SsimArg {
-    /// Every frame
-    Every,
-    /// The first, the middle and the last
-    Sampled,
-    /// No frame
-    None,
-}
+const SSIM: &Choices<SsimFrames> = &[
+    ("every", SsimFrames::Every, "Every frame"),
+    ("sampled", SsimFrames::Sampled, "The first, the middle and the last"),
+    ("none", SsimFrames::None, "No frame"),
+];
 
 fn parse_db(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("'{text}' is no number of decibels"))?;
     if value.is_nan() { Err("decibels were expected".into()) } else { Ok(value) }
 }
 
-/// Compares.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    let sides = compare::open_both([&args.a, &args.b], &side_options(args)?)?;
+    let selection = Selection {
+        probes: args.probe.clone(),
+        faces: args.face.clone(),
+        kinds: args.stream.clone(),
+        frames: args.frames.frames,
+    };
+    let sides = compare::open_both([&args.a, &args.b], &args.reading.options(selection)?)?;
     let settings = CompareSettings {
         coverage: if args.common { Coverage::Common } else { Coverage::Whole },
         measure: if args.exact { Measure::Bits } else { Measure::Codes },
-        ssim: args.ssim.into(),
+        ssim: args.ssim,
         memory: args.memory.get(),
     };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
     let comparison = compare(&pairing, &settings, &progress)?;
     drop(progress);
-    let judgement = args.bounds().judge(&comparison);
+    let bounds = Bounds {
+        max_error: args.max_error,
+        min_psnr_db: args.min_psnr,
+        min_cell_psnr_db: args.min_cell_psnr,
+        exact: args.exact,
+    };
+    let judgement = bounds.judge(&comparison);
     if args.json {
         output::print_report(&comparison.report(&sides, &judgement))?;
     } else {
-        let rows = if args.streams { diff_text::Rows::All } else { diff_text::Rows::Few };
+        let rows = if args.streams { usize::MAX } else { diff_text::FEW_ROWS };
         output::print_text(&diff_text::report(&sides, &comparison, &judgement, rows))?;
     }
     Ok(if judgement.failed { ExitStatus::Failed } else { ExitStatus::Passed })
-}
-
-impl Args {
-    fn bounds(&self) -> Bounds {
-        Bounds {
-            max_error: self.max_error,
-            min_psnr_db: self.min_psnr,
-            min_cell_psnr_db: self.min_cell_psnr,
-            exact: self.exact,
-        }
-    }
-}
-
-fn side_options(args: &Args) -> Result<SideOptions> {
-    args.reading.options(Selection {
-        probes: args.probe.clone(),
-        faces: args.face.clone(),
-        kinds: args.stream.clone(),
-        frames: args.frames.frames,
-    })
-}
-
-impl From<SsimArg> for SsimFrames {
-    fn from(which: SsimArg) -> SsimFrames {
-        match which {
-            SsimArg::Every => SsimFrames::Every,
-            SsimArg::Sampled => SsimFrames::Sampled,
-            SsimArg::None => SsimFrames::None,
-        }
-    }
 }

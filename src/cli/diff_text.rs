@@ -4,30 +4,22 @@ use comfy_table::{Table, presets};
 
 use crate::color::quality::PU_STEPS;
 use crate::compare::{
-    Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, Side, StreamReport,
-    Violation, side_name,
+    Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, SampleTotal, Side,
+    StreamReport, Violation, side_name,
 };
 use crate::image::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
+use crate::report::coding_map::counted;
 use crate::streams::ColorFormat;
 
 /// Up to this many streams have rows by default.
-const FEW: usize = 12;
+pub const FEW_ROWS: usize = 12;
 /// Most lines about missing streams.
 const MISSING_LINES: usize = 8;
 
-/// Which streams have rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rows {
-    /// All.
-    All,
-    /// All, if there are few.
-    Few,
-}
-
-/// The whole report.
-pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, rows: Rows) -> String {
+/// The whole report; streams have rows if there are at most `most_rows`.
+pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, most_rows: usize) -> String {
     let mut lines = Vec::new();
     for (at, side) in sides.iter().enumerate() {
         let streams = counted(side.streams.len() as u64, "stream");
@@ -36,7 +28,7 @@ pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement,
     lines.extend(domain_lines(comparison));
     lines.push(String::new());
     lines.push(summary(comparison));
-    if rows == Rows::All || comparison.streams.len() <= FEW {
+    if comparison.streams.len() <= most_rows {
         lines.push(String::new());
         lines.push(stream_table(comparison));
     }
@@ -52,19 +44,12 @@ pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement,
     lines.join("\n")
 }
 
-fn table(header: &[&str]) -> Table {
+/// A table; headings are separated by `|`.
+fn table(headings: &str) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header(header.iter().copied());
+    table.set_header(headings.split('|'));
     table
-}
-
-fn finish(table: &Table) -> String {
-    table.trim_fmt()
-}
-
-fn counted(count: u64, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 fn range(frames: FrameRange) -> String {
@@ -99,76 +84,44 @@ fn largest(stream: &StreamReport) -> String {
 }
 
 fn summary(comparison: &Comparison) -> String {
-    let mut table = table(&[
-        "kind",
-        "streams",
-        "images",
-        "differing",
-        "max error",
-        "in metres",
-        "PSNR",
-        "lowest frame, cell",
-        "SSIM",
-    ]);
-    let count = |kind: StreamKind| {
-        let of_kind = comparison.streams.iter().filter(move |stream| stream.id.kind == kind);
-        let images: u64 = of_kind.clone().map(|stream| stream.frames.count()).sum();
-        (of_kind.count().to_string(), images.to_string())
-    };
-    let share = |kind: StreamKind, differing: u64| {
-        let of_kind = comparison.streams.iter().filter(|stream| stream.id.kind == kind);
-        let pixels: u64 =
-            of_kind.map(|stream| stream.frames.count() * u64::from(stream.size[0]) * u64::from(stream.size[1])).sum();
-        match differing {
-            0 => "none".to_owned(),
-            _ => match 100.0 * differing as f64 / pixels.max(1) as f64 {
-                percent if percent < 0.001 => "<0.001%".into(),
-                percent => format!("{percent:.3}%"),
-            },
-        }
-    };
+    let mut table = table("kind|streams|images|differing|max error|in metres|PSNR|lowest frame, cell|SSIM");
     let none = || "-".to_owned();
-    for (kind, total) in [(StreamKind::Color, comparison.color()), (StreamKind::Material, comparison.material())] {
-        if kind == StreamKind::Material
-            && let Some((errors, _)) = comparison.depth()
-        {
-            let (streams, images) = count(StreamKind::Depth);
-            table.add_row(vec![
-                StreamKind::Depth.name().to_owned(),
-                streams,
-                images,
-                share(StreamKind::Depth, errors.differing_pixels),
-                counted(errors.max_error_codes.into(), "code"),
-                metres(errors.max_error_m),
-                db(errors.error.psnr_db()),
-                none(),
-                none(),
-            ]);
-        }
-        let Some(total) = total else { continue };
-        let (streams, images) = count(kind);
-        let cells = format!(
-            "{}, {}",
-            lowest(total.lowest_frame.map(|(_, lowest)| lowest)),
-            lowest(total.lowest_cell.map(|(_, lowest)| lowest))
-        );
-        table.add_row(vec![
-            kind.name().to_owned(),
-            streams,
-            images,
-            share(kind, total.differing_pixels),
-            total.worst.map_or_else(|| "0".into(), |at| largest(&comparison.streams[at])),
-            none(),
-            db(total.psnr_db),
-            if kind == StreamKind::Color { cells } else { none() },
-            ssim(total.ssim),
-        ]);
+    // The cells of a row, but for kind, streams, images and differing pixels.
+    let mut add = |kind: StreamKind, differing: u64, measures: [String; 5]| {
+        let of_kind = || comparison.streams.iter().filter(|stream| stream.id.kind == kind);
+        let images: u64 = of_kind().map(|stream| stream.frames.count()).sum();
+        let pixels: u64 =
+            of_kind().map(|stream| stream.frames.count() * u64::from(stream.size[0]) * u64::from(stream.size[1])).sum();
+        let share = match (differing, 100.0 * differing as f64 / pixels.max(1) as f64) {
+            (0, _) => "none".to_owned(),
+            (_, percent) if percent < 0.001 => "<0.001%".into(),
+            (_, percent) => format!("{percent:.3}%"),
+        };
+        let counts = [kind.name().to_owned(), of_kind().count().to_string(), images.to_string(), share];
+        table.add_row(counts.into_iter().chain(measures));
+    };
+    let of_samples = |total: &SampleTotal, lowest: String| {
+        let error = total.worst.map_or_else(|| "0".into(), |at| largest(&comparison.streams[at]));
+        [error, none(), db(total.psnr_db), lowest, ssim(total.ssim)]
+    };
+    if let Some(total) = comparison.color() {
+        let of = |found: Option<(usize, Lowest)>| lowest(found.map(|(_, lowest)| lowest));
+        let cells = format!("{}, {}", of(total.lowest_frame), of(total.lowest_cell));
+        add(StreamKind::Color, total.differing_pixels, of_samples(&total, cells));
     }
-    finish(&table)
+    if let Some((errors, _)) = comparison.depth() {
+        let error = counted(errors.max_error_codes.into(), "code");
+        let measures = [error, metres(errors.max_error_m), db(errors.error.psnr_db()), none(), none()];
+        add(StreamKind::Depth, errors.differing_pixels, measures);
+    }
+    if let Some(total) = comparison.material() {
+        add(StreamKind::Material, total.differing_pixels, of_samples(&total, none()));
+    }
+    table.trim_fmt()
 }
 
 fn stream_table(comparison: &Comparison) -> String {
-    let mut table = table(&["stream", "frames", "max error", "in metres", "PSNR", "lowest frame, cell", "SSIM"]);
+    let mut table = table("stream|frames|max error|in metres|PSNR|lowest frame, cell|SSIM");
     for stream in &comparison.streams {
         let name = match &stream.other_id {
             Some(other) => format!("{} = {}/{}", stream.id, other.probe, other.face.name()),
@@ -192,11 +145,11 @@ fn stream_table(comparison: &Comparison) -> String {
             ssim(color.and_then(SampleErrors::ssim)),
         ]);
     }
-    finish(&table)
+    table.trim_fmt()
 }
 
 fn worst_table(comparison: &Comparison) -> String {
-    let mut table = table(&["worst", "stream", "frame", "x", "y", "error or PSNR"]);
+    let mut table = table("worst|stream|frame|x|y|error or PSNR");
     let mut add = |what: &str, at: usize, place: [u32; 3], value: String| {
         let [frame, mut x, mut y] = place.map(|number| number.to_string());
         if what.ends_with("frame") {
@@ -222,7 +175,7 @@ fn worst_table(comparison: &Comparison) -> String {
             add(what, at, place, largest(&comparison.streams[at]));
         }
     }
-    if table.row_count() == 0 { String::new() } else { finish(&table) }
+    if table.row_count() == 0 { String::new() } else { table.trim_fmt() }
 }
 
 /// One line for each kind: range or encoding, and its origin.

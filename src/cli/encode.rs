@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs, Target, Unfinished,
+    ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs, Target, Unfinished,
+    check_stdout, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
@@ -17,7 +18,6 @@ use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::image::StreamKind;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
     lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
@@ -30,14 +30,12 @@ pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it
     #[arg(value_name = "MANIFEST")]
     pub input: PathBuf,
-    /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
-    /// Resume.
     #[command(flatten)]
     pub resume: ResumeArgs,
     /// Only streams of these kinds: color, depth, material
-    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
     /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
     #[arg(long, value_name = "PIXELS")]
@@ -48,26 +46,28 @@ pub struct Args {
     /// Name of the colour layer, if unusual
     #[arg(long, value_name = "NAME")]
     pub color_channel: Option<String>,
-    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Depth.
     #[command(flatten)]
     pub depth: DepthArgs,
-    /// Colour.
     #[command(flatten)]
     pub color: ColorArgs,
-    /// Material.
     #[command(flatten)]
     pub material: MaterialArgs,
-    /// Effort.
     #[command(flatten)]
     pub effort: EffortArgs,
 }
 
-impl Args {
+/// A command that encodes footage into a container.
+pub trait Encodes {
     /// Settings of the source and of the encoder.
-    pub fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
+    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
+    fn open(&self, options: &SourceOptions) -> Result<Source>;
+    fn target(&self) -> Target<'_>;
+}
+
+impl Encodes for Args {
+    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
         self.depth.apply(&mut options, &mut settings)?;
         self.color.apply(&mut options, &mut settings)?;
@@ -83,31 +83,44 @@ impl Args {
         }
         Ok((options, settings))
     }
+
+    fn open(&self, options: &SourceOptions) -> Result<Source> {
+        Source::open(&self.input, options)
+    }
+
+    fn target(&self) -> Target<'_> {
+        self.output.target(self.resume)
+    }
 }
 
-/// Encodes a dataset.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = args.settings()?;
     if !manifest::is_dataset(&args.input) {
-        return Err(Error::Usage(format!(
+        return refuse(format!(
             "{}: neither a lightfield.json nor a folder that holds one; encode an image sequence with encode-depth or \
              encode-color",
             args.input.display()
-        )));
+        ));
     }
     if args.output.path.exists()
         && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.path.canonicalize().ok()
     {
-        return Err(Error::Usage(format!("{}: the input manifest would be overwritten", args.output.path.display())));
+        return refuse(format!("{}: the input manifest would be overwritten", args.output.path.display()));
     }
-    let source = Source::open(&args.input, &options)?;
+    let source = args.open(&options)?;
     let (asked, there) = (args.frames.frames, source.manifest().map(|manifest| manifest.frame_range()));
     if let (Some(asked), Some(there)) = (asked, there)
         && (asked.first < there.first || asked.last > there.last)
     {
-        return Err(Error::Usage(format!("--frames {asked}: the frames of the dataset are {there}")));
+        return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
     }
-    encode_to(&source, &settings, &args.output.target(args.resume), global)
+    encode_to(&source, &settings, &args.target(), global)
+}
+
+/// Runs a command that needs no further checks.
+pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> {
+    let (options, settings) = command.settings()?;
+    encode_to(&command.open(&options)?, &settings, &command.target(), global)
 }
 
 /// Encodes a source into a file and reports what came of it.
@@ -117,23 +130,19 @@ pub fn encode_to(
     target: &Target<'_>,
     global: &GlobalArgs,
 ) -> Result<ExitStatus> {
-    let is_stdout = target.path == Path::new("-");
-    if target.json && is_stdout {
-        return Err(options::both_to_stdout());
-    }
-    if target.unfinished == Unfinished::Resume && is_stdout {
-        return Err(Error::Usage("--resume needs a file: an encode to standard output cannot be resumed".into()));
+    check_stdout(target.path, target.json)?;
+    if target.unfinished == Unfinished::Resume && target.path == Path::new("-") {
+        return refuse("--resume needs a file: an encode to standard output cannot be resumed");
     }
     let done = encode_file(source, settings, target, global)?;
     if target.json {
         output::print_report(&done)?;
-    } else if !global.quiet {
-        output::note(text(target.path, &done));
+    } else {
+        global.note(text(target.path, &done));
     }
     Ok(ExitStatus::Passed)
 }
 
-/// Encodes a source into a file.
 pub fn encode_file(
     source: &Source,
     settings: &EncodeSettings,
@@ -142,49 +151,43 @@ pub fn encode_file(
 ) -> Result<EncodeReport> {
     let Target { path, unfinished, .. } = *target;
     if is_input(source, settings, path) {
-        return Err(Error::Usage(format!("{}: an input file would be overwritten", path.display())));
+        return refuse(format!("{}: an input file would be overwritten", path.display()));
     }
     // Checked before an earlier encode is replaced.
     encode::check(source, settings)?;
     let start = Instant::now();
     let images = encode::selected_groups(source, settings).iter().map(encode::GroupRef::images).sum();
     let progress = Progress::start(global, "encoding", images)?;
-    let work = Work { source, settings, path, progress: &progress };
-    let summary = match unfinished {
-        Unfinished::Discard => work.encode(OutputFile::create(path)?)?,
-        _ => {
-            let file = OutputFile::open(path)?;
-            if file.is_resumable() {
-                work.encode_resumable(file, unfinished, global)?
-            } else {
-                say(
-                    global,
-                    path,
-                    "not a regular file, so there is nothing to resume",
-                    unfinished == Unfinished::Resume,
-                );
-                work.encode(file)?
+    let work = Work { source, settings, path, progress: &progress, global };
+    let summary = if unfinished == Unfinished::Discard {
+        work.encode(OutputFile::create(path)?)?
+    } else {
+        let file = OutputFile::open(path)?;
+        if file.is_resumable() {
+            work.encode_resumable(file, unfinished)?
+        } else {
+            if unfinished == Unfinished::Resume {
+                work.say("not a regular file, so there is nothing to resume");
             }
+            work.encode(file)?
         }
     };
     Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
 }
 
-fn say(global: &GlobalArgs, path: &Path, words: &str, when: bool) {
-    if when && !global.quiet {
-        output::note(format_args!("{}: {words}", path.display()));
-    }
-}
-
-/// An encode.
 struct Work<'a> {
     source: &'a Source,
     settings: &'a EncodeSettings,
     path: &'a Path,
     progress: &'a Progress,
+    global: &'a GlobalArgs,
 }
 
 impl Work<'_> {
+    fn say(&self, words: &str) {
+        self.global.note(format_args!("{}: {words}", self.path.display()));
+    }
+
     /// Encodes, and leaves nothing on failure.
     fn encode(&self, file: OutputFile) -> Result<EncodeSummary> {
         let done = encode::encode(self.source, self.settings, file, self.progress);
@@ -193,14 +196,10 @@ impl Work<'_> {
     }
 
     /// Resumes if asked, and keeps complete chunks on failure.
-    fn encode_resumable(
-        &self,
-        mut file: OutputFile,
-        unfinished: Unfinished,
-        global: &GlobalArgs,
-    ) -> Result<EncodeSummary> {
-        let lone = "the file system has no locks: do not encode to this file twice at the same time";
-        say(global, self.path, lone, !file.is_locked());
+    fn encode_resumable(&self, mut file: OutputFile, unfinished: Unfinished) -> Result<EncodeSummary> {
+        if !file.is_locked() {
+            self.say("the file system has no locks: do not encode to this file twice at the same time");
+        }
         let begun = file
             .recover(|records, bytes| journal::recover_watched(records, bytes, self.progress))
             .map_err(|error| stays(error, &file))?;
@@ -209,19 +208,19 @@ impl Work<'_> {
                 encode::check_recovered(self.source, self.settings, &begun)
                     .map_err(|error| error.context(self.path.display()))?;
                 let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
-                say(global, self.path, &format!("resuming after {words}"), true);
+                self.say(&format!("resuming after {words}"));
                 Some(begun)
             }
             (begun, Unfinished::Resume) => {
-                let words = "nothing to resume; starting anew";
-                say(global, self.path, words, true);
+                self.say("nothing to resume; starting anew");
                 // What a scan found may still serve.
                 begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
             }
             (begun, _) => {
                 let chunks = begun.map_or(0, |begun| begun.chunks().len());
-                let words = format!("replacing an unfinished encode of {chunks} chunks; --resume would continue it");
-                say(global, self.path, &words, chunks > 0);
+                if chunks > 0 {
+                    self.say(&format!("replacing an unfinished encode of {chunks} chunks; --resume would continue it"));
+                }
                 None
             }
         };
@@ -284,7 +283,6 @@ fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
         .any(|of| of.group.frames.iter().any(|frame| source.file(of.group, frame).is_ok_and(|file| same(&file))))
 }
 
-/// The report as text.
 pub fn text(path: &Path, report: &EncodeReport) -> String {
     let EncodeReport { summary, ratio_percent, seconds } = report;
     let clipped = match summary.clipped_pixels {

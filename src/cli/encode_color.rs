@@ -1,52 +1,43 @@
 //! `lightfold encode-color SEQ -o OUT`: one colour sequence.
 
-use crate::cli::encode;
-use crate::cli::options::{ColorArgs, ColorSpaceArg, OutputArgs, ResumeArgs, SequenceInputArgs};
-use crate::cli::{ExitStatus, GlobalArgs};
-use crate::dataset::source::SourceOptions;
+use crate::cli::encode::Encodes;
+use crate::cli::options::choice::one_of;
+use crate::cli::options::{COLOR_SPACES, ColorArgs, SequenceArgs, Target};
+use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::EncodeSettings;
 use crate::error::Result;
 use crate::image::StreamKind;
+use crate::image::png::ColorSpace;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \
     lightfold encode-color color.####.exr --color-block bc1 -o small.lfold\n  \
     lightfold encode-color pano.####.exr --layout equirect --hdr -o pano.lfold\n\n\
     Channels are found by their usual names: R, G, B, or layers such as rgba, Combined and beauty; Y alone is gray.")]
 pub struct Args {
-    /// Output.
     #[command(flatten)]
-    pub output: OutputArgs,
-    /// Resume.
-    #[command(flatten)]
-    pub resume: ResumeArgs,
-    /// Sequence.
-    #[command(flatten)]
-    pub input: SequenceInputArgs,
+    pub sequence: SequenceArgs,
     /// Encoding of the values [default: linear light for EXR, sRGB for PNG]
-    #[arg(long, value_enum)]
-    pub color_space: Option<ColorSpaceArg>,
-    /// Colour.
+    #[arg(long, value_parser = one_of(COLOR_SPACES))]
+    pub color_space: Option<ColorSpace>,
     #[command(flatten)]
     pub color: ColorArgs,
 }
 
-impl Args {
-    /// Settings of the source and of the encoder.
-    pub fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
+impl Encodes for Args {
+    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
         self.color.apply(&mut options, &mut settings)?;
-        options.color_space = self.color_space.map(Into::into);
-        self.input.apply(&mut options, &mut settings);
-        self.output.store.apply(&mut settings);
+        options.color_space = self.color_space;
+        self.sequence.apply(&mut options, &mut settings);
         Ok((options, settings))
     }
-}
 
-/// Encodes the sequence.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    let (options, settings) = args.settings()?;
-    let source = args.input.open(StreamKind::Color, options)?;
-    encode::encode_to(&source, &settings, &args.output.target(args.resume), global)
+    fn open(&self, options: &SourceOptions) -> Result<Source> {
+        self.sequence.input.open(StreamKind::Color, options)
+    }
+
+    fn target(&self) -> Target<'_> {
+        self.sequence.target()
+    }
 }

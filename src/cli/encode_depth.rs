@@ -1,14 +1,12 @@
 //! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
 
-use crate::cli::encode;
-use crate::cli::options::{DepthArgs, OutputArgs, ResumeArgs, SequenceInputArgs};
-use crate::cli::{ExitStatus, GlobalArgs};
-use crate::dataset::source::SourceOptions;
+use crate::cli::encode::Encodes;
+use crate::cli::options::{DepthArgs, SequenceArgs, Target};
+use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::EncodeSettings;
 use crate::error::Result;
 use crate::image::StreamKind;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \
     lightfold encode-depth depth.####.exr --depth-codec aabb --depth-block bc5 --update-threshold 30 \\\n      \
@@ -18,34 +16,25 @@ use crate::image::StreamKind;
     Channels are found by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, in any \
     layer.")]
 pub struct Args {
-    /// Output.
     #[command(flatten)]
-    pub output: OutputArgs,
-    /// Resume.
-    #[command(flatten)]
-    pub resume: ResumeArgs,
-    /// Sequence.
-    #[command(flatten)]
-    pub input: SequenceInputArgs,
-    /// Depth.
+    pub sequence: SequenceArgs,
     #[command(flatten)]
     pub depth: DepthArgs,
 }
 
-impl Args {
-    /// Settings of the source and of the encoder.
-    pub fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
+impl Encodes for Args {
+    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
         self.depth.apply(&mut options, &mut settings)?;
-        self.input.apply(&mut options, &mut settings);
-        self.output.store.apply(&mut settings);
+        self.sequence.apply(&mut options, &mut settings);
         Ok((options, settings))
     }
-}
 
-/// Encodes the sequence.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    let (options, settings) = args.settings()?;
-    let source = args.input.open(StreamKind::Depth, options)?;
-    encode::encode_to(&source, &settings, &args.output.target(args.resume), global)
+    fn open(&self, options: &SourceOptions) -> Result<Source> {
+        self.sequence.input.open(StreamKind::Depth, options)
+    }
+
+    fn target(&self) -> Target<'_> {
+        self.sequence.target()
+    }
 }

@@ -1,8 +1,8 @@
 //! Options, exit codes and messages of every command.
 
-use crate::error::Error;
+use crate::cli::output;
+use crate::error::{Error, Result};
 
-/// Options of every command.
 #[derive(Debug, Clone, clap::Args)]
 pub struct GlobalArgs {
     /// Number of threads; the result does not depend on it [default: one per processor]
@@ -11,6 +11,20 @@ pub struct GlobalArgs {
     /// Print results and errors only
     #[arg(long, short, global = true)]
     pub quiet: bool,
+}
+
+impl GlobalArgs {
+    /// Prints a line on standard error, unless `--quiet`.
+    pub fn note(&self, line: impl std::fmt::Display) {
+        if !self.quiet {
+            output::note(line);
+        }
+    }
+}
+
+/// The error of contradicting or missing options.
+pub fn refuse<T>(message: impl Into<String>) -> Result<T> {
+    Err(Error::Usage(message.into()))
 }
 
 /// Exit code of a command whose check failed ([`ExitStatus::Failed`]).
@@ -29,51 +43,10 @@ pub enum ExitStatus {
     Failed,
 }
 
-/// Exit code for an error.
 pub fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Interrupted => EXIT_INTERRUPTED,
         Error::Unfinished { cause, .. } => exit_code(cause),
         _ => EXIT_BAD_INPUT,
-    }
-}
-
-/// Replaces settings, which messages of the library name in backquotes, by options: `` `depth_window` `` by
-/// `--depth-window`. Messages of the JSON parser name keys of a file in backquotes, and stay as they are.
-pub fn with_option_names(message: &str) -> String {
-    let of_a_file = ["unknown field `", "missing field `", "duplicate field `", "unknown variant `"];
-    if of_a_file.iter().any(|words| message.contains(words)) {
-        return message.to_owned();
-    }
-    let is_setting = |text: &str| {
-        text.starts_with(|c: char| c.is_ascii_lowercase())
-            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-    };
-    let mut text = String::new();
-    let mut rest = message;
-    while let Some((before, behind)) = rest.split_once('`') {
-        text += before;
-        rest = behind;
-        match behind.split_once('`') {
-            Some((name, behind)) if is_setting(name) => {
-                text += &format!("--{}", name.replace('_', "-"));
-                rest = behind;
-            }
-            _ => text.push('`'),
-        }
-    }
-    text + rest
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn settings_become_options() {
-        let text = with_option_names("use a smaller `depth_tile` or `hdr`; see `lightfold inspect`, `x y`, `");
-        assert_eq!(text, "use a smaller --depth-tile or --hdr; see `lightfold inspect`, `x y`, `");
-        let key = "cam.json: unknown field `fvo`, expected one of `eye`, `frames`";
-        assert_eq!(with_option_names(key), key);
     }
 }

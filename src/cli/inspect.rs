@@ -2,7 +2,6 @@
 
 mod args;
 mod check;
-mod columns;
 mod plot;
 mod scene;
 mod text;
@@ -10,7 +9,7 @@ mod text;
 use serde::Serialize;
 
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output};
+use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::dataset::manifest;
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
@@ -20,9 +19,14 @@ use crate::scene::Scene;
 
 pub use args::Args;
 use args::Report;
-use columns::STREAM_COLUMNS;
 
-/// The JSON report.
+/// Columns of `--csv`: keys of a stream's report, with dots before nested ones.
+const STREAM_COLUMNS: &str = "kind probe face frames first_frame width height codec bytes raw_bytes ratio_percent \
+    temporal_bytes payload_bytes stored_bytes chunks lzma2_chunks units unit_width unit_height keyframes \
+    keyframes_per_cell.min keyframes_per_cell.mean keyframes_per_cell.max static_cells static_tiles constant_units aabbs \
+    updated_pixels updated_percent error_bound_codes near_m far_m background depth_kind window max_aabbs \
+    keyframe_interval min_psnr_db transfer exposure_ev white_cd_m2 keyframes_blocks keyframes_raw pieces.blocks pieces.raw";
+
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
@@ -35,7 +39,6 @@ struct Document<'a> {
     plots: Option<&'a [plot::PlotOut<'a>]>,
 }
 
-/// Inspects.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.check {
         return check::run(args, global);
@@ -44,10 +47,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return scene::run(args, name, global);
     }
     if manifest::is_dataset(&args.input) {
-        return Err(Error::Usage(format!(
+        return refuse(format!(
             "{}: a dataset, not a container; --check compares its files with its manifest",
             args.input.display()
-        )));
+        ));
     }
     plot::check(args)?;
     let decoder = Decoder::open(&args.input)?;
@@ -59,7 +62,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             (true, Some(range)) => FrameRows::Range(range),
             (false, None) => FrameRows::None,
             (false, Some(range)) => {
-                return Err(Error::Usage(format!("--frames {range} selects rows of --per-frame: add --per-frame")));
+                return refuse(format!("--frames {range} selects rows of --per-frame: add --per-frame"));
             }
         },
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
@@ -85,7 +88,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         output::print_text(&if args.is_per_frame() {
             report::csv::of_rows(&inspection.frame_reports(&decoder))?
         } else {
-            report::csv::of_objects(STREAM_COLUMNS, &inspection.stream_reports(&decoder))?
+            let columns: Vec<&str> = STREAM_COLUMNS.split(' ').collect();
+            report::csv::of_objects(&columns, &inspection.stream_reports(&decoder))?
         })?;
     } else if inspection.damaged.is_empty() {
         output::print_text(&if args.is_per_frame() { text::frames(&report) } else { text::summary(&report) })?;

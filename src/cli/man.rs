@@ -5,14 +5,12 @@ use std::path::PathBuf;
 use crate::cli::ExitStatus;
 use crate::error::{Error, Result};
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder to write into
     pub folder: PathBuf,
 }
 
-/// One page: file name and contents.
 pub struct Page {
     /// Such as `lightfold-encode.1`.
     pub name: String,
@@ -40,7 +38,6 @@ fn page(title: String, command: clap::Command) -> Result<Page> {
     Ok(Page { name, text })
 }
 
-/// Writes the pages.
 pub fn run(args: &Args, root: clap::Command) -> Result<ExitStatus> {
     std::fs::create_dir_all(&args.folder).map_err(|error| Error::io(&args.folder, error))?;
     for page in pages(root)? {

@@ -1,30 +1,30 @@
 //! The program: one file for each command. Only this module prints, reads arguments and chooses exit codes.
 
-pub mod bc4w;
-pub mod capture;
+mod bc4w;
+mod capture;
 mod command_line;
-pub mod completions;
+mod completions;
 mod damage;
-pub mod decode;
-pub mod demo;
+mod decode;
+mod demo;
 pub mod device;
-pub mod diff;
+mod diff;
 mod diff_text;
-pub mod encode;
-pub mod encode_color;
-pub mod encode_depth;
+mod encode;
+mod encode_color;
+mod encode_depth;
 mod global;
-pub mod inspect;
+mod inspect;
 pub mod man;
-pub mod options;
-pub mod output;
-pub mod pack;
-pub mod place;
-pub mod progress;
-pub mod quadtree;
-pub mod render;
-pub mod selftest;
-pub mod tradeoff;
+mod options;
+mod output;
+mod pack;
+mod place;
+mod progress;
+mod quadtree;
+mod render;
+mod selftest;
+mod tradeoff;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -35,7 +35,7 @@ use crate::error::{Error, Result};
 
 pub use command_line::{Cli, Command, command};
 use global::{EXIT_FAILED, exit_code};
-pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, with_option_names};
+pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 
 /// Runs a command line and answers the process's exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -72,9 +72,9 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Place(args) => place::run(&args, global),
         Command::Capture(args) => capture::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
-        Command::EncodeColor(args) => encode_color::run(&args, global),
-        Command::EncodeDepth(args) => encode_depth::run(&args, global),
-        Command::Quadtree(args) => quadtree::run(&args, global),
+        Command::EncodeColor(args) => encode::run_on(&args, global),
+        Command::EncodeDepth(args) => encode::run_on(&args, global),
+        Command::Quadtree(args) => encode::run_on(&args, global),
         Command::Bc4w(args) => bc4w::run(&args, global),
         Command::Pack(args) => pack::run(&args, global),
         Command::Inspect(args) => inspect::run(&args, global),

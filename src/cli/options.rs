@@ -1,6 +1,7 @@
 //! Options that several commands share.
 
 mod camera;
+pub mod choice;
 mod color;
 mod depth;
 mod effort;
@@ -12,14 +13,14 @@ mod sequence;
 mod side;
 
 pub use camera::{CameraArgs, View, parse_point};
-pub use color::{ColorArgs, InvalidColorArg};
+pub use color::ColorArgs;
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,
 };
-pub use effort::{EffortArg, EffortArgs};
+pub use effort::{EFFORTS, EffortArgs};
 pub use material::MaterialArgs;
-pub use number::{parse_not_negative, parse_number, parse_positive};
-pub use output::{MemoryArgs, OutputArgs, ResumeArgs, StoreArgs, Target, Unfinished, both_to_stdout};
-pub use selection::{FrameArgs, SelectionArgs, parse_face, parse_frames, parse_kind};
-pub use sequence::{ColorSpaceArg, ImageArgs, SequenceInputArgs};
+pub use number::{parse_not_negative, parse_number, parse_number_where, parse_positive};
+pub use output::{MemoryArgs, OutputArgs, ResumeArgs, StoreArgs, Target, Unfinished, check_stdout};
+pub use selection::{FrameArgs, SelectionArgs, parse_face, parse_kind};
+pub use sequence::{COLOR_SPACES, ImageArgs, SequenceArgs, SequenceInputArgs};
 pub use side::SideArgs;

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::cli::with_option_names;
 use crate::error::{Error, Result};
 use crate::report::machine;
 
@@ -37,33 +36,14 @@ pub fn print_report(report: &impl Serialize) -> Result<()> {
     print_json(&WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() })
 }
 
-/// Adds the peak memory of this process to a JSON report, on systems that report it.
-pub fn add_peak_memory(report: &mut serde_json::Value) {
-    if let Some(bytes) = machine::peak_memory_bytes() {
-        report["peak_memory_bytes"] = bytes.into();
-    }
-}
-
 /// Prints a line on standard error, ignoring errors.
 pub fn note(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_option_names(&line.to_string()));
 }
 
-/// Prints text on standard output.
 pub fn print_text(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
-}
-
-/// A number for JSON: infinities become the strings "inf" and "-inf", NaN null.
-pub fn json_number(value: f64) -> serde_json::Value {
-    if value.is_finite() {
-        serde_json::json!(value)
-    } else if value.is_nan() {
-        serde_json::Value::Null
-    } else {
-        serde_json::json!(if value > 0.0 { "inf" } else { "-inf" })
-    }
 }
 
 /// A size with a decimal unit, as `1.25 MB`.
@@ -78,6 +58,33 @@ pub fn human_bytes(bytes: u64) -> String {
     if unit == 0 { format!("{bytes} B") } else { format!("{value:.2} {}", units[unit]) }
 }
 
+/// Replaces settings, which messages of the library name in backquotes, by options: `` `depth_window` `` by
+/// `--depth-window`. Messages of the JSON parser name keys of a file in backquotes, and stay as they are.
+pub fn with_option_names(message: &str) -> String {
+    let of_a_file = ["unknown field `", "missing field `", "duplicate field `", "unknown variant `"];
+    if of_a_file.iter().any(|words| message.contains(words)) {
+        return message.to_owned();
+    }
+    let is_setting = |text: &str| {
+        text.starts_with(|c: char| c.is_ascii_lowercase())
+            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    };
+    let mut text = String::new();
+    let mut rest = message;
+    while let Some((before, behind)) = rest.split_once('`') {
+        text += before;
+        rest = behind;
+        match behind.split_once('`') {
+            Some((name, behind)) if is_setting(name) => {
+                text += &format!("--{}", name.replace('_', "-"));
+                rest = behind;
+            }
+            _ => text.push('`'),
+        }
+    }
+    text + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,6 +92,13 @@ mod tests {
     #[test]
     fn sizes_are_readable() {
         assert_eq!([0, 999, 1000, 1_250_000].map(human_bytes), ["0 B", "999 B", "1.00 kB", "1.25 MB"]);
-        assert_eq!(json_number(f64::INFINITY), serde_json::json!("inf"));
+    }
+
+    #[test]
+    fn settings_become_options() {
+        let text = with_option_names("use a smaller `depth_tile` or `hdr`; see `lightfold inspect`, `x y`, `");
+        assert_eq!(text, "use a smaller --depth-tile or --hdr; see `lightfold inspect`, `x y`, `");
+        let key = "cam.json: unknown field `fvo`, expected one of `eye`, `frames`";
+        assert_eq!(with_option_names(key), key);
     }
 }

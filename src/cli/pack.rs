@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs};
+use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs, check_stdout};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
@@ -11,7 +11,6 @@ use crate::error::Result;
 use crate::files::OutputFile;
 use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  lightfold pack px.lfold nx.lfold py.lfold ny.lfold pz.lfold nz.lfold -o probe.lfold\n  \
@@ -29,29 +28,23 @@ pub struct Args {
     /// The containers, - for standard input
     #[arg(value_name = "IN.lfold", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
     /// Decompress LZMA2 chunks
     #[arg(long, conflicts_with = "lzma2")]
     pub no_lzma2: bool,
-    /// Bound.
     #[command(flatten)]
     pub bound: BoundArgs,
-    /// Model.
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Steps.
     #[command(flatten)]
     pub steps: DepthStepArgs,
-    /// Effort.
     #[command(flatten)]
     pub effort: EffortArgs,
 }
 
-/// Packs.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    args.output.check()?;
+    check_stdout(&args.output.path, args.output.store.json)?;
     let start = std::time::Instant::now();
     let inputs = args.inputs.iter().map(Reader::open).collect::<Result<Vec<_>>>()?;
     let repack = match args.output.store.lzma2 {
@@ -63,8 +56,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         error,
         window: args.steps.depth_window,
         epsilon: args.steps.update_threshold.unwrap_or(0),
-        decide: args.model.optimize.into(),
-        effort: args.effort.get(),
+        decide: args.model.optimize,
+        effort: args.effort.effort,
         min_children: args.model.min_children,
     });
     let settings = PackSettings { repack, flatten, memory: args.output.store.memory.get() };
@@ -79,9 +72,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
     if args.output.store.json {
         output::print_report(&PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() })?;
-    } else if !global.quiet {
+    } else {
         let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));
-        output::note(format_args!("{}: {} streams, {from} became {to}", path.display(), summary.streams));
+        global.note(format_args!("{}: {} streams, {from} became {to}", path.display(), summary.streams));
     }
     Ok(ExitStatus::Passed)
 }

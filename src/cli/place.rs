@@ -8,9 +8,11 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+use crate::cli::options::EFFORTS;
+use crate::cli::options::choice::word_of;
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::error::{Error, Result};
 use crate::files::{OutputFile, OutputFolder};
@@ -24,7 +26,6 @@ use crate::scene::{Play, Scene};
 pub use args::Args;
 use report::Report;
 
-/// Places cameras.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check()?;
     let begun = Instant::now();
@@ -32,9 +33,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = args.start.as_deref().map(CameraSet::read).transpose()?;
     let play = args.animation.as_deref().map_or(Play::First, Play::Named);
     let (scene, notes) = Scene::open_to_play(&args.scene, play)?;
-    if !global.quiet {
-        notes.iter().for_each(output::note);
-    }
+    notes.iter().for_each(|note| global.note(note));
     let settings = args.settings();
     let range = args.frames(&scene)?;
     // Static scenes are sampled once.
@@ -47,11 +46,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut positions = Vec::new();
     if let Some(set) = &start {
         positions.extend(set.cameras.iter().map(|camera| DVec3::from(camera.position)));
-        if !global.quiet {
-            let names = (0..positions.len()).filter(|&at| !search.admits(positions[at])).map(|at| set.name_of(at));
-            for name in names {
-                output::note(format_args!("camera {name} is outside of the open part of the region; it is kept"));
-            }
+        for name in (0..positions.len()).filter(|&at| !search.admits(positions[at])).map(|at| set.name_of(at)) {
+            global.note(format_args!("camera {name} is outside of the open part of the region; it is kept"));
         }
     }
     let started = positions.len();
@@ -64,14 +60,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     let placement = place(&search, args.lighting())?;
     if placement.cameras.is_empty() {
-        return Err(Error::Usage(
-            "no camera adds coverage: nothing is visible from the region, or --until is too large".into(),
-        ));
+        return refuse("no camera adds coverage: nothing is visible from the region, or --until is too large");
     }
-    let comparison = match args.plot.is_some() || args.csv.is_some() {
-        true => Some(place(&search, args.other_lighting())?),
-        false => None,
-    };
+    let is_compared = args.plot.is_some() || args.csv.is_some();
+    let comparison = is_compared.then(|| place(&search, args.other_lighting())).transpose()?;
     let rate_per_m = search.problem().rate_per_m();
     let mut decays = Vec::new();
     for k in &args.compare_k {
@@ -84,9 +76,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let set = camera_set(args, start, &placement, &search)?;
     let report =
         Report { args, search: &search, placement: &placement, comparison, decays, set: &set, range, frames, seconds };
-    if !global.quiet {
-        report.notes().iter().for_each(output::note);
-    }
+    report.notes().iter().for_each(|note| global.note(note));
     let files = write(&report)?;
     if args.json {
         output::print_json(&report.json(&files))?;
@@ -129,7 +119,7 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
             "theta_deg": placement.lighting.theta_deg(),
             "k_per_m": search.problem().rate_per_m(),
             "min_distance_m": search.min_distance_m(),
-            "effort": format!("{:?}", args.effort()).to_lowercase(),
+            "effort": word_of(EFFORTS, &args.effort),
             "candidates": search.candidate_count(),
             "surface_samples": search.surface_samples(),
         }

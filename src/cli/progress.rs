@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::cli::GlobalArgs;
-use crate::error::{Error, Result};
+use crate::cli::{GlobalArgs, refuse};
+use crate::error::Result;
 use crate::monitor::Monitor;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -23,7 +23,7 @@ impl Progress {
         // Set once per process.
         match ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
             Ok(()) | Err(ctrlc::Error::MultipleHandlers) => {}
-            Err(error) => return Err(Error::Usage(format!("no handler for Ctrl-C could be set: {error}"))),
+            Err(error) => return refuse(format!("no handler for Ctrl-C could be set: {error}")),
         }
         let visible = !global.quiet && std::io::stderr().is_terminal();
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };

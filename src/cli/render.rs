@@ -1,22 +1,20 @@
 //! `lightfold render IN`: renders novel views of a light field, and compares them with reference images.
 
 mod args;
-mod job;
 mod options;
 mod outputs;
 mod pictures;
 mod report;
 mod truth;
-mod truth_args;
 
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::cli::device::{self, DeviceArg};
+use crate::cli::options::choice::word_of;
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, device, refuse};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_path::TimedCamera;
@@ -24,48 +22,44 @@ use crate::evaluate::frame_requests::{self, FrameRequest};
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::files::OutputFile;
 use crate::gpu::Gpu;
+use crate::gpu::device::DeviceChoice;
 use crate::gpu::render::RenderCost;
 use crate::gpu::render::playback::DeviceRenderer;
 use crate::image::FrameRange;
 use crate::march::active_views::ActiveViews;
-use crate::march::memory::{march_bytes, splat_bytes};
-use crate::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
+use crate::march::memory::{march_bytes, picture_bytes, splat_bytes};
+use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
-use crate::march::playback::selection::{SelectionSettings, ViewPriority};
+use crate::march::playback::selection::SelectionSettings;
+use crate::march::settings::SpecularMode;
 use crate::math::Camera;
 use crate::memory::Need;
+use crate::report::coding_map::counted;
 use crate::views::catalogue::ProbeChoice;
 use crate::views::light_field::ColorCoding;
 
 pub use args::Args;
-use job::Job;
-use options::{DecodeArg, EffectsArg, MethodArg, PriorityArg};
-use pictures::{PictureName, Pictures};
+use options::{METHODS, Method};
+use pictures::{Job, PictureName, Pictures};
 use truth::TruthRun;
 
 /// Default height.
 const DEFAULT_SIZE: u32 = 512;
 
-/// Bytes of each pixel of a request, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
-/// as codes or channels of a file. Rays are held by the thread that follows them.
-const PICTURE_BYTES: u64 = 96;
-/// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.
-const REFERENCE_BYTES: u64 = 320;
 /// Bytes of an image on a contact sheet.
 const SHEET_BYTES: u64 = 1 << 20;
 
-/// Renders.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
-    let Some(input) = &args.input else { return Err(Error::Usage("name a container to render".into())) };
+    let Some(input) = &args.input else { return refuse("name a container to render") };
     args.check()?;
     if input.is_dir() || input.extension().is_some_and(|extension| extension == "json") {
-        return Err(Error::Usage(format!(
+        return refuse(format!(
             "{}: a container was expected; encode a dataset first: lightfold encode {0} -o film.lfold",
             input.display()
-        )));
+        ));
     }
     let decoder = Decoder::open(input)?;
     let named = |error: Error| error.in_file(input);
@@ -75,8 +69,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Some(truth) => truth.jobs(args.frames.frames, playback.player().frames(), global)?,
         None => args.jobs(&playback, global)?,
     };
-    if !global.quiet && args.has_ignored_options() {
-        output::note(format_args!("--method {} ignores --samples and --effects", args.march.method.name()));
+    if args.has_ignored_options() {
+        global.note(format_args!("--method {} ignores --samples and --effects", args.method_name()));
     }
     let beside_bytes = args.bytes_beside_views(&jobs, &decoder)?;
     playback = playback.with_memory(args.memory.get(), beside_bytes);
@@ -87,7 +81,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             contact_sheet: args.contact_sheet.as_deref(),
             names: jobs.iter().flat_map(|job| &job.names).collect(),
             stereo: args.stereo.is_some(),
-            holes: args.march.holes.into(),
+            holes: args.march.holes,
         },
         coding.tone(),
     )?;
@@ -96,9 +90,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
     let rows = jobs.iter().map(|job| job.request.cameras.len() as u64 * u64::from(job.size[1])).sum();
     let progress = Progress::start(global, "rendering rows", rows)?;
-    let gpu = args.open_device(global)?;
+    let gpu = args.gpu.open(args.device, global)?;
     let start = Instant::now();
-    let mut method = args.method(gpu.as_ref(), &decoder, coding);
+    let mut method = args.renderer(gpu.as_ref(), &decoder, coding);
     let mut frames = report::Frames::default();
     jobs.iter().try_for_each(|job| args.check_far(&playback, job))?;
     for job in &jobs {
@@ -151,31 +145,30 @@ fn pixels(size: [u32; 2]) -> u64 {
     size.into_iter().map(u64::from).product()
 }
 
-/// The renderer.
-enum Method<'g> {
+enum MethodRenderer<'g> {
     March(CpuRenderer),
     Device(Box<DeviceRenderer<'g>>),
     Splat(SplatRenderer),
     Reproject(ReprojectRenderer),
 }
 
-impl Method<'_> {
+impl MethodRenderer<'_> {
     /// The renderer of a job.
     fn prepare(&mut self, job: &Job, truth: &mut Option<TruthRun>) -> Result<&mut dyn Renderer> {
         match self {
-            Method::March(renderer) => {
+            MethodRenderer::March(renderer) => {
                 renderer.options.size = job.size;
                 Ok(renderer)
             }
-            Method::Device(renderer) => {
+            MethodRenderer::Device(renderer) => {
                 renderer.options.size = job.size;
                 Ok(renderer.as_mut())
             }
-            Method::Splat(renderer) => {
+            MethodRenderer::Splat(renderer) => {
                 renderer.options.size = job.size;
                 Ok(renderer)
             }
-            Method::Reproject(renderer) => {
+            MethodRenderer::Reproject(renderer) => {
                 renderer.options.size = job.size;
                 if let Some(truth) = truth {
                     renderer.distances_m = truth.distances(job)?;
@@ -188,7 +181,7 @@ impl Method<'_> {
     /// Where depth and colour were decoded.
     fn decoded_on(&self) -> &'static str {
         match self {
-            Method::Device(renderer) if renderer.decodes() => "device",
+            MethodRenderer::Device(renderer) if renderer.decodes() => "device",
             _ => "cpu",
         }
     }
@@ -196,7 +189,7 @@ impl Method<'_> {
     /// Cost of the graphics device, if one renders.
     fn gpu_cost(&self) -> Option<RenderCost> {
         match self {
-            Method::Device(renderer) => Some(renderer.cost()),
+            MethodRenderer::Device(renderer) => Some(renderer.cost()),
             _ => None,
         }
     }
@@ -207,50 +200,39 @@ impl Args {
         if let (Some(near), Some(far)) = (self.march.near, self.march.far)
             && near >= far
         {
-            return Err(Error::Usage(format!("--near {near} must be below --far {far}")));
+            return refuse(format!("--near {near} must be below --far {far}"));
         }
         if let (Some(_), Some((_, Some(_)))) = (self.cameras.aspect, self.size) {
-            return Err(Error::Usage("--size WxH and --aspect contradict each other: leave out one of them".into()));
+            return refuse("--size WxH and --aspect contradict each other: leave out one of them");
         }
         let choice = &self.views;
         if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
-            return Err(Error::Usage("--exclude-probe excludes all probes of --probe".into()));
+            return refuse("--exclude-probe excludes all probes of --probe");
         }
-        let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceArg::Cpu);
-        if self.march.method != MethodArg::March && on_device {
-            return Err(Error::Usage(format!(
-                "--method {} runs on the CPU: leave out --device",
-                self.march.method.name()
-            )));
+        let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceChoice::Cpu);
+        if self.march.method != Method::March && on_device {
+            return refuse(format!("--method {} runs on the CPU: leave out --device", self.method_name()));
         }
         if on_device && self.memory.memory.is_some() {
-            return Err(Error::Usage(
-                "--memory limits the CPU renderer only, not graphics devices: leave out one of them".into(),
-            ));
+            return refuse("--memory limits the CPU renderer only, not graphics devices: leave out one of them");
         }
         if self.results_to_stdout() + usize::from(self.json) > 1 {
-            return Err(Error::Usage("only one result fits standard output: name files for the others".into()));
+            return refuse("only one result fits standard output: name files for the others");
         }
         Ok(())
     }
 
-    /// Largest memory of images and references, in addition to the views.
-    ///
-    /// # Errors
-    /// They exceed the memory limit.
+    /// Largest memory of images and references, in addition to the views; at most the memory limit.
     fn bytes_beside_views(&self, jobs: &[Job], decoder: &Decoder) -> Result<u64> {
-        let reference = if self.truth.reference.is_some() { REFERENCE_BYTES } else { 0 };
-        let of_job = |job: &Job| {
-            let pixels = pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
-            pixels.saturating_mul(PICTURE_BYTES + reference)
-        };
+        let pixels_of = |job: &Job| pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
+        let most_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
         let sheet = if self.contact_sheet.is_some() { jobs.len() as u64 * SHEET_BYTES } else { 0 };
         let of_method = match self.march.method {
-            MethodArg::March => march_bytes(decoder, &self.playback_options(), self.march.effects.into()),
-            MethodArg::Splat => splat_bytes(decoder),
-            MethodArg::Reproject => 0,
+            Method::March => march_bytes(decoder, &self.playback_options(), self.march.effects),
+            Method::Splat => splat_bytes(decoder),
+            Method::Reproject => 0,
         };
-        let of_pictures = jobs.iter().map(of_job).max().unwrap_or(0).saturating_add(sheet);
+        let of_pictures = picture_bytes(most_pixels, self.truth.reference.is_some()).saturating_add(sheet);
         let fixed = of_pictures.saturating_add(of_method);
         let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         self.memory.get().at_once(&need, 1)?;
@@ -267,8 +249,7 @@ impl Args {
             }
         }
         if let Some(folder) = &self.truth.error_map {
-            let map = |name: &PictureName| folder.join(format!("{}.{:04}.png", name.subject, name.number));
-            outputs.extend(names().map(|name| ("--error-map", map(name))));
+            outputs.extend(names().map(|name| ("--error-map", folder.join(name.png()))));
         }
         let others = [("--contact-sheet", &self.contact_sheet), ("--trace", &self.views.trace)];
         outputs.extend(others.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))));
@@ -276,10 +257,14 @@ impl Args {
         outputs::check(&outputs, &cameras.map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
+    fn method_name(&self) -> &'static str {
+        word_of(METHODS, &self.march.method)
+    }
+
     /// Whether options of ray marching are given to another method.
     fn has_ignored_options(&self) -> bool {
         let march = &self.march;
-        march.method != MethodArg::March && (march.samples != 1 || march.effects == EffectsArg::Force)
+        march.method != Method::March && (march.samples != 1 || march.effects == SpecularMode::Force)
     }
 
     /// Refuses a --far before the default --near.
@@ -293,9 +278,7 @@ impl Args {
         if f64::from(near_m) < far_m {
             return Ok(());
         }
-        Err(Error::Usage(format!(
-            "--far {far_m} is nearer than the default --near, {near_m}: set --near, or a greater --far"
-        )))
+        refuse(format!("--far {far_m} is nearer than the default --near, {near_m}: set --near, or a greater --far"))
     }
 
     fn playback_options(&self) -> PlaybackOptions {
@@ -303,30 +286,14 @@ impl Args {
         PlaybackOptions {
             probes: ProbeChoice { only: views.probe.clone(), without: views.exclude_probe.clone() },
             selection: SelectionSettings {
-                priority: match views.view_priority {
-                    PriorityArg::Distance => ViewPriority::Distance,
-                    PriorityArg::Angle => ViewPriority::Angle,
-                },
+                priority: views.view_priority,
                 pivot: views.pivot,
                 cull_angle_deg: (views.cull_angle > 0.0).then_some(views.cull_angle),
                 most: views.views.map(|views| views as usize),
                 target_ms: views.target_ms,
             },
-            decode: match views.decode {
-                DecodeArg::Seen => DecodeScope::Seen,
-                DecodeArg::All => DecodeScope::All,
-            },
+            decode: views.decode,
         }
-    }
-
-    /// The graphics device that renders, none where the CPU does.
-    fn open_device(&self, global: &GlobalArgs) -> Result<Option<Gpu>> {
-        // Naming a device selects it.
-        let choice = match (self.device, self.gpu.gpu_index) {
-            (None, Some(_)) => DeviceArg::Gpu,
-            (choice, _) => choice.unwrap_or(DeviceArg::Cpu),
-        };
-        self.gpu.open(choice, global)
     }
 
     /// Options of images; each job sets the size.
@@ -339,37 +306,37 @@ impl Args {
             near_m: march.near.map(|metres| metres as f32),
             far_m: march.far.map(|metres| metres as f32),
             samples: march.samples,
-            holes: march.holes.into(),
-            specular: march.effects.into(),
+            holes: march.holes,
+            specular: march.effects,
             max_bounces: march.max_bounces,
-            acceleration: march.acceleration.into(),
+            acceleration: march.acceleration,
         }
     }
 
-    fn method<'g>(&self, gpu: Option<&'g Gpu>, decoder: &'g Decoder, coding: ColorCoding) -> Method<'g> {
+    fn renderer<'g>(&self, gpu: Option<&'g Gpu>, decoder: &'g Decoder, coding: ColorCoding) -> MethodRenderer<'g> {
         let options = self.picture_options();
-        match self.march.method {
-            MethodArg::March => match gpu {
-                Some(gpu) => Method::Device(Box::new(DeviceRenderer::new(gpu, options).decoding(decoder, coding))),
-                None => Method::March(CpuRenderer::new(options)),
-            },
-            MethodArg::Splat => Method::Splat(SplatRenderer { options }),
-            MethodArg::Reproject => Method::Reproject(ReprojectRenderer { options, ..ReprojectRenderer::default() }),
+        match (self.march.method, gpu) {
+            (Method::March, Some(gpu)) => {
+                MethodRenderer::Device(Box::new(DeviceRenderer::new(gpu, options).decoding(decoder, coding)))
+            }
+            (Method::March, None) => MethodRenderer::March(CpuRenderer::new(options)),
+            (Method::Splat, _) => MethodRenderer::Splat(SplatRenderer { options }),
+            (Method::Reproject, _) => {
+                MethodRenderer::Reproject(ReprojectRenderer { options, ..ReprojectRenderer::default() })
+            }
         }
     }
 
     /// Notes frames that are not rendered.
-    fn note_skipped_frames(&self, cameras: &[TimedCamera], available: FrameRange) {
+    fn note_skipped_frames(&self, cameras: &[TimedCamera], available: FrameRange, global: &GlobalArgs) {
         let asked = self.frames.frames;
         if asked.is_none() && available.count() > 1 && cameras.iter().all(|timed| timed.frames.is_none()) {
-            output::note(format_args!("rendering frame {} of {available}; --frames selects others", available.first));
+            global.note(format_args!("rendering frame {} of {available}; --frames selects others", available.first));
         }
-        match frame_requests::missing_frames(cameras, asked, available) {
-            0 => {}
-            1 => output::note(format_args!("skipping 1 frame of the cameras; the container has {available}")),
-            missing => {
-                output::note(format_args!("skipping {missing} frames of the cameras; the container has {available}"))
-            }
+        let missing = frame_requests::missing_frames(cameras, asked, available);
+        if missing > 0 {
+            let frames = counted(missing, "frame");
+            global.note(format_args!("skipping {frames} of the cameras; the container has {available}"));
         }
     }
 
@@ -378,9 +345,7 @@ impl Args {
         let cameras = self.cameras.cameras()?;
         let available = playback.player().frames();
         let requests = frame_requests::frame_requests(&cameras, self.frames.frames, available)?;
-        if !global.quiet {
-            self.note_skipped_frames(&cameras, available);
-        }
+        self.note_skipped_frames(&cameras, available, global);
         let mut frames: Vec<u32> = requests.iter().map(|request| request.frame).collect();
         frames.sort_unstable();
         frames.dedup();
@@ -409,9 +374,9 @@ fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>) -> Result<([
         (height, None) => {
             let width = (f64::from(height) * camera.aspect()).round();
             if !(1.0..=65_536.0).contains(&width) {
-                return Err(Error::Usage(format!(
+                return refuse(format!(
                     "an image of {width}x{height} pixels: up to 65536 were expected; set --size WxH"
-                )));
+                ));
             }
             Ok(([width as u32, height], camera))
         }

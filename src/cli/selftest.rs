@@ -13,12 +13,8 @@ use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::hard_cases::device::DeviceFigures;
 use crate::hard_cases::{self, CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
 use crate::monitor::Monitor;
-use crate::report::table::{Column, Table};
+use crate::report::Table;
 
-/// Names of families of hard cases.
-const FAMILIES: [&str; 8] = Family::NAMES;
-
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Exit code 1: a word differs or a hard case exceeds its bound; 2: no graphics device, unless --hard-cases.\n\n\
@@ -31,7 +27,7 @@ pub struct Args {
     #[arg(long)]
     pub hard_cases: bool,
     /// Only this family of hard cases; repeatable
-    #[arg(long, value_name = "NAME", requires = "hard_cases", value_parser = FAMILIES)]
+    #[arg(long, value_name = "NAME", requires = "hard_cases", value_parser = Family::NAMES)]
     pub family: Vec<String>,
     /// Number of random streams to decode on both, in random order of frames
     #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "hard_cases")]
@@ -39,7 +35,6 @@ pub struct Args {
     /// Seed of the random inputs
     #[arg(long, value_name = "N", default_value_t = SEED, conflicts_with = "hard_cases")]
     pub seed: u64,
-    /// Device [default: all].
     #[command(flatten)]
     pub gpu: GpuArgs,
     /// Report as JSON
@@ -64,7 +59,6 @@ impl Tested {
     }
 }
 
-/// Tests.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
@@ -112,7 +106,6 @@ fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -
     Ok(Tested { info: gpu.info.clone(), kernels, hard_cases, streams })
 }
 
-/// The JSON report.
 #[derive(Serialize)]
 struct Document<'a> {
     devices: Vec<&'a DeviceInfo>,
@@ -169,14 +162,7 @@ impl<'a> Document<'a> {
 }
 
 fn text(all: &[Tested], cases: &[CaseReport]) -> String {
-    let mut table = Table::new(&[
-        Column::Left("Family"),
-        Column::Left("Through"),
-        Column::Right("Cases"),
-        Column::Left("Bound"),
-        Column::Right("Worst"),
-        Column::Left("Unit"),
-    ]);
+    let mut table = Table::new("Family|Through|>Cases|Bound|>Worst|Unit");
     for row in family_rows(cases) {
         let worst = row.worst;
         let measured = hard_cases::number(worst.measured);
@@ -198,12 +184,7 @@ fn device_text(tested: &Tested, cases: &[CaseReport]) -> String {
     let Tested { info, kernels, hard_cases, streams } = tested;
     let mut out = format!("\n{} ({}, {}, {})\n\n", info.name, info.kind, info.backend, info.driver);
     if !kernels.is_empty() {
-        let mut table = Table::new(&[
-            Column::Left("Kernel"),
-            Column::Right("Inputs"),
-            Column::Right("Mismatches"),
-            Column::Right("Mpixel/s"),
-        ]);
+        let mut table = Table::new("Kernel|>Inputs|>Mismatches|>Mpixel/s");
         for kernel in kernels {
             let speed = format!("{:.0}", kernel.megapixels_per_second);
             table.row([kernel.name.to_owned(), kernel.inputs.to_string(), kernel.mismatches.to_string(), speed]);

@@ -11,8 +11,8 @@ mod rendering;
 mod text;
 mod tiles;
 
-use crate::cli::{ExitStatus, GlobalArgs};
-use crate::error::{Error, Result};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::error::Result;
 
 pub use args::Args;
 pub use child::end_with_parent;
@@ -31,14 +31,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         (None, Some(demands)) => {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();
             if measuring || args.budget_seconds.is_some() || args.weights.is_some() {
-                return Err(Error::Usage(
+                return refuse(
                     "--sweep, --preset, --budget-seconds, --weights and options after -- are for measuring: name the \
-                     footage, or leave them out to be recommended what DIR holds"
-                        .into(),
-                ));
+                     footage, or leave them out to be recommended what DIR holds",
+                );
             }
             coding::recommend_from_folder(args, &demands)
         }
-        (None, None) => Err(Error::Usage("name the footage to measure".into())),
+        (None, None) => refuse("name the footage to measure"),
     }
 }

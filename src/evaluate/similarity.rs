@@ -1,10 +1,13 @@
 //! Similarity of rendered pictures and reference images (CALF 7.2): PSNR, PSNR-HVS-M and SSIM of display codes.
 
+use serde::Serialize;
+
 use crate::error::{Error, Result};
 use crate::evaluate::reference::Truth;
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::image::plane::{MaterialPlane, Plane};
 use crate::image::transfer::{EncodeTable, ToneMap};
+use crate::json::Number;
 use crate::metrics::psnr::{SquaredError, U8_PEAK};
 use crate::metrics::{psnr_hvs_m_rgb8, ssim_rgb8};
 use crate::streams::convert::color_codes;
@@ -39,7 +42,37 @@ pub struct Similarity {
     pub images: u64,
 }
 
+/// The figures of a report; those of pixels or pictures that are missing are absent.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SimilarityReport {
+    psnr_db: Number,
+    psnr_db_seen: Number,
+    ssim: Option<f64>,
+    hole_percent: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    psnr_hvs_m_db: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    psnr_db_effects: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    psnr_db_mirrors: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    psnr_db_glass: Option<Number>,
+}
+
 impl Similarity {
+    pub fn report(&self) -> SimilarityReport {
+        SimilarityReport {
+            psnr_db: Number(self.all.psnr_db()),
+            psnr_db_seen: Number(self.seen.psnr_db()),
+            ssim: self.ssim(),
+            hole_percent: self.hole_percent(),
+            psnr_hvs_m_db: self.psnr_hvs_m_db().map(Number),
+            psnr_db_effects: some_psnr(&self.effects).map(Number),
+            psnr_db_mirrors: self.mirrors_psnr_db().map(Number),
+            psnr_db_glass: self.glass_psnr_db().map(Number),
+        }
+    }
+
     pub fn empty() -> Similarity {
         let none = SquaredError::empty(U8_PEAK);
         Similarity {
@@ -150,11 +183,7 @@ impl Similarity {
         100.0 * self.hole_pixels as f64 / (self.all.samples / 3).max(1) as f64
     }
 
-    /// PSNR in dB; none without such pixels. Likewise below.
-    pub fn effects_psnr_db(&self) -> Option<f64> {
-        some_psnr(&self.effects)
-    }
-
+    /// PSNR in dB; none without such pixels.
     pub fn mirrors_psnr_db(&self) -> Option<f64> {
         some_psnr(&self.mirrors)
     }
@@ -223,7 +252,7 @@ mod tests {
         let (exact, same) = pair(12, 12, 0, &[]);
         let other = Similarity::of(&exact, &same, LINEAR).unwrap();
         assert_eq!((other.all.psnr_db(), other.ssim()), (f64::INFINITY, Some(1.0)));
-        assert_eq!((other.effects_psnr_db(), other.has_material), (None, false));
+        assert_eq!((other.glass_psnr_db(), other.has_material), (None, false));
         assert_eq!(other.psnr_hvs_m_db(), Some(f64::INFINITY));
         let mut both = one;
         both.merge(&other).unwrap();

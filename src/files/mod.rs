@@ -20,7 +20,7 @@ mod partial_file;
 mod partial_folder;
 mod regular;
 
-pub use atomic::write_whole;
+pub use atomic::{parent_of, write_whole};
 pub use lock::open_locked;
 pub use output_file::OutputFile;
 pub use output_folder::OutputFolder;

@@ -1,7 +1,7 @@
 //! Counters of rendering.
 
 /// Counts over rays: integers, so that sums do not depend on the number of threads.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counters {
     /// Rays from the eye.
     pub primary_rays: u64,
@@ -16,6 +16,7 @@ pub struct Counters {
     /// Material lookups.
     pub material_samples: u64,
     /// Primary rays that end in a disocclusion.
+    #[serde(skip)]
     pub hole_rays: u64,
     /// Primary rays that meet no surface.
     pub background_rays: u64,

@@ -19,6 +19,11 @@ const MAP_BYTES: u64 = 16;
 const MAKING_BYTES: u64 = 96;
 /// Bytes of a texel that is splatted.
 const POINT_BYTES: u64 = 64;
+/// Bytes of a pixel from its rays until it is written: light and alpha, joined for two eyes, and codes or channels of a file.
+/// Rays are held by the thread that follows them.
+const PICTURE_BYTES: u64 = 96;
+/// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.
+const REFERENCE_BYTES: u64 = 320;
 
 fn pixels(stream: &StreamInfo) -> u64 {
     u64::from(stream.entry.width) * u64::from(stream.entry.height)
@@ -43,6 +48,11 @@ pub fn march_bytes(decoder: &Decoder, options: &PlaybackOptions, specular: Specu
     let in_work = proxies.min(rayon::current_num_threads() as u64);
     let maps = 6 * u64::from(MOST_TEXELS).pow(2) * (proxies * MAP_BYTES + in_work * MAKING_BYTES);
     texels.saturating_mul(FIT_BYTES).saturating_add(maps + held)
+}
+
+/// Bytes of pictures with this number of pixels, and of their references.
+pub fn picture_bytes(pixels: u64, has_reference: bool) -> u64 {
+    pixels.saturating_mul(PICTURE_BYTES + if has_reference { REFERENCE_BYTES } else { 0 })
 }
 
 /// Bytes that splatting takes.

@@ -10,4 +10,4 @@ pub mod table;
 pub mod timing;
 pub mod tradeoff;
 
-pub use table::{Column, Table};
+pub use table::Table;

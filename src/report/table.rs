@@ -4,13 +4,6 @@ use std::fmt;
 
 use comfy_table::{CellAlignment, ContentArrangement, presets};
 
-/// A column: its heading, and the side that its cells keep to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Column<'a> {
-    Left(&'a str),
-    Right(&'a str),
-}
-
 /// A table in the making; its `Display` has a line for the headings and one for each row.
 #[derive(Debug, Clone)]
 pub struct Table {
@@ -18,18 +11,14 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table without rows.
-    pub fn new(columns: &[Column<'_>]) -> Table {
+    /// A table without rows. Headings are separated by `|`; those of columns that keep to the right begin with `>`.
+    pub fn new(headings: &str) -> Table {
         let mut table = comfy_table::Table::new();
         table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
-        table.set_header(columns.iter().map(|column| match column {
-            Column::Left(heading) | Column::Right(heading) => *heading,
-        }));
-        for (cells, column) in table.column_iter_mut().zip(columns) {
-            cells.set_padding((0, 2)).set_cell_alignment(match column {
-                Column::Left(_) => CellAlignment::Left,
-                Column::Right(_) => CellAlignment::Right,
-            });
+        table.set_header(headings.split('|').map(|heading| heading.trim_start_matches('>')));
+        for (cells, heading) in table.column_iter_mut().zip(headings.split('|')) {
+            let side = if heading.starts_with('>') { CellAlignment::Right } else { CellAlignment::Left };
+            cells.set_padding((0, 2)).set_cell_alignment(side);
         }
         Table { table }
     }
@@ -40,12 +29,6 @@ impl Table {
     pub fn wrapped(mut self, columns: u16) -> Table {
         self.table.set_content_arrangement(ContentArrangement::Dynamic).set_width(columns);
         self
-    }
-
-    /// Headings, and the cells of each row.
-    pub fn cells(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let texts = |row: &comfy_table::Row| row.cell_iter().map(comfy_table::Cell::content).collect::<Vec<_>>();
-        (self.table.header().map(texts).unwrap_or_default(), self.table.row_iter().map(texts).collect())
     }
 
     /// Adds a row of as many cells as there are columns.
@@ -66,20 +49,15 @@ mod tests {
 
     #[test]
     fn numbers_keep_right_and_lines_have_no_blanks_at_their_ends() {
-        let mut table = Table::new(&[Column::Left("What"), Column::Right("Size"), Column::Left("Note")]);
+        let mut table = Table::new("What|>Size|Note");
         table.row(["a".to_owned(), "7 B".to_owned(), String::new()]);
         table.row(["longer".to_owned(), "1.25 MB".to_owned(), "x y".to_owned()]);
-        let (headings, rows) = table.cells();
-        assert_eq!(
-            (headings, rows[0].clone(), rows.len()),
-            (vec!["What".into(), "Size".into(), "Note".into()], vec!["a".into(), "7 B".into(), String::new()], 2)
-        );
         assert_eq!(table.to_string(), "What       Size  Note\na           7 B\nlonger  1.25 MB  x y\n");
     }
 
     #[test]
     fn long_sentences_are_wrapped_under_themselves() {
-        let mut table = Table::new(&[Column::Left("What"), Column::Left("Why")]).wrapped(24);
+        let mut table = Table::new("What|Why").wrapped(24);
         table.row(["short".to_owned(), "one two three four five".to_owned()]);
         assert_eq!(table.to_string(), "What   Why\nshort  one two three\n       four five\n");
     }

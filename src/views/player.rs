@@ -47,7 +47,7 @@ pub struct Candidate {
 }
 
 /// The work for a frame.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct ShowCounts {
     /// Tiles and cells whose pixels were written.
     pub cells_decoded: u64,

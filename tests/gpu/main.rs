@@ -12,7 +12,7 @@ use std::process::Command;
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
 use lightfold::cli::GlobalArgs;
-use lightfold::cli::device::{DeviceArg, or_on_cpu};
+use lightfold::cli::device::or_on_cpu;
 use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
@@ -290,7 +290,8 @@ fn refusals() -> Result<(), Failed> {
         }
         let quiet = GlobalArgs { threads: None, quiet: true };
         // With `auto` the CPU takes over, from a device that fails but not from a file that is broken.
-        let fails = |error: Error| or_on_cpu((Some(gpu), DeviceArg::Auto), &quiet, |_| Err(error), || Ok(7));
+        let fails =
+            |error: Error| or_on_cpu((Some(gpu), Some(device::DeviceChoice::Auto)), &quiet, |_| Err(error), || Ok(7));
         let taken_over = fails(gpu.failed("decoding", "it is out of memory"));
         if taken_over.ok() != Some((7, "cpu".to_owned())) || fails(Error::invalid("broken")).is_ok() {
             return Err("auto did not go back to the CPU, or did so for a broken file".into());

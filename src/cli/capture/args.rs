@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use glam::DVec3;
 
+use crate::cli::options::choice::{Choices, one_of};
 use crate::cli::options::{self, FrameArgs, parse_point};
+use crate::image::{DepthKind, Projection};
+use crate::scene::Pass;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     group(clap::ArgGroup::new("from").required(true).args(["cameras", "position"])),
@@ -50,7 +51,6 @@ pub struct Args {
     /// Name of the animation to play [default: the first]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
-    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
     /// Frames per second
@@ -61,8 +61,8 @@ pub struct Args {
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
     /// Projection [default: cube; perspective for viewers and with --look-at]
-    #[arg(long, value_enum)]
-    pub projection: Option<ProjectionArg>,
+    #[arg(long, value_parser = one_of(PROJECTIONS))]
+    pub projection: Option<Projection>,
     /// Vertical field of view in degrees, for perspective cameras without one
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f64>,
@@ -71,14 +71,14 @@ pub struct Args {
         value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::scene::capture::MAX_SAMPLES)))]
     pub samples: u32,
     /// Outputs besides colour: depth, normal, material, or none
-    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', default_value = "depth")]
-    pub aov: Vec<AovArg>,
+    #[arg(long, value_parser = one_of(OUTPUTS), value_name = "KIND", value_delimiter = ',', default_value = "depth")]
+    pub aov: Vec<OutputPass>,
     /// Leave colour out
     #[arg(long)]
     pub no_color: bool,
     /// Kind of depth
-    #[arg(long, value_enum, default_value_t = DepthArg::Distance)]
-    pub depth: DepthArg,
+    #[arg(long, value_parser = one_of(DEPTHS), default_value = "distance")]
+    pub depth: DepthKind,
     /// Distance in metres beyond which surfaces are background, except in colour [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
@@ -91,37 +91,28 @@ pub struct Args {
 }
 
 /// `--projection`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ProjectionArg {
-    /// Six faces of an OpenGL cube map
-    Cube,
-    /// Longitude across, latitude down
-    Equirect,
-    /// A pinhole camera along -Z with +Y up, rotated by its orientation
-    Perspective,
-}
+const PROJECTIONS: &Choices<Projection> = &[
+    ("cube", Projection::Cubemap, "Six faces of an OpenGL cube map"),
+    ("equirect", Projection::Equirect, "Longitude across, latitude down"),
+    ("perspective", Projection::Perspective, "A pinhole camera along -Z with +Y up, rotated by its orientation"),
+];
+
+/// An output besides colour, or none: an alias, as clap takes an `Option` for an option that may be absent.
+type OutputPass = Option<Pass>;
 
 /// `--aov`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum AovArg {
-    /// Metres to the surface
-    Depth,
-    /// Shading normals in world axes
-    Normal,
-    /// Weights of reflection and refraction, index of refraction
-    Material,
-    /// Nothing: colour alone
-    None,
-}
+const OUTPUTS: &Choices<OutputPass> = &[
+    ("depth", Some(Pass::Depth), "Metres to the surface"),
+    ("normal", Some(Pass::Normal), "Shading normals in world axes"),
+    ("material", Some(Pass::Material), "Weights of reflection and refraction, index of refraction"),
+    ("none", None, "Nothing: colour alone"),
+];
 
 /// `--depth`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DepthArg {
-    /// From the camera along the ray
-    Distance,
-    /// Along the viewing axis
-    Planar,
-}
+const DEPTHS: &Choices<DepthKind> = &[
+    ("distance", DepthKind::Distance, "From the camera along the ray"),
+    ("planar", DepthKind::Planar, "Along the viewing axis"),
+];
 
 /// Parses `256` or `640x480`.
 pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
@@ -133,12 +124,10 @@ pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
     size.ok_or_else(|| format!("'{text}' is neither a number of pixels such as 256 nor WxH such as 640x480"))
 }
 
-/// Parses a number of frames per second.
 pub fn parse_fps(text: &str) -> Result<f64, String> {
     options::parse_positive(text).map_err(|_| format!("'{text}' is no number of frames per second above 0"))
 }
 
-/// Parses a distance.
 pub fn parse_metres(text: &str) -> Result<f64, String> {
     options::parse_positive(text).map_err(|_| format!("'{text}' is no number of metres above 0"))
 }

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::args::{AovArg, Args, DepthArg, ProjectionArg};
+use super::args::Args;
+use crate::cli::refuse;
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::evaluate::camera_file::CameraFile;
-use crate::image::FrameRange;
-use crate::image::{DepthKind, Projection};
+use crate::image::{FrameRange, Projection};
 use crate::math::{Camera, Lens};
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
@@ -28,9 +28,6 @@ pub enum Viewers {
 
 impl Args {
     /// The cameras, and whether they are viewers.
-    ///
-    /// # Errors
-    /// When they cannot be read.
     pub(super) fn read_cameras(&self) -> Result<(CameraSet, Viewers)> {
         let Some(path) = &self.cameras else {
             let cameras = self.position.iter().map(|position| self.camera_at(*position)).collect::<Result<_>>()?;
@@ -80,16 +77,15 @@ impl Args {
         notes
     }
 
-    /// The capture plan.
-    ///
-    /// # Errors
-    /// Contradicting sizes. [`CapturePlan::manifest`] checks the rest.
+    /// The plan, with consistent sizes; [`CapturePlan::manifest`] checks the rest.
     pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
-        let projection = match (self.projection, viewers) {
-            (None, _) if self.look_at.is_some() => Projection::Perspective,
-            (Some(ProjectionArg::Cube), _) | (None, Viewers::No) => Projection::Cubemap,
-            (Some(ProjectionArg::Equirect), _) => Projection::Equirect,
-            (Some(ProjectionArg::Perspective), _) | (None, Viewers::Yes(_)) => Projection::Perspective,
+        let usual = match viewers {
+            Viewers::Yes(_) => Projection::Perspective,
+            Viewers::No => Projection::Cubemap,
+        };
+        let projection = match self.projection {
+            None if self.look_at.is_some() => Projection::Perspective,
+            asked => asked.unwrap_or(usual),
         };
         let fps = self.fps;
         let wanted = || wanted_frames(&cameras, || frames_of_animation(scene.duration_s(), fps));
@@ -104,10 +100,7 @@ impl Args {
             fov_y_deg: self.fov,
             passes: self.passes()?,
             samples: self.samples,
-            depth: match self.depth {
-                DepthArg::Distance => DepthKind::Distance,
-                DepthArg::Planar => DepthKind::Planar,
-            },
+            depth: self.depth,
             far_m: self.far.unwrap_or(f64::INFINITY),
         })
     }
@@ -120,14 +113,12 @@ impl Args {
     }
 
     fn passes(&self) -> Result<Vec<Pass>> {
-        if self.aov.contains(&AovArg::None) && self.aov.len() > 1 {
-            return Err(Error::Usage("--aov none excludes other outputs".into()));
+        if self.aov.contains(&None) && self.aov.len() > 1 {
+            return refuse("--aov none excludes other outputs");
         }
         let wants = |pass: &Pass| match pass {
             Pass::Color => !self.no_color,
-            Pass::Depth => self.aov.contains(&AovArg::Depth),
-            Pass::Normal => self.aov.contains(&AovArg::Normal),
-            Pass::Material => self.aov.contains(&AovArg::Material),
+            other => self.aov.contains(&Some(*other)),
         };
         Ok(Pass::ALL.into_iter().filter(wants).collect())
     }
@@ -140,7 +131,7 @@ impl Args {
         let size = match (self.size, projection) {
             (Some((width, Some(height))), _) => [width, height],
             (Some((width, None)), Projection::Equirect) if width % 2 == 1 => {
-                return Err(Error::Usage(format!("--size {width}: the width of a panorama must be even")));
+                return refuse(format!("--size {width}: the width of a panorama must be even"));
             }
             (Some((width, None)), Projection::Equirect) => [width, width / 2],
             (None, Projection::Equirect) => [4 * DEFAULT_SIDE, 2 * DEFAULT_SIDE],
@@ -152,9 +143,9 @@ impl Args {
         let [width, height] = size.map(f64::from);
         match aspect {
             // Rounding may cost a pixel.
-            Some(aspect) if (width - height * aspect).abs() > 1.0 => Err(Error::Usage(format!(
+            Some(aspect) if (width - height * aspect).abs() > 1.0 => refuse(format!(
                 "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone applies it"
-            ))),
+            )),
             _ => Ok(size),
         }
     }
@@ -165,9 +156,8 @@ fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> R
     let mut hull: Option<FrameRange> = None;
     for camera in &cameras.cameras {
         let own = camera.frames.map_or_else(&all, |[first, last]| Ok(FrameRange { first, last }))?;
-        hull = Some(
-            hull.map_or(own, |hull| FrameRange { first: hull.first.min(own.first), last: hull.last.max(own.last) }),
-        );
+        let hull = hull.get_or_insert(own);
+        *hull = FrameRange { first: hull.first.min(own.first), last: hull.last.max(own.last) };
     }
     hull.map_or_else(all, Ok)
 }
@@ -197,7 +187,7 @@ mod tests {
         assert_eq!(wanted(&[Some([4, 9]), None]), [0, 9]);
         // Where each camera says, nobody asks for the animation.
         let said = CameraSet::new(vec![at(Some([4, 5]))]);
-        let endless = || Err(Error::Usage("endless".into()));
+        let endless = || refuse("endless");
         assert_eq!(wanted_frames(&said, endless).unwrap().last, 5);
         assert!(wanted_frames(&CameraSet::new(vec![at(None)]), endless).is_err());
     }

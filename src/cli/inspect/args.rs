@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs};
+use crate::cli::options::{MemoryArgs, SelectionArgs, SideArgs};
 use crate::decode::{Decoder, StreamInfo};
 use crate::image::sequence::FrameRange;
 use crate::inspect::Inspection;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     group = clap::ArgGroup::new("looks").args(["plot", "check"]),
@@ -28,7 +27,6 @@ pub struct Args {
     /// A container, - for standard input; a scene as for capture; with --check a lightfield.json or its folder
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// Streams.
     #[command(flatten)]
     pub selection: SelectionArgs,
     /// One row for every stream [default: many streams are summed by probe and kind]
@@ -39,10 +37,10 @@ pub struct Args {
     pub per_frame: bool,
     // Without a value it is the older form of --per-frame.
     /// With --per-frame, only rows of these frames, such as 10-99 or 12
-    #[arg(long, value_name = "A-B", num_args = 0..=1, value_parser = options::parse_frames)]
+    #[arg(long, value_name = "A-B", num_args = 0..=1)]
     pub frames: Option<Option<FrameRange>>,
     /// The older form of --frames A-B.
-    #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame", value_parser = options::parse_frames)]
+    #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame")]
     pub range: Option<FrameRange>,
     /// Check every chunk: CRC-32, decompression by two decoders, structure; list damaged chunks
     #[arg(long)]
@@ -59,7 +57,6 @@ pub struct Args {
     /// Write coding maps of each stream into this folder, as PNG
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
-    /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Frame of --plot [default: the first, and the one that changes most] or --check [default: the first]
@@ -68,7 +65,6 @@ pub struct Args {
     /// Source of the container, for error maps with --plot: a lightfield.json or its folder, or an image sequence
     #[arg(long, value_name = "SOURCE", requires = "plot")]
     pub source: Option<String>,
-    /// How the source is read.
     #[command(flatten)]
     pub reading: SideArgs,
 }
@@ -87,16 +83,12 @@ impl Args {
 
 /// An inspected container.
 pub struct Report<'a> {
-    /// The command line.
     pub args: &'a Args,
-    /// The container.
     pub decoder: &'a Decoder,
-    /// The figures.
     pub inspection: &'a Inspection<'a>,
 }
 
 impl Report<'_> {
-    /// Name of a stream's probe.
     pub fn probe_name(&self, stream: &StreamInfo) -> &str {
         &self.decoder.probe(stream).name
     }

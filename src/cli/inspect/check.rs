@@ -6,17 +6,17 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::args::Args;
+use crate::cli::output::{self, with_option_names};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output, with_option_names};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use crate::dataset::{Source, manifest};
-use crate::error::{Error, Result};
-use crate::report::table::{Column, Table};
+use crate::error::Result;
+use crate::report::Table;
 
 /// Lines of text are no longer.
 const COLUMNS: u16 = 100;
 
-/// The JSON report.
 #[derive(Serialize)]
 struct Document<'a> {
     name: &'a str,
@@ -26,19 +26,18 @@ struct Document<'a> {
     seconds: f64,
 }
 
-/// Checks and reports.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if !manifest::is_dataset(&args.input) {
-        let message = "--check needs a lightfield.json or its folder".to_owned();
-        return Err(Error::Usage(format!("{}: {message}", args.input.display())));
+        return refuse(format!("{}: --check needs a lightfield.json or its folder", args.input.display()));
     }
     if !args.selection.face.is_empty() || !args.selection.stream.is_empty() {
-        return Err(Error::Usage("--check uses all faces and kinds: only --probe and --frame select".into()));
+        return refuse("--check uses all faces and kinds: only --probe and --frame select");
     }
     if args.memory.memory.is_some() {
-        let message = "--memory does not limit --check, which keeps one image per thread and up to 65,536 samples of each \
-                       face: leave it out, or select fewer probes with --probe";
-        return Err(Error::Usage(message.into()));
+        return refuse(
+            "--memory does not limit --check, which keeps one image per thread and up to 65,536 samples of each \
+             face: leave it out, or select fewer probes with --probe",
+        );
     }
     let start = Instant::now();
     let options = args.reading.options(args.selection.with(None))?.source;
@@ -67,7 +66,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 
 fn text(name: &str, report: &Report) -> String {
     let mut out = format!("{name}: {} of {} probes, {} images\n\n", report.probes, report.all_probes, report.images);
-    let mut table = Table::new(&[Column::Left("Check"), Column::Left("Verdict"), Column::Left("Why")]).wrapped(COLUMNS);
+    let mut table = Table::new("Check|Verdict|Why").wrapped(COLUMNS);
     for finding in &report.findings {
         let verdict = match finding.verdict {
             Verdict::Fine => "fine",

@@ -6,11 +6,11 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::args::{Args, Report};
-use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, refuse};
 use crate::compare::{self, Coverage, Pairing};
 use crate::decode::StreamInfo;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files::OutputFolder;
 use crate::image::sequence::FrameRange;
 use crate::report::coding_map::{self, Request, What};
@@ -18,7 +18,6 @@ use crate::report::coding_map::{self, Request, What};
 /// More images than this are only counted.
 const MAX_LINES: usize = 24;
 
-/// An image in JSON.
 #[derive(Debug, Serialize)]
 pub struct PlotOut<'a> {
     path: String,
@@ -33,10 +32,10 @@ pub struct PlotOut<'a> {
 /// Refuses what makes no sense together.
 pub fn check(args: &Args) -> Result<()> {
     if args.source.is_none() && !args.reading.is_usual() {
-        return Err(Error::Usage("options for reading files need --source".into()));
+        return refuse("options for reading files need --source");
     }
     if args.source.is_some() && args.input == Path::new("-") {
-        return Err(Error::Usage("--source reads the container twice: name a file instead of -".into()));
+        return refuse("--source reads the container twice: name a file instead of -");
     }
     Ok(())
 }
@@ -49,8 +48,7 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
     let sides = match &args.source {
         Some(source) => {
             let input = args.input.to_string_lossy();
-            let sides = compare::open_both([&input, source], &args.reading.options(args.selection.with(None))?)?;
-            Some(sides)
+            Some(compare::open_both([&input, source], &args.reading.options(args.selection.with(None))?)?)
         }
         None => None,
     };

@@ -5,12 +5,11 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::{ExitStatus, GlobalArgs, output};
-use crate::error::{Error, Result};
-use crate::report::{Column, Table};
+use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
+use crate::error::Result;
+use crate::report::Table;
 use crate::scene::{Scene, SceneSummary};
 
-/// The JSON report.
 #[derive(Serialize)]
 struct Document<'a> {
     scene: &'a str,
@@ -25,18 +24,14 @@ pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let is_selective = !selection.probe.is_empty() || !selection.face.is_empty() || !selection.stream.is_empty();
     let is_per_frame = args.per_frame || args.frames.is_some();
     if is_selective || is_per_frame || args.streams || args.verify || args.csv || args.plot.is_some() {
-        return Err(Error::Usage(format!(
-            "{name}: a scene is reported as a table or with --json; leave out the other options"
-        )));
+        return refuse(format!("{name}: a scene is reported as a table or with --json; leave out the other options"));
     }
     let (scene, notes) = Scene::open(name)?;
     let document = Document { scene: name, summary: scene.summary(), notes };
     if args.json {
         return output::print_json(&document).map(|()| ExitStatus::Passed);
     }
-    if !global.quiet {
-        document.notes.iter().for_each(output::note);
-    }
+    document.notes.iter().for_each(|note| global.note(note));
     output::print_text(&text(name, &document.summary)).map(|()| ExitStatus::Passed)
 }
 
@@ -48,7 +43,7 @@ fn text(name: &str, summary: &SceneSummary) -> String {
         let size = numbers([0, 1, 2].map(|axis| max[axis] - min[axis])).join(" x ");
         let _ = writeln!(out, "{} to {}, {size} m in x, y, z", numbers(min).join(", "), numbers(max).join(", "));
     }
-    let mut table = Table::new(&[Column::Left("What"), Column::Right("Count")]);
+    let mut table = Table::new("What|>Count");
     for (what, count) in [
         ("triangles", summary.triangles),
         ("objects", summary.objects),
@@ -64,7 +59,7 @@ fn text(name: &str, summary: &SceneSummary) -> String {
         out.push_str("\nNothing moves\n");
         return out;
     }
-    let mut table = Table::new(&[Column::Left("Animation"), Column::Right("Seconds")]);
+    let mut table = Table::new("Animation|>Seconds");
     for animation in &summary.animations {
         let length = animation.duration_s.map_or("-".to_owned(), |length| format!("{length:.3}"));
         table.row([animation.name.clone().unwrap_or_else(|| "(without a name)".to_owned()), length]);

@@ -14,7 +14,8 @@ use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
 use crate::image::StreamKind;
 use crate::inspect::{BlockCount, StreamStats, Totals, percent, projection_name};
-use crate::report::{Column, Table};
+use crate::report::Table;
+use crate::report::coding_map::counted;
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
@@ -24,13 +25,9 @@ const MAX_SETTINGS: usize = 4;
 
 /// The whole report without `--frames`.
 pub fn summary(report: &Report<'_>) -> String {
-    let mut out = heading(report);
-    let _ = write!(out, "\n{}\n{}", kinds(report), streams(report));
-    if let Some(nodes) = nodes(report) {
-        let _ = write!(out, "\n{nodes}");
-    }
-    if let Some(blocks) = blocks(report) {
-        let _ = write!(out, "\n{blocks}");
+    let mut out = format!("{}\n{}\n{}", heading(report), kinds(report), streams(report));
+    for table in [nodes(report), blocks(report)].into_iter().flatten() {
+        let _ = write!(out, "\n{table}");
     }
     let settings = settings(report);
     if !settings.is_empty() {
@@ -74,24 +71,11 @@ fn heading(report: &Report<'_>) -> String {
     out
 }
 
-fn counted(count: u64, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
 /// CALF's table 1.
 fn kinds(report: &Report<'_>) -> Table {
     let all = report.inspection.totals(None);
     let stored = if all.lzma2_chunks > 0 { "+LZMA2" } else { "Stored" };
-    let mut table = Table::new(&[
-        Column::Left("Kind"),
-        Column::Right("Streams"),
-        Column::Right("Images"),
-        Column::Right("Raw"),
-        Column::Right("Temporal"),
-        Column::Right("%"),
-        Column::Right(stored),
-        Column::Right("%"),
-    ]);
+    let mut table = Table::new(&format!("Kind|>Streams|>Images|>Raw|>Temporal|>%|>{stored}|>%"));
     let mut row = |name: &str, totals: Totals| {
         table.row([
             name.to_owned(),
@@ -113,114 +97,40 @@ fn kinds(report: &Report<'_>) -> Table {
     table
 }
 
-/// A row of the stream table: one stream, or those of one probe and kind.
-struct Line {
-    probe: usize,
-    kind: StreamKind,
-    faces: String,
-    streams: u64,
-    frames: [u32; 2],
-    size: [u32; 2],
-    sums: Sums,
-}
-
-#[derive(Default)]
-struct Sums {
-    bytes: u64,
-    raw_bytes: u64,
-    keyframes: u64,
-    aabbs: u64,
-    updated_pixels: u64,
-    pixels: u64,
-    units: u64,
-    static_units: u64,
-    constant_units: u64,
-}
-
-impl Line {
-    fn new(stats: &StreamStats<'_>) -> Line {
-        let info = stats.stream;
-        Line {
-            probe: info.probe,
-            kind: info.kind,
-            faces: info.face.name().to_owned(),
-            streams: 0,
-            frames: [info.frames.first, info.frames.last],
-            size: [info.entry.width, info.entry.height],
-            sums: Sums::default(),
-        }
-    }
-
-    fn add(&mut self, stats: &StreamStats<'_>) {
-        self.streams += 1;
-        if self.streams > 1 {
-            self.faces = format!("{} faces", self.streams);
-        }
-        let (frames, sums) = (stats.stream.frames, &mut self.sums);
-        self.frames = [self.frames[0].min(frames.first), self.frames[1].max(frames.last)];
-        sums.bytes += stats.storage.bytes;
-        sums.raw_bytes = sums.raw_bytes.saturating_add(stats.raw_bytes);
-        sums.keyframes += stats.keyframes;
-        sums.aabbs += stats.aabbs;
-        sums.updated_pixels += stats.updated_pixels;
-        sums.pixels = sums.pixels.saturating_add(stats.pixels());
-        sums.units += stats.units;
-        sums.static_units += stats.static_units;
-        sums.constant_units += stats.constant_units;
-    }
-}
-
+/// A row for each stream, or if there are many for those of one probe and kind.
 fn streams(report: &Report<'_>) -> Table {
     let mut streams: Vec<_> = report.inspection.streams.iter().collect();
     let summed = streams.len() > MAX_STREAM_ROWS && !report.args.streams;
     if summed {
         streams.sort_by_key(|stats| (stats.stream.probe, stats.stream.kind));
     }
-    let mut lines: Vec<Line> = Vec::new();
-    for stats in streams {
-        let (info, size) = (stats.stream, [stats.stream.entry.width, stats.stream.entry.height]);
-        let same = |line: &Line| (line.probe, line.kind, line.size) == (info.probe, info.kind, size);
-        match lines.last_mut().filter(|line| summed && same(line)) {
-            Some(line) => line.add(stats),
-            None => {
-                let mut line = Line::new(stats);
-                line.add(stats);
-                lines.push(line);
-            }
-        }
-    }
-    let mut table = Table::new(&[
-        Column::Left("Probe"),
-        Column::Left("Kind"),
-        Column::Left("Face"),
-        Column::Right("Frames"),
-        Column::Right("Size"),
-        Column::Right("Stored"),
-        Column::Right("%"),
-        Column::Right("Keys"),
-        Column::Right("AABBs"),
-        Column::Right("Upd. %"),
-        Column::Right("Static"),
-        Column::Right("Empty"),
-        Column::Right("Units"),
-    ]);
-    for line in lines {
-        let sums = &line.sums;
-        let boxed = |count: u64| if line.kind == StreamKind::Color { "-".to_owned() } else { count.to_string() };
+    let alike = |stats: &StreamStats<'_>| {
+        let info = stats.stream;
+        (info.probe, info.kind, info.entry.width, info.entry.height)
+    };
+    let mut table = Table::new("Probe|Kind|Face|>Frames|>Size|>Stored|>%|>Keys|>AABBs|>Upd. %|>Static|>Empty|>Units");
+    for row in streams.chunk_by(|a, b| summed && alike(a) == alike(b)) {
+        let info = row[0].stream;
+        let sum = |of: fn(&StreamStats<'_>) -> u64| row.iter().fold(0, |sum: u64, stats| sum.saturating_add(of(stats)));
+        let boxed = |count: u64| if info.kind == StreamKind::Color { "-".to_owned() } else { count.to_string() };
+        let frames = row.iter().map(|stats| stats.stream.frames);
+        let first = frames.clone().map(|frames| frames.first).min().unwrap_or_default();
+        let last = frames.map(|frames| frames.last).max().unwrap_or_default();
+        let bytes = sum(|stats| stats.storage.bytes);
         table.row([
-            report.decoder.reader().index().probes[line.probe].name.clone(),
-            line.kind.name().to_owned(),
-            line.faces.clone(),
-            format!("{}-{}", line.frames[0], line.frames[1]),
-            format!("{}x{}", line.size[0], line.size[1]),
-            human_bytes(sums.bytes),
-            format!("{:.2}", percent(sums.bytes, sums.raw_bytes)),
-            sums.keyframes.to_string(),
-            boxed(sums.aabbs),
-            format!("{:.2}", percent(sums.updated_pixels, sums.pixels)),
-            sums.static_units.to_string(),
-            boxed(sums.constant_units),
-            sums.units.to_string(),
+            report.probe_name(info).to_owned(),
+            info.kind.name().to_owned(),
+            if row.len() > 1 { format!("{} faces", row.len()) } else { info.face.name().to_owned() },
+            format!("{first}-{last}"),
+            format!("{}x{}", info.entry.width, info.entry.height),
+            human_bytes(bytes),
+            format!("{:.2}", percent(bytes, sum(|stats| stats.raw_bytes))),
+            sum(|stats| stats.keyframes).to_string(),
+            boxed(sum(|stats| stats.aabbs)),
+            format!("{:.2}", percent(sum(|stats| stats.updated_pixels), sum(|stats| stats.pixels()))),
+            sum(|stats| stats.static_units).to_string(),
+            boxed(sum(|stats| stats.constant_units)),
+            sum(|stats| stats.units).to_string(),
         ]);
     }
     table
@@ -235,17 +145,13 @@ fn nodes(report: &Report<'_>) -> Option<Table> {
     }
     let sum = |of: fn(Share) -> u64| Function::ALL.into_iter().map(|function| of(census.of(function))).sum::<u64>();
     let (pixels, bytes) = (sum(|share| share.pixels), sum(|share| share.bytes));
-    let mut columns = vec![Column::Left("Nodes")];
-    columns.extend(Function::ALL.map(|function| Column::Right(function.name())));
-    columns.extend([Column::Right("Pixels %"), Column::Right("Bytes %")]);
-    let mut table = Table::new(&columns);
+    let functions = Function::ALL.map(|function| function.name()).join("|>");
+    let mut table = Table::new(&format!("Nodes|>{functions}|>Pixels %|>Bytes %"));
     let mut row = |name: String, shares: [Share; 4]| {
         let of = |of: fn(&Share) -> u64| shares.iter().map(of).sum::<u64>();
-        let mut cells = vec![name];
-        cells.extend(shares.map(|share| share.nodes.to_string()));
-        cells.push(format!("{:.2}", percent(of(|share| share.pixels), pixels)));
-        cells.push(format!("{:.2}", percent(of(|share| share.bytes), bytes)));
-        table.row(cells);
+        let parts = [percent(of(|share| share.pixels), pixels), percent(of(|share| share.bytes), bytes)];
+        let nodes = shares.map(|share| share.nodes.to_string()).into_iter();
+        table.row(std::iter::once(name).chain(nodes).chain(parts.map(|part| format!("{part:.2}"))));
     };
     for level in census.levels() {
         let side = side_of(level);
@@ -261,13 +167,7 @@ fn blocks(report: &Report<'_>) -> Option<Table> {
     for stats in report.inspection.streams.iter().filter(|stats| stats.stream.header.in_blocks()) {
         counts.entry(stats.stream.header.codec_name()).or_default().add(stats.blocks);
     }
-    let mut table = Table::new(&[
-        Column::Left("Codec"),
-        Column::Left("Of"),
-        Column::Right("In blocks"),
-        Column::Right("Raw"),
-        Column::Right("Raw %"),
-    ]);
+    let mut table = Table::new("Codec|Of|>In blocks|>Raw|>Raw %");
     for (codec, count) in &counts {
         let (of, count) = match codec.starts_with("cells") {
             true => ("keyframes", count.keyframes),
@@ -374,17 +274,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
 
 /// The report of `--per-frame`.
 pub fn frames(report: &Report<'_>) -> String {
-    let mut table = Table::new(&[
-        Column::Left("Probe"),
-        Column::Left("Kind"),
-        Column::Left("Face"),
-        Column::Right("Frame"),
-        Column::Right("Keys"),
-        Column::Right("AABBs"),
-        Column::Right("Updated pixels"),
-        Column::Right("%"),
-        Column::Right("Bytes"),
-    ]);
+    let mut table = Table::new("Probe|Kind|Face|>Frame|>Keys|>AABBs|>Updated pixels|>%|>Bytes");
     for row in report.inspection.frame_reports(report.decoder) {
         table.row([
             row.probe.to_owned(),

@@ -35,7 +35,6 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is neither a ratio such as 16/9 nor a number above 0"))
 }
 
-/// Cameras, and statistics of what they see.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
@@ -65,9 +64,6 @@ pub struct CameraArgs {
 
 impl CameraArgs {
     /// All cameras; none to decode everything.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or a camera that sees nothing.
     pub fn cameras(&self) -> Result<Vec<TimedCamera>> {
         let mut cameras = Vec::new();
         for path in &self.camera {
@@ -82,16 +78,13 @@ impl CameraArgs {
     }
 
     /// The units of the selection that the cameras see.
-    ///
-    /// # Errors
-    /// As for [`CameraArgs::cameras`].
     pub fn view(&self, decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<View> {
         let cameras = self.cameras()?;
         let seen = (!cameras.is_empty()).then(|| CameraUnits::find(decoder, chosen, &cameras));
         let units = chosen.iter().map(|part| u64::from(part.stream.entry.unit_count())).sum();
         let counts = match &seen {
             Some(seen) => seen.counts(),
-            None => CameraUnitCounts { units, visible_units: units, ..CameraUnitCounts::default() },
+            None => CameraUnitCounts { units, visible_units: units, ..Default::default() },
         };
         if let (Some(_), 0) = (&seen, counts.visible_units) {
             output::note("no camera sees anything of the selected frames and streams");

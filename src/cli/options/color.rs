@@ -1,16 +1,35 @@
 //! Options of colour.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::choice::{Choices, one_of};
+use crate::cli::refuse;
 use crate::color::settings::SearchSettings;
 use crate::dataset::{InvalidColor, SourceOptions};
 use crate::encode::{ColorBlockSettings, EncodeSettings};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::streams::{ColorBlocks, ColorFormat};
 
-/// How colour is read and coded.
+/// Blocks of keyframes, none for raw samples: an alias, as clap takes an `Option` for an option that may be absent.
+type KeyframeBlocks = Option<ColorBlocks>;
+
+/// `--color-block`.
+const BLOCKS: &Choices<KeyframeBlocks> = &[
+    ("none", None, "Raw samples"),
+    ("bc1", Some(ColorBlocks::Bc1), "8 bytes for 4x4 pixels"),
+    ("bc7", Some(ColorBlocks::Bc7), "16 bytes for 4x4 pixels"),
+    ("bc6h", Some(ColorBlocks::Bc6h), "16 bytes for 4x4 pixels of half floats"),
+];
+
+/// `--transfer`.
+const TRANSFERS: &Choices<Transfer> = &[("srgb", Transfer::Srgb, "sRGB curve"), ("linear", Transfer::Linear, "Linear")];
+
+/// `--invalid-color`.
+pub const INVALID_COLORS: &Choices<InvalidColor> =
+    &[("refuse", InvalidColor::Refuse, "Fail with file and pixel"), ("black", InvalidColor::Black, "Replace by black")];
+
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Colour")]
 pub struct ColorArgs {
@@ -23,15 +42,15 @@ pub struct ColorArgs {
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
     /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the loss
-    #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = ColorBlockArg::None)]
-    pub color_block: ColorBlockArg,
+    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(BLOCKS), default_value = "none")]
+    pub color_block: KeyframeBlocks,
     /// Least PSNR of each frame of each cell with keyframes in blocks, in dB, at most --psnr [default: 30 for bc1, 40 for
     /// bc7 and bc6h]
     #[arg(long, value_name = "DB")]
     pub psnr_final: Option<f64>,
     /// Transfer function to 8-bit codes
-    #[arg(long, value_enum, default_value_t = TransferArg::Srgb, conflicts_with = "hdr")]
-    pub transfer: TransferArg,
+    #[arg(long, value_parser = one_of(TRANSFERS), default_value = "srgb", conflicts_with = "hdr")]
+    pub transfer: Transfer,
     /// Exposure in stops before conversion to 8 bits, -8 to 8
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: f32,
@@ -47,77 +66,26 @@ pub struct ColorArgs {
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub keyframe_reach: u32,
     /// Handling of NaN colours
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse)]
-    pub invalid_color: InvalidColorArg,
-}
-
-/// `--color-block`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ColorBlockArg {
-    /// Raw samples
-    None,
-    /// 8 bytes for 4x4 pixels
-    Bc1,
-    /// 16 bytes for 4x4 pixels
-    Bc7,
-    /// 16 bytes for 4x4 pixels of half floats
-    Bc6h,
-}
-
-impl ColorBlockArg {
-    fn get(self) -> Option<ColorBlocks> {
-        match self {
-            ColorBlockArg::None => None,
-            ColorBlockArg::Bc1 => Some(ColorBlocks::Bc1),
-            ColorBlockArg::Bc7 => Some(ColorBlocks::Bc7),
-            ColorBlockArg::Bc6h => Some(ColorBlocks::Bc6h),
-        }
-    }
-}
-
-/// `--transfer`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum TransferArg {
-    /// sRGB curve
-    Srgb,
-    /// Linear
-    Linear,
-}
-
-/// `--invalid-color`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum InvalidColorArg {
-    /// Fail with file and pixel
-    Refuse,
-    /// Replace by black
-    Black,
-}
-
-impl From<InvalidColorArg> for InvalidColor {
-    fn from(what: InvalidColorArg) -> InvalidColor {
-        match what {
-            InvalidColorArg::Refuse => InvalidColor::Refuse,
-            InvalidColorArg::Black => InvalidColor::Black,
-        }
-    }
+    #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_COLORS), default_value = "refuse")]
+    pub invalid_color: InvalidColor,
 }
 
 impl ColorArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
-        let blocks = self.color_block.get();
+        let blocks = self.color_block;
         let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));
         let psnr = self.psnr.or(of_blocks).unwrap_or(SearchSettings::default().min_psnr_db);
         for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", Some(psnr))] {
             if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
-                return Err(Error::Usage(format!("{option} {db}: 0 to 200 dB was expected")));
+                return refuse(format!("{option} {db}: 0 to 200 dB was expected"));
             }
         }
         if !(-8.0..=8.0).contains(&self.exposure) {
-            return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
+            return refuse(format!("--exposure {}: -8 to 8 stops were expected", self.exposure));
         }
         if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
-            return Err(Error::Usage(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected")));
+            return refuse(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected"));
         }
         settings.cell = self.color_cell;
         settings.search =
@@ -127,18 +95,14 @@ impl ColorArgs {
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
         });
         if settings.color_blocks.is_none() && self.psnr_final.is_some() {
-            return Err(Error::Usage("--psnr-final needs --color-block".into()));
+            return refuse("--psnr-final needs --color-block");
         }
-        let transfer = match self.transfer {
-            TransferArg::Srgb => Transfer::Srgb,
-            TransferArg::Linear => Transfer::Linear,
-        };
         settings.color = if self.hdr {
             ColorFormat::Half { white_cd_m2: self.white }
         } else {
-            ColorFormat::EightBit(ToneMap { transfer, exposure_ev: self.exposure })
+            ColorFormat::EightBit(ToneMap { transfer: self.transfer, exposure_ev: self.exposure })
         };
-        source.invalid_color = self.invalid_color.into();
+        source.invalid_color = self.invalid_color;
         Ok(())
     }
 }

@@ -1,14 +1,16 @@
 //! Options of depth.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::choice::{Choices, InBlocks, one_of};
+use crate::cli::refuse;
 use crate::dataset::{InvalidDepth, SourceOptions};
 use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::settings::TemporalSettings;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::DepthKind;
 
 /// Parses a background: a finite float, or +inf.
@@ -20,17 +22,58 @@ pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
     Ok(value)
 }
 
+/// `--depth-codec`.
+const CODECS: &Choices<DepthCodec> = &[
+    (
+        "quadtree",
+        DepthCodec::Quadtree,
+        "Modelling functions in a quadtree, within --max-error of the source at every pixel",
+    ),
+    ("aabb", DepthCodec::Boxes, "Raw codes in boxes around changed pixels"),
+    ("bc4w", DepthCodec::Blocks, "Blocks of 8x8 pixels at a fixed 4:1, without an error bound"),
+];
+
+/// `--depth-block`.
+const BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes for 4x4 pixels")];
+
+/// `--depth-domain`.
+const DOMAINS: &Choices<DomainKind> = &[
+    ("log", DomainKind::Log, "Log codes"),
+    ("linear", DomainKind::Linear, "Metres"),
+    ("inverse", DomainKind::Inverse, "Inverse metres, in which planes are exact"),
+];
+
+/// `--optimize`.
+const GOALS: &Choices<Decide> = &[
+    ("quality", Decide::Mse, "The least squared error"),
+    ("mse", Decide::Mse, ""),
+    ("size", Decide::Size, "The fewest bytes"),
+];
+
+/// `--invalid-depth`.
+const INVALID_DEPTHS: &Choices<InvalidDepth> = &[
+    ("refuse", InvalidDepth::Refuse, "Fail with file and pixel"),
+    ("far", InvalidDepth::Far, "Replace by background"),
+    ("near", InvalidDepth::Near, "Replace by the nearest distance"),
+];
+
+/// `--depth-kind`, and `--depth` of capture.
+pub const DEPTH_KINDS: &Choices<DepthKind> = &[
+    ("distance", DepthKind::Distance, "Distance from the probe"),
+    ("planar", DepthKind::Planar, "Along the viewing axis"),
+];
+
 /// How depth is read and coded.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthArgs {
     /// Depth codec
-    #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
-    pub depth_codec: DepthCodecArg,
+    #[arg(long, value_name = "CODEC", value_parser = one_of(CODECS), default_value = "quadtree")]
+    pub depth_codec: DepthCodec,
     /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
     /// defaults to 100
-    #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = DepthBlockArg::None)]
-    pub depth_block: DepthBlockArg,
+    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(BLOCKS), default_value = "none")]
+    pub depth_block: InBlocks,
     /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless [default: 100]
     #[arg(long, alias = "error", value_name = "CODES", conflicts_with = "max_error_relative",
         value_parser = clap::value_parser!(u16).range(..=65534))]
@@ -38,20 +81,16 @@ pub struct DepthArgs {
     /// Largest error of a decoded depth relative to the depth, such as 0.1%, for quadtree
     #[arg(long, alias = "error-relative", value_name = "SHARE", value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
-    /// Domain.
     #[command(flatten)]
     pub domain: DomainArgs,
-    /// Model.
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Steps.
     #[command(flatten)]
     pub steps: DepthStepArgs,
     /// Most boxes per frame and tile, for aabb and material
     #[arg(long, value_name = "N", default_value_t = TemporalSettings::default().max_aabbs,
         value_parser = clap::value_parser!(u16).range(1..=256))]
     pub max_aabbs: u16,
-    /// Units.
     #[command(flatten)]
     pub units: DepthUnitArgs,
 }
@@ -61,8 +100,8 @@ pub struct DepthArgs {
 #[command(next_help_heading = "Depth")]
 pub struct DomainArgs {
     /// Domain of the modelling functions; log if near and far are too close for another
-    #[arg(long, value_name = "DOMAIN", value_enum, default_value_t = DomainArg::Log)]
-    pub depth_domain: DomainArg,
+    #[arg(long, value_name = "DOMAIN", value_parser = one_of(DOMAINS), default_value = "log")]
+    pub depth_domain: DomainKind,
 }
 
 /// How functions are chosen for nodes.
@@ -70,8 +109,8 @@ pub struct DomainArgs {
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
     /// What to optimize when several modelling functions of a node are within the bound
-    #[arg(long, alias = "decide", value_name = "GOAL", value_enum, default_value_t = OptimizeArg::Quality)]
-    pub optimize: OptimizeArg,
+    #[arg(long, alias = "decide", value_name = "GOAL", value_parser = one_of(GOALS), default_value = "quality")]
+    pub optimize: Decide,
     /// Changed children of a node that make the encoder try one function for the whole node
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
         value_parser = clap::value_parser!(u8).range(1..=4))]
@@ -113,7 +152,6 @@ pub struct DepthUnitArgs {
     /// Farthest surface in metres [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
-    /// Reading.
     #[command(flatten)]
     pub reading: DepthReadingArgs,
 }
@@ -138,66 +176,6 @@ impl BoundArgs {
     }
 }
 
-/// `--depth-codec`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DepthCodecArg {
-    /// Modelling functions in a quadtree, within --max-error of the source at every pixel
-    Quadtree,
-    /// Raw codes in boxes around changed pixels
-    Aabb,
-    /// Blocks of 8x8 pixels at a fixed 4:1, without an error bound
-    Bc4w,
-}
-
-/// `--depth-block`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DepthBlockArg {
-    /// Raw codes
-    None,
-    /// 16 bytes for 4x4 pixels
-    Bc5,
-}
-
-/// `--depth-domain`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DomainArg {
-    /// Log codes
-    Log,
-    /// Metres
-    Linear,
-    /// Inverse metres, in which planes are exact
-    Inverse,
-}
-
-/// `--optimize`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum OptimizeArg {
-    /// The least squared error
-    #[value(alias = "mse")]
-    Quality,
-    /// The fewest bytes
-    Size,
-}
-
-impl From<DomainArg> for DomainKind {
-    fn from(domain: DomainArg) -> DomainKind {
-        match domain {
-            DomainArg::Log => DomainKind::Log,
-            DomainArg::Linear => DomainKind::Linear,
-            DomainArg::Inverse => DomainKind::Inverse,
-        }
-    }
-}
-
-impl From<OptimizeArg> for Decide {
-    fn from(goal: OptimizeArg) -> Decide {
-        match goal {
-            OptimizeArg::Quality => Decide::Mse,
-            OptimizeArg::Size => Decide::Size,
-        }
-    }
-}
-
 /// Parses a share: `0.1%` or `0.001`.
 pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
@@ -214,8 +192,8 @@ pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
 #[command(next_help_heading = "Depth")]
 pub struct DepthReadingArgs {
     /// Handling of NaN, negative and zero depths
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidDepthArg::Refuse)]
-    pub invalid_depth: InvalidDepthArg,
+    #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_DEPTHS), default_value = "refuse")]
+    pub invalid_depth: InvalidDepth,
     /// Metres per unit of an integer image
     #[arg(long, value_name = "M")]
     pub depth_scale: Option<f64>,
@@ -223,64 +201,38 @@ pub struct DepthReadingArgs {
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_background)]
     pub background: Option<f32>,
     /// Kind of depth values [default: from the manifest, or distance]
-    #[arg(long, value_name = "KIND", value_enum)]
-    pub depth_kind: Option<DepthKindArg>,
-}
-
-/// `--invalid-depth`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum InvalidDepthArg {
-    /// Fail with file and pixel
-    Refuse,
-    /// Replace by background
-    Far,
-    /// Replace by the nearest distance
-    Near,
-}
-
-/// `--depth-kind`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DepthKindArg {
-    /// Distance from the probe
-    Distance,
-    /// Along the viewing axis
-    Planar,
+    #[arg(long, value_name = "KIND", value_parser = one_of(DEPTH_KINDS))]
+    pub depth_kind: Option<DepthKind>,
 }
 
 impl DepthArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
         settings.depth.codec = match (self.depth_codec, self.depth_block) {
-            (DepthCodecArg::Quadtree, DepthBlockArg::None) => DepthCodec::Quadtree,
-            (DepthCodecArg::Aabb, DepthBlockArg::None) => DepthCodec::Boxes,
-            (DepthCodecArg::Aabb, DepthBlockArg::Bc5) => DepthCodec::BoxesInBlocks,
-            (DepthCodecArg::Bc4w, DepthBlockArg::None) => DepthCodec::Blocks,
-            (_, DepthBlockArg::Bc5) => {
-                return Err(Error::Usage("--depth-block bc5 needs --depth-codec aabb".into()));
-            }
+            (codec, false) => codec,
+            (DepthCodec::Boxes, true) => DepthCodec::BoxesInBlocks,
+            (_, true) => return refuse("--depth-block bc5 needs --depth-codec aabb"),
         };
-        let bounded = self.max_error.is_some() || self.max_error_relative.is_some();
-        match self.depth_codec {
-            DepthCodecArg::Aabb if bounded => {
-                return Err(Error::Usage(
-                    "--max-error bounds the functions of a quadtree: with --depth-codec aabb use --update-threshold"
-                        .into(),
-                ));
+        if self.max_error.is_some() || self.max_error_relative.is_some() {
+            match self.depth_codec {
+                DepthCodec::Boxes => {
+                    return refuse(
+                        "--max-error bounds the functions of a quadtree: with --depth-codec aabb use --update-threshold",
+                    );
+                }
+                DepthCodec::Blocks => {
+                    return refuse("--depth-codec bc4w has no error bound: leave out --max-error, or use quadtree");
+                }
+                _ => {}
             }
-            DepthCodecArg::Bc4w if bounded => {
-                return Err(Error::Usage(
-                    "--depth-codec bc4w has no error bound: leave out --max-error, or use quadtree".into(),
-                ));
-            }
-            _ => {}
         }
         let codes = ErrorBound::Codes(self.max_error.unwrap_or(NodeSettings::default().bound));
         settings.depth.error = self.max_error_relative.map_or(codes, ErrorBound::Relative);
         settings.temporal.max_aabbs = self.max_aabbs;
-        self.domain.apply(settings);
+        settings.depth.domain = self.domain.depth_domain;
         self.model.apply(settings);
         self.steps.apply(settings);
-        if self.depth_block == DepthBlockArg::Bc5 {
+        if self.depth_block {
             // BC5 is seldom exact.
             settings.temporal.epsilon = self.steps.update_threshold.unwrap_or(NodeSettings::default().bound);
         }
@@ -289,17 +241,10 @@ impl DepthArgs {
     }
 }
 
-impl DomainArgs {
-    /// Puts the option where the encoder reads it.
-    pub fn apply(&self, settings: &mut EncodeSettings) {
-        settings.depth.domain = self.depth_domain.into();
-    }
-}
-
 impl ModelArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
-        settings.depth.decide = self.optimize.into();
+        settings.depth.decide = self.optimize;
         settings.depth.min_children = self.min_children;
     }
 }
@@ -332,14 +277,7 @@ impl DepthReadingArgs {
     pub fn apply(&self, source: &mut SourceOptions) {
         source.depth_scale = self.depth_scale;
         source.background = self.background;
-        source.invalid_depth = match self.invalid_depth {
-            InvalidDepthArg::Refuse => InvalidDepth::Refuse,
-            InvalidDepthArg::Far => InvalidDepth::Far,
-            InvalidDepthArg::Near => InvalidDepth::Near,
-        };
-        source.depth_kind = self.depth_kind.map(|kind| match kind {
-            DepthKindArg::Distance => DepthKind::Distance,
-            DepthKindArg::Planar => DepthKind::Planar,
-        });
+        source.invalid_depth = self.invalid_depth;
+        source.depth_kind = self.depth_kind;
     }
 }

@@ -1,38 +1,32 @@
 //! Options of material.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::choice::{Choices, InBlocks, one_of};
 use crate::encode::{EncodeSettings, MaterialSettings};
 
 /// Default error of material in blocks, in steps of 8 bits.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;
 
-/// How material is coded.
+/// `--material-block`.
+const BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw values"), ("bc1", true, "8 bytes for 4x4 pixels")];
+
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Material")]
 pub struct MaterialArgs {
     /// Store material in blocks of a texture format that stay within --material-error
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = MaterialBlockArg::None)]
-    pub material_block: MaterialBlockArg,
+    #[arg(long, value_name = "FORMAT", value_parser = one_of(BLOCKS), default_value = "none")]
+    pub material_block: InBlocks,
     /// Largest error of a decoded material in steps of 8 bits; 0 is lossless [default: 0, with blocks 8]
     #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u16).range(..=255))]
     pub material_error: Option<u16>,
 }
 
-/// `--material-block`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MaterialBlockArg {
-    /// Raw values
-    None,
-    /// 8 bytes for 4x4 pixels
-    Bc1,
-}
-
 impl MaterialArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(self, settings: &mut EncodeSettings) {
-        let in_blocks = self.material_block == MaterialBlockArg::Bc1;
-        let usual = if in_blocks { USUAL_ERROR_IN_BLOCKS } else { 0 };
-        settings.material = MaterialSettings { epsilon: self.material_error.unwrap_or(usual), in_blocks };
+        let usual = if self.material_block { USUAL_ERROR_IN_BLOCKS } else { 0 };
+        let epsilon = self.material_error.unwrap_or(usual);
+        settings.material = MaterialSettings { epsilon, in_blocks: self.material_block };
     }
 }

@@ -6,16 +6,18 @@ pub fn parse_number(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| format!("'{text}' is no number"))
 }
 
-/// Parses a finite number above 0.
-pub fn parse_positive(text: &str) -> Result<f64, String> {
+/// Parses a finite number within a range, which `expected` names.
+pub fn parse_number_where(text: &str, is_in: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
     let value = parse_number(text)?;
-    if value > 0.0 { Ok(value) } else { Err(format!("'{text}': more than 0 was expected")) }
+    if is_in(value) { Ok(value) } else { Err(format!("'{text}': {expected}")) }
 }
 
-/// Parses a finite number that is 0 or more.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    parse_number_where(text, |value| value > 0.0, "more than 0 was expected")
+}
+
 pub fn parse_not_negative(text: &str) -> Result<f64, String> {
-    let value = parse_number(text)?;
-    if value >= 0.0 { Ok(value) } else { Err(format!("'{text}': 0 or more was expected")) }
+    parse_number_where(text, |value| value >= 0.0, "0 or more was expected")
 }
 
 #[cfg(test)]

@@ -3,35 +3,25 @@
 use clap::Args;
 
 use crate::decode::Selection;
-use crate::error::Error;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 
-/// Parses a stream kind.
 pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
     StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material"))
 }
 
-/// Parses a face.
 pub fn parse_face(text: &str) -> Result<Face, String> {
     Face::from_name(text).ok_or_else(|| format!("'{text}' is none of px, nx, py, ny, pz, nz, view"))
 }
 
-/// Parses `A-B` or `A`.
-pub fn parse_frames(text: &str) -> Result<FrameRange, String> {
-    text.parse::<FrameRange>().map_err(|error: Error| error.to_string())
-}
-
-/// Which frames of the input.
 #[derive(Debug, Clone, Args)]
 pub struct FrameArgs {
     /// Only these frames, such as 10-99 or 12
-    #[arg(long, value_name = "A-B", value_parser = parse_frames)]
+    #[arg(long, value_name = "A-B")]
     pub frames: Option<FrameRange>,
 }
 
-/// Which streams of a container.
 #[derive(Debug, Clone, Args)]
 pub struct SelectionArgs {
     /// Only these probes

@@ -1,30 +1,49 @@
 //! Options of image sequences: contents and layout of the images.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::{EffortArgs, FrameArgs, parse_face};
+use super::choice::{Choices, one_of};
+use super::{EffortArgs, FrameArgs, OutputArgs, ResumeArgs, Target, parse_face};
+use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::image::png::ColorSpace;
 
 /// `--color-space`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ColorSpaceArg {
-    /// Scene-linear Rec. 709
-    LinearRec709,
-    /// sRGB codes
-    Srgb,
+pub const COLOR_SPACES: &Choices<ColorSpace> =
+    &[("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709"), ("srgb", ColorSpace::Srgb, "sRGB codes")];
+
+/// `--layout`; single images show another face if so asked.
+const LAYOUTS: &Choices<Arrangement> = &[
+    ("single", Arrangement::Single(Face::View), "One face, or a perspective image"),
+    ("cross", Arrangement::Cross, "Six faces unfolded, 4:3 or 3:4"),
+    ("strip", Arrangement::Strip, "Six faces in a row or a column, px nx py ny pz nz"),
+    ("equirect", Arrangement::Equirect, "Longitude and latitude, resampled to six faces"),
+];
+
+/// Options of every command that encodes one sequence into a container.
+#[derive(Debug, Clone, Args)]
+pub struct SequenceArgs {
+    #[command(flatten)]
+    pub output: OutputArgs,
+    #[command(flatten)]
+    pub resume: ResumeArgs,
+    #[command(flatten)]
+    pub input: SequenceInputArgs,
 }
 
-impl From<ColorSpaceArg> for ColorSpace {
-    fn from(space: ColorSpaceArg) -> ColorSpace {
-        match space {
-            ColorSpaceArg::LinearRec709 => ColorSpace::LinearRec709,
-            ColorSpaceArg::Srgb => ColorSpace::Srgb,
-        }
+impl SequenceArgs {
+    /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
+        self.input.apply(source, settings);
+        self.output.store.apply(settings);
+    }
+
+    pub fn target(&self) -> Target<'_> {
+        self.output.target(self.resume)
     }
 }
 
@@ -34,7 +53,6 @@ pub struct SequenceInputArgs {
     /// The sequence: a pattern such as name.%04d.exr or name.####.exr, a folder, or one file
     #[arg(value_name = "SEQ")]
     pub input: String,
-    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
     /// Name of the probe
@@ -43,21 +61,18 @@ pub struct SequenceInputArgs {
     /// Face of single images: px, nx, py, ny, pz, nz, or view for a perspective image
     #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face, help_heading = "Sequence")]
     pub face: Face,
-    /// Images.
     #[command(flatten)]
     pub images: ImageArgs,
-    /// Effort.
     #[command(flatten)]
     pub effort: EffortArgs,
 }
 
-/// Layout of the images of a sequence.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub struct ImageArgs {
     /// Layout of the images
-    #[arg(long, value_enum, default_value_t = LayoutArg::Single)]
-    pub layout: LayoutArg,
+    #[arg(long, value_parser = one_of(LAYOUTS), default_value = "single")]
+    pub layout: Arrangement,
     /// fx,fy,cx,cy of a perspective image in pixels, to convert planar depth to distance
     #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub intrinsics: Option<Vec<f64>>,
@@ -67,19 +82,6 @@ pub struct ImageArgs {
     /// Name of the channel or layer, if unusual
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
-}
-
-/// `--layout`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LayoutArg {
-    /// One face, or a perspective image
-    Single,
-    /// Six faces unfolded, 4:3 or 3:4
-    Cross,
-    /// Six faces in a row or a column, px nx py ny pz nz
-    Strip,
-    /// Longitude and latitude, resampled to six faces
-    Equirect,
 }
 
 impl SequenceInputArgs {
@@ -92,35 +94,27 @@ impl SequenceInputArgs {
     }
 
     /// Opens the sequence as a source of one kind of stream.
-    pub fn open(&self, kind: StreamKind, options: SourceOptions) -> Result<Source> {
-        let layout = SequenceLayout {
-            arrangement: self.images.arrangement(self.face),
-            probe: self.probe.clone(),
-            intrinsics: self.images.intrinsics()?,
+    pub fn open(&self, kind: StreamKind, options: &SourceOptions) -> Result<Source> {
+        let images = self.images.layout()?;
+        let arrangement = match images.arrangement {
+            Arrangement::Single(_) => Arrangement::Single(self.face),
+            unfolded => unfolded,
         };
-        Source::from_sequence(kind, &self.input, &layout, &options)
+        let layout = SequenceLayout { arrangement, probe: self.probe.clone(), ..images };
+        Source::from_sequence(kind, &self.input, &layout, options)
     }
 }
 
 impl ImageArgs {
-    /// Arrangement of the images; single images show `face`.
-    pub fn arrangement(&self, face: Face) -> Arrangement {
-        match self.layout {
-            LayoutArg::Single => Arrangement::Single(face),
-            LayoutArg::Cross => Arrangement::Cross,
-            LayoutArg::Strip => Arrangement::Strip,
-            LayoutArg::Equirect => Arrangement::Equirect,
-        }
-    }
-
-    /// The four numbers of `--intrinsics`.
-    pub fn intrinsics(&self) -> Result<Option<[f64; 4]>> {
-        match self.intrinsics.as_deref() {
-            None => Ok(None),
-            Some(&[fx, fy, cx, cy]) => Ok(Some([fx, fy, cx, cy])),
+    /// The layout of images of the default probe and face.
+    pub fn layout(&self) -> Result<SequenceLayout> {
+        let intrinsics = match self.intrinsics.as_deref() {
+            None => None,
+            Some(&[fx, fy, cx, cy]) => Some([fx, fy, cx, cy]),
             Some(other) => {
-                Err(Error::Usage(format!("--intrinsics: four numbers were expected, {} given", other.len())))
+                return refuse(format!("--intrinsics: four numbers were expected, {} given", other.len()));
             }
-        }
+        };
+        Ok(SequenceLayout { arrangement: self.layout, intrinsics, ..SequenceLayout::default() })
     }
 }

@@ -2,28 +2,29 @@
 
 use clap::Args;
 
-use super::depth::InvalidDepthArg;
-use super::sequence::LayoutArg;
-use super::{ColorSpaceArg, DepthReadingArgs, ImageArgs, InvalidColorArg};
+use super::choice::one_of;
+use super::color::INVALID_COLORS;
+use super::sequence::COLOR_SPACES;
+use super::{DepthReadingArgs, ImageArgs};
 use crate::compare::SideOptions;
-use crate::dataset::source::{SequenceLayout, SourceOptions};
+use crate::dataset::source::{Arrangement, SourceOptions};
+use crate::dataset::{InvalidColor, InvalidDepth};
 use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
+use crate::image::png::ColorSpace;
 
-/// How files that are compared are read.
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {
     /// Encoding of colour values [default: linear light for EXR, sRGB for PNG]
-    #[arg(long, value_enum, help_heading = "Colour")]
-    pub color_space: Option<ColorSpaceArg>,
+    #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
+    pub color_space: Option<ColorSpace>,
     /// Handling of NaN colours
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse, help_heading = "Colour")]
-    pub invalid_color: InvalidColorArg,
-    /// Depth.
+    #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_COLORS), default_value = "refuse",
+        help_heading = "Colour")]
+    pub invalid_color: InvalidColor,
     #[command(flatten)]
     pub depth: DepthReadingArgs,
-    /// Images.
     #[command(flatten)]
     pub images: ImageArgs,
 }
@@ -33,33 +34,22 @@ impl SideArgs {
     pub fn is_usual(&self) -> bool {
         let (depth, images) = (&self.depth, &self.images);
         self.color_space.is_none()
-            && self.invalid_color == InvalidColorArg::Refuse
-            && depth.invalid_depth == InvalidDepthArg::Refuse
+            && self.invalid_color == InvalidColor::Refuse
+            && depth.invalid_depth == InvalidDepth::Refuse
             && (depth.depth_scale, depth.background, depth.depth_kind) == (None, None, None)
-            && images.layout == LayoutArg::Single
+            && images.layout == Arrangement::Single(Face::View)
             && images.intrinsics.is_none()
             && (images.face_size, images.channel.as_ref()) == (None, None)
     }
 
     /// Options of both sides and the compared selection.
-    ///
-    /// # Errors
-    /// A wrong number of intrinsics.
     pub fn options(&self, selection: Selection) -> Result<SideOptions> {
         let mut source = SourceOptions::default();
         self.depth.apply(&mut source);
-        source.color_space = self.color_space.map(Into::into);
-        source.invalid_color = self.invalid_color.into();
+        source.color_space = self.color_space;
+        source.invalid_color = self.invalid_color;
         source.face_size = self.images.face_size;
         source.channel = self.images.channel.clone();
-        Ok(SideOptions {
-            source,
-            layout: SequenceLayout {
-                arrangement: self.images.arrangement(Face::View),
-                intrinsics: self.images.intrinsics()?,
-                ..SequenceLayout::default()
-            },
-            selection,
-        })
+        Ok(SideOptions { source, layout: self.images.layout()?, selection })
     }
 }

@@ -1,12 +1,12 @@
 //! Arguments of `place`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::ValueEnum;
-
-use crate::cli::options::{self, EffortArg, parse_not_negative, parse_positive};
+use crate::cli::options::choice::{Choices, one_of};
+use crate::cli::options::{self, EFFORTS, check_stdout, parse_not_negative, parse_positive};
+use crate::cli::refuse;
 use crate::effort::Effort;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::sequence::FrameRange;
 use crate::placement::search::{DEFAULT_MOST_CAMERAS, DEFAULT_UNTIL, LEAST_THETA_DEG};
 use crate::placement::{CandidateKind, Lighting, Settings, Stop};
@@ -14,7 +14,6 @@ use crate::scene::Scene;
 use crate::scene::capture::frames_of_animation;
 use crate::scene::footage::FPS;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     lightfold place courtyard --region=-0.5,1.2,-0.5,0.5,1.8,0.5 -o cameras.json\n  \
@@ -57,8 +56,8 @@ pub struct Args {
     #[arg(long, value_name = "CAMERAS.json")]
     pub start: Option<PathBuf>,
     /// Reflection of the surfaces
-    #[arg(long, value_enum, default_value_t = LightingArg::Diffuse)]
-    pub lighting: LightingArg,
+    #[arg(long, value_parser = one_of(LIGHTINGS), default_value = "diffuse")]
+    pub lighting: Lighting,
     /// Specular lighting: angle between directions that see the same reflection [default: 50]; angles below 1 need
     /// --cameras
     #[arg(long, value_name = "DEGREES", value_parser = parse_theta)]
@@ -76,15 +75,15 @@ pub struct Args {
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
     /// Frames to cover, such as 0-95 [default: the whole animation]
-    #[arg(long, value_name = "A-B", value_parser = options::parse_frames)]
+    #[arg(long, value_name = "A-B")]
     pub frames: Option<FrameRange>,
     /// Frames per second [default: 24]
     #[arg(long, value_name = "N", value_parser = parse_positive)]
     pub fps: Option<f64>,
     /// Search effort: 256 candidates and 2048 surface samples, 1024 and 8192, or 4096 and 32768 with plain greedy search; up
     /// to 4, 16 or 64 frames of an animation
-    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
-    pub effort: EffortArg,
+    #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
+    pub effort: Effort,
     /// Number of candidates [default: by --effort]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub candidates: Option<u32>,
@@ -105,52 +104,38 @@ pub struct Args {
     pub json: bool,
 }
 
-/// `--lighting`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LightingArg {
-    /// Equal from all directions: one camera covers a surface
-    Diffuse,
-    /// Glossy or mirroring: directions above a surface are covered
-    Specular,
-}
-
 /// Default θ (CALF figure 4).
 const DEFAULT_THETA_DEG: f64 = 50.0;
+const SPECULAR: Lighting = Lighting::Specular { theta_deg: DEFAULT_THETA_DEG };
+
+/// `--lighting`.
+const LIGHTINGS: &Choices<Lighting> = &[
+    ("diffuse", Lighting::Diffuse, "Equal from all directions: one camera covers a surface"),
+    ("specular", SPECULAR, "Glossy or mirroring: directions above a surface are covered"),
+];
 
 fn parse_theta(text: &str) -> Result<f64, String> {
-    let degrees = options::parse_number(text)?;
-    if (0.0..=180.0).contains(&degrees) {
-        Ok(degrees)
-    } else {
-        Err(format!("'{text}': 0 to 180 degrees were expected"))
-    }
+    options::parse_number_where(text, |degrees| (0.0..=180.0).contains(&degrees), "0 to 180 degrees were expected")
 }
 
 impl Args {
     pub(super) fn lighting(&self) -> Lighting {
-        match self.lighting {
-            LightingArg::Diffuse => Lighting::Diffuse,
-            LightingArg::Specular => Lighting::Specular { theta_deg: self.theta.unwrap_or(DEFAULT_THETA_DEG) },
+        match (self.lighting, self.theta) {
+            (Lighting::Specular { .. }, Some(theta_deg)) => Lighting::Specular { theta_deg },
+            (lighting, _) => lighting,
         }
     }
 
     /// The other lighting, for comparison.
     pub(super) fn other_lighting(&self) -> Lighting {
-        match self.lighting {
-            LightingArg::Diffuse => Lighting::Specular { theta_deg: DEFAULT_THETA_DEG },
-            LightingArg::Specular => Lighting::Diffuse,
-        }
-    }
-
-    pub(super) fn effort(&self) -> Effort {
-        self.effort.into()
+        if self.lighting == Lighting::Diffuse { SPECULAR } else { Lighting::Diffuse }
     }
 
     pub(super) fn settings(&self) -> Settings {
         Settings {
             rate_per_m: self.k,
             min_distance_m: self.min_distance,
-            effort: self.effort(),
+            effort: self.effort,
             kind: if self.grid { CandidateKind::Grid } else { CandidateKind::Refined },
             candidates: self.candidates.map(|count| count as usize),
             surface_samples: self.surface_samples.map(|count| count as usize),
@@ -172,24 +157,21 @@ impl Args {
 
     /// Refuses contradicting options.
     pub(super) fn check(&self) -> Result<()> {
-        let wrong = |text: &str| Err(Error::Usage(text.into()));
-        if self.json && self.output == Path::new("-") {
-            return wrong("--json and -o - would both write to standard output; name a file");
-        }
-        if self.theta.is_some() && self.lighting == LightingArg::Diffuse {
-            return wrong("--theta needs --lighting specular");
+        check_stdout(&self.output, self.json)?;
+        if self.theta.is_some() && self.lighting == Lighting::Diffuse {
+            return refuse("--theta needs --lighting specular");
         }
         let is_small = matches!(self.lighting(), Lighting::Specular { theta_deg } if theta_deg < LEAST_THETA_DEG);
         if is_small && (self.is_endless() || self.until.is_some()) {
-            return wrong(
+            return refuse(
                 "--theta below 1 degree needs --cameras without --until: gains hardly decrease, so the search would not end",
             );
         }
         if !self.compare_k.is_empty() && self.plot.is_none() && self.csv.is_none() {
-            return wrong("--compare-k needs --plot DIR or --csv FILE.csv");
+            return refuse("--compare-k needs --plot DIR or --csv FILE.csv");
         }
         if self.cameras == Some(0) && self.start.is_none() {
-            return wrong("--cameras 0 needs --start");
+            return refuse("--cameras 0 needs --start");
         }
         Ok(())
     }

@@ -13,12 +13,11 @@ use crate::placement::report::{DecayPlacement, PlacementReport};
 use crate::placement::{Figures, Lighting, Placement, Search};
 use crate::report::coding_map::counted;
 use crate::report::placement::Curve;
-use crate::report::{Column, Table, csv};
+use crate::report::{Table, csv};
 
 /// Below this visible fraction of the surface the region is probably misplaced.
 const HARDLY_ANYTHING: f64 = 0.01;
 
-/// The JSON report.
 #[derive(Serialize)]
 pub struct Document<'a> {
     #[serde(flatten)]
@@ -29,11 +28,8 @@ pub struct Document<'a> {
 
 /// Results of a run.
 pub struct Report<'a> {
-    /// The command line.
     pub args: &'a Args,
-    /// The search.
     pub search: &'a Search<'a>,
-    /// The placement asked for.
     pub placement: &'a Placement,
     /// The same for the other lighting, with --plot or --csv.
     pub comparison: Option<Placement>,
@@ -134,9 +130,6 @@ impl Report<'_> {
     }
 
     /// One row for each camera of each lighting.
-    ///
-    /// # Errors
-    /// When it cannot be written as CSV.
     pub fn csv(&self) -> Result<String> {
         let rate_per_m = self.search.problem().rate_per_m();
         let asked = self.placements().flat_map(|placement| placement.rows(rate_per_m));
@@ -144,7 +137,6 @@ impl Report<'_> {
         csv::of_rows(&asked.chain(decays).collect::<Vec<_>>())
     }
 
-    /// The report as text.
     pub fn text(&self, files: &[PathBuf]) -> String {
         let mut text = String::new();
         for placement in self.placements() {
@@ -202,19 +194,10 @@ impl Report<'_> {
     }
 
     fn table(&self, placement: &Placement) -> Table {
-        let mut columns = vec![
-            Column::Left("Camera"),
-            Column::Right("x"),
-            Column::Right("y"),
-            Column::Right("z"),
-            Column::Right("Gain"),
-            Column::Right("Coverage"),
-        ];
-        // Coverage of specular surfaces is of directions; of what is beside it, both tell parts of the surface.
+        // Coverage of specular surfaces is of directions; the column beside it is a part of the surface.
         let is_diffuse = placement.lighting == Lighting::Diffuse;
-        columns
-            .extend(if is_diffuse { vec!["Weighted", "Within"] } else { vec!["Seen"] }.into_iter().map(Column::Right));
-        let mut table = Table::new(&columns);
+        let beside = if is_diffuse { ">Weighted|>Within" } else { ">Seen" };
+        let mut table = Table::new(&format!("Camera|>x|>y|>z|>Gain|>Coverage|{beside}"));
         let bounds = self.search.region().bounds();
         let diagonal_m = (bounds.max - bounds.min).length();
         for (at, placed) in placement.cameras.iter().enumerate() {

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::options::{MarchArgs, ViewArgs, parse_size};
-use super::truth_args::TruthArgs;
-use crate::cli::device::{DeviceArg, GpuArgs};
+use super::options::{MarchArgs, TruthArgs, ViewArgs, parse_size};
+use crate::cli::device::{DEVICES, GpuArgs};
+use crate::cli::options::choice::one_of;
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
+use crate::gpu::device::DeviceChoice;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     mut_arg("frames", |frames| frames.help("Only these frames, such as 10-99 or 12 [default: frames of the cameras or \
@@ -55,37 +55,30 @@ pub struct Args {
     /// Height, or width and height in pixels [default: 512; with --reference the size of its images]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "reference")]
     pub size: Option<(u32, Option<u32>)>,
-    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
     /// Stereo pairs with this distance of the eyes in metres, side by side unless OUT has %V
     #[arg(long, value_name = "M", value_parser = parse_positive, conflicts_with = "reference")]
     pub stereo: Option<f64>,
     /// Rendering device [default: cpu]
-    #[arg(long, value_enum)]
-    pub device: Option<DeviceArg>,
-    /// Which graphics device.
+    #[arg(long, value_parser = one_of(DEVICES))]
+    pub device: Option<DeviceChoice>,
     #[command(flatten)]
     pub gpu: GpuArgs,
     /// Contact sheet of all images, as PNG
     #[arg(long, value_name = "FILE.png")]
     pub contact_sheet: Option<PathBuf>,
-    /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
-    /// How.
     #[command(flatten)]
     pub march: MarchArgs,
-    /// Which probes.
     #[command(flatten)]
     pub views: ViewArgs,
-    /// What pictures are compared with.
     #[command(flatten)]
     pub truth: TruthArgs,
-    /// Cameras.
     #[command(flatten)]
     pub cameras: CameraArgs,
 }
@@ -95,10 +88,5 @@ impl Args {
     pub fn results_to_stdout(&self) -> usize {
         let paths = [&self.output, &self.contact_sheet, &self.views.trace];
         paths.into_iter().flatten().filter(|path| *path == Path::new("-")).count()
-    }
-
-    /// Whether a result goes to standard output, so that text goes to standard error.
-    pub fn is_stdout_taken(&self) -> bool {
-        self.results_to_stdout() > 0
     }
 }

@@ -2,111 +2,65 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use glam::DVec3;
 
-use crate::cli::options::{parse_not_negative, parse_point, parse_positive};
+use crate::cli::options::choice::{Choices, one_of};
+use crate::cli::options::{parse_not_negative, parse_number_where, parse_point, parse_positive};
 use crate::evaluate::rendered_image::HoleFill;
+use crate::march::playback::frames::DecodeScope;
+use crate::march::playback::selection::ViewPriority;
 use crate::march::settings::{Acceleration, SpecularMode};
 
-/// `--method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodArg {
-    /// March rays through all active views
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
     March,
-    /// Baseline: each texel as a point of one pixel
     Splat,
-    /// Upper reference: blend views at the true distances of --reference, without reflection and refraction
     Reproject,
 }
 
-impl MethodArg {
-    /// Its value on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            MethodArg::March => "march",
-            MethodArg::Splat => "splat",
-            MethodArg::Reproject => "reproject",
-        }
-    }
-}
+/// `--method`.
+pub const METHODS: &Choices<Method> = &[
+    ("march", Method::March, "March rays through all active views"),
+    ("splat", Method::Splat, "Baseline: each texel as a point of one pixel"),
+    (
+        "reproject",
+        Method::Reproject,
+        "Upper reference: blend views at the true distances of --reference, without reflection and refraction",
+    ),
+];
 
 /// `--holes`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum HolesArg {
-    /// Transparent black
-    Blank,
-    /// The nearest texel; alpha stays 0
-    Nearest,
-}
-
-impl From<HolesArg> for HoleFill {
-    fn from(holes: HolesArg) -> HoleFill {
-        match holes {
-            HolesArg::Blank => HoleFill::Blank,
-            HolesArg::Nearest => HoleFill::Nearest,
-        }
-    }
-}
+const HOLES: &Choices<HoleFill> = &[
+    ("blank", HoleFill::Blank, "Transparent black"),
+    ("nearest", HoleFill::Nearest, "The nearest texel; alpha stays 0"),
+];
 
 /// `--effects`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum EffectsArg {
-    /// If the light field has reflective or refractive materials
-    Auto,
-    /// Never; views are blended
-    None,
-    /// Always, for tests: slower, with the same images as auto
-    Force,
-}
-
-impl From<EffectsArg> for SpecularMode {
-    fn from(effects: EffectsArg) -> SpecularMode {
-        match effects {
-            EffectsArg::Auto => SpecularMode::Auto,
-            EffectsArg::None => SpecularMode::None,
-            EffectsArg::Force => SpecularMode::Force,
-        }
-    }
-}
+const EFFECTS: &Choices<SpecularMode> = &[
+    ("auto", SpecularMode::Auto, "If the light field has reflective or refractive materials"),
+    ("none", SpecularMode::None, "Never; views are blended"),
+    ("force", SpecularMode::Force, "Always, for tests: slower, with the same images as auto"),
+];
 
 /// `--acceleration`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum AccelerationArg {
-    /// Skip empty space by depth pyramids; the images do not change
-    Pyramid,
-    /// Sample every step
-    None,
-}
-
-impl From<AccelerationArg> for Acceleration {
-    fn from(acceleration: AccelerationArg) -> Acceleration {
-        match acceleration {
-            AccelerationArg::Pyramid => Acceleration::Pyramid,
-            AccelerationArg::None => Acceleration::None,
-        }
-    }
-}
+const ACCELERATIONS: &Choices<Acceleration> = &[
+    ("pyramid", Acceleration::Pyramid, "Skip empty space by depth pyramids; the images do not change"),
+    ("none", Acceleration::None, "Sample every step"),
+];
 
 /// `--view-priority`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PriorityArg {
-    /// By distance from the eye
-    Distance,
-    /// By angle to the eye at --pivot
-    Angle,
-}
+const PRIORITIES: &Choices<ViewPriority> = &[
+    ("distance", ViewPriority::Distance, "By distance from the eye"),
+    ("angle", ViewPriority::Angle, "By angle to the eye at --pivot"),
+];
 
 /// `--decode`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DecodeArg {
-    /// Visible tiles and cells; all of them with reflective or refractive materials
-    Seen,
-    /// All tiles and cells
-    All,
-}
+const SCOPES: &Choices<DecodeScope> = &[
+    ("seen", DecodeScope::Seen, "Visible tiles and cells; all of them with reflective or refractive materials"),
+    ("all", DecodeScope::All, "All tiles and cells"),
+];
 
-/// Ray marching.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Quality and time")]
 pub struct MarchArgs {
@@ -126,23 +80,22 @@ pub struct MarchArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Acceleration of ray marching
-    #[arg(long, value_enum, default_value_t = AccelerationArg::Pyramid)]
-    pub acceleration: AccelerationArg,
+    #[arg(long, value_parser = one_of(ACCELERATIONS), default_value = "pyramid")]
+    pub acceleration: Acceleration,
     /// Secondary rays for reflection and refraction
-    #[arg(long, value_enum, default_value_t = EffectsArg::Auto)]
-    pub effects: EffectsArg,
+    #[arg(long, value_parser = one_of(EFFECTS), default_value = "auto")]
+    pub effects: SpecularMode,
     /// Most secondary rays in succession
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub max_bounces: u32,
     /// Fill of holes, which no probe saw; they have alpha 0 and are counted
-    #[arg(long, value_enum, default_value_t = HolesArg::Blank)]
-    pub holes: HolesArg,
+    #[arg(long, value_parser = one_of(HOLES), default_value = "blank")]
+    pub holes: HoleFill,
     /// Rendering method
-    #[arg(long, value_enum, default_value_t = MethodArg::March)]
-    pub method: MethodArg,
+    #[arg(long, value_parser = one_of(METHODS), default_value = "march")]
+    pub method: Method,
 }
 
-/// Selection of probes.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Views")]
 pub struct ViewArgs {
@@ -156,8 +109,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub views: Option<u32>,
     /// Priority of probes
-    #[arg(long, value_enum, default_value_t = PriorityArg::Distance)]
-    pub view_priority: PriorityArg,
+    #[arg(long, value_parser = one_of(PRIORITIES), default_value = "distance")]
+    pub view_priority: ViewPriority,
     /// Vertex of the angles between probes, in metres [default: the centre of all probes]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub pivot: Option<DVec3>,
@@ -171,18 +124,28 @@ pub struct ViewArgs {
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Parts to decode
-    #[arg(long, value_enum, default_value_t = DecodeArg::Seen)]
-    pub decode: DecodeArg,
+    #[arg(long, value_parser = one_of(SCOPES), default_value = "seen")]
+    pub decode: DecodeScope,
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Reference")]
+pub struct TruthArgs {
+    /// Render the images of this dataset, and report PSNR and SSIM
+    #[arg(long, value_name = "DATASET", conflicts_with_all = ["camera", "eye"])]
+    pub reference: Option<PathBuf>,
+    /// Only these probes of the reference, such as 00,01
+    #[arg(long, value_name = "NAME", value_delimiter = ',', requires = "reference", conflicts_with_all = ["camera", "eye"])]
+    pub reference_probe: Vec<String>,
+    /// Folder for error maps
+    #[arg(long, value_name = "DIR", requires = "reference", conflicts_with_all = ["camera", "eye"])]
+    pub error_map: Option<PathBuf>,
 }
 
 /// Parses metres that are normal as 32-bit floats.
 fn parse_metres(text: &str) -> Result<f64, String> {
-    let metres = parse_positive(text)?;
-    if (metres as f32).is_normal() {
-        Ok(metres)
-    } else {
-        Err(format!("'{text}': metres between 1e-37 and 1e38 were expected"))
-    }
+    parse_positive(text)?;
+    parse_number_where(text, |metres| (metres as f32).is_normal(), "metres between 1e-37 and 1e38 were expected")
 }
 
 /// Parses `256` or `640x480`, sides of up to 65,536 pixels and 2^28 pixels in all.

@@ -3,31 +3,25 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::cli::refuse;
+use crate::error::Result;
+use crate::files::parent_of;
 
 /// An option and its output file.
 pub type Output = (&'static str, PathBuf);
 
 /// Refuses outputs that are inputs or equal to another output, except `-`.
-///
-/// # Errors
-/// The first clash, in the order of the outputs.
 pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
     let mut taken: HashMap<PathBuf, &str> = HashMap::new();
     let inputs: Vec<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
     for (option, path) in outputs.iter().filter(|(_, path)| path != Path::new("-")) {
         let place = place_of(path);
         if inputs.contains(&place) {
-            return Err(Error::Usage(format!(
-                "{option} {}: an input would be overwritten; name another file",
-                path.display()
-            )));
+            return refuse(format!("{option} {}: an input would be overwritten; name another file", path.display()));
         }
         if let Some(other) = taken.insert(place, option) {
-            return Err(Error::Usage(format!(
-                "{option} {}: is also written by {other}; name another file or folder",
-                path.display()
-            )));
+            let path = path.display();
+            return refuse(format!("{option} {path}: is also written by {other}; name another file or folder"));
         }
     }
     Ok(())
@@ -38,8 +32,7 @@ fn place_of(path: &Path) -> PathBuf {
     if let Ok(place) = path.canonicalize() {
         return place;
     }
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let parent = parent.canonicalize().unwrap_or_else(|_| parent.to_path_buf());
+    let parent = parent_of(path).canonicalize().unwrap_or_else(|_| parent_of(path).to_path_buf());
     path.file_name().map_or(parent.clone(), |name| parent.join(name))
 }
 

@@ -5,7 +5,9 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::cli::refuse;
 use crate::error::{Error, Result};
+use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::files::{OutputFile, OutputFolder};
 use crate::image::plane::Plane;
@@ -15,9 +17,9 @@ use crate::image::{exr, png};
 use crate::report::picture::contact_sheet::ContactSheet;
 
 /// Field of the eye in a pattern.
-pub const EYE_FIELD: &str = "%V";
+const EYE_FIELD: &str = "%V";
 /// Their names, from left to right.
-pub const EYES: [&str; 2] = ["left", "right"];
+const EYES: [&str; 2] = ["left", "right"];
 
 /// Name of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +28,24 @@ pub struct PictureName {
     pub number: u32,
     /// What it shows, for files in a folder and for the contact sheet: `view`, or probe and face of a reference.
     pub subject: String,
+}
+
+impl PictureName {
+    /// The name of its file in a folder.
+    pub fn png(&self) -> String {
+        format!("{}.{:04}.png", self.subject, self.number)
+    }
+}
+
+/// Images to render at once, for one frame.
+pub struct Job {
+    pub request: FrameRequest,
+    /// Name of each image; stereo pairs have one.
+    pub names: Vec<PictureName>,
+    /// Width and height of each image.
+    pub size: [u32; 2],
+    /// Indices of reference images, in the order of the cameras.
+    pub references: Vec<usize>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,35 +86,27 @@ pub struct Pictures {
     pub bytes: u64,
 }
 
-/// Output options.
 pub struct PictureOptions<'a> {
-    /// `-o`.
     pub output: Option<&'a Path>,
-    /// `--contact-sheet`.
     pub contact_sheet: Option<&'a Path>,
     /// Names of the images; stereo pairs have one.
     pub names: Vec<&'a PictureName>,
-    /// Whether images are stereo pairs.
     pub stereo: bool,
-    /// Fill of holes.
     pub holes: HoleFill,
 }
 
 impl Pictures {
     /// Opens the outputs, before anything is rendered.
-    ///
-    /// # Errors
-    /// A name that is none of a PNG or EXR file, one file for several pictures, a folder that cannot be made.
     pub fn open(options: &PictureOptions<'_>, tone: ToneMap) -> Result<Pictures> {
         let destination = match options.output {
             None => Destination::Nowhere,
             Some(path) if path == Path::new("-") => match options.names.len() {
                 1 => Destination::StandardOutput,
                 count => {
-                    return Err(Error::Usage(format!(
+                    return refuse(format!(
                         "-o -: standard output takes one picture, and {count} are rendered; name a pattern such as \
                          view.%04d.png"
-                    )));
+                    ));
                 }
             },
             Some(path) => Self::files(path, options)?,
@@ -103,7 +115,7 @@ impl Pictures {
             && sheet != Path::new("-")
             && Format::of(sheet) != Some(Format::Png)
         {
-            return Err(Error::Usage(format!("{}: a contact sheet is a file ending in .png", sheet.display())));
+            return refuse(format!("{}: a contact sheet is a file ending in .png", sheet.display()));
         }
         let sheet = options.contact_sheet.map(|path| (path.to_path_buf(), ContactSheet::default()));
         Ok(Pictures { destination, tone, holes: options.holes, sheet, bytes: 0 })
@@ -116,34 +128,34 @@ impl Pictures {
             let file =
                 name.contains('%') || path.extension().is_some_and(|ending| !ending.is_empty() && !path.is_dir());
             if file || has_eyes {
-                return Err(Error::Usage(format!(
+                return refuse(format!(
                     "{}: file names ending in .png or .exr were expected, or a folder",
                     path.display()
-                )));
+                ));
             }
             return Ok(Destination::Folder(OutputFolder::create(path)?));
         };
         let pattern = Pattern::parse(&name.replace(EYE_FIELD, "")).map_err(|error| error.in_file(path))?;
         let count = options.names.len();
         if !pattern.has_field() && count != 1 {
-            return Err(Error::Usage(format!(
+            return refuse(format!(
                 "{}: one file, and {count} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
                 path.display(),
-            )));
+            ));
         }
         let numbers = options.names.iter().map(|name| name.number).collect::<BTreeSet<_>>().len();
         if numbers != count {
-            return Err(Error::Usage(format!(
+            return refuse(format!(
                 "{}: {count} pictures are asked for, and their frames tell {numbers} of them apart; name a folder, where \
                  file names tell probes and faces apart",
                 path.display(),
-            )));
+            ));
         }
         if has_eyes && !options.stereo {
-            return Err(Error::Usage(format!(
+            return refuse(format!(
                 "{}: {EYE_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
                 path.display()
-            )));
+            ));
         }
         // A folder that is called after the eye lies below the one in which everything appears at once.
         let parts: Vec<&OsStr> = path.iter().collect();
@@ -154,58 +166,46 @@ impl Pictures {
         Ok(Destination::Files { text, format, folder: OutputFolder::create(&above)? })
     }
 
-    /// The files that a picture is written to, as paths from here.
-    ///
-    /// # Errors
-    /// When the pattern cannot be read.
-    pub fn files_of(&self, name: &PictureName, output: &Path) -> Result<Vec<PathBuf>> {
-        let beside = |file: String| output.parent().unwrap_or(Path::new("")).join(file);
+    /// The files of a picture below the folder of outputs: one, or one for each eye.
+    fn files_below(&self, name: &PictureName) -> Result<Vec<String>> {
         match &self.destination {
             Destination::Nowhere | Destination::StandardOutput => Ok(Vec::new()),
-            Destination::Folder(_) => Ok(vec![output.join(format!("{}.{:04}.png", name.subject, name.number))]),
+            Destination::Folder(_) => Ok(vec![name.png()]),
             Destination::Files { text, .. } => {
                 let eyes = if text.contains(EYE_FIELD) { &EYES[..] } else { &[""] };
                 let file = |eye: &&str| {
                     let pattern = Pattern::parse(&text.replace(EYE_FIELD, eye))?;
-                    Ok(beside(pattern.path(name.number).to_string_lossy().into_owned()))
+                    Ok(pattern.path(name.number).to_string_lossy().into_owned())
                 };
                 eyes.iter().map(file).collect()
             }
         }
     }
 
-    /// Takes the pictures of a moment: one, or those of both eyes, which come to lie beside each other unless the
-    /// pattern has a field for the eye.
-    ///
-    /// # Errors
-    /// When a file cannot be written.
+    /// The files that a picture is written to, as paths from here.
+    pub fn files_of(&self, name: &PictureName, output: &Path) -> Result<Vec<PathBuf>> {
+        let folder = match &self.destination {
+            Destination::Folder(_) => output,
+            _ => output.parent().unwrap_or(Path::new("")),
+        };
+        Ok(self.files_below(name)?.iter().map(|file| folder.join(file)).collect())
+    }
+
+    /// Writes one image, or those of both eyes: side by side unless the pattern has a field for the eye.
     pub fn put(&mut self, name: &PictureName, eyes: &[RenderedImage]) -> Result<()> {
         let joined = beside(eyes)?;
         if let Some((_, sheet)) = &mut self.sheet {
             sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(self.tone));
         }
-        let (work, format, files) = match &self.destination {
+        let files = self.files_below(name)?;
+        let (work, format) = match &self.destination {
             Destination::Nowhere => return Ok(()),
             Destination::StandardOutput => return self.print(&joined),
-            Destination::Folder(folder) => {
-                let file = format!("{}.{:04}.png", name.subject, name.number);
-                (folder.work_path(), Format::Png, vec![(file, &joined)])
-            }
-            Destination::Files { text, format, folder } => {
-                let path = |text: &str| -> Result<String> {
-                    Ok(Pattern::parse(text)?.path(name.number).to_string_lossy().into_owned())
-                };
-                let files = match text.contains(EYE_FIELD) {
-                    false => vec![(path(text)?, &joined)],
-                    true => {
-                        let named = |(eye, picture)| Ok((path(&text.replace(EYE_FIELD, eye))?, picture));
-                        EYES.into_iter().zip(eyes).map(named).collect::<Result<_>>()?
-                    }
-                };
-                (folder.work_path(), *format, files)
-            }
+            Destination::Folder(folder) => (folder.work_path(), Format::Png),
+            Destination::Files { format, folder, .. } => (folder.work_path(), *format),
         };
-        for (file, picture) in files {
+        let pictures = if files.len() > 1 { eyes } else { std::slice::from_ref(&joined) };
+        for (file, picture) in files.iter().zip(pictures) {
             let path = work.join(file);
             if let Some(folder) = path.parent() {
                 std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
@@ -228,9 +228,6 @@ impl Pictures {
     }
 
     /// Lets all files appear under their names.
-    ///
-    /// # Errors
-    /// When they cannot.
     pub fn commit(self) -> Result<()> {
         match self.destination {
             Destination::Nowhere | Destination::StandardOutput => {}

@@ -1,15 +1,20 @@
 //! Reports of `render`.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::args::Args;
-use super::truth::TruthRun;
+use super::truth::{TruthReport, TruthRun};
 use crate::cli::GlobalArgs;
 use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
+use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::render::RenderCost;
+use crate::march::counters::Counters;
 use crate::march::playback::frames::PlaybackSummary;
+use crate::march::playback::pacing::FramePacing;
 use crate::march::playback::trace::FrameTrace;
+use crate::report::coding_map::counted;
+use crate::views::player::ShowCounts;
 
 /// Active probes and times by frame.
 #[derive(Debug, Default)]
@@ -19,7 +24,6 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Adds a frame.
     pub fn add(&mut self, trace: &FrameTrace) {
         self.views.push(trace.active.len());
         self.milliseconds.push(trace.update_ms + trace.render_ms);
@@ -34,27 +38,18 @@ impl Frames {
     fn probes(&self) -> String {
         match (self.views.iter().min(), self.views.iter().max()) {
             (Some(least), Some(most)) if least < most => format!("{least} to {most} probes"),
-            (_, most) => plural(most.map_or(0, |&most| most as u64), "probe"),
+            (_, most) => counted(most.map_or(0, |&most| most as u64), "probe"),
         }
     }
 }
 
-/// `1 picture`, `2 pictures`.
-fn plural(count: u64, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
 /// Results of a run.
 pub struct Report<'a> {
-    /// The command line.
     pub args: &'a Args,
-    /// Figures of all frames.
     pub summary: PlaybackSummary,
     /// Pixels of all images.
     pub pixels: u64,
-    /// Number of images.
     pub pictures: u64,
-    /// Active probes and times by frame.
     pub frames: &'a Frames,
     /// Whether near or far distances clip surfaces.
     pub is_cut_off: bool,
@@ -62,34 +57,79 @@ pub struct Report<'a> {
     pub seconds: f64,
     /// Bytes of written images.
     pub bytes_out: u64,
-    /// Name of the device.
     pub device: String,
     /// Cost of the graphics device, if used.
     pub gpu_cost: Option<RenderCost>,
     /// Decoder of depth and colour: `device` or `cpu`.
     pub decoded_on: &'static str,
-    /// The reference.
     pub truth: Option<&'a TruthRun>,
+}
+
+/// The JSON report.
+#[derive(Serialize)]
+struct Document<'a> {
+    seconds: f64,
+    frames: usize,
+    pictures: u64,
+    pixels: u64,
+    bytes_out: u64,
+    device: &'a str,
+    views: usize,
+    least_views: Option<usize>,
+    hole_rays: u64,
+    megapixels_per_second: f64,
+    pacing: FramePacing,
+    #[serde(flatten)]
+    target: Option<Target>,
+    #[serde(flatten)]
+    statistics: Option<Statistics>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gpu: Option<GpuCost>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reference: Option<TruthReport<'a>>,
+}
+
+#[derive(Serialize)]
+struct Target {
+    target_ms: f64,
+    frames_within_target: usize,
+}
+
+/// What `--stats` adds.
+#[derive(Serialize)]
+struct Statistics {
+    #[serde(flatten)]
+    counters: Counters,
+    #[serde(flatten)]
+    counts: ShowCounts,
+    cells_skipped: u64,
+    decoded_on: &'static str,
+}
+
+/// Times for a frame, and bytes for all.
+#[derive(Serialize)]
+struct GpuCost {
+    sending_ms: f64,
+    glass_ms: f64,
+    marching_ms: f64,
+    reading_ms: f64,
+    bytes_sent: u64,
+    bytes_copied: u64,
 }
 
 impl Report<'_> {
     /// Prints the report on standard output, or text on standard error if a result goes there. With --quiet and a file, only
     /// requested figures.
-    ///
-    /// # Errors
-    /// When standard output cannot be written.
     pub fn print(&self, global: &GlobalArgs) -> Result<()> {
         if self.args.json {
-            let mut report = self.json();
-            output::add_peak_memory(&mut report);
-            return output::print_json(&report);
+            return output::print_report(&self.document());
         }
         let mut lines = if global.quiet && self.args.output.is_some() { Vec::new() } else { self.lines() };
         if self.args.cameras.stats {
             lines.extend(self.statistics());
         }
         lines.extend(self.truth.map(similarity));
-        if self.args.is_stdout_taken() {
+        if self.args.results_to_stdout() > 0 {
             lines.iter().for_each(output::note);
             return Ok(());
         }
@@ -101,83 +141,52 @@ impl Report<'_> {
         self.pixels as f64 / 1e6 / render_s.max(1e-9)
     }
 
-    fn json(&self) -> Value {
-        let summary = &self.summary;
-        let pacing = &summary.pacing;
-        let mut report = json!({
-            "seconds": self.seconds,
-            "frames": summary.shots,
-            "pictures": self.pictures,
-            "pixels": self.pixels,
-            "bytes_out": self.bytes_out,
-            "device": self.device,
-            "views": summary.most_views,
-            "least_views": self.frames.views.iter().min(),
-            "hole_rays": summary.counters.hole_rays,
-            "megapixels_per_second": self.megapixels_per_second(),
-            "pacing": {
-                "mean_ms": pacing.frame.mean_ms,
-                "p50_ms": pacing.frame.p50_ms,
-                "p95_ms": pacing.frame.p95_ms,
-                "max_ms": pacing.frame.max_ms,
-                "update_ms": pacing.update,
-                "render_ms": pacing.render,
-            },
-        });
-        if let Some(target_ms) = self.args.views.target_ms {
-            report["target_ms"] = json!(target_ms);
-            report["frames_within_target"] = json!(self.frames.within(target_ms));
+    fn document(&self) -> Document<'_> {
+        let PlaybackSummary { shots, most_views, counters, counts, pacing } = self.summary;
+        let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / shots.max(1) as f64;
+        let has_statistics = self.args.cameras.stats;
+        Document {
+            seconds: self.seconds,
+            frames: shots,
+            pictures: self.pictures,
+            pixels: self.pixels,
+            bytes_out: self.bytes_out,
+            device: &self.device,
+            views: most_views,
+            least_views: self.frames.views.iter().min().copied(),
+            hole_rays: counters.hole_rays,
+            megapixels_per_second: self.megapixels_per_second(),
+            pacing,
+            target: self
+                .args
+                .views
+                .target_ms
+                .map(|target_ms| Target { target_ms, frames_within_target: self.frames.within(target_ms) }),
+            statistics: has_statistics.then(|| Statistics {
+                counters,
+                counts,
+                cells_skipped: counts.cells_skipped(),
+                decoded_on: self.decoded_on,
+            }),
+            gpu: self.gpu_cost.filter(|_| has_statistics).map(|cost| GpuCost {
+                sending_ms: ms(cost.sending),
+                glass_ms: ms(cost.proxies),
+                marching_ms: ms(cost.marching),
+                reading_ms: ms(cost.reading),
+                bytes_sent: cost.bytes_sent,
+                bytes_copied: cost.bytes_copied,
+            }),
+            reference: self.truth.map(TruthRun::report),
         }
-        if self.args.cameras.stats {
-            let (counters, counts) = (&summary.counters, &summary.counts);
-            let more = json!({
-                "primary_rays": counters.primary_rays,
-                "march_steps": counters.march_steps,
-                "refine_steps": counters.refine_steps,
-                "secondary_rays": counters.secondary_rays,
-                "normal_evals": counters.normal_evals,
-                "material_samples": counters.material_samples,
-                "background_rays": counters.background_rays,
-                "cells_decoded": counts.cells_decoded,
-                "cells_skipped": counts.cells_skipped(),
-                "cells_unchanged": counts.cells_unchanged,
-                "cells_unseen": counts.cells_unseen,
-                "texels_updated": counts.texels_updated,
-                "bytes_read": counts.bytes_read,
-                "bytes_all": summary.counts.bytes_all,
-                "decoded_on": self.decoded_on,
-            });
-            if let (Value::Object(report), Value::Object(more)) = (&mut report, more) {
-                report.extend(more);
-            }
-        }
-        if let Some(cost) = self.gpu_cost.filter(|_| self.args.cameras.stats) {
-            let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / summary.shots.max(1) as f64;
-            report["gpu"] = json!({
-                "sending_ms": ms(cost.sending),
-                "glass_ms": ms(cost.proxies),
-                "marching_ms": ms(cost.marching),
-                "reading_ms": ms(cost.reading),
-                "bytes_sent": cost.bytes_sent,
-                "bytes_copied": cost.bytes_copied,
-            });
-        }
-        if let Some(truth) = self.truth {
-            report["reference"] = truth.json();
-        }
-        report
     }
 
     fn lines(&self) -> Vec<String> {
         let summary = &self.summary;
-        let place = match &self.args.output {
-            Some(path) => format!("{}: ", path.display()),
-            None => String::new(),
-        };
+        let place = self.args.output.as_ref().map_or_else(String::new, |path| format!("{}: ", path.display()));
         let written = if self.bytes_out > 0 { format!(", {}", human_bytes(self.bytes_out)) } else { String::new() };
         let mut lines = vec![format!(
             "{place}{}{written}, from {}, {:.2} s; a frame{} took {:.1} ms ({:.1} to update, {:.1} to render, {:.2} Mpixel/s) on {}",
-            plural(self.pictures, "picture"),
+            counted(self.pictures, "picture"),
             self.frames.probes(),
             self.seconds,
             self.pictures_a_frame(),
@@ -191,8 +200,8 @@ impl Report<'_> {
         if counters.hole_rays > 0 {
             let percent = 100.0 * counters.hole_rays as f64 / counters.primary_rays.max(1) as f64;
             let filled = match self.args.march.holes {
-                super::options::HolesArg::Blank => "",
-                super::options::HolesArg::Nearest => ", filled with the nearest texel",
+                HoleFill::Blank => "",
+                HoleFill::Nearest => ", filled with the nearest texel",
             };
             let far = if self.is_cut_off { " or are clipped by near and far" } else { "" };
             lines.push(format!(
@@ -204,7 +213,7 @@ impl Report<'_> {
             let within = self.frames.within(target_ms);
             lines.push(format!(
                 "{within} of {} took no longer than {target_ms} ms",
-                plural(summary.shots as u64, "frame")
+                counted(summary.shots as u64, "frame")
             ));
         }
         lines
@@ -256,11 +265,11 @@ impl Report<'_> {
 }
 
 fn similarity(truth: &TruthRun) -> String {
-    let all = truth.all();
+    let all = &truth.all;
     let ssim = all.ssim().map(|ssim| format!(", SSIM {ssim:.4}")).unwrap_or_default();
     let mut parts = format!(
         "{}: PSNR {:.2} dB over all pixels, mean {:.2} dB of {} images{ssim}; {:.2}% holes, {:.2} dB without holes",
-        truth.path().display(),
+        truth.path.display(),
         all.all.psnr_db(),
         all.mean_psnr_db(),
         all.images,

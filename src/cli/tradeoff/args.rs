@@ -2,16 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-
+use crate::cli::options::choice::{Choices, one_of};
 use crate::cli::options::{self, parse_positive};
-use crate::error::{Error, Result};
+use crate::cli::refuse;
+use crate::error::Result;
 use crate::image::StreamKind;
 use crate::report::tradeoff::coding::recommend::Demands;
 use crate::report::tradeoff::plan::{Preset, Sweep};
 use crate::report::tradeoff::study::Weights;
 
-/// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs -o out\n  \
@@ -50,8 +49,8 @@ pub struct Args {
     #[arg(long, value_name = "KNOB=V1,V2", value_parser = Sweep::parse)]
     pub sweep: Vec<Sweep>,
     /// Sweeps that are prepared: those of the papers' figures, or the same in few values
-    #[arg(long, value_name = "NAME", value_enum)]
-    pub preset: Option<PresetArg>,
+    #[arg(long, value_name = "NAME", value_parser = one_of(PRESETS))]
+    pub preset: Option<Preset>,
     /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; where rendering or
     /// placing cameras is measured, for rendering.csv or placement.csv, .json, pictures and page
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
@@ -77,12 +76,10 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
-    /// Recommendation.
     #[command(flatten)]
     pub recommend: RecommendArgs,
 }
 
-/// What is asked of a point.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Recommendation")]
 pub struct RecommendArgs {
@@ -111,22 +108,10 @@ pub struct RecommendArgs {
 }
 
 /// `--preset`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PresetArg {
-    /// CALF figures 7 and 8, GDC figures 5, 6 and 8
-    Paper,
-    /// The same in few values, without the statistics of tiles
-    Quick,
-}
-
-impl From<PresetArg> for Preset {
-    fn from(preset: PresetArg) -> Preset {
-        match preset {
-            PresetArg::Paper => Preset::Paper,
-            PresetArg::Quick => Preset::Quick,
-        }
-    }
-}
+const PRESETS: &Choices<Preset> = &[
+    ("paper", Preset::Paper, "CALF figures 7 and 8, GDC figures 5, 6 and 8"),
+    ("quick", Preset::Quick, "The same in few values, without the statistics of tiles"),
+];
 
 fn parse_percent(text: &str) -> Result<f64, String> {
     parse_positive(text.trim_end_matches('%').trim())
@@ -172,10 +157,9 @@ impl RecommendArgs {
             max_ratio_percent: self.max_ratio,
         };
         if demands.is_empty() {
-            return Err(Error::Usage(
-                "--recommend: say what is asked, by --max-error, --max-error-m, --min-psnr, --decode-ms, --max-bytes or --max-ratio"
-                    .into(),
-            ));
+            return refuse(
+                "--recommend: say what is asked, by --max-error, --max-error-m, --min-psnr, --decode-ms, --max-bytes or --max-ratio",
+            );
         }
         Ok(Some(demands))
     }
@@ -191,7 +175,7 @@ pub fn refuse_options_of_coding(args: &Args, what: &str) -> Result<()> {
         ("--stream", !args.stream.is_empty()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
-        Some((name, _)) => Err(Error::Usage(format!("{name} is for coding footage, and not for {what}"))),
+        Some((name, _)) => refuse(format!("{name} is for coding footage, and not for {what}")),
         None => Ok(()),
     }
 }

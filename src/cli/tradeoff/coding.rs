@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::args::Args;
 use super::measure::{Opened, Sweeping};
 use super::{input, text, tiles};
-use crate::cli::{ExitStatus, GlobalArgs, output};
+use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::report::tradeoff::coding::bench::CodingBench;
@@ -27,14 +27,14 @@ pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatu
     };
     let rows: Vec<&StoredPoint> = store.rows.iter().filter(is_chosen).collect();
     if rows.is_empty() {
-        return Err(Error::Usage(format!(
+        return refuse(format!(
             "{}: no point has been measured; name the footage and what to sweep",
             store.path().display()
-        )));
+        ));
     }
     let advised = Advised::new(&rows, demands);
     if advised.advice.is_empty() {
-        return Err(Error::Usage(advised.text().trim_end().to_owned()));
+        return refuse(advised.text().trim_end());
     }
     if args.json {
         output::print_json(&json!({ "recommended": advised.json() }))?;
@@ -81,15 +81,13 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let streams: Vec<StreamKind> = footage.input.kinds.iter().map(|(stream, _)| *stream).collect();
     let nothing = args.sweep.is_empty() && args.preset.is_none();
     // Demands alone need some points.
-    let preset = args.preset.map(Into::into).or((nothing && demands.is_some()).then_some(Preset::Quick));
+    let preset = args.preset.or((nothing && demands.is_some()).then_some(Preset::Quick));
     let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &footage.knobs };
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &all_points(&plan.studies))?;
     let made_of = footage.input.made_of;
     let mut opened = Opened::new(args, &CODING, |folder: &Path| Store::open(&CODING, folder, Some(made_of)))?;
-    if !global.quiet {
-        implied(&plan.studies, &footage.knobs).iter().for_each(output::note);
-    }
+    implied(&plan.studies, &footage.knobs).iter().for_each(|note| global.note(note));
     let mut left_out = plan.left_out;
     // They are first, so that the points have all of the time that is left.
     let tiles = plan.tiles.then(|| tiles::measure(&footage, args.budget_seconds, global)).transpose()?;

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser};
 
-use crate::cli::Cli;
+use crate::cli::{Cli, refuse};
 use crate::error::{Error, Result};
 use crate::report::tradeoff::study::Axis;
 
@@ -46,9 +46,6 @@ pub struct OptionsOf<'a> {
 
 impl OptionsOf<'_> {
     /// The options among `words`, in the order of the help.
-    ///
-    /// # Errors
-    /// When the subcommand refuses them, or tradeoff sets or sweeps them itself.
     pub fn read(&self, words: &[String], axes: &[Axis]) -> Result<Vec<FixedOption>> {
         let mut root = Cli::command();
         root.build();
@@ -79,10 +76,10 @@ impl OptionsOf<'_> {
                 continue;
             }
             if self.own.contains(&name) {
-                return Err(Error::Usage(format!("{option} after --: tradeoff gives it to its points itself")));
+                return refuse(format!("{option} after --: tradeoff gives it to its points itself"));
             }
             if axes.iter().any(|axis| axis.knob == name) {
-                return Err(Error::Usage(format!("{option}: it is swept, so that it cannot be fixed as well")));
+                return refuse(format!("{option}: it is swept, so that it cannot be fixed as well"));
             }
             let mut values = Vec::new();
             if argument.get_action().takes_values() {
@@ -98,9 +95,6 @@ impl OptionsOf<'_> {
 }
 
 /// Parses a command line of this program.
-///
-/// # Errors
-/// When it is refused.
 pub fn parse(words: &[OsString]) -> Result<Cli> {
     let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
     Cli::try_parse_from(words).map_err(|error| refused(&error))

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 
 use super::fixed::{OptionsOf, parse};
-use crate::cli::{Cli, Command, GlobalArgs};
+use crate::cli::{Cli, GlobalArgs, refuse};
 use crate::dataset::manifest;
 use crate::dataset::source::Source;
 use crate::encode::EncodeSettings;
@@ -53,10 +53,10 @@ fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str>
         (Form::Dataset, _) => Ok("encode"),
         (Form::Sequence, [StreamKind::Color]) => Ok("encode-color"),
         (Form::Sequence, [StreamKind::Depth]) => Ok("encode-depth"),
-        (Form::Sequence, _) => Err(Error::Usage(format!(
+        (Form::Sequence, _) => refuse(format!(
             "{path}: neither a lightfield.json nor a folder that holds one; of a lone sequence tell what its images show, \
-                 by --stream depth or --stream color"
-        ))),
+             by --stream depth or --stream color"
+        )),
     }
 }
 
@@ -78,28 +78,17 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     let domain_too = if subcommand == "encode-color" { 1 } else { 2 };
     line.extend(of_tiles.iter().take(domain_too).map(|(name, value)| format!("--{name}={value}").into()));
     let tiles_how = of_tiles.map(|(name, value)| format!("{} {value}", name.trim_start_matches("depth-"))).join(", ");
-    let (source, tiles) = match parse(&line)?.command {
-        Command::Encode(args) => {
-            let (options, settings) = args.settings()?;
-            (Source::open(&args.input, &options)?, settings)
-        }
-        Command::EncodeDepth(args) => {
-            let (options, settings) = args.settings()?;
-            (args.input.open(StreamKind::Depth, options)?, settings)
-        }
-        Command::EncodeColor(args) => {
-            let (options, settings) = args.settings()?;
-            (args.input.open(StreamKind::Color, options)?, settings)
-        }
-        _ => return Err(Error::Usage(format!("{subcommand} encodes nothing"))),
-    };
+    let cli = parse(&line)?;
+    let Some(command) = cli.command.as_encoder() else { return refuse(format!("{subcommand} encodes nothing")) };
+    let (options, tiles) = command.settings()?;
+    let source = command.open(&options)?;
     let frames = |kind| {
         let groups = source.groups().iter().filter(|group| group.kind == kind);
         groups.map(|group| group.frames.count()).max().map(|count| (kind, count))
     };
     let there: Vec<(StreamKind, u64)> = StreamKind::ALL.into_iter().filter_map(frames).collect();
     if let Some(missing) = kinds.iter().find(|kind| there.iter().all(|(other, _)| other != *kind)) {
-        return Err(Error::Usage(format!("--stream {}: {path} has no such streams", missing.name())));
+        return refuse(format!("--stream {}: {path} has no such streams", missing.name()));
     }
     let wanted = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
     let mut input = Input {
@@ -124,14 +113,9 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
     let line = [path, "-o", "point.lfold"];
     let also = Some(("decode", OF_DECODING));
     let options = OptionsOf { command: subcommand, line: &line, own: OWN, also }.read(words, &[])?;
-    let mut root = Cli::command();
-    root.build();
-    let of_diff: Vec<&str> = root
-        .find_subcommand("diff")
-        .into_iter()
-        .flat_map(clap::Command::get_arguments)
-        .filter_map(clap::Arg::get_long)
-        .collect();
+    let root = Cli::command();
+    let diff = root.find_subcommand("diff").into_iter();
+    let of_diff: Vec<&str> = diff.flat_map(clap::Command::get_arguments).filter_map(clap::Arg::get_long).collect();
     for option in options {
         let name = option.name.as_str();
         let value = option.value();
@@ -149,9 +133,7 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
         } else if let Some(channel) = word.strip_prefix("--depth-channel=") {
             fixed.diff.push(format!("--channel={channel}"));
         } else if name == "color-channel" {
-            return Err(Error::Usage(
-                "--color-channel after --: diff has no such option, so that quality could not be measured".into(),
-            ));
+            return refuse("--color-channel after --: diff has no such option, so that quality could not be measured");
         }
         fixed.encode.push(word);
     }
@@ -162,11 +144,9 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
 /// Refuses points whose values the commands would refuse.
 pub fn check(input: &Input, points: &[Point]) -> Result<()> {
     let output = Path::new("point.lfold");
-    let judge = |words: Vec<OsString>| match parse(&words)?.command {
-        Command::Encode(args) => args.settings().map(drop),
-        Command::EncodeDepth(args) => args.settings().map(drop),
-        Command::EncodeColor(args) => args.settings().map(drop),
-        _ => Ok(()),
+    let judge = |words: Vec<OsString>| match parse(&words)?.command.as_encoder() {
+        Some(command) => command.settings().map(drop),
+        None => Ok(()),
     };
     judge(commands::pack(output, output))?;
     for point in points {
@@ -262,8 +242,8 @@ mod tests {
                     let output = output.into_iter().map(str::to_owned);
                     let line: Vec<String> = line.chain(knob.option(value)).chain(implied).chain(output).collect();
                     let parsed = Cli::try_parse_from(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"));
-                    if let Command::Encode(args) = parsed.command {
-                        args.settings().unwrap_or_else(|error| panic!("{line:?}: {error}"));
+                    if let Some(command) = parsed.command.as_encoder() {
+                        command.settings().unwrap_or_else(|error| panic!("{line:?}: {error}"));
                     }
                 }
             }

@@ -10,7 +10,7 @@ use super::args::Args;
 use super::child::Children;
 use super::text;
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, output};
+use crate::cli::{GlobalArgs, output, refuse};
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
 use crate::report::machine;
@@ -31,17 +31,14 @@ pub struct Opened {
 
 impl Opened {
     /// Opens the folder of a sweep.
-    ///
-    /// # Errors
-    /// When it has files of another sweep, or points with another configuration hash, that are not to be replaced.
     pub fn new(args: &Args, kind: &'static SweepKind, store: impl FnOnce(&Path) -> Result<Store>) -> Result<Opened> {
         let folder = Folder::open(&args.output, kind)?;
         match folder.in_the_way() {
             Some(path) if !args.overwrite => {
-                return Err(Error::Usage(format!(
+                return refuse(format!(
                     "{}: exists and would be lost; name another folder, or replace it by --overwrite",
                     path.display()
-                )));
+                ));
             }
             _ => {}
         }
@@ -51,11 +48,11 @@ impl Opened {
         } else if store.dropped > 0 {
             let count = store.dropped;
             let are = if count == 1 { "1 point is" } else { &format!("{count} points are") };
-            return Err(Error::Usage(format!(
+            return refuse(format!(
                 "{}: {are} of other footage, options, machine or program; name another folder, or replace all of it by \
                  --overwrite",
                 store.path().display()
-            )));
+            ));
         }
         Ok(Opened { folder, store })
     }
@@ -85,9 +82,6 @@ pub struct Finished<'a> {
 
 impl<'a> Sweeping<'a> {
     /// Measures all points. `bench` is given the folder of unfinished work.
-    ///
-    /// # Errors
-    /// When the user asks to stop, a file cannot be written, or every point fails.
     pub fn measure<'b>(
         self,
         kind: &'static SweepKind,
@@ -134,9 +128,6 @@ impl<'a> Sweeping<'a> {
 
 impl Finished<'_> {
     /// Writes pictures, page and JSON, and prints; `more` has further keys of the JSON, and `words` further text.
-    ///
-    /// # Errors
-    /// When a file cannot be written, or a point failed.
     pub fn tell(&self, opened: &Opened, extras: &Extras, more: Value, words: &str) -> Result<()> {
         let (Opened { folder, store }, args) = (opened, self.args);
         let rows: Vec<&StoredPoint> =
@@ -160,9 +151,7 @@ impl Finished<'_> {
         } else {
             output::print_text(&format!("{}{words}", text::report(&self.results, &extras.findings, &files)))?;
         }
-        if !self.global.quiet {
-            self.results.left_out.iter().for_each(output::note);
-        }
+        self.results.left_out.iter().for_each(|note| self.global.note(note));
         match self.failed.first() {
             None => Ok(()),
             Some(FailedPoint { point, error }) => Err(Error::invalid(format!(

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, parse};
 use super::measure::{Opened, Sweeping};
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
 use crate::report::tradeoff::knob::Stage;
@@ -115,7 +115,7 @@ fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
     for option in options.read(words, axes)? {
         match (option.name.as_str(), option.value()) {
             ("reference-probe", Some(probe)) if probe.contains(',') => {
-                return Err(Error::Usage(format!("--reference-probe {probe}: one probe is left out; name one")));
+                return refuse(format!("--reference-probe {probe}: one probe is left out; name one"));
             }
             ("reference-probe", probe) => fixed.probe = probe,
             ("frames", frames) => fixed.frames = frames,

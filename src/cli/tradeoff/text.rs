@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use serde_json::json;
+use serde::Serialize;
 
 use crate::cli::output;
 use crate::error::Result;
 use crate::image::StreamKind;
+use crate::report::Table;
 use crate::report::tradeoff::coding::recommend::{Advice, Aim};
 use crate::report::tradeoff::findings::{Finding, Verdict};
 use crate::report::tradeoff::kind::words;
@@ -15,7 +16,6 @@ use crate::report::tradeoff::knob::{Knob, Stage};
 use crate::report::tradeoff::plan::KINDS;
 use crate::report::tradeoff::study::Results;
 use crate::report::tradeoff::table;
-use crate::report::{Column, Table};
 
 /// Tables of all points, findings that were tested, and the files that were written.
 pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> String {
@@ -88,31 +88,36 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
     text
 }
 
+#[derive(Serialize)]
+struct KnobReport {
+    name: &'static str,
+    label: &'static str,
+    kinds: Vec<&'static str>,
+    stage: &'static str,
+    default: &'static str,
+    usual: &'static [&'static str],
+}
+
 /// Prints the table of knobs.
 pub fn list_knobs(as_json: bool) -> Result<()> {
     let kinds = |kinds: &[StreamKind]| kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>();
     let all = KINDS.iter().flat_map(|kind| kind.knobs);
     if as_json {
-        let row = |knob: &Knob| {
-            json!({
-                "name": knob.name,
-                "label": knob.label,
-                "kinds": kinds(knob.streams),
-                "stage": knob.stage.name(),
-                "default": knob.default,
-                "usual": knob.usual,
-            })
+        #[derive(Serialize)]
+        struct Document {
+            knobs: Vec<KnobReport>,
+        }
+        let report = |knob: &Knob| KnobReport {
+            name: knob.name,
+            label: knob.label,
+            kinds: kinds(knob.streams),
+            stage: knob.stage.name(),
+            default: knob.default,
+            usual: knob.usual,
         };
-        return output::print_json(&json!({ "knobs": all.map(row).collect::<Vec<_>>() }));
+        return output::print_json(&Document { knobs: all.map(report).collect() });
     }
-    let mut table = Table::new(&[
-        Column::Left("Knob"),
-        Column::Left("What"),
-        Column::Left("Kinds"),
-        Column::Left("Option of"),
-        Column::Left("Default"),
-        Column::Left("Swept where no values are given"),
-    ]);
+    let mut table = Table::new("Knob|What|Kinds|Option of|Default|Swept where no values are given");
     for knob in all {
         let of = match knob.stage {
             Stage::Place => "cameras".to_owned(),

@@ -35,10 +35,13 @@ impl Pacing {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FramePacing {
     /// Update and pictures together.
+    #[serde(flatten)]
     pub frame: Pacing,
     /// Selection of views and units, decoding, and bringing what changed to where pictures are made.
+    #[serde(rename = "update_ms")]
     pub update: Pacing,
     /// The pictures.
+    #[serde(rename = "render_ms")]
     pub render: Pacing,
 }
 

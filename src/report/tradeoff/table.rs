@@ -3,8 +3,8 @@
 use super::kind::{Format, Measure, Measured};
 use super::study::Results;
 use crate::image::StreamKind;
+use crate::report::Table;
 use crate::report::plot::number;
-use crate::report::{Column, Table};
 
 /// A table of points: columns for knobs, and for measures that any of them has.
 pub struct PointTable<'a> {
@@ -68,8 +68,7 @@ fn print(value: f64, format: Format) -> String {
 impl PointTable<'_> {
     /// For standard output, without ranges.
     pub fn text(&self) -> String {
-        let columns: Vec<Column<'_>> = self.headings.iter().map(|heading| Column::Right(heading)).collect();
-        let mut table = Table::new(&columns);
+        let mut table = Table::new(&format!(">{}", self.headings.join("|>")));
         for row in &self.rows {
             table.row(row.cells.iter().map(|cell| cell.text.clone()));
         }
