@@ -12,7 +12,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::cli::options::choice::word_of;
-use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, device, refuse};
 use crate::decode::Decoder;
