@@ -15,7 +15,7 @@ mod report;
 mod side;
 
 pub use bounds::{Bound, Bounds, Judgement, Violation};
-pub use comparison::{Comparison, Measured, StreamReport, side_name};
+pub use comparison::{Comparison, Measured, SampleTotal, StreamReport, side_name};
 pub use difference::{Lowest, SampleErrors};
 pub use domain::{Domain, Origin};
 pub use error_map::{CellPsnr, ErrorMap, LargestError, error_map};
