@@ -64,13 +64,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let is_compared = args.plot.is_some() || args.csv.is_some();
     let comparison = is_compared.then(|| place(&search, args.other_lighting())).transpose()?;
-    let rate_per_m = search.problem().rate_per_m();
+    let rate_per_m = search.problem.rate_per_m;
     let mut decays = Vec::new();
     for k in &args.compare_k {
-        search.set_rate_per_m(*k);
+        search.problem.rate_per_m = *k;
         decays.push(DecayPlacement { rate_per_m: *k, placement: place(&search, args.lighting())? });
     }
-    search.set_rate_per_m(rate_per_m);
+    search.problem.rate_per_m = rate_per_m;
     drop(progress);
     let seconds = begun.elapsed().as_secs_f64();
     let set = camera_set(args, start, &placement, &search)?;
@@ -117,11 +117,11 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
             "region": args.region,
             "lighting": placement.lighting.name(),
             "theta_deg": placement.lighting.theta_deg(),
-            "k_per_m": search.problem().rate_per_m(),
-            "min_distance_m": search.min_distance_m(),
+            "k_per_m": search.problem.rate_per_m,
+            "min_distance_m": search.min_distance_m,
             "effort": word_of(EFFORTS, &args.effort),
-            "candidates": search.candidate_count(),
-            "surface_samples": search.surface_samples(),
+            "candidates": search.visible_sets.len(),
+            "surface_samples": search.sampled.point_count(),
         }
     }));
     Ok(set)

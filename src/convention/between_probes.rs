@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::finding::{Finding, Verdict, listed, percent};
-use super::hypotheses::{Alternative, Extent, Hypothesis, Pose, Subject, alternatives};
+use super::hypotheses::{Alternative, Extent, Hypothesis, Subject, alternatives};
 use super::probe_samples::ProbeSamples;
 use super::reproject::{Tally, look_up, look_up_all};
 use crate::dataset::{DepthKind, Projection};
@@ -48,6 +48,16 @@ fn doubtful(tally: &Tally) -> bool {
     tally.contradiction() >= DOUBTFUL || tally.agreement() < AGREES_TOO_LITTLE
 }
 
+/// Shares of the samples that are seen through, and that agree.
+fn shares(tally: &Tally) -> String {
+    format!("{} and {}", percent(tally.contradiction()), percent(tally.agreement()))
+}
+
+/// Figures of the next best hypothesis.
+fn next_figures(tally: &Tally) -> [(&'static str, f64); 2] {
+    [("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())]
+}
+
 /// Probes and the pairs to compare.
 struct Comparison<'a> {
     probes: &'a [ProbeSamples],
@@ -73,10 +83,8 @@ pub fn check(
         };
         return Ok(vec![Finding::new("probes", Verdict::CannotTell, says)]);
     }
-    let poses = probes.iter().map(|view| Pose { position: view.position, turn: view.turn }).collect();
-    let base = Hypothesis { kind, scale: 1.0, poses };
     let names = probes.iter().map(|view| view.name.clone()).collect();
-    Comparison { probes, pairs, names, projection, monitor }.judge(&base)
+    Comparison { probes, pairs, names, projection, monitor }.judge(&Hypothesis::declared(kind, probes))
 }
 
 /// Ordered pairs of probes of one frame.
@@ -86,7 +94,7 @@ fn pairs_of(probes: &[ProbeSamples]) -> Vec<[usize; 2]> {
         let mut others: Vec<usize> =
             (0..probes.len()).filter(|b| *b != a && probes[*b].frame == probes[a].frame).collect();
         if probes.len() > ALL_PAIRS {
-            let distance = |b: &usize| probes[*b].position.distance(probes[a].position);
+            let distance = |b: &usize| probes[*b].pose.position.distance(probes[a].pose.position);
             others.sort_by(|x, y| distance(x).total_cmp(&distance(y)).then(x.cmp(y)));
             others.truncate(NEIGHBOURS);
         }
@@ -110,6 +118,11 @@ impl Comparison<'_> {
         Ok(tallies)
     }
 
+    /// The sum over some of the pairs.
+    fn total(&self, own: &[Tally], is_in: impl Fn(&[usize; 2]) -> bool) -> Tally {
+        self.pairs.iter().zip(own).filter(|(pair, _)| is_in(pair)).map(|(_, tally)| *tally).sum()
+    }
+
     fn judge(&self, base: &Hypothesis) -> Result<Vec<Finding>> {
         let own = look_up_all(self.probes, &self.pairs, base);
         let all: Tally = own.iter().copied().sum();
@@ -123,11 +136,11 @@ impl Comparison<'_> {
             let says = format!("only {} samples of one probe are visible from another", all.tested());
             return Ok(vec![Finding::new("probes", Verdict::CannotTell, says).with(&figures)]);
         }
-        let of_probe = |probe: usize| -> Tally {
-            self.pairs.iter().zip(&own).filter(|(pair, _)| pair.contains(&probe)).map(|(_, tally)| *tally).sum()
+        let alone = |probe: usize| {
+            let tally = self.total(&own, |pair| pair.contains(&probe));
+            tally.tested() >= MIN_TESTED && tally.contradiction() >= DOUBTFUL_PROBE
         };
-        let alone = |tally: &Tally| tally.tested() >= MIN_TESTED && tally.contradiction() >= DOUBTFUL_PROBE;
-        if doubtful(&all) || (0..self.probes.len()).any(|probe| alone(&of_probe(probe))) {
+        if doubtful(&all) || (0..self.probes.len()).any(alone) {
             return self.explain(base, &own, &figures);
         }
         let alternatives = alternatives(base, &self.names, self.projection, Extent::Common);
@@ -147,10 +160,7 @@ impl Comparison<'_> {
     fn confirm(&self, subject: Subject, own: &Tally, others: Vec<(&Alternative, &Tally)>) -> Option<Finding> {
         let (next, tally) = others.into_iter().min_by(|a, b| misfit(a.1).total_cmp(&misfit(b.1)))?;
         let margin = misfit(tally) / misfit(own);
-        let figures =
-            [("margin", margin), ("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())];
-        let check = name_of(subject);
-        let finding = if margin >= DECISIVE {
+        let (verdict, says) = if margin >= DECISIVE {
             let says = format!(
                 "{} of the samples of other probes agree and {} are seen through; with {}: {} and {}",
                 percent(own.agreement()),
@@ -159,12 +169,12 @@ impl Comparison<'_> {
                 percent(tally.agreement()),
                 percent(tally.contradiction()),
             );
-            Finding::new(check, Verdict::Fine, says)
+            (Verdict::Fine, says)
         } else {
             let says = format!("nothing contradicts the manifest, but {} would fit nearly as well", next.words);
-            Finding::new(check, Verdict::CannotTell, says)
+            (Verdict::CannotTell, says)
         };
-        Some(finding.with(&figures))
+        Some(Finding::new(name_of(subject), verdict, says).with(&[("margin", margin)]).with(&next_figures(tally)))
     }
 
     /// Searches for the mistake where probes contradict each other.
@@ -200,18 +210,15 @@ impl Comparison<'_> {
         }
         let mut figures = figures.to_vec();
         if !steps.is_empty() && all.contradiction() < DOUBTFUL && tally.agreement() < FAIR_SHARE {
-            figures.extend([("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())]);
+            figures.extend(next_figures(&tally));
             let words: Vec<&str> = steps.iter().map(|(_, words)| words.as_str()).collect();
-            let says = format!(
-                "{what}, which is inconclusive; with {}: {} and {}, hardly more",
-                words.join(" together with "),
-                percent(tally.contradiction()),
-                percent(tally.agreement())
-            );
+            let words = words.join(" together with ");
+            let says = format!("{what}, which is inconclusive; with {words}: {}, hardly more", shares(&tally));
             return Ok(vec![Finding::new("probes", Verdict::CannotTell, says).with(&figures)]);
         }
         if steps.is_empty() {
-            let finding = match odd {
+            let unexplained = "no common mistake explains it";
+            let (check, verdict, says) = match odd {
                 Some((probe, misfit_without)) => {
                     figures.push(("margin", misfit(&all) / misfit_without));
                     let says = format!(
@@ -219,34 +226,23 @@ impl Comparison<'_> {
                          and files",
                         self.names[probe]
                     );
-                    Finding::new("positions", Verdict::Suspect, says)
+                    ("positions", Verdict::Suspect, says)
                 }
                 None if all.contradiction() >= 5.0 * DOUBTFUL => {
-                    let says = format!("{what}, and no common mistake explains it");
-                    Finding::new("probes", Verdict::Suspect, says)
+                    ("probes", Verdict::Suspect, format!("{what}, and {unexplained}"))
                 }
-                None => {
-                    let says = format!("{what}, as in noisy depth, and no common mistake explains it");
-                    Finding::new("probes", Verdict::CannotTell, says)
-                }
+                None => ("probes", Verdict::CannotTell, format!("{what}, as in noisy depth, and {unexplained}")),
             };
-            return Ok(vec![finding.with(&figures)]);
+            return Ok(vec![Finding::new(check, verdict, says).with(&figures)]);
         }
-        figures.extend([
-            ("margin", misfit(&all) / misfit(&tally)),
-            ("next_agree", tally.agreement()),
-            ("next_seen_through", tally.contradiction()),
-        ]);
+        figures.push(("margin", misfit(&all) / misfit(&tally)));
+        figures.extend(next_figures(&tally));
         let findings = steps.iter().enumerate().map(|(at, (subject, words))| {
             let others: Vec<&str> =
                 steps.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, step)| step.1.as_str()).collect();
             let also =
                 if others.is_empty() { String::new() } else { format!(", together with {}", others.join(" and ")) };
-            let says = format!(
-                "{what}; with {words}{also}: {} and {}",
-                percent(tally.contradiction()),
-                percent(tally.agreement())
-            );
+            let says = format!("{what}; with {words}{also}: {}", shares(&tally));
             Finding::new(name_of(*subject), Verdict::Suspect, says).with(&figures)
         });
         Ok(findings.collect())
@@ -257,11 +253,8 @@ impl Comparison<'_> {
         if self.probes.len() < 3 {
             return None;
         }
-        let without = |probe: usize| -> Tally {
-            self.pairs.iter().zip(own).filter(|(pair, _)| !pair.contains(&probe)).map(|(_, tally)| *tally).sum()
-        };
         let (probe, tally) = (0..self.probes.len())
-            .map(|probe| (probe, without(probe)))
+            .map(|probe| (probe, self.total(own, |pair| !pair.contains(&probe))))
             .min_by(|a, b| misfit(&a.1).total_cmp(&misfit(&b.1)))?;
         let enough = tally.tested() >= MIN_TESTED && !doubtful(&tally) && misfit(&tally) * 2.0 <= misfit_of_all;
         enough.then(|| (probe, misfit(&tally)))

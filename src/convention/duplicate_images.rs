@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::finding::{Finding, Verdict};
-use super::hypotheses::{Hypothesis, Pose};
+use super::hypotheses::Hypothesis;
 use super::probe_samples::ProbeSamples;
 use super::read::{Footage, HashedImage, Shows};
 use super::reproject::{Tally, look_up};
@@ -76,8 +76,7 @@ fn may_be_alike(footage: &Footage, a: &HashedImage, b: &HashedImage, kind: Depth
     }
     let (Some(from), Some(to)) = (alone(footage, a), alone(footage, b)) else { return false };
     let views = [from, to];
-    let poses = views.iter().map(|view| Pose { position: view.position, turn: view.turn }).collect();
-    let hypothesis = Hypothesis { kind, scale: 1.0, poses };
+    let hypothesis = Hypothesis::declared(kind, &views);
     let tally: Tally = [[0, 1], [1, 0]].into_iter().map(|pair| look_up(&views, pair, &hypothesis)).sum();
     tally.tested() < MIN_TESTED || tally.agreement() >= IS_ONE_SURFACE
 }
@@ -99,20 +98,16 @@ fn no_duplicates(footage: &Footage, alike: &[Vec<&HashedImage>]) -> Finding {
         ("equal_backgrounds", skies.len() as f64),
         ("equal_unknown", unknown.len() as f64),
     ];
-    let finding = if let Some(group) = alike.first() {
-        let says = format!("{} have the same pixels, as similar walls may where colour differs", names(group));
-        Finding::new("images", Verdict::CannotTell, says)
-    } else if let Some(group) = unknown.first() {
-        let says = format!("{} have the same pixels, as images of the sky alone may", names(group));
-        Finding::new("images", Verdict::CannotTell, says)
-    } else if let Some(group) = skies.first() {
-        let says = format!(
-            "no two images of surfaces have the same pixels; {} have, without varying depth, as a sky",
-            names(group)
-        );
-        Finding::new("images", Verdict::Fine, says)
+    let (verdict, says) = if let Some(group) = alike.first().map(|group| names(group)) {
+        let says = format!("{group} have the same pixels, as similar walls may where colour differs");
+        (Verdict::CannotTell, says)
+    } else if let Some(group) = unknown.first().map(|group| names(group)) {
+        (Verdict::CannotTell, format!("{group} have the same pixels, as images of the sky alone may"))
+    } else if let Some(group) = skies.first().map(|group| names(group)) {
+        let have = "no two images of surfaces have the same pixels";
+        (Verdict::Fine, format!("{have}; {group} have, without varying depth, as a sky"))
     } else {
-        Finding::new("images", Verdict::Fine, "no two images have the same pixels")
+        (Verdict::Fine, "no two images have the same pixels".to_owned())
     };
-    finding.with(&figures)
+    Finding::new("images", verdict, says).with(&figures)
 }

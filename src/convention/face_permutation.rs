@@ -57,15 +57,9 @@ pub struct PlacedFile {
     pub turn: Turn,
 }
 
-impl PlacedFile {
-    pub fn new(file: usize, turn: Turn) -> PlacedFile {
-        PlacedFile { file, turn }
-    }
-}
-
 /// Every face from its own file, as it is.
 pub fn declared(present: [bool; FACES]) -> FacePermutation {
-    std::array::from_fn(|face| present[face].then_some(PlacedFile::new(face, Turn::NONE)))
+    all_turned(present, Turn::NONE)
 }
 
 /// The mismatch of any two sides of different files.
@@ -133,13 +127,12 @@ impl CostTable {
         let mut place = [None; FACES];
         let mut free: Vec<usize> = (0..FACES).filter(|face| present[*face]).collect();
         let positions = free.clone();
-        if positions.len() == FACES {
-            place[0] = Some(PlacedFile::new(0, Turn::NONE));
+        let fixed = usize::from(positions.len() == FACES);
+        if fixed == 1 {
+            place[0] = Some(PlacedFile { file: 0, turn: Turn::NONE });
             free.remove(0);
-            self.descend(&positions[1..], &mut free, &mut place, 0.0, &mut best);
-        } else {
-            self.descend(&positions, &mut free, &mut place, 0.0, &mut best);
         }
+        self.descend(&positions[fixed..], &mut free, &mut place, 0.0, &mut best);
         best
     }
 
@@ -175,15 +168,16 @@ impl CostTable {
 
 /// A permutation of six faces under the 48 symmetries of the cube.
 pub fn symmetric(permutation: &FacePermutation) -> Vec<FacePermutation> {
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    let mut found = Vec::new();
-    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]] {
-        for signs in 0..8u8 {
-            let column = |at: usize| axes[order[at]] * if signs >> at & 1 == 1 { -1.0 } else { 1.0 };
-            found.extend(turned(permutation, DMat3::from_cols(column(0), column(1), column(2))));
-        }
-    }
-    found
+    let columns = signed_axes().map(|axes| axes.map(|(axis, sign)| DVec3::AXES[axis] * sign));
+    columns.filter_map(|[x, y, z]| turned(permutation, DMat3::from_cols(x, y, z))).collect()
+}
+
+/// The signed permutations of the three axes: which takes the place of each, and its sign.
+pub fn signed_axes() -> impl Iterator<Item = [(usize, f64); 3]> {
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
+    let signed =
+        |order: [usize; 3], signs: u8| [0, 1, 2].map(|at| (order[at], if signs >> at & 1 == 1 { -1.0 } else { 1.0 }));
+    orders.into_iter().flat_map(move |order| (0..8).map(move |signs| signed(order, signs)))
 }
 
 fn turned(permutation: &FacePermutation, turn: DMat3) -> Option<FacePermutation> {
@@ -203,13 +197,14 @@ fn turned(permutation: &FacePermutation, turn: DMat3) -> Option<FacePermutation>
 
 /// The faces whose file or turn is not the declared one.
 pub fn changed(permutation: &FacePermutation) -> Vec<usize> {
-    let differs = |face: &usize| permutation[*face].is_some_and(|place| place != PlacedFile::new(*face, Turn::NONE));
+    let differs =
+        |face: &usize| permutation[*face].is_some_and(|place| place != PlacedFile { file: *face, turn: Turn::NONE });
     (0..FACES).filter(differs).collect()
 }
 
 /// Every face from its own file, each turned in the same way.
 pub fn all_turned(present: [bool; FACES], turn: Turn) -> FacePermutation {
-    std::array::from_fn(|face| present[face].then_some(PlacedFile::new(face, turn)))
+    std::array::from_fn(|face| present[face].then_some(PlacedFile { file: face, turn }))
 }
 
 #[cfg(test)]
@@ -241,9 +236,9 @@ mod tests {
     #[test]
     fn the_best_permutation_is_the_true_one_up_to_the_whole_cube() {
         let mut truth = declared(ALL);
-        truth[1] = Some(PlacedFile::new(4, Turn(5)));
-        truth[4] = Some(PlacedFile::new(1, Turn(2)));
-        truth[3] = Some(PlacedFile::new(3, Turn(7)));
+        truth[1] = Some(PlacedFile { file: 4, turn: Turn(5) });
+        truth[4] = Some(PlacedFile { file: 1, turn: Turn(2) });
+        truth[3] = Some(PlacedFile { file: 3, turn: Turn(7) });
         let table = table(&truth);
         assert_eq!(table.total(&truth), 0.0);
         let Fit { permutation: best, cost } = table.best(ALL);

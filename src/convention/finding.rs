@@ -16,17 +16,6 @@ pub enum Verdict {
     CannotTell,
 }
 
-impl Verdict {
-    /// `fine`, `suspect` or `cannot_tell`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Verdict::Fine => "fine",
-            Verdict::Suspect => "suspect",
-            Verdict::CannotTell => "cannot_tell",
-        }
-    }
-}
-
 /// Result of one check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {

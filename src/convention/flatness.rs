@@ -36,16 +36,6 @@ pub struct Triples {
     pub planar: u64,
 }
 
-impl Triples {
-    fn add(self, other: Triples) -> Triples {
-        Triples {
-            all: self.all + other.all,
-            distance: self.distance + other.distance,
-            planar: self.planar + other.planar,
-        }
-    }
-}
-
 /// Counts the triples of a face, along rows and columns.
 pub fn count(samples: &FaceSamples) -> Triples {
     let (width, height) = (samples.stored.width(), samples.stored.height());
@@ -88,18 +78,19 @@ pub fn count(samples: &FaceSamples) -> Triples {
 pub fn check(views: &[ProbeSamples], kind: DepthKind) -> Finding {
     let faces: Vec<&FaceSamples> = views.iter().flat_map(|view| &view.faces).collect();
     let counts: Vec<Triples> = faces.into_par_iter().map(count).collect();
-    let found = counts.into_iter().fold(Triples::default(), Triples::add);
-    let (declared, other) = match kind {
-        DepthKind::Distance => (found.distance, found.planar),
-        DepthKind::Planar => (found.planar, found.distance),
+    let found = counts.into_iter().fold(Triples::default(), |sum, Triples { all, distance, planar }| Triples {
+        all: sum.all + all,
+        distance: sum.distance + distance,
+        planar: sum.planar + planar,
+    });
+    let (distance, planar) = ((found.distance, "distance"), (found.planar, "planar depth"));
+    let [(declared, name), (other, other_name)] = match kind {
+        DepthKind::Distance => [distance, planar],
+        DepthKind::Planar => [planar, distance],
     };
     let share = |count: u64| count as f64 / found.all.max(1) as f64;
     let margin = declared.max(other) as f64 / declared.min(other).max(1) as f64;
     let enough = |count: u64| count >= MIN_TRIPLES && share(count) >= MIN_SHARE;
-    let (name, other_name) = match kind {
-        DepthKind::Distance => ("distance", "planar depth"),
-        DepthKind::Planar => ("planar depth", "distance"),
-    };
     let shares = format!(
         "{} of the surfaces are straight as {name} only and {} as {other_name} only",
         percent(share(declared)),
@@ -130,9 +121,9 @@ pub fn overruled(suspicion: Finding) -> Finding {
 mod tests {
     use glam::{DQuat, DVec3};
 
+    use super::super::probe_samples::Pose;
     use super::*;
-    use crate::image::ImageProjection;
-    use crate::image::{Face, Plane};
+    use crate::image::{Face, ImageProjection, Plane};
 
     const SIDE: u32 = 64;
 
@@ -147,8 +138,8 @@ mod tests {
             });
             FaceSamples::new(face, &plane, ImageProjection::cube_face(face, SIDE))
         };
-        let (position, turn) = (DVec3::ZERO, DQuat::IDENTITY);
-        ProbeSamples { name: "0".into(), frame: 0, position, turn, faces: Face::CUBE.map(face).to_vec() }
+        let pose = Pose { position: DVec3::ZERO, turn: DQuat::IDENTITY };
+        ProbeSamples { name: "0".into(), frame: 0, pose, faces: Face::CUBE.map(face).to_vec() }
     }
 
     /// From inside a dome of 10 m, at `offset` of its middle.

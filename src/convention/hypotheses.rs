@@ -2,31 +2,29 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::face_permutation::signed_axes;
+use super::probe_samples::{Pose, ProbeSamples};
 use crate::dataset::{DepthKind, Projection};
 
 /// Ratios of units that are mistaken for one another: milli- and centimetres, feet, decades.
-const UNITS: [f64; 9] = [0.001, 0.01, 0.1, 0.3048, 1.0 / 0.3048, 10.0, 100.0, 1000.0, 1.0];
+const UNITS: [f64; 8] = [0.001, 0.01, 0.1, 0.3048, 1.0 / 0.3048, 10.0, 100.0, 1000.0];
 /// Ratio of neighbouring scales of the full search.
 const SCALE_STEP: f64 = 1.08;
 /// Steps to either side of 1.
 const SCALE_STEPS: i32 = 36;
 
-/// Position and orientation of a probe under a hypothesis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// Centre, metres.
-    pub position: DVec3,
-    /// Turns the probe's axes into the world's.
-    pub turn: DQuat,
-}
-
-/// An interpretation of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
     pub kind: DepthKind,
     /// Factor on depth; 1 as declared.
     pub scale: f64,
     pub poses: Vec<Pose>,
+}
+
+impl Hypothesis {
+    pub fn declared(kind: DepthKind, probes: &[ProbeSamples]) -> Hypothesis {
+        Hypothesis { kind, scale: 1.0, poses: probes.iter().map(|probe| probe.pose).collect() }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +44,6 @@ pub struct Alternative {
     pub hypothesis: Hypothesis,
 }
 
-/// Which hypotheses are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// Common ones, to test whether the data can tell them apart.
@@ -64,38 +61,27 @@ pub fn alternatives(base: &Hypothesis, names: &[String], projection: Projection,
             DepthKind::Distance => (DepthKind::Planar, "depth as planar"),
             DepthKind::Planar => (DepthKind::Distance, "depth as distance"),
         };
-        all.push(Alternative {
-            subject: Subject::Kind,
-            words: words.into(),
-            hypothesis: Hypothesis { kind, ..base.clone() },
-        });
+        let hypothesis = Hypothesis { kind, ..base.clone() };
+        all.push(Alternative { subject: Subject::Kind, words: words.into(), hypothesis: hypothesis.clone() });
         // Each alone may not look better than neither.
         if extent == Extent::All {
-            all.extend(UNITS.into_iter().filter(|factor| *factor != 1.0).map(|factor| Alternative {
-                subject: Subject::Kind,
-                words: format!("{words} and {} as large", times(factor)),
-                hypothesis: Hypothesis { kind, scale: base.scale * factor, ..base.clone() },
-            }));
+            all.extend(UNITS.map(|factor| scaled(&hypothesis, factor, Subject::Kind, &format!("{words} and"))));
         }
     }
-    scales(base, extent, &mut all);
+    let mut factors = UNITS.to_vec();
+    if extent == Extent::All {
+        factors.extend((1..=SCALE_STEPS).flat_map(|step| [SCALE_STEP.powi(step), SCALE_STEP.powi(-step)]));
+    }
+    all.extend(factors.into_iter().map(|factor| scaled(base, factor, Subject::Scale, "depth")));
     positions(base, names, extent, &mut all);
     orientations(base, &mut all);
     all
 }
 
-fn scales(base: &Hypothesis, extent: Extent, all: &mut Vec<Alternative>) {
-    let mut factors: Vec<f64> = UNITS.into_iter().filter(|factor| *factor != 1.0).collect();
-    if extent == Extent::All {
-        factors.extend((1..=SCALE_STEPS).flat_map(|step| [SCALE_STEP.powi(step), SCALE_STEP.powi(-step)]));
-    }
-    for factor in factors {
-        all.push(Alternative {
-            subject: Subject::Scale,
-            words: format!("depth {} as large", times(factor)),
-            hypothesis: Hypothesis { scale: base.scale * factor, ..base.clone() },
-        });
-    }
+/// `what` with depth `factor` times as large.
+fn scaled(base: &Hypothesis, factor: f64, subject: Subject, what: &str) -> Alternative {
+    let words = format!("{what} {} as large", times(factor));
+    Alternative { subject, words, hypothesis: Hypothesis { scale: base.scale * factor, ..base.clone() } }
 }
 
 /// `0.001 times`, `12.6 times`.
@@ -113,17 +99,10 @@ fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<
     if extent == Extent::All {
         for a in 0..names.len() {
             for b in a + 1..names.len() {
-                let other = |index| {
-                    if index == a {
-                        b
-                    } else if index == b {
-                        a
-                    } else {
-                        index
-                    }
-                };
+                let mut order: Vec<usize> = (0..names.len()).collect();
+                order.swap(a, b);
                 let words = format!("the positions of probes {} and {} exchanged", names[a], names[b]);
-                all.push(moved(words, &|index| base.poses[other(index)].position));
+                all.push(moved(words, &|index| base.poses[order[index]].position));
             }
         }
     }
@@ -142,17 +121,13 @@ fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<
 /// All signed permutations of the axes but the identity, such as `(x, -y, z)`, as matrices; fewest changes first.
 fn axis_orders() -> Vec<(String, DMat3)> {
     let mut found = Vec::new();
-    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]] {
-        for signs in [0u8, 1, 2, 4, 3, 5, 6, 7] {
-            let sign = |row: usize| if signs >> row & 1 == 1 { -1.0 } else { 1.0 };
-            let axis = [DVec3::X, DVec3::Y, DVec3::Z];
-            let rows = [0, 1, 2].map(|row| axis[order[row]] * sign(row));
-            let word =
-                |row: usize| format!("{}{}", if sign(row) < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[row]]);
-            let changed = usize::from(order != [0, 1, 2]) + signs.count_ones() as usize;
-            let words = format!("({}, {}, {})", word(0), word(1), word(2));
-            found.push((changed, words, DMat3::from_cols(rows[0], rows[1], rows[2]).transpose()));
-        }
+    for axes in signed_axes() {
+        let word =
+            |(axis, sign): (usize, f64)| format!("{}{}", if sign < 0.0 { "-" } else { "" }, ["x", "y", "z"][axis]);
+        let changed = usize::from(axes.map(|(axis, _)| axis) != [0, 1, 2]);
+        let changed = changed + axes.iter().filter(|(_, sign)| *sign < 0.0).count();
+        let [x, y, z] = axes.map(|(axis, sign)| DVec3::AXES[axis] * sign);
+        found.push((changed, format!("({})", axes.map(word).join(", ")), DMat3::from_cols(x, y, z).transpose()));
     }
     found.sort_by_key(|(changed, _, _)| *changed);
     found.into_iter().filter(|(changed, _, _)| *changed > 0).map(|(_, words, axes)| (words, axes)).collect()
@@ -183,11 +158,8 @@ fn orientations(base: &Hypothesis, all: &mut Vec<Alternative>) {
         }),
     ];
     for (words, way) in ways {
-        all.push(Alternative {
-            subject: Subject::Orientations,
-            words: words.into(),
-            hypothesis: Hypothesis { poses: base.poses.iter().map(way).collect(), ..base.clone() },
-        });
+        let hypothesis = Hypothesis { poses: base.poses.iter().map(way).collect(), ..base.clone() };
+        all.push(Alternative { subject: Subject::Orientations, words: words.into(), hypothesis });
     }
 }
 

@@ -61,10 +61,8 @@ impl ColorValues {
 
 /// Compares values with the declared colour space.
 pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
-    let check = "color.space";
     let above = values.above_one as f64 / values.values.max(1) as f64;
     let codes = values.codes as f64 / values.dim.max(1) as f64;
-    let figures = [("above_one", above), ("255ths", codes)];
     let told = values.pixels >= MIN_PIXELS;
     let (verdict, says) = match space {
         ColorSpace::LinearRec709 if files == Files::Integers => {
@@ -82,7 +80,7 @@ pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
         }
         _ => (Verdict::CannotTell, "no value is above 1, as in light and in codes".to_owned()),
     };
-    Finding::new(check, verdict, says).with(&figures)
+    Finding::new("color.space", verdict, says).with(&[("above_one", above), ("255ths", codes)])
 }
 
 #[cfg(test)]

@@ -71,22 +71,21 @@ pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
 pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Report> {
     let manifest = source.manifest();
     let depth = manifest.and_then(|manifest| manifest.depth.as_ref());
-    let stated = values::Stated {
-        invalid: source.invalid_depth(),
-        ..values::Stated::new(depth, source.background(), source.depth_scale())
-    };
+    let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
+    let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
+    let (background, scale, invalid) = (source.background(), source.depth_scale(), source.invalid_depth());
+    let stated = values::Stated { background, scale, range_m: [near, far], invalid };
     let footage = read::read(source, choice, &stated, monitor)?;
     let projection = manifest.map_or(Projection::Cubemap, |manifest| manifest.projection);
     let mut findings = Vec::new();
     // Faces cut from panoramas, crosses and strips have a fixed order.
     let own_faces = manifest.is_none_or(Manifest::has_face_files);
-    if own_faces && !footage.depth_borders.is_empty() {
-        let stream = seams::Stream { check: "seams.depth", cap: seams::DEPTH_CAP };
-        findings.extend(seams::check(stream, &footage.depth_borders));
-    }
-    if own_faces && !footage.color_borders.is_empty() {
-        let stream = seams::Stream { check: "seams.color", cap: seams::COLOR_CAP };
-        findings.extend(seams::check(stream, &footage.color_borders));
+    let depth = seams::Stream { check: "seams.depth", cap: seams::DEPTH_CAP };
+    let color = seams::Stream { check: "seams.color", cap: seams::COLOR_CAP };
+    for (stream, borders) in [(depth, &footage.depth_borders), (color, &footage.color_borders)] {
+        if own_faces && !borders.is_empty() {
+            findings.extend(seams::check(stream, borders));
+        }
     }
     if let Some(values) = &footage.depth {
         let kind = source.depth_kind();
@@ -97,10 +96,8 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
             let between = between_probes::check(&footage.views, kind, projection, monitor)?;
             if projection != Projection::Equirect {
                 let alone = flatness::check(&footage.views, kind);
-                let confirmed = between
-                    .iter()
-                    .any(|finding| finding.check == between_probes::KIND && finding.verdict == Verdict::Fine);
-                let overruled = alone.verdict == Verdict::Suspect && confirmed;
+                let confirms = |found: &Finding| found.check == between_probes::KIND && found.verdict == Verdict::Fine;
+                let overruled = alone.verdict == Verdict::Suspect && between.iter().any(confirms);
                 findings.push(if overruled { flatness::overruled(alone) } else { alone });
             }
             findings.extend(between);

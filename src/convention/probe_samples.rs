@@ -32,15 +32,9 @@ impl FaceSamples {
         let offset = step / 2;
         let count = |side: u32| (side.saturating_sub(offset)).div_ceil(step).max(1);
         let at = |index: u32, side: u32| (offset + index * step).min(side - 1);
-        let thin = Plane::from_fn(count(size[0]), count(size[1]), |x, y| stored.get(at(x, size[0]), at(y, size[1])));
-        let mut samples = FaceSamples {
-            face,
-            projection,
-            step,
-            distance: Plane::filled(0, 0, [0.0; 2]),
-            planar: Plane::filled(0, 0, [0.0; 2]),
-            stored: thin,
-        };
+        let stored = Plane::from_fn(count(size[0]), count(size[1]), |x, y| stored.get(at(x, size[0]), at(y, size[1])));
+        let unknown = || Plane::filled(0, 0, [0.0; 2]);
+        let mut samples = FaceSamples { face, projection, step, stored, distance: unknown(), planar: unknown() };
         samples.distance = samples.around(DepthKind::Distance);
         samples.planar = samples.around(DepthKind::Planar);
         samples
@@ -118,14 +112,20 @@ impl FaceSamples {
     }
 }
 
-#[derive(Debug, Clone)]
-pub struct ProbeSamples {
-    pub name: String,
-    pub frame: u32,
+/// Position and orientation of a probe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
     /// Centre, metres.
     pub position: DVec3,
     /// Turns the probe's axes into the world's.
     pub turn: DQuat,
+}
+
+#[derive(Debug, Clone)]
+pub struct ProbeSamples {
+    pub name: String,
+    pub frame: u32,
+    pub pose: Pose,
     pub faces: Vec<FaceSamples>,
 }
 

@@ -8,7 +8,7 @@ use half::f16;
 
 use super::borders::Borders;
 use super::light::ColorValues;
-use super::probe_samples::{FaceSamples, ProbeSamples};
+use super::probe_samples::{FaceSamples, Pose, ProbeSamples};
 use super::seams::CubeBorders;
 use super::values::{DepthValues, Stated};
 use crate::dataset::{ProbeInfo, Source, SourceGroup, StreamKind};
@@ -67,23 +67,17 @@ pub struct Footage {
     pub images: u64,
 }
 
-enum Kept {
-    Depth(DepthFace),
-    Color(ColorFace),
-}
-
-struct DepthFace {
-    samples: FaceSamples,
-    borders: Borders,
-    values: DepthValues,
-    hash: Option<u64>,
-}
-
-struct ColorFace {
+/// What is kept of an image.
+struct Kept {
     face: Face,
     borders: Borders,
-    values: ColorValues,
     hash: Option<u64>,
+    values: Values,
+}
+
+enum Values {
+    Depth(DepthValues, FaceSamples),
+    Color(ColorValues),
 }
 
 /// The probes to check, by index.
@@ -95,10 +89,7 @@ pub fn chosen_probes(source: &Source, choice: &Choice) -> Result<Vec<usize>> {
     let has_images = |index: usize| source.groups().iter().any(|group| group.probe == index);
     let named = |index: usize| choice.probes.is_empty() || choice.probes.contains(&probes[index].name);
     let all: Vec<usize> = (0..probes.len()).filter(|index| named(*index) && has_images(*index)).collect();
-    let most = choice.max_probes.max(1);
-    if all.len() <= most {
-        return Ok(all);
-    }
+    let most = choice.max_probes.max(1).min(all.len());
     Ok((0..most).map(|at| all[at * all.len() / most]).collect())
 }
 
@@ -117,23 +108,18 @@ pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>>
     Ok(jobs)
 }
 
-/// Reads; the monitor advances by one for each file.
+/// The monitor advances by one for each file.
 pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Monitor) -> Result<Footage> {
     let jobs = jobs(source, choice)?;
     let kept = try_map_ordered(jobs, |(group, frame)| {
         monitor.check()?;
         let kept: Vec<Kept> = if group.kind == StreamKind::Depth {
             let probe = source.probes().get(group.probe);
-            let planes = source.read_depth_as_stored(&group, frame)?;
-            group
-                .faces
-                .iter()
-                .zip(planes)
-                .map(|(face, plane)| Kept::Depth(depth_face(*face, &plane, probe, stated)))
-                .collect()
+            let faces = group.faces.iter().zip(source.read_depth_as_stored(&group, frame)?);
+            faces.map(|(face, plane)| depth_face(*face, &plane, probe, stated)).collect()
         } else {
-            let planes = source.read_color(&group, frame)?;
-            group.faces.iter().zip(planes).map(|(face, plane)| Kept::Color(color_face(*face, &plane))).collect()
+            let faces = group.faces.iter().zip(source.read_color(&group, frame)?);
+            faces.map(|(face, plane)| color_face(*face, &plane)).collect()
         };
         monitor.advance(1);
         Ok((group.probe, frame, kept))
@@ -147,12 +133,10 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
     let (mut varied, mut shown, mut blank) = (HashSet::new(), HashMap::new(), Vec::new());
     for (index, frame, faces) in kept {
         let probe = &source.probes()[index];
-        for kept in faces {
+        for Kept { face, borders, hash, values } in faces {
             footage.images += 1;
-            let (face, hash, kind) = match &kept {
-                Kept::Depth(kept) => (kept.samples.face, kept.hash, StreamKind::Depth),
-                Kept::Color(kept) => (kept.face, kept.hash, StreamKind::Color),
-            };
+            let is_depth = matches!(values, Values::Depth(..));
+            let kind = if is_depth { StreamKind::Depth } else { StreamKind::Color };
             let name = format!("{} {}/{}", kind.name(), probe.name, face.name());
             match hash {
                 Some(hash) => {
@@ -162,34 +146,36 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
                 None if kind == StreamKind::Color => blank.push((&probe.name, face, name)),
                 None => {}
             }
-            match kept {
-                Kept::Depth(kept) => {
-                    let surfaces = kept.values.surfaces > 0 && kept.values.min < kept.values.max;
+            match values {
+                Values::Depth(values, samples) => {
+                    let surfaces = values.surfaces > 0 && values.min < values.max;
                     let shows = if surfaces { Shows::Surfaces } else { Shows::Background };
                     shown.insert((probe.name.clone(), face), shows);
-                    if kept.hash.is_some() {
+                    if hash.is_some() {
                         varied.insert((&probe.name, face));
                     }
-                    footage.depth = Some(footage.depth.unwrap_or_default().add(kept.values));
-                    put_borders(&mut footage.depth_borders, &probe.name, face, kept.borders);
+                    footage.depth = Some(footage.depth.unwrap_or_default().add(values));
+                    put_borders(&mut footage.depth_borders, &probe.name, face, borders);
                     // Without intrinsics, the samples of a perspective view have no direction.
                     if face == Face::View && probe.intrinsics.is_none() {
                         continue;
                     }
                     match footage.views.last_mut().filter(|view| view.name == probe.name) {
-                        Some(view) => view.faces.push(kept.samples),
+                        Some(view) => view.faces.push(samples),
                         None => footage.views.push(ProbeSamples {
                             name: probe.name.clone(),
                             frame,
-                            position: probe.position.into(),
-                            turn: DQuat::from_array(probe.orientation).normalize(),
-                            faces: vec![kept.samples],
+                            pose: Pose {
+                                position: probe.position.into(),
+                                turn: DQuat::from_array(probe.orientation).normalize(),
+                            },
+                            faces: vec![samples],
                         }),
                     }
                 }
-                Kept::Color(kept) => {
-                    footage.color = Some(footage.color.unwrap_or_default().add(kept.values));
-                    put_borders(&mut footage.color_borders, &probe.name, face, kept.borders);
+                Values::Color(values) => {
+                    footage.color = Some(footage.color.unwrap_or_default().add(values));
+                    put_borders(&mut footage.color_borders, &probe.name, face, borders);
                 }
             }
         }
@@ -214,7 +200,7 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
     }
 }
 
-fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> DepthFace {
+fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> Kept {
     let values = DepthValues::count(plane, stated);
     let hash = hash_of(plane, |value| value.to_bits());
     let metres = plane.map(|&value| {
@@ -230,10 +216,10 @@ fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated:
     let size = [metres.width(), metres.height()];
     let known = probe.and_then(|probe| probe.projection(face, size));
     let projection = known.unwrap_or(ImageProjection::CubeFace { face, size });
-    DepthFace { samples: FaceSamples::new(face, &metres, projection), borders, values, hash }
+    Kept { face, borders, hash, values: Values::Depth(values, FaceSamples::new(face, &metres, projection)) }
 }
 
-fn color_face(face: Face, plane: &ColorPlane) -> ColorFace {
+fn color_face(face: Face, plane: &ColorPlane) -> Kept {
     let light = |x, y| plane.get(x, y).map(f16::to_f32).iter().sum::<f32>() / 3.0;
     // Means of 3×3 pixels: renderings are noisy.
     let (width, height) = (plane.width(), plane.height());
@@ -250,7 +236,7 @@ fn color_face(face: Face, plane: &ColorPlane) -> ColorFace {
         (sum / count as f32).max(0.0) + DARK
     };
     let hash = hash_of(plane, |value| value.map(f16::to_bits));
-    ColorFace { face, borders: Borders::new(side, smooth), values: ColorValues::count(plane), hash }
+    Kept { face, borders: Borders::new(side, smooth), hash, values: Values::Color(ColorValues::count(plane)) }
 }
 
 /// A hash of the pixels of an image, unless all are equal.

@@ -35,19 +35,15 @@ impl Tally {
     pub fn contradiction(&self) -> f64 {
         self.in_front as f64 / self.tested().max(1) as f64
     }
-
-    fn add(self, other: Tally) -> Tally {
-        Tally {
-            agree: self.agree + other.agree,
-            in_front: self.in_front + other.in_front,
-            hidden: self.hidden + other.hidden,
-        }
-    }
 }
 
 impl std::iter::Sum for Tally {
     fn sum<I: Iterator<Item = Tally>>(items: I) -> Tally {
-        items.fold(Tally::default(), Tally::add)
+        items.fold(Tally::default(), |sum, Tally { agree, in_front, hidden }| Tally {
+            agree: sum.agree + agree,
+            in_front: sum.in_front + in_front,
+            hidden: sum.hidden + hidden,
+        })
     }
 }
 

@@ -93,31 +93,24 @@ fn settle(stream: Stream, table: &CostTable, present: [bool; 6], least: f64) -> 
     let sure = |face: &usize| {
         Turn::all().filter(|turn| *turn != Turn::NONE).all(|turn| {
             let mut other = declared;
-            other[*face] = Some(PlacedFile::new(*face, turn));
+            other[*face] = Some(PlacedFile { file: *face, turn });
             table.total(&other) - own >= SURE.max(own * 0.05)
         })
     };
     let there: Vec<usize> = (0..6).filter(|face| present[*face]).collect();
     let unsure: Vec<usize> = there.iter().copied().filter(|face| !sure(face)).collect();
-    let differ = "faces continue each other as declared".to_owned();
-    if own > AS_GOOD * least + SURE {
-        let says = "another order of the faces fits slightly better, which is inconclusive";
-        return Finding::new(stream.check, Verdict::CannotTell, says);
-    }
-    if unsure.len() == there.len() {
-        let says = format!("{differ}, and would in other orientations, too");
-        return Finding::new(stream.check, Verdict::CannotTell, says);
-    }
-    let says = if unsure.is_empty() {
-        format!("{differ}, and in no other orientation")
+    let differ = "faces continue each other as declared";
+    let (verdict, says) = if own > AS_GOOD * least + SURE {
+        (Verdict::CannotTell, "another order of the faces fits slightly better, which is inconclusive".to_owned())
+    } else if unsure.len() == there.len() {
+        (Verdict::CannotTell, format!("{differ}, and would in other orientations, too"))
+    } else if unsure.is_empty() {
+        (Verdict::Fine, format!("{differ}, and in no other orientation"))
     } else {
-        format!("{differ}; the orientation of {} is unknown", listed(&names(&unsure), "and"))
+        let names: Vec<String> = unsure.iter().map(|face| Face::CUBE[*face].name().to_owned()).collect();
+        (Verdict::Fine, format!("{differ}; the orientation of {} is unknown", listed(&names, "and")))
     };
-    Finding::new(stream.check, Verdict::Fine, says)
-}
-
-fn names(faces: &[usize]) -> Vec<String> {
-    faces.iter().map(|face| Face::CUBE[*face].name().to_owned()).collect()
+    Finding::new(stream.check, verdict, says)
 }
 
 /// The simplest of the permutations that fit as well as the best one, in words.
@@ -142,11 +135,8 @@ fn explain(table: &CostTable, best: &FacePermutation, least: f64, present: [bool
         }
     }
     words.truncate(3);
-    format!(
-        "faces do not match along their edges ({} of the samples differ): {}",
-        percent(mismatch),
-        listed(&words, "or")
-    )
+    let (share, words) = (percent(mismatch), listed(&words, "or"));
+    format!("faces do not match along their edges ({share} of the samples differ): {words}")
 }
 
 /// Permutations where one file is turned, or two are exchanged and turned.
@@ -157,7 +147,7 @@ fn few_changes(present: [bool; 6]) -> Vec<FacePermutation> {
     for &face in &there {
         for turn in Turn::all() {
             let mut other = declared;
-            other[face] = Some(PlacedFile::new(face, turn));
+            other[face] = Some(PlacedFile { file: face, turn });
             found.push(other);
         }
     }
@@ -165,8 +155,8 @@ fn few_changes(present: [bool; 6]) -> Vec<FacePermutation> {
         for &b in &there[at + 1..] {
             for (turn_a, turn_b) in Turn::all().flat_map(|x| Turn::all().map(move |y| (x, y))) {
                 let mut other = declared;
-                other[a] = Some(PlacedFile::new(b, turn_a));
-                other[b] = Some(PlacedFile::new(a, turn_b));
+                other[a] = Some(PlacedFile { file: b, turn: turn_a });
+                other[b] = Some(PlacedFile { file: a, turn: turn_b });
                 found.push(other);
             }
         }

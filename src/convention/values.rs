@@ -2,7 +2,6 @@
 
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::dataset::InvalidDepth;
-use crate::dataset::manifest::DepthInfo;
 use crate::image::DepthPlane;
 
 /// The farthest value is a background where at least this share of all pixels has exactly it,
@@ -24,12 +23,14 @@ const USUAL_BACKGROUNDS: [f32; 18] = [
     1e20,
     1e30,
     1e38,
-    65_504.0,
+    MAX_F16,
     65_535.0,
     65_536.0,
-    4_294_967_295.0,
+    MAX_U32,
     f32::MAX,
 ];
+const MAX_F16: f32 = 65_504.0;
+const MAX_U32: f32 = u32::MAX as f32;
 /// A smaller share of invalid pixels is taken for single flaws, not for a background value.
 const INVALID_SHARE: f64 = 1e-4;
 /// Share of surfaces outside near and far that is no accident.
@@ -94,13 +95,6 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// From the manifest and the caller; invalid depth is refused.
-    pub fn new(depth: Option<&DepthInfo>, background: f32, scale: f64) -> Stated {
-        let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
-        let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
-        Stated { background, scale, range_m: [near, far], invalid: InvalidDepth::Refuse }
-    }
-
     fn is_outside(&self, metres: f64) -> bool {
         metres < self.range_m[0] * 0.999 || metres > self.range_m[1] * 1.001
     }
@@ -119,10 +113,10 @@ impl DepthValues {
             } else if value < 0.0 {
                 found.negative += 1;
             } else {
-                let one = DepthValues { surfaces: 1, at_max: 1, min: value, max: value, ..DepthValues::default() };
-                let outside = stated.is_outside(f64::from(value) * stated.scale);
-                let one = DepthValues { whole: u64::from(value.fract() == 0.0), outside: u64::from(outside), ..one };
-                found = found.add(one);
+                let whole = u64::from(value.fract() == 0.0);
+                let outside = u64::from(stated.is_outside(f64::from(value) * stated.scale));
+                let one = DepthValues { surfaces: 1, whole, outside, at_max: 1, ..DepthValues::default() };
+                found = found.add(DepthValues { min: value, max: value, ..one });
             }
         }
         found
@@ -175,17 +169,15 @@ fn invalid(values: &DepthValues, rule: InvalidDepth) -> Finding {
             (Verdict::Fine, format!("{}; `invalid_depth` = near treats them as the nearest surface", what()))
         }
         InvalidDepth::Refuse if share(all, values) < INVALID_SHARE => {
-            let says =
-                format!("{}, too few to be a background value; encode needs `invalid_depth` = far or near", what());
-            (Verdict::Fine, says)
+            let needed = "too few to be a background value; encode needs `invalid_depth` = far or near";
+            (Verdict::Fine, format!("{}, {needed}", what()))
         }
         InvalidDepth::Refuse => {
-            let says = format!("{}: name the value in \"background\", or set `invalid_depth` to far or near", what());
-            (Verdict::Suspect, says)
+            let advice = "name the value in \"background\", or set `invalid_depth` to far or near";
+            (Verdict::Suspect, format!("{}: {advice}", what()))
         }
     };
-    let finding = Finding::new("depth.values", verdict, says);
-    finding.with(&figures)
+    Finding::new("depth.values", verdict, says).with(&figures)
 }
 
 /// `is 1 NaN`, `are 2 NaN and 70 zero`.
@@ -208,17 +200,11 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
     let (verdict, says) = if values.surfaces == 0 {
         (Verdict::CannotTell, "there is no surface at all".to_owned())
     } else if often && max == 1.0 {
-        let says = format!(
-            "no value is above 1 and {} are exactly 1: that is the depth buffer of a graphics library, not a length",
-            percent(at_max)
-        );
-        (Verdict::Suspect, says)
+        let buffer = "that is the depth buffer of a graphics library, not a length";
+        (Verdict::Suspect, format!("no value is above 1 and {} are exactly 1: {buffer}", percent(at_max)))
     } else if often && (gap || usual) {
-        let says = format!(
-            "{} of all pixels are exactly {max}: if nothing is there, \"background\" is {max}",
-            percent(at_max)
-        );
-        (Verdict::Suspect, says)
+        let exactly = format!("{} of all pixels are exactly {max}", percent(at_max));
+        (Verdict::Suspect, format!("{exactly}: if nothing is there, \"background\" is {max}"))
     } else {
         (Verdict::Fine, format!("{} of all pixels are the background", percent(share(values.background, values))))
     };
@@ -226,30 +212,29 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
 }
 
 fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
-    let check = "depth.near_far";
     let [near, far] = stated.range_m;
     let [min, max] = [values.min, values.max].map(|value| f64::from(value) * stated.scale);
     let outside = values.outside as f64 / values.surfaces.max(1) as f64;
     let figures = [("nearest_m", min), ("farthest_m", max), ("outside", outside)];
     if values.surfaces == 0 {
-        return Finding::new(check, Verdict::CannotTell, "there is no surface at all");
+        return Finding::new("depth.near_far", Verdict::CannotTell, "there is no surface at all");
     }
     let seen = format!("surfaces lie {min:.4} m to {max:.4} m away");
     let whole = values.whole == values.surfaces && values.surfaces > 100 && values.min < values.max;
-    let finding = if whole && max >= WHOLE_METRES {
-        let says = format!("{seen}, all of them whole numbers: they look like millimetres or another small unit");
-        Finding::new(check, Verdict::Suspect, says)
+    let (verdict, says) = if whole && max >= WHOLE_METRES {
+        let like = "all of them whole numbers: they look like millimetres or another small unit";
+        (Verdict::Suspect, format!("{seen}, {like}"))
     } else if near == 0.0 && far.is_infinite() {
-        Finding::new(check, Verdict::Fine, format!("{seen}; no near and far are stated"))
+        (Verdict::Fine, format!("{seen}; no near and far are stated"))
     } else if outside < OUTSIDE_SHARE {
-        Finding::new(check, Verdict::Fine, format!("{seen}, between the stated near and far"))
+        (Verdict::Fine, format!("{seen}, between the stated near and far"))
     } else {
         let fits = SCALES.iter().find(|scale| min * *scale >= near * 0.999 && max * *scale <= far * 1.001);
         let guess = fits.map(|scale| format!("; depth {scale} times as large would fit")).unwrap_or_default();
-        let says = format!("{seen}, {} of them outside the stated {near} m to {far} m{guess}", percent(outside));
-        Finding::new(check, Verdict::Suspect, says)
+        let outside = percent(outside);
+        (Verdict::Suspect, format!("{seen}, {outside} of them outside the stated {near} m to {far} m{guess}"))
     };
-    finding.with(&figures)
+    Finding::new("depth.near_far", verdict, says).with(&figures)
 }
 
 #[cfg(test)]
@@ -258,7 +243,8 @@ mod tests {
     use crate::image::Plane;
 
     fn stated() -> Stated {
-        Stated::new(None, f32::INFINITY, 1.0)
+        let range_m = [0.0, f64::INFINITY];
+        Stated { background: f32::INFINITY, scale: 1.0, range_m, invalid: InvalidDepth::Refuse }
     }
 
     fn plane(value: impl Fn(u32) -> f32) -> DepthPlane {

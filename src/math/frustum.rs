@@ -56,10 +56,6 @@ impl Frustum {
         }
     }
 
-    pub fn apex(&self) -> DVec3 {
-        self.apex
-    }
-
     /// Whether tests are reliable.
     pub(super) fn is_sound(&self) -> bool {
         let unit = |vector: &DVec3| (vector.length() - 1.0).abs() < 1e-6;
@@ -122,7 +118,7 @@ mod tests {
     #[test]
     fn points_are_inside_or_not() {
         let frustum = cube_face();
-        let at = |u: f64, v: f64, depth: f64| frustum.apex() + depth * DVec3::new(u, -v, -1.0);
+        let at = |u: f64, v: f64, depth: f64| frustum.apex + depth * DVec3::new(u, -v, -1.0);
         for (u, v, depth) in [(0.0, 0.0, 2.0), (0.99, 0.24, 3.9), (-0.99, -0.49, 1.01)] {
             assert!(frustum.contains(at(u, v, depth)), "{u} {v} {depth}");
         }

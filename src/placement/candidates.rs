@@ -44,16 +44,13 @@ impl FreeSpace<'_> {
 
     /// About `wanted` candidates; fails where there is no free space.
     pub fn candidates(&self, kind: CandidateKind, wanted: usize) -> Result<Vec<DVec3>> {
-        let found = match kind {
+        let found: Vec<DVec3> = match kind {
             CandidateKind::Refined => self.refined(wanted),
             CandidateKind::Grid => {
                 grid(self.region, wanted).into_par_iter().filter(|point| self.admits(*point)).collect()
             }
         };
-        if found.is_empty() {
-            return Err(self.no_space());
-        }
-        Ok(found)
+        if found.is_empty() { Err(self.no_space()) } else { Ok(found) }
     }
 
     fn refined(&self, wanted: usize) -> Vec<DVec3> {
@@ -61,12 +58,9 @@ impl FreeSpace<'_> {
         let mut found = Vec::new();
         let mut tried = 0;
         while found.len() < wanted && tried < TRIES * wanted {
-            let batch: Vec<Option<DVec3>> = (tried..tried + wanted)
-                .into_par_iter()
-                .map(|at| position(self.region, &shares, at as u64).filter(|point| self.admits(*point)))
-                .collect();
+            let free = |at: usize| position(self.region, &shares, at as u64).filter(|point| self.admits(*point));
+            found.par_extend((tried..tried + wanted).into_par_iter().filter_map(free));
             tried += wanted;
-            found.extend(batch.into_iter().flatten());
         }
         found.truncate(wanted);
         found
@@ -84,9 +78,9 @@ impl FreeSpace<'_> {
                 let share = sequence::hammersley(index as u64, count as u64);
                 Some(bounds.min + share * (bounds.max - bounds.min)).filter(|point| self.admits(*point))
             };
-            let admitted: Vec<Option<DVec3>> = (0..count).into_par_iter().map(at).collect();
+            let admitted: Vec<DVec3> = (0..count).into_par_iter().filter_map(at).collect();
             let mut found: Vec<DVec3> = Vec::new();
-            for point in admitted.into_iter().flatten() {
+            for point in admitted {
                 if found.iter().all(|other| other.distance(point) >= apart_m) {
                     found.push(point);
                 }
@@ -114,7 +108,7 @@ impl FreeSpace<'_> {
 
     /// Mean spacing of candidates, metres.
     fn spacing_m(&self, candidates: usize) -> f64 {
-        let volume: f64 = self.region.volumes().iter().map(|volume| size(volume, self.region).element_product()).sum();
+        let volume: f64 = self.region.volumes.iter().map(|volume| size(volume, self.region).element_product()).sum();
         (volume / candidates.max(1) as f64).cbrt()
     }
 
@@ -167,7 +161,7 @@ fn size(volume: &Volume, region: &Region) -> DVec3 {
 fn shares(region: &Region) -> Vec<f64> {
     let diagonal = region.diagonal_m().max(f64::MIN_POSITIVE);
     let sizes: Vec<f64> =
-        region.volumes().iter().map(|volume| (size(volume, region) / diagonal).element_product()).collect();
+        region.volumes.iter().map(|volume| (size(volume, region) / diagonal).element_product()).collect();
     let all: f64 = sizes.iter().sum();
     let cumulative = sizes.iter().scan(0.0, |sum, size| {
         *sum += size;
@@ -181,11 +175,11 @@ fn position(region: &Region, shares: &[f64], index: u64) -> Option<DVec3> {
     // The volume is chosen by a low-discrepancy sequence, so any run of indices has its share of each.
     let turn = (0.5 + (index % (1 << 40)) as f64 * 0.618_033_988_749_894_9).fract();
     let which = shares.partition_point(|share| *share <= turn).min(shares.len() - 1);
-    let volume = &region.volumes()[which];
+    let volume = &region.volumes[which];
     let bounds = volume.bounds();
     let point = bounds.min + sequence::in_cube(index) * (bounds.max - bounds.min);
     let point = point.min(bounds.max);
-    let is_first = !region.volumes()[..which].iter().any(|other| other.contains(point));
+    let is_first = !region.volumes[..which].iter().any(|other| other.contains(point));
     (volume.contains(point) && is_first).then_some(point)
 }
 

@@ -23,8 +23,8 @@ const BORDER: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub struct ClosedMesh {
     triangles: Vec<[DVec3; 3]>,
-    bvh: Bvh,
-    bounds: AxisBox,
+    pub bvh: Bvh,
+    pub bounds: AxisBox,
 }
 
 impl ClosedMesh {
@@ -62,10 +62,6 @@ impl ClosedMesh {
         Ok(ClosedMesh { triangles, bvh, bounds })
     }
 
-    pub fn bounds(&self) -> AxisBox {
-        self.bounds
-    }
-
     /// Whether the winding number around the point is not 0, or the point is on the surface.
     pub fn contains(&self, point: DVec3) -> bool {
         if !self.bounds.contains(point) {
@@ -93,11 +89,6 @@ impl ClosedMesh {
             }
         }
         Some(winding)
-    }
-
-    /// Metres to the nearest triangle.
-    pub fn surface_distance_m(&self, point: DVec3) -> f64 {
-        self.bvh.distance_m(point)
     }
 }
 
@@ -138,7 +129,7 @@ mod tests {
             assert_eq!(mesh.contains(point), inside, "{point}");
             if !inside {
                 let distance = (min - point).max(point - max).max(DVec3::ZERO).length();
-                assert!((mesh.surface_distance_m(point) - distance).abs() < 1e-12);
+                assert!((mesh.bvh.distance_m(point) - distance).abs() < 1e-12);
             }
         }
     }

@@ -52,7 +52,7 @@ impl<'a> Coverage<'a> {
     /// No cameras. The tolerance applies where it is more than [`WITHIN`].
     pub fn new(problem: &'a Problem, lighting: Lighting, tolerance_m: f64) -> Coverage<'a> {
         let directions = (0..DIRECTIONS).map(|at| sequence::on_hemisphere(at, DIRECTIONS)).collect();
-        let surfels = vec![Covered::default(); problem.surfels().len()];
+        let surfels = vec![Covered::default(); problem.surfels.len()];
         Coverage { problem, lighting, near_cosine: lighting.near_cosine(), tolerance_m, directions, surfels }
     }
 
@@ -61,7 +61,7 @@ impl<'a> Coverage<'a> {
         let tolerance_m = self.tolerance_m;
         let of_specular = self.lighting != Lighting::Diffuse;
         self.surfels.par_iter_mut().enumerate().for_each(|(at, covered)| {
-            let surfel = &problem.surfels()[at];
+            let surfel = &problem.surfels[at];
             let (right, forward) = surfel.normal.any_orthonormal_pair();
             let to_world = DMat3::from_cols(right, surfel.normal, forward);
             let within_m = surfel.viewer_distance_m + tolerance_m.max(WITHIN * surfel.viewer_distance_m);
@@ -81,12 +81,8 @@ impl<'a> Coverage<'a> {
 
     pub fn figures(&self) -> Figures {
         let sum = |part: fn(&Covered) -> f64| -> f64 {
-            self.problem
-                .surfels()
-                .iter()
-                .zip(&self.surfels)
-                .map(|(surfel, covered)| surfel.weight * part(covered))
-                .sum()
+            let pairs = self.problem.surfels.iter().zip(&self.surfels);
+            pairs.map(|(surfel, covered)| surfel.weight * part(covered)).sum()
         };
         let share = |value: f64| value.min(1.0);
         let seen = share(sum(|covered| f64::from(u8::from(covered.is_seen))));

@@ -94,11 +94,11 @@ impl VisibleSet {
     }
 }
 
-/// All surfels, and the rate of decay.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    surfels: Vec<Surfel>,
-    rate_per_m: f64,
+    pub surfels: Vec<Surfel>,
+    /// k, 0 or more.
+    pub rate_per_m: f64,
     groups: Vec<Group>,
 }
 
@@ -113,7 +113,6 @@ struct Group {
 }
 
 impl Problem {
-    /// `rate_per_m` is k, 0 or more.
     pub fn new(surfels: Vec<Surfel>, rate_per_m: f64) -> Problem {
         let group = |surfels: &[Surfel]| {
             let bounds = AxisBox::around(surfels.iter().map(|surfel| surfel.point));
@@ -124,19 +123,6 @@ impl Problem {
         };
         let groups = surfels.chunks(GROUP).map(group).collect();
         Problem { surfels, rate_per_m, groups }
-    }
-
-    pub fn surfels(&self) -> &[Surfel] {
-        &self.surfels
-    }
-
-    pub fn set_rate_per_m(&mut self, rate_per_m: f64) {
-        self.rate_per_m = rate_per_m;
-    }
-
-    /// k, per metre.
-    pub fn rate_per_m(&self) -> f64 {
-        self.rate_per_m
     }
 
     /// `I_suit` (2) of a camera for a surfel that it sees.
@@ -213,20 +199,6 @@ impl<'a> State<'a> {
         }
     }
 
-    pub fn problem(&self) -> &'a Problem {
-        self.problem
-    }
-
-    /// Positions, metres.
-    pub fn cameras(&self) -> &[DVec3] {
-        &self.cameras
-    }
-
-    /// Mean of the best suitabilities: the sum of all gains (4) in a diffuse scene.
-    pub fn weighted(&self) -> f64 {
-        self.problem.surfels.iter().zip(&self.best).map(|(surfel, best)| surfel.weight * best).sum()
-    }
-
     /// Gain (4) of a further camera, as a fraction of all area and time; 0 at the position of a camera.
     pub fn gain(&self, visible: &VisibleSet) -> f64 {
         if self.cameras.contains(&visible.position) {
@@ -255,7 +227,7 @@ impl<'a> State<'a> {
             }
             let off = group.bounds.distance_m(visible.position);
             let most = self.problem.decay(off - group.viewer_distance_m) * (1.0 + ROUNDING);
-            let mut covered: [f64; GROUP] = std::array::from_fn(|_| 0.0);
+            let mut covered = [0.0; GROUP];
             match self.around_groups.get(at) {
                 None => covered.iter_mut().zip(&self.best[first..]).for_each(|(covered, best)| *covered = *best),
                 Some(cameras) => self.cover_group(&mut covered, group.direction_to(visible.position), cameras),
@@ -353,7 +325,8 @@ mod tests {
         assert!((second - (0.75 * (1.0 - (-2.0f64).exp()) + 0.25 * (-beyond).exp())).abs() < 1e-15);
         state.add(&near);
         // For diffuse surfaces, gains add up to the objective.
-        assert!((state.weighted() - (first + second)).abs() < 1e-15);
+        let weighted: f64 = problem.surfels.iter().zip(&state.best).map(|(surfel, best)| surfel.weight * best).sum();
+        assert!((weighted - (first + second)).abs() < 1e-15);
         assert!(State::new(&problem, Lighting::Diffuse).bound(&far) >= first);
     }
 
@@ -423,7 +396,7 @@ mod tests {
                 for placed in &visible_sets {
                     for visible in &visible_sets {
                         let (bound, gain) = (state.bound(visible), state.gain(visible));
-                        prop_assert!(bound >= gain, "{bound:e} {gain:e} with {} cameras", state.cameras().len());
+                        prop_assert!(bound >= gain, "{bound:e} {gain:e} with {} cameras", state.cameras.len());
                     }
                     state.add(placed);
                 }

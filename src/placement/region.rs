@@ -20,7 +20,7 @@ pub enum Volume {
 /// A union of at least one volume.
 #[derive(Debug, Clone)]
 pub struct Region {
-    volumes: Vec<Volume>,
+    pub volumes: Vec<Volume>,
 }
 
 impl Volume {
@@ -61,7 +61,7 @@ impl Volume {
         match self {
             Volume::Box(solid) => *solid,
             Volume::Ball(ball) => AxisBox { min: ball.center - ball.radius, max: ball.center + ball.radius },
-            Volume::Mesh(mesh) => mesh.bounds(),
+            Volume::Mesh(mesh) => mesh.bounds,
         }
     }
 
@@ -80,7 +80,7 @@ impl Volume {
             Volume::Box(solid) => solid.distance_m(point),
             Volume::Ball(ball) => (point.distance(ball.center) - ball.radius).max(0.0),
             Volume::Mesh(mesh) if mesh.contains(point) => 0.0,
-            Volume::Mesh(mesh) => mesh.surface_distance_m(point),
+            Volume::Mesh(mesh) => mesh.bvh.distance_m(point),
         }
     }
 }
@@ -100,10 +100,6 @@ impl Region {
 
     pub fn parse(texts: &[impl AsRef<str>]) -> Result<Region> {
         Self::new(texts.iter().map(|text| Volume::parse(text.as_ref())).collect::<Result<_>>()?)
-    }
-
-    pub fn volumes(&self) -> &[Volume] {
-        &self.volumes
     }
 
     pub fn contains(&self, point: DVec3) -> bool {

@@ -13,14 +13,13 @@ use super::sequence;
 use super::surface::{self, SurfacePoint};
 use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Ray};
-use crate::scene::{HitSurface, SceneAtTime, Shape};
+use crate::scene::{FirstHit, HitSurface, SceneAtTime, Shape};
 
 /// Directions tested to find out whether a position is inside a solid.
 const DIRECTIONS: usize = 26;
 /// Points of a parallel job, a multiple of 64.
 const JOB: usize = 512;
 
-/// A scene at a few time samples, with points on its surfaces.
 #[derive(Debug)]
 pub struct SampledScene {
     times: Vec<SceneAtTime>,
@@ -77,19 +76,19 @@ impl SampledScene {
     /// Whether a position is outside of solids at each time sample, and at least `clearance_m` from surfaces in all
     /// tested directions.
     ///
-    /// It is inside where more than half of the rays first hit a back face; flat rectangles have none. A winding
-    /// number would need closed meshes.
+    /// It is inside where more than half of the rays first hit a back face. A winding number would need closed meshes.
     pub fn is_free(&self, position: DVec3, clearance_m: f64) -> bool {
         self.times.iter().all(|scene| {
             let mut backs = 0;
             for direction in 0..DIRECTIONS {
                 let Some(ray) = Ray::new(position, sequence::on_sphere(direction, DIRECTIONS)) else { return false };
-                if let Some((distance, side)) = first_side(scene, &ray) {
-                    if distance < clearance_m {
-                        return false;
-                    }
-                    backs += usize::from(side == Side::Back);
+                let is_near = |at: &usize| scene.objects()[*at].bounds.intersect(&ray, 0.0).is_some();
+                let candidates = (0..scene.objects().len()).filter(is_near);
+                let Some(hit) = scene.first_hit(&ray, candidates) else { continue };
+                if hit.distance < clearance_m {
+                    return false;
                 }
+                backs += usize::from(is_back(scene, &hit, &ray));
             }
             2 * backs <= DIRECTIONS
         })
@@ -103,8 +102,7 @@ impl SampledScene {
     ) -> Result<Vec<Vec<u64>>> {
         let all = |position: &DVec3| {
             each_done()?;
-            let is_seen = |at: usize| self.sees(*position, at);
-            Ok(words(self.points.len(), is_seen))
+            Ok(words(self.points.len(), |at| self.sees(*position, at)))
         };
         positions.par_iter().map(all).collect()
     }
@@ -114,8 +112,9 @@ impl SampledScene {
         self.times[*time].sees(position, on.point)
     }
 
-    /// The surfels that candidates decide on, given the points that each of them sees.
-    pub fn surfels(&self, candidates: &[DVec3], visibility: &[Vec<u64>], viewers: &ViewerDistance<'_>) -> Surfels {
+    /// The surfels that candidates decide on, given the points that each of them sees. `Z(x)` (CALF 4.1) is the
+    /// distance from a point to the region, and at least `least_m`.
+    pub fn surfels(&self, candidates: &[DVec3], visibility: &[Vec<u64>], region: &Region, least_m: f64) -> Surfels {
         let sides = |(at, SamplePoint { on, weight, .. }): (usize, &SamplePoint)| {
             let who = candidates.iter().zip(visibility).filter(|(_, seen)| seen[at / 64] >> (at % 64) & 1 == 1);
             let (mut front, mut back) = (0, 0);
@@ -124,7 +123,7 @@ impl SampledScene {
                 front += usize::from(height > 0.0);
                 back += usize::from(height < 0.0);
             }
-            let viewer_distance_m = viewers.at(on.point);
+            let viewer_distance_m = region.distance_m(on.point).max(least_m);
             let surfel = |normal: DVec3| Surfel { point: on.point, normal, weight: *weight, viewer_distance_m };
             let front_side = (front > 0 || back == 0).then(|| (front > 0, surfel(on.normal)));
             [front_side, (back > 0).then(|| (true, surfel(-on.normal)))]
@@ -165,20 +164,6 @@ impl SampledScene {
     }
 }
 
-/// `Z(x)` (CALF 4.1): distance from a point to the region, and at least a minimum.
-#[derive(Debug, Clone, Copy)]
-pub struct ViewerDistance<'a> {
-    pub region: &'a Region,
-    pub least_m: f64,
-}
-
-impl ViewerDistance<'_> {
-    /// Metres.
-    pub fn at(&self, point: DVec3) -> f64 {
-        self.region.distance_m(point).max(self.least_m)
-    }
-}
-
 fn is_above(surfel: &Surfel, position: DVec3) -> bool {
     (position - surfel.point).dot(surfel.normal) > 0.0
 }
@@ -191,27 +176,17 @@ fn words(count: usize, is_set: impl Fn(usize) -> bool) -> Vec<u64> {
     (0..count).step_by(64).map(word).collect()
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
-    Front,
-    Back,
-}
-
-/// Distance and side of the first hit of a ray.
-fn first_side(scene: &SceneAtTime, ray: &Ray) -> Option<(f64, Side)> {
-    let is_near = |at: &usize| scene.objects()[*at].bounds.intersect(ray, 0.0).is_some();
-    let hit = scene.first_hit(ray, (0..scene.objects().len()).filter(is_near))?;
+/// Whether a ray hits the back of a surface; flat rectangles have none.
+fn is_back(scene: &SceneAtTime, hit: &FirstHit, ray: &Ray) -> bool {
     let normal = match hit.surface {
-        HitSurface::Object { index, .. } if matches!(scene.objects()[index].shape, Shape::Quad(_)) => {
-            return Some((hit.distance, Side::Front));
-        }
+        HitSurface::Object { index, .. } if matches!(scene.objects()[index].shape, Shape::Quad(_)) => return false,
         HitSurface::Object { normal, .. } => normal,
         HitSurface::Mesh { index, at } => {
             let [a, b, c] = scene.meshes()[index].mesh().corners(at.triangle);
             (b - a).cross(c - a)
         }
     };
-    Some((hit.distance, if normal.dot(ray.direction()) > 0.0 { Side::Back } else { Side::Front }))
+    normal.dot(ray.direction()) > 0.0
 }
 
 #[cfg(test)]
@@ -237,7 +212,7 @@ mod tests {
     fn surfels_of(sampled: &SampledScene, candidates: &[DVec3]) -> Surfels {
         let visibility = sampled.visibility(candidates, &|| Ok(())).unwrap();
         let region = Region::parse(&["-3,-3,-3,3,3,3"]).unwrap();
-        sampled.surfels(candidates, &visibility, &ViewerDistance { region: &region, least_m: 0.25 })
+        sampled.surfels(candidates, &visibility, &region, 0.25)
     }
 
     #[test]

@@ -4,13 +4,12 @@ use glam::DVec3;
 
 use super::candidates::{CandidateKind, FreeSpace, Refinement, ScoredSet};
 use super::coverage::{Coverage, Figures};
-use super::greedy::{self, Calls, Choice, Lazy};
+use super::greedy::{self, Calls, Lazy};
 use super::objective::{Lighting, Problem, State, VisibleSet};
 use super::region::Region;
-use super::sampled_scene::{SampledScene, Surfels, ViewerDistance};
+use super::sampled_scene::{SampledScene, Surfels};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
-use crate::mesh::AxisBox;
 use crate::monitor::Monitor;
 use crate::scene::{Scene, SceneAtTime};
 
@@ -60,17 +59,12 @@ pub struct Extent {
 
 impl Extent {
     pub fn of(effort: Effort) -> Extent {
-        let extent = |candidates, surface_samples, time_samples, steps| Extent {
-            candidates,
-            surface_samples,
-            time_samples,
-            steps,
+        let [candidates, surface_samples, time_samples, steps] = match effort {
+            Effort::Fast => [256, 2048, 4, 1],
+            Effort::Normal => [1024, 8192, 16, 3],
+            Effort::Exhaustive => [4096, 32768, 64, 6],
         };
-        match effort {
-            Effort::Fast => extent(256, 2048, 4, 1),
-            Effort::Normal => extent(1024, 8192, 16, 3),
-            Effort::Exhaustive => extent(4096, 32768, 64, 6),
-        }
+        Extent { candidates, surface_samples, time_samples, steps }
     }
 }
 
@@ -128,15 +122,17 @@ pub struct Placement {
 /// Candidates and their visible sets; places cameras for any lighting.
 #[derive(Debug)]
 pub struct Search<'a> {
-    sampled: SampledScene,
-    region: &'a Region,
+    pub sampled: SampledScene,
+    pub region: &'a Region,
     clearance_m: f64,
     surfels: Surfels,
-    problem: Problem,
-    visible_sets: Vec<VisibleSet>,
+    pub problem: Problem,
+    /// One for each candidate.
+    pub visible_sets: Vec<VisibleSet>,
     steps: usize,
     effort: Effort,
-    min_distance_m: f64,
+    /// Minimum of the viewer distance, metres.
+    pub min_distance_m: f64,
 }
 
 impl<'a> Search<'a> {
@@ -162,8 +158,8 @@ impl<'a> Search<'a> {
             monitor.check()
         };
         let visibility = sampled.visibility(&candidates, &each_done)?;
-        let least_m = settings.min_distance_m.unwrap_or(DEFAULT_MIN_DISTANCE * region.diagonal_m());
-        let surfels = sampled.surfels(&candidates, &visibility, &ViewerDistance { region, least_m });
+        let min_distance_m = settings.min_distance_m.unwrap_or(DEFAULT_MIN_DISTANCE * region.diagonal_m());
+        let surfels = sampled.surfels(&candidates, &visibility, region, min_distance_m);
         monitor.check()?;
         let visible_sets = candidates
             .iter()
@@ -173,38 +169,8 @@ impl<'a> Search<'a> {
         let of_region = if region.diagonal_m() > 0.0 { DEFAULT_RATE / region.diagonal_m() } else { 0.0 };
         let problem = Problem::new(surfels.surfels.clone(), settings.rate_per_m.unwrap_or(of_region));
         let steps = if settings.kind == CandidateKind::Grid { 0 } else { Extent::of(settings.effort).steps };
-        let (effort, min_distance_m) = (settings.effort, least_m);
+        let effort = settings.effort;
         Ok(Search { sampled, region, clearance_m, surfels, problem, visible_sets, steps, effort, min_distance_m })
-    }
-
-    pub fn region(&self) -> &Region {
-        self.region
-    }
-
-    /// A box around the points on surfaces.
-    pub fn surface_bounds(&self) -> AxisBox {
-        self.sampled.bounds()
-    }
-
-    pub fn set_rate_per_m(&mut self, rate_per_m: f64) {
-        self.problem.set_rate_per_m(rate_per_m);
-    }
-
-    pub fn problem(&self) -> &Problem {
-        &self.problem
-    }
-
-    pub fn candidate_count(&self) -> usize {
-        self.visible_sets.len()
-    }
-
-    pub fn surface_samples(&self) -> usize {
-        self.sampled.point_count()
-    }
-
-    /// Minimum of the viewer distance, metres.
-    pub fn min_distance_m(&self) -> f64 {
-        self.min_distance_m
     }
 
     /// Positions without a search: [`FreeSpace::hammersley`].
@@ -251,7 +217,11 @@ impl<'a> Search<'a> {
         while stop.cameras.is_none_or(|most| placed < most) {
             monitor.check()?;
             rounds += 1;
-            let Some(choice) = self.best(&mut lazy, &state, &mut calls) else { break };
+            let best = match self.effort {
+                Effort::Exhaustive => greedy::plain(&state, &self.visible_sets, &mut calls.gains),
+                Effort::Fast | Effort::Normal => lazy.best(&state, &self.visible_sets, &mut calls),
+            };
+            let Some(choice) = best else { break };
             let around = Refinement {
                 state: &state,
                 surfels: &self.surfels,
@@ -276,13 +246,6 @@ impl<'a> Search<'a> {
             refinement_calls,
             reachable: reachable.figures(),
         })
-    }
-
-    fn best(&self, lazy: &mut Lazy, state: &State<'_>, calls: &mut Calls) -> Option<Choice> {
-        match self.effort {
-            Effort::Exhaustive => greedy::plain(state, &self.visible_sets, &mut calls.gains),
-            Effort::Fast | Effort::Normal => lazy.best(state, &self.visible_sets, calls),
-        }
     }
 }
 

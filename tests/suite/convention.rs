@@ -23,7 +23,7 @@ impl Set {
     fn new() -> Set {
         let folder = TempDir::new().unwrap();
         let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: SIDE, probes: 1 };
-        let mut manifest = plan.manifest().unwrap();
+        let mut manifest = plan.capture().unwrap().manifest().unwrap();
         let scene = lightfold::scene::DemoScene::new(DemoKind::Courtyard).at(0.0);
         let positions = [[0.0, 1.5, 0.0], [-0.3, 1.3, 0.2], [0.25, 1.65, 0.3], [-0.1, 1.7, -0.3]];
         manifest.probes = positions

@@ -265,8 +265,6 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     );
     let corners = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [0.0, 1.0, 5.0]];
     assert_corners(only(&model.at(0.0)), &[corners, CORNERS].concat());
-    let (model, _) = Model::open_to_play(&path, Play::None).unwrap();
-    assert_corners(only(&model.at(0.0)), &[CORNERS, CORNERS].concat());
     let message = Model::open_to_play(&path, Play::Named("run")).unwrap_err().to_string();
     assert!(message.contains("“run”") && message.contains("go, stay"), "{message}");
 }

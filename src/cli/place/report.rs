@@ -80,7 +80,7 @@ impl Report<'_> {
 
     /// A curve for each lighting, the one asked for first.
     pub fn curves(&self) -> Vec<Curve> {
-        self.placements().map(|placement| self.curve(placement, self.search.problem().rate_per_m())).collect()
+        self.placements().map(|placement| self.curve(placement, self.search.problem.rate_per_m)).collect()
     }
 
     /// The curves of `--compare-k`.
@@ -100,7 +100,7 @@ impl Report<'_> {
 
     /// Surprises, a sentence each.
     pub fn notes(&self) -> Vec<String> {
-        let (found, bounds, region) = (self.placement, self.search.surface_bounds(), self.search.region().bounds());
+        let (found, bounds, region) = (self.placement, self.search.sampled.bounds(), self.search.region.bounds());
         let mut notes = Vec::new();
         if self.args.stop().cameras == Some(found.cameras.len() - found.started) && self.args.is_endless() {
             let count = found.cameras.len() - found.started;
@@ -131,7 +131,7 @@ impl Report<'_> {
 
     /// One row for each camera of each lighting.
     pub fn csv(&self) -> Result<String> {
-        let rate_per_m = self.search.problem().rate_per_m();
+        let rate_per_m = self.search.problem.rate_per_m;
         let asked = self.placements().flat_map(|placement| placement.rows(rate_per_m));
         let decays = self.decays.iter().flat_map(|decay| decay.placement.rows(decay.rate_per_m));
         csv::of_rows(&asked.chain(decays).collect::<Vec<_>>())
@@ -146,14 +146,14 @@ impl Report<'_> {
         let _ = writeln!(
             text,
             "{}, {} on surfaces, {}; k {} per metre, viewer distance at least {} m",
-            counted(self.search.candidate_count() as u64, "candidate"),
-            counted(self.search.surface_samples() as u64, "point"),
+            counted(self.search.visible_sets.len() as u64, "candidate"),
+            counted(self.search.sampled.point_count() as u64, "point"),
             match self.frames.len() {
                 1 => "1 frame".to_owned(),
                 count => format!("{count} frames of {}-{}", self.range[0], self.range[1]),
             },
-            plain(self.search.problem().rate_per_m()),
-            plain(self.search.min_distance_m()),
+            plain(self.search.problem.rate_per_m),
+            plain(self.search.min_distance_m),
         );
         let _ = writeln!(
             text,
@@ -198,7 +198,7 @@ impl Report<'_> {
         let is_diffuse = placement.lighting == Lighting::Diffuse;
         let beside = if is_diffuse { ">Weighted|>Within" } else { ">Seen" };
         let mut table = Table::new(&format!("Camera|>x|>y|>z|>Gain|>Coverage|{beside}"));
-        let bounds = self.search.region().bounds();
+        let bounds = self.search.region.bounds();
         let diagonal_m = (bounds.max - bounds.min).length();
         for (at, placed) in placement.cameras.iter().enumerate() {
             let [x, y, z] = placed.position.to_array().map(|value| metres(value, diagonal_m));

@@ -1,4 +1,5 @@
 use super::*;
+use crate::mesh::AxisBox;
 use crate::monitor::Silent;
 use crate::scene::{Light, Material, Object, Shape, Sphere, Texture};
 
@@ -219,7 +220,7 @@ fn each_time_sample_counts_by_its_time_and_nothing_twice() {
     let region = Region::parse(&["-4,-4,2,4,4,4"]).unwrap();
     let settings = Settings { rate_per_m: Some(0.7), min_distance_m: Some(0.5), ..settings(Effort::Fast) };
     let search = Search::new(vec![at(-2.0), at(2.0)], &region, &settings, &Silent).unwrap();
-    let surfels = search.problem().surfels();
+    let surfels = &search.problem.surfels;
     let time = |is_meant: fn(&super::super::objective::Surfel) -> bool| -> f64 {
         surfels.iter().filter(|surfel| is_meant(surfel)).map(|surfel| surfel.weight).sum()
     };

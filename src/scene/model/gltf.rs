@@ -65,7 +65,6 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     let animations: Vec<String> = (0..root.animations.len()).map(name).collect();
     let chosen = match play {
         Play::First => (!animations.is_empty()).then_some(0),
-        Play::None => None,
         Play::Named(name) => Some(animations.iter().position(|other| other == name).ok_or_else(|| {
             let all = animations[..animations.len().min(20)].join(", ");
             let all = if animations.is_empty() { "none".to_string() } else { all };

@@ -14,7 +14,6 @@ use super::light::Light;
 use super::mesh::SceneMesh;
 use super::raycast::SceneAtTime;
 use crate::error::{Error, Result};
-use crate::mesh::budget::Budget;
 use crate::mesh::folder;
 use crate::mesh::gltf::document;
 
@@ -108,12 +107,6 @@ impl Model {
         let still = stage.scene_mesh(fixed.mesh).into_iter().collect();
         let motion = moves.anything().then_some(Motion { stage, moves });
         Ok(Model::of_parts(still, fixed.light, motion))
-    }
-
-    /// Most bytes of memory while a file of so many bytes is read, with those that it names: its budget, and as much
-    /// again for parsing and for building trees.
-    pub fn memory_bound(bytes: u64) -> u64 {
-        Budget::allowance(bytes).saturating_mul(2)
     }
 
     /// Whether the file has no light, so that it is lit by [`Light::default`].

@@ -8,9 +8,7 @@ pub enum Play<'a> {
     /// The first, if there is any.
     #[default]
     First,
-    /// None: nodes are where the file puts them.
-    None,
-    /// The first of this name, as [`Model::animations`] has it.
+    /// The first of this name, as `Model::animations` has it.
     Named(&'a str),
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lightfold::mesh::budget::Budget;
 use lightfold::scene::{Model, SceneMesh};
 use tempfile::NamedTempFile;
 
@@ -100,7 +101,7 @@ pub fn run_mtl(bytes: &[u8]) -> Judged {
     })
 }
 
-/// What a mesh file may take: see [`Model::memory_bound`].
+/// What a mesh file may take: its budget, and as much again for parsing and for building trees.
 pub fn bound(bytes: &[u8]) -> u64 {
-    Model::memory_bound(bytes.len() as u64)
+    Budget::allowance(bytes.len() as u64).saturating_mul(2)
 }
