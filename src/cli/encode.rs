@@ -204,7 +204,7 @@ impl Work<'_> {
             .recover(|records, bytes| journal::recover_watched(records, bytes, self.progress))
             .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, unfinished) {
-            (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
+            (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
                 encode::check_recovered(self.source, self.settings, &begun)
                     .map_err(|error| error.context(self.path.display()))?;
                 let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
@@ -217,7 +217,7 @@ impl Work<'_> {
                 begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
             }
             (begun, _) => {
-                let chunks = begun.map_or(0, |begun| begun.chunks().len());
+                let chunks = begun.map_or(0, |begun| begun.chunks.len());
                 if chunks > 0 {
                     self.say(&format!("replacing an unfinished encode of {chunks} chunks; --resume would continue it"));
                 }
@@ -227,7 +227,7 @@ impl Work<'_> {
         let goes_on = recovered.is_some();
         let intact = recovered
             .as_ref()
-            .map(|found| IntactBytes { file: found.container_bytes(), journal: found.journal_bytes() });
+            .map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes() });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
         let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);

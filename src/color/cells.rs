@@ -73,9 +73,6 @@ impl<S: Sample> CellChunk<S> {
     /// Checks a payload that stands at this place among those of its cell: as [`Self::parse`], and the last one must not lead
     /// to a next one. It is refused as a whole, whatever frame is wanted and on whatever way: what of a chunk can be shown
     /// does not depend on that.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for what color.md 4 forbids.
     pub fn parse_at(
         payload: impl Into<Payload>,
         format: CellFormat<S>,

@@ -29,6 +29,12 @@ pub struct ChunkKey {
     pub frame_count: u32,
 }
 
+impl ChunkKey {
+    pub fn last_frame(self) -> u32 {
+        self.first_frame + (self.frame_count - 1)
+    }
+}
+
 /// Whether a chunk is the last of its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChunkPlace {
@@ -49,13 +55,9 @@ pub struct ChunkEntry {
 impl ChunkEntry {
     /// Reads a row; the chunk lies between the head and `end`, and its sizes are plausible.
     pub fn read(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
-        let key = ChunkKey {
-            stream: fields.u32()?,
-            unit: fields.u32()?,
-            first_frame: fields.u32()?,
-            frame_count: fields.u32()?,
-        };
-        let (offset, stored_bytes, raw_bytes, crc32) = (fields.u64()?, fields.u32()?, fields.u32()?, fields.u32()?);
+        let [stream, unit, first_frame, frame_count] = fields.u32s()?;
+        let key = ChunkKey { stream, unit, first_frame, frame_count };
+        let (offset, [stored_bytes, raw_bytes, crc32]) = (fields.u64()?, fields.u32s()?);
         let storage = match fields.u8()? {
             0 => Storage::Raw,
             1 => Storage::Lzma2,

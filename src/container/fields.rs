@@ -25,7 +25,7 @@ impl<'a> Fields<'a> {
         self.section = section;
     }
 
-    /// Offset of the next field, counted as errors count it.
+    /// Offset of the next field, from `base`.
     pub fn offset(&self) -> u64 {
         self.base + self.position as u64
     }
@@ -63,6 +63,12 @@ impl<'a> Fields<'a> {
         Ok(LittleEndian::read_u32(self.bytes(4)?))
     }
 
+    pub fn u32s<const N: usize>(&mut self) -> Result<[u32; N]> {
+        let mut values = [0; N];
+        LittleEndian::read_u32_into(self.bytes(4 * N)?, &mut values);
+        Ok(values)
+    }
+
     pub fn u64(&mut self) -> Result<u64> {
         Ok(LittleEndian::read_u64(self.bytes(8)?))
     }
@@ -76,11 +82,18 @@ impl<'a> Fields<'a> {
     pub fn finite_f64(&mut self, what: &str) -> Result<f64> {
         let offset = self.offset();
         let value = LittleEndian::read_f64(self.bytes(8)?);
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Error::invalid_at(self.section, offset, format!("{what} is {value}, a finite number was expected")))
+        let expected =
+            || Error::invalid_at(self.section, offset, format!("{what} is {value}, a finite number was expected"));
+        value.is_finite().then_some(value).ok_or_else(expected)
+    }
+
+    /// Finite 64-bit IEEE floats.
+    pub fn finite_f64s<const N: usize>(&mut self, what: &str) -> Result<[f64; N]> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = self.finite_f64(what)?;
         }
+        Ok(values)
     }
 
     /// A length-prefixed (u16) UTF-8 string.

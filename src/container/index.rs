@@ -51,6 +51,7 @@ pub struct StreamEntry {
 }
 
 impl StreamEntry {
+    /// Columns and rows of units.
     pub fn grid(&self) -> [u32; 2] {
         [self.width.div_ceil(self.unit_width), self.height.div_ceil(self.unit_height)]
     }
@@ -90,7 +91,7 @@ impl Index {
     /// Reads an index that starts at `offset` of its file, which is also where the chunks end.
     pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
         let mut fields = Fields::new(bytes, offset, "container.md 4");
-        let (probe_count, stream_count, chunk_count) = (fields.u32()?, fields.u32()?, fields.u32()?);
+        let [probe_count, stream_count, chunk_count] = fields.u32s()?;
         let projection = fields.u8()?;
         fields.zeros(3)?;
         if projection > 1 {
@@ -127,10 +128,10 @@ impl Index {
 
     /// The chunks of one unit of one stream, by frame.
     pub fn unit_chunks(&self, stream: u32, unit: u32) -> &[ChunkEntry] {
-        let of = |chunk: &ChunkEntry| (chunk.key.stream, chunk.key.unit);
-        let start = self.chunks.partition_point(|chunk| of(chunk) < (stream, unit));
-        let length = self.chunks[start..].partition_point(|chunk| of(chunk) == (stream, unit));
-        &self.chunks[start..start + length]
+        let chunks = self.stream_chunks(stream);
+        let start = chunks.partition_point(|chunk| chunk.key.unit < unit);
+        let length = chunks[start..].partition_point(|chunk| chunk.key.unit == unit);
+        &chunks[start..start + length]
     }
 
     /// Whether another chunk of its unit comes after one.
@@ -203,24 +204,13 @@ fn read_probe(fields: &mut Fields<'_>) -> Result<ProbeEntry> {
     if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
         return Err(fields.error(format!("the probe name {name:?} holds more than letters, digits, '.', '_' and '-'")));
     }
-    let mut numbers = |what| -> Result<[f64; 4]> {
-        Ok([fields.finite_f64(what)?, fields.finite_f64(what)?, fields.finite_f64(what)?, fields.finite_f64(what)?])
-    };
-    let [x, y, z, qx] = numbers("a probe's position or orientation")?;
-    let [qy, qz, qw] = [
-        fields.finite_f64("a probe's orientation")?,
-        fields.finite_f64("a probe's orientation")?,
-        fields.finite_f64("a probe's orientation")?,
-    ];
-    let frames = [fields.u32()?, fields.u32()?];
+    let [x, y, z, orientation @ ..] = fields.finite_f64s::<7>("a probe's position or orientation")?;
+    let frames = fields.u32s()?;
     if frames[0] > frames[1] || frames[1] >= MAX_FRAME {
         return Err(fields.error(format!("probe '{name}' is active from frame {} to {}", frames[0], frames[1])));
     }
-    let mut intrinsics = [0.0; 4];
-    for value in &mut intrinsics {
-        *value = fields.finite_f64("a probe's intrinsics")?;
-    }
-    Ok(ProbeEntry { name, position: [x, y, z], orientation: [qx, qy, qz, qw], frames, intrinsics })
+    let intrinsics = fields.finite_f64s("a probe's intrinsics")?;
+    Ok(ProbeEntry { name, position: [x, y, z], orientation, frames, intrinsics })
 }
 
 fn read_stream(fields: &mut Fields<'_>, probes: &[ProbeEntry]) -> Result<StreamEntry> {
@@ -229,9 +219,7 @@ fn read_stream(fields: &mut Fields<'_>, probes: &[ProbeEntry]) -> Result<StreamE
     let (kind, face, probe) = (fields.u8()?, fields.u8()?, fields.u16()?);
     let mut codec = [0; 4];
     codec.copy_from_slice(fields.bytes(4)?);
-    let mut next = || fields.u32();
-    let (width, height, first_frame, frame_count) = (next()?, next()?, next()?, next()?);
-    let (unit_width, unit_height, header_bytes) = (next()?, next()?, next()?);
+    let [width, height, first_frame, frame_count, unit_width, unit_height, header_bytes] = fields.u32s()?;
     if kind > 2 || face > 6 {
         return Err(wrong(format!("a stream of kind {kind} and face {face} is unknown")));
     }

@@ -73,8 +73,8 @@ impl fmt::Debug for Journal {
 impl Journal {
     /// A new journal; `head` is the configuration of the encode.
     pub fn start(out: Box<dyn Write + Send>, head: &[u8]) -> Journal {
-        let (safe, pushed) = (SafeChunks::default(), SafeChunks::default());
-        let mut journal = Journal { out, gathered: MAGIC.to_vec(), pushed, safe };
+        let safe = SafeChunks::default();
+        let mut journal = Journal { out, gathered: MAGIC.to_vec(), pushed: safe, safe };
         journal.record(HEAD, head);
         journal
     }
@@ -133,50 +133,23 @@ fn checksum(kind: u8, body: &[u8]) -> u32 {
 
 #[derive(Debug, Clone, Default)]
 pub struct Recovered {
-    head: Vec<u8>,
-    chunks: Vec<CompleteChunk>,
-    notes: Vec<Vec<u8>>,
-    container_bytes: u64,
-    journal_bytes: u64,
-    stored: HashMap<Identity, u64>,
+    pub head: Vec<u8>,
+    pub chunks: Vec<CompleteChunk>,
+    pub notes: Vec<Vec<u8>>,
+    /// Sound bytes of the container, which is truncated to them.
+    pub container_bytes: u64,
+    /// Sound bytes of the journal, which is truncated to them.
+    pub journal_bytes: u64,
+    pub(super) stored: HashMap<Identity, u64>,
 }
 
 impl Recovered {
-    pub fn head(&self) -> &[u8] {
-        &self.head
-    }
-
-    pub fn chunks(&self) -> &[CompleteChunk] {
-        &self.chunks
-    }
-
-    pub fn notes(&self) -> impl Iterator<Item = &[u8]> {
-        self.notes.iter().map(Vec::as_slice)
-    }
-
-    /// Sound bytes of the container, which is truncated to them.
-    pub fn container_bytes(&self) -> u64 {
-        self.container_bytes
-    }
-
-    /// Sound bytes of the journal, which is truncated to them.
-    pub fn journal_bytes(&self) -> u64 {
-        self.journal_bytes
-    }
-
     pub fn safe(&self) -> SafeChunks {
         SafeChunks { count: self.chunks.len() as u64, last: self.chunks.last().map(|chunk| chunk.entry.key) }
-    }
-
-    pub(super) fn into_parts(self) -> (Vec<ChunkEntry>, u64, HashMap<Identity, u64>) {
-        (self.chunks.into_iter().map(|chunk| chunk.entry).collect(), self.container_bytes, self.stored)
     }
 }
 
 /// [`recover`], until the user asks to stop.
-///
-/// # Errors
-/// As for [`recover`], and once the user asks to stop.
 pub fn recover_watched(journal: &[u8], container: impl Read, monitor: &dyn Monitor) -> Result<Option<Recovered>> {
     let found = recover(journal, Watched { from: container, monitor });
     monitor.check()?;
@@ -200,9 +173,6 @@ impl<R: Read> Read for Watched<'_, R> {
 /// `None` where not even its head and that of the container are sound.
 ///
 /// Memory: the chunk that is checked, and the records.
-///
-/// # Errors
-/// Where the container cannot be read; damage is none.
 pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recovered>> {
     let mut records = Records { bytes: journal, position: MAGIC.len() };
     let Some((HEAD, head)) = journal.starts_with(&MAGIC).then(|| records.next()).flatten() else { return Ok(None) };

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::container::chunk::{ChunkEntry, Storage};
+use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
 use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES};
 use crate::container::index::Index;
 use crate::container::limits::{self, OpenLimits};
@@ -32,11 +32,7 @@ pub struct Reader {
 impl Reader {
     /// Opens a file, or standard input for `-`, which is read whole.
     pub fn open(path: impl AsRef<Path>) -> Result<Reader> {
-        Self::open_with(path, OpenLimits::default())
-    }
-
-    pub fn open_with(path: impl AsRef<Path>, limits: OpenLimits) -> Result<Reader> {
-        let path = path.as_ref();
+        let (path, limits) = (path.as_ref(), OpenLimits::default());
         let io = |error| Error::io(path, error);
         let whole = |memory: Result<Vec<u8>>| {
             Self::from_source(Arc::new(memory.map_err(|error| error.in_file(path))?), path, limits)
@@ -60,11 +56,7 @@ impl Reader {
     }
 
     pub fn from_memory(memory: Vec<u8>) -> Result<Reader> {
-        Self::from_memory_with(memory, OpenLimits::default())
-    }
-
-    pub fn from_memory_with(memory: Vec<u8>, limits: OpenLimits) -> Result<Reader> {
-        Self::from_source(Arc::new(memory), "", limits)
+        Self::from_source(Arc::new(memory), "", OpenLimits::default())
     }
 
     /// Opens a container in any source. Errors name it `path`.
@@ -187,15 +179,10 @@ impl Reader {
     }
 
     pub fn fetch(&self, chunk: &ChunkEntry) -> Result<Payload> {
-        self.fetch_into(chunk, Vec::new())
+        self.load_into(chunk, Vec::new()).map_err(|error| self.blame(chunk, error))
     }
 
-    /// A chunk's payload, read into `spare` memory.
-    pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
-        self.load_into(chunk, spare).map_err(|error| self.blame(chunk, error))
-    }
-
-    /// As [`Self::fetch_into`], with errors that do not name the chunk.
+    /// A chunk's payload, read into `spare` memory, with errors that do not name the chunk.
     pub fn load_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
         let stored = self.load_stored_into(chunk, spare)?;
         match chunk.storage {
@@ -206,14 +193,10 @@ impl Reader {
 
     /// Names the chunk and the file in an error.
     pub fn blame(&self, chunk: &ChunkEntry, error: Error) -> Error {
-        let key = chunk.key;
-        let last = key.first_frame + (key.frame_count - 1);
-        error
-            .context(format!(
-                "stream {}, unit {}, frames {}-{last}, chunk at byte {}",
-                key.stream, key.unit, key.first_frame, chunk.offset
-            ))
-            .in_file(&self.path)
+        let (ChunkKey { stream, unit, first_frame, .. }, last) = (chunk.key, chunk.key.last_frame());
+        let place =
+            format!("stream {stream}, unit {unit}, frames {first_frame}-{last}, chunk at byte {}", chunk.offset);
+        error.context(place).in_file(&self.path)
     }
 
     /// `count` bytes from `offset` on: a part of the source's memory, or read into `spare`.

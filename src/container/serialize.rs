@@ -1,49 +1,48 @@
 //! Head, index and foot as bytes (container.md 3 to 7): the reverse of what [`header`](crate::container::header),
 //! [`chunk`](crate::container::chunk) and [`index`](crate::container::index) read.
 
-use crate::container::chunk::ChunkEntry;
+use crate::container::chunk::{ChunkEntry, ChunkKey};
 use crate::container::header::{FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 use crate::container::index::Index;
 use crate::error::{Error, Result};
 
 /// Appends little-endian fields to a byte vector; the mirror of [`Fields`].
 pub trait PutFields {
-    fn put_u16(&mut self, value: u16);
-    fn put_u32(&mut self, value: u32);
-    fn put_u64(&mut self, value: u64);
-    fn put_f32(&mut self, value: f32);
-    fn put_f64(&mut self, value: f64);
-    /// A u16 length and the UTF-8 bytes.
-    fn put_string(&mut self, what: &str, value: &str) -> Result<()>;
-}
+    fn put(&mut self, bytes: &[u8]);
 
-impl PutFields for Vec<u8> {
     fn put_u16(&mut self, value: u16) {
-        self.extend_from_slice(&value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
     fn put_u32(&mut self, value: u32) {
-        self.extend_from_slice(&value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
     fn put_u64(&mut self, value: u64) {
-        self.extend_from_slice(&value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
     fn put_f32(&mut self, value: f32) {
-        self.extend_from_slice(&value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
     fn put_f64(&mut self, value: f64) {
-        self.extend_from_slice(&value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
+    /// A u16 length and the UTF-8 bytes.
     fn put_string(&mut self, what: &str, value: &str) -> Result<()> {
         let length = u16::try_from(value.len())
             .map_err(|_| Error::Usage(format!("{what} has {} bytes; a container holds at most 65535", value.len())))?;
         self.put_u16(length);
-        self.extend_from_slice(value.as_bytes());
+        self.put(value.as_bytes());
         Ok(())
+    }
+}
+
+impl PutFields for Vec<u8> {
+    fn put(&mut self, bytes: &[u8]) {
+        self.extend_from_slice(bytes);
     }
 }
 
@@ -57,14 +56,10 @@ pub fn write_head() -> [u8; HEAD_BYTES] {
 
 impl ChunkEntry {
     pub fn write(&self, out: &mut Vec<u8>) {
-        out.put_u32(self.key.stream);
-        out.put_u32(self.key.unit);
-        out.put_u32(self.key.first_frame);
-        out.put_u32(self.key.frame_count);
+        let ChunkKey { stream, unit, first_frame, frame_count } = self.key;
+        [stream, unit, first_frame, frame_count].iter().for_each(|&value| out.put_u32(value));
         out.put_u64(self.offset);
-        out.put_u32(self.stored_bytes);
-        out.put_u32(self.raw_bytes);
-        out.put_u32(self.crc32);
+        [self.stored_bytes, self.raw_bytes, self.crc32].iter().for_each(|&value| out.put_u32(value));
         out.push(self.storage as u8);
         out.extend_from_slice(&[0; 3]);
     }

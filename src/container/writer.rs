@@ -19,10 +19,8 @@ const CHECKPOINT_BYTES: u64 = 4 << 20;
 /// A compressed payload, ready for a writer.
 #[derive(Debug, Clone)]
 pub struct PackedChunk {
-    pub key: ChunkKey,
-    storage: Storage,
-    raw_bytes: u32,
-    crc32: u32,
+    /// Its row of the table, without the offset.
+    entry: ChunkEntry,
     identity: Identity,
     stored: Vec<u8>,
 }
@@ -43,20 +41,20 @@ impl PackedChunk {
             Some(compressed) if compressed.len() < payload.len() => (Storage::Lzma2, compressed),
             _ => (Storage::Raw, payload),
         };
-        let crc32 = crc32fast::hash(&stored);
-        Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
+        let (stored_bytes, crc32) = (stored.len() as u32, crc32fast::hash(&stored));
+        let entry = ChunkEntry { key, offset: 0, stored_bytes, raw_bytes, crc32, storage };
+        Ok(PackedChunk { entry, identity: identity(&stored, crc32), stored })
     }
 
     pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: Vec<u8>) -> Result<PackedChunk> {
         if stored.len() != entry.stored_bytes as usize {
             return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
         }
-        let ChunkEntry { storage, raw_bytes, crc32, .. } = *entry;
-        Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
+        Ok(PackedChunk { entry: ChunkEntry { key, ..*entry }, identity: identity(&stored, entry.crc32), stored })
     }
 
-    pub fn stored_bytes(&self) -> usize {
-        self.stored.len()
+    pub fn key(&self) -> ChunkKey {
+        self.entry.key
     }
 }
 
@@ -96,7 +94,8 @@ impl<W: Write> Writer<W> {
     /// Goes on behind what was recovered: `out` appends there, and so does the journal. Probes and streams are declared
     /// again.
     pub fn go_on(out: W, name: &str, fps: f64, projection: u8, (recovered, journal): (Recovered, Journal)) -> Self {
-        let (chunks, position, stored) = recovered.into_parts();
+        let Recovered { chunks, container_bytes: position, stored, .. } = recovered;
+        let chunks = chunks.into_iter().map(|chunk| chunk.entry).collect();
         let index = Index { name: name.to_owned(), fps, projection, chunks, ..Index::default() };
         Writer { out, position, index, stored, journal: Some(journal), checkpoint: position }
     }
@@ -115,7 +114,7 @@ impl<W: Write> Writer<W> {
     }
 
     pub fn push(&mut self, chunk: &PackedChunk) -> Result<()> {
-        self.push_after(chunk, chunk.key.first_frame + (chunk.key.frame_count - 1))
+        self.push_after(chunk, chunk.key().last_frame())
     }
 
     /// Appends a chunk that depends on frames up to `last_frame`.
@@ -130,14 +129,7 @@ impl<W: Write> Writer<W> {
                 offset
             }
         };
-        let entry = ChunkEntry {
-            key: chunk.key,
-            offset,
-            stored_bytes: chunk.stored.len() as u32,
-            raw_bytes: chunk.raw_bytes,
-            crc32: chunk.crc32,
-            storage: chunk.storage,
-        };
+        let entry = ChunkEntry { offset, ..chunk.entry };
         self.index.chunks.push(entry);
         let Some(journal) = &mut self.journal else { return Ok(()) };
         journal.chunk(&CompleteChunk { entry, last_frame });
@@ -164,17 +156,11 @@ impl<W: Write> Writer<W> {
     }
 
     /// Writes index and foot, flushes, and gives back the sink and the file's size.
-    ///
-    /// # Errors
-    /// For a container that no reader would open, before the index is written.
     pub fn finish(self) -> Result<(W, u64)> {
         self.finish_checked(|_, _| Ok(()))
     }
 
     /// The same, unless `check` of the index and the file's size refuses.
-    ///
-    /// # Errors
-    /// Those of [`Self::finish`] and of `check`.
     pub fn finish_checked(mut self, check: impl FnOnce(&Index, u64) -> Result<()>) -> Result<(W, u64)> {
         self.index.chunks.sort_by_key(|chunk| chunk.key);
         let index = self.index.write()?;

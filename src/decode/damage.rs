@@ -36,8 +36,7 @@ impl DamagedChunk {
     }
 
     pub fn frames(&self) -> FrameRange {
-        let key = self.chunk.key;
-        FrameRange { first: key.first_frame, last: key.first_frame + (key.frame_count - 1) }
+        FrameRange { first: self.chunk.key.first_frame, last: self.chunk.key.last_frame() }
     }
 }
 

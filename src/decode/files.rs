@@ -48,9 +48,6 @@ impl Destination {
     }
 
     /// Removes older files under the names of missing images; returns their number.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
     pub fn remove_missing(&self, decoder: &Decoder, missing: &[MissingImages], format: FileFormat) -> Result<u64> {
         let mut removed = 0;
         for missing in missing {
@@ -74,9 +71,6 @@ impl Destination {
 
 /// Decodes into files. Units that the filter leaves out are background in depth and 0 elsewhere. The monitor advances by
 /// one for every image. Missing images have no file, and the manifest's `extra` lists them.
-///
-/// # Errors
-/// A chunk is damaged and `source` does not list it, a file cannot be written, or the monitor stops the work.
 pub fn decode_to_files(
     source: &dyn ImageSource,
     decoder: &Decoder,

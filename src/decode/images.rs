@@ -11,15 +11,9 @@ use crate::streams::StreamInfo;
 /// Decodes the images of one stream.
 pub trait Images {
     /// The image of a frame. Units that the filter leaves out are background in depth and 0 elsewhere.
-    ///
-    /// # Errors
-    /// The stream does not have the frame, a chunk is damaged, or the device fails.
     fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture>;
 
     /// As [`Self::decode_filtered`]; `None` where the image needs a chunk that [`Self::damaged`] lists.
-    ///
-    /// # Errors
-    /// Where this decoder does not list damaged chunks, they are errors.
     fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
         self.decode_filtered(frame, filter).map(Some)
     }
@@ -37,9 +31,6 @@ pub trait Images {
 /// Opens decoders of images on one device.
 pub trait ImageSource: Sync {
     /// A decoder of all units of a stream.
-    ///
-    /// # Errors
-    /// The device has no memory for it.
     fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>>;
 }
 

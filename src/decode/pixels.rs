@@ -81,9 +81,6 @@ impl Conversion {
     }
 
     /// Writes a unit's pixels into a rectangle (left, top, width, height) of an image of `stride` columns.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] for a target that the stream's pixels cannot become.
     pub fn write(&self, unit: UnitPixels<'_>, rect: [u32; 4], target: &mut PixelsMut<'_>, stride: u32) -> Result<()> {
         match (unit, target) {
             (UnitPixels::Depth(codes), PixelsMut::DepthCodes(out)) => copy(codes, rect, out, stride, |&code| code),

@@ -25,9 +25,6 @@ pub struct StreamFrames<'a> {
 
 impl Selection {
     /// The streams that match, with those of their frames that do.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] for a probe, face, kind or frame that the container does not have, and for an empty result.
     pub fn choose<'a>(&self, decoder: &'a Decoder) -> Result<Vec<StreamFrames<'a>>> {
         let name = |stream: &StreamInfo| decoder.probe(stream).name.as_str();
         let has = |test: &dyn Fn(&StreamInfo) -> bool| decoder.streams().iter().any(test);

@@ -11,9 +11,10 @@ use crate::decode::cell::CellState;
 use crate::decode::chunk_source::{ChunkSource, DecodeCost};
 use crate::decode::damage::DamagedChunk;
 use crate::decode::pixels::{Conversion, PixelsMut, UnitPixels};
+use crate::depth::TemporalChunk;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk, StreamInfo};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, PictureChunk, StreamInfo};
 
 /// Decodes one unit: a tile of depth or material, or a cell of colour.
 ///
@@ -31,7 +32,7 @@ pub struct UnitDecoder<'a> {
 #[derive(Debug)]
 enum State {
     Depth(TemporalState<DepthChunk>),
-    Material(TemporalState<MaterialChunk>),
+    Material(TemporalState<TemporalChunk<[u8; 3]>>),
     Color8(CellState<u8>),
     ColorHalf(CellState<HalfKey>),
 }

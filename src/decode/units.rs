@@ -51,11 +51,7 @@ pub fn stored_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
     let of_stream = |StreamFrames { stream, frames }: &StreamFrames<'_>| {
         let chunks = (0..stream.entry.unit_count())
             .flat_map(|unit| decoder.reader().index().unit_chunks(stream.index, unit))
-            .filter(|chunk| {
-                let key = &chunk.key;
-                let held = FrameRange { first: key.first_frame, last: key.first_frame + (key.frame_count - 1) };
-                held.intersect(*frames).is_some()
-            });
+            .filter(|chunk| chunk.key.first_frame <= frames.last && frames.first <= chunk.key.last_frame());
         chunks.map(|chunk| u64::from(chunk.stored_bytes)).sum::<u64>()
     };
     streams.iter().map(of_stream).sum()
@@ -99,9 +95,6 @@ impl Decoded {
 }
 
 /// Decodes the selected units, frame by frame, and drops them. The monitor advances by one for every image.
-///
-/// # Errors
-/// The monitor stops the work, or the first damaged chunk with [`OnDamage::Stop`].
 pub fn decode_units(
     decoder: &Decoder,
     Request { streams, filter, memory }: Request<'_>,

@@ -8,9 +8,6 @@ use crate::ordered::try_map_ordered;
 use crate::streams::{CodecHeader, StreamChunk, StreamInfo};
 
 /// Checks all chunks of depth and material that hold requested frames.
-///
-/// # Errors
-/// [`crate::Error::Invalid`] for the first chunk that is damaged or breaks the rule.
 pub fn check_windows(decoder: &Decoder, request: &Request<'_>) -> Result<()> {
     let jobs: Vec<_> = request.streams.iter().flat_map(|part| chunks_of(decoder, part)).collect();
     try_map_ordered(jobs, |(stream, chunk)| {
@@ -33,8 +30,7 @@ fn chunks_of<'a>(
         CodecHeader::Color(_) => 1,
     };
     let chunks = decoder.reader().index().stream_chunks(stream.index).iter().filter(move |chunk| {
-        let first = chunk.key.first_frame;
-        window > 1 && first <= frames.last && frames.first <= first + (chunk.key.frame_count - 1)
+        window > 1 && chunk.key.first_frame <= frames.last && frames.first <= chunk.key.last_frame()
     });
     chunks.map(move |chunk| (stream, *chunk))
 }

@@ -3,8 +3,6 @@
 //! A block is a node of the quadtree laid over a picture. Where it reaches beyond the picture's right or bottom edge,
 //! only the part inside counts: nothing outside is read, written or measured.
 
-use crate::depth::quantise::BACKGROUND_CODE;
-
 /// Sides of blocks are 4 · 2^level; the largest covers a tile of 1024×1024 pixels.
 pub const MAX_LEVEL: u8 = 8;
 /// Largest width and height of a tile that is coded as a quadtree.
@@ -25,9 +23,9 @@ pub struct Block<'a> {
     /// The picture from the block's top left pixel on.
     pixels: &'a [u16],
     stride: usize,
-    width: usize,
-    height: usize,
-    level: u8,
+    pub width: usize,
+    pub height: usize,
+    pub level: u8,
 }
 
 /// Room for the codes of a block in a picture.
@@ -37,12 +35,12 @@ pub struct BlockMut<'a> {
     stride: usize,
     width: usize,
     height: usize,
-    level: u8,
+    pub level: u8,
 }
 
 /// How close a decoded block is to its source. There is none where the background is taken for a surface or the
 /// reverse: that is no approximation at all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Accuracy {
     /// Largest difference in codes (GDC, equation 1).
     pub max_error: u16,
@@ -57,18 +55,6 @@ impl<'a> Block<'a> {
         Block { pixels: &picture[y * width + x..], stride: width, width: inside, height, level }
     }
 
-    pub fn level(&self) -> u8 {
-        self.level
-    }
-
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
     pub fn pixel_count(&self) -> usize {
         self.width * self.height
     }
@@ -81,45 +67,12 @@ impl<'a> Block<'a> {
         let (pixels, stride, width) = (self.pixels, self.stride, self.width);
         (0..self.height).map(move |y| &pixels[y * stride..y * stride + width])
     }
-
-    /// How close `decoded`, row-major and of this block's width, is.
-    pub fn accuracy(&self, decoded: &[u16]) -> Option<Accuracy> {
-        let (mut max_error, mut squared_error, mut confused) = (0u16, 0u64, false);
-        for (source, decoded) in self.rows().zip(decoded.chunks_exact(self.width)) {
-            let mut row = 0u64;
-            for (&source, &decoded) in source.iter().zip(decoded) {
-                let error = source.abs_diff(decoded);
-                max_error = max_error.max(error);
-                row += u64::from(error) * u64::from(error);
-                confused |= (source == BACKGROUND_CODE) != (decoded == BACKGROUND_CODE);
-            }
-            squared_error += row;
-        }
-        (!confused).then_some(Accuracy { max_error, squared_error })
-    }
 }
 
 impl<'a> BlockMut<'a> {
-    /// The block of `level` at pixel (`x`, `y`) of a picture of `width` columns. The pixel lies inside.
     pub fn of(picture: &'a mut [u16], width: usize, level: u8, [x, y]: [usize; 2]) -> BlockMut<'a> {
         let [inside, height] = inside([width, picture.len() / width], level, [x, y]);
         BlockMut { pixels: &mut picture[y * width + x..], stride: width, width: inside, height, level }
-    }
-
-    pub fn level(&self) -> u8 {
-        self.level
-    }
-
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    pub fn row_mut(&mut self, y: usize) -> &mut [u16] {
-        &mut self.pixels[y * self.stride..y * self.stride + self.width]
     }
 
     pub fn rows_mut(&mut self) -> impl Iterator<Item = &mut [u16]> {
@@ -136,21 +89,12 @@ mod tests {
     fn blocks_end_where_the_picture_ends() {
         let picture: Vec<u16> = (0..70).collect();
         let block = Block::of(&picture, 10, 1, [8, 3]);
-        assert_eq!((block.width(), block.height(), block.pixel_count()), (2, 4, 8));
+        assert_eq!((block.width, block.height, block.pixel_count()), (2, 4, 8));
         assert_eq!(block.rows().collect::<Vec<_>>(), [[38, 39], [48, 49], [58, 59], [68, 69]]);
         assert_eq!(block.row(3), [68, 69]);
         let mut target = vec![0; 70];
         BlockMut::of(&mut target, 10, 1, [8, 3]).rows_mut().for_each(|row| row.fill(7));
         assert_eq!(target.iter().filter(|&&code| code == 7).count(), 8);
         assert_eq!(target[69], 7);
-    }
-
-    #[test]
-    fn the_background_is_no_surface_however_near() {
-        let picture = [65535, 65534, 10, 20];
-        let block = Block::of(&picture, 4, 0, [0, 0]);
-        assert_eq!(block.accuracy(&[65535, 65530, 13, 20]), Some(Accuracy { max_error: 4, squared_error: 25 }));
-        assert_eq!(block.accuracy(&[65534, 65534, 10, 20]), None);
-        assert_eq!(block.accuracy(&[65535, 65535, 10, 20]), None);
     }
 }

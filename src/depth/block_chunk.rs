@@ -75,7 +75,9 @@ impl BlockChunk {
             blocks.map(|(&coefficients, place)| Node { place, coefficients }).collect()
         };
         let pictures = self.payload.chunks_exact(picture_bytes(self.grid)).zip(0..);
-        pictures.for_each(|(picture, frame)| runtime.push(frame, &blocks(picture)));
+        for (picture, frame) in pictures {
+            runtime.push(frame, &blocks(picture));
+        }
         runtime
     }
 

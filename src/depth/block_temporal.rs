@@ -8,7 +8,7 @@ use crate::block::{self, BlockFormat, SIDE, TEXELS};
 use crate::depth::block_tiles::encode::{self, EncodeTexel};
 use crate::depth::boxes::PixelBox;
 use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
-use crate::depth::records::builder::ChunkBuilder;
+use crate::depth::record_table::builder::TableBuilder;
 use crate::depth::settings::TemporalSettings;
 use crate::depth::temporal::{Held, TemporalEncoder};
 use crate::effort::Effort;
@@ -17,7 +17,7 @@ use crate::effort::Effort;
 const BOX_BYTES: usize = 10;
 
 #[derive(Debug)]
-pub struct HeldBlocks<T> {
+struct HeldBlocks<T> {
     settings: TemporalSettings,
     effort: Effort,
     size: [usize; 2],
@@ -37,10 +37,10 @@ struct HeldBlock {
     in_block: bool,
 }
 
-impl<T: EncodeTexel> TemporalEncoder<T, HeldBlocks<T>> {
+impl<T: EncodeTexel> TemporalEncoder<T> {
     /// An encoder for a unit of `size` (width, height) pixels, whose boxes are written in block tiles.
     pub fn in_blocks(size: [u32; 2], settings: TemporalSettings, effort: Effort) -> Self {
-        Self::with(HeldBlocks::new(size, settings, effort), settings.keyframe_interval)
+        Self::with(Box::new(HeldBlocks::new(size, settings, effort)), settings.keyframe_interval)
     }
 }
 
@@ -125,7 +125,7 @@ impl<T: EncodeTexel> HeldBlocks<T> {
 }
 
 impl<T: EncodeTexel> Held<T> for HeldBlocks<T> {
-    fn start(&mut self, source: &[T]) -> ChunkBuilder<T> {
+    fn start(&mut self, source: &[T], chunk: &mut TableBuilder) {
         self.picture.clear();
         self.picture.extend_from_slice(source);
         let all: Vec<usize> = (0..self.blocks.len()).collect();
@@ -134,10 +134,10 @@ impl<T: EncodeTexel> Held<T> for HeldBlocks<T> {
         self.replace(&all, source, if constant { 0 } else { self.settings.epsilon });
         self.blocks.iter_mut().for_each(|block| block.age = u8::MAX);
         let whole = [0, 0, self.size[0], self.size[1]];
-        ChunkBuilder::starting_with(source, |data| self.put(whole, data))
+        chunk.put_keyframe(source, |data| self.put(whole, data));
     }
 
-    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>) {
+    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut TableBuilder) {
         let epsilon = self.settings.epsilon;
         let wanted: Vec<usize> = (0..self.blocks.len()).filter(|&at| !self.serves(at, source, epsilon)).collect();
         self.replace(&wanted, source, epsilon);
@@ -148,7 +148,7 @@ impl<T: EncodeTexel> Held<T> for HeldBlocks<T> {
         }
         if self.mask.contains(&1) {
             let boxes = self.boxes();
-            chunk.put_boxes(frame, &boxes, |b, data| self.put([b.x, b.y, b.width, b.height].map(usize::from), data));
+            chunk.put_boxes(frame, &boxes, |b, data| self.put(b.rect(), data));
         }
     }
 }
@@ -156,31 +156,24 @@ impl<T: EncodeTexel> Held<T> for HeldBlocks<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::block_tiles::{BlockTileCount, BlockTiles};
+    use crate::depth::block_tiles::{BlockTileCount, Layout};
     use crate::depth::records::TemporalChunk;
     use crate::depth::temporal::tests::paths;
-
-    struct Random(u32);
-
-    impl Random {
-        fn below(&mut self, n: u32) -> u32 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (self.0 >> 12) % n
-        }
-    }
+    use crate::math::random::Random;
 
     fn check<T: EncodeTexel>(frames: &[Vec<T>], size: [u32; 2], settings: TemporalSettings) -> BlockTileCount {
         let chunks = paths::encode(TemporalEncoder::in_blocks(size, settings, Effort::Fast), frames);
         let mut count = BlockTileCount::default();
         for chunk in &chunks {
-            let parsed = TemporalChunk::<T, BlockTiles>::parse(chunk.payload.clone(), size, chunk.frame_count).unwrap();
-            for record in parsed.records() {
+            let parsed =
+                TemporalChunk::<T>::parse(Layout::BlockTiles, chunk.payload.clone(), size, chunk.frame_count).unwrap();
+            for record in &parsed.records {
                 parsed
                     .rectangles(record.body)
                     .for_each(|(size, bytes)| count.add(BlockTileCount::of_rectangle(bytes, size)));
             }
         }
-        paths::check_all::<T, BlockTiles>(frames, size, chunks, settings);
+        paths::check_all::<T>(frames, (size, Layout::BlockTiles), chunks, settings);
         count
     }
 
@@ -206,7 +199,7 @@ mod tests {
 
     #[test]
     fn every_legal_path_shows_the_same_depth_within_epsilon() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         for size in [[37, 21], [16, 16], [5, 3], [64, 1]] {
             let frames = moving_codes(size, 40, &mut random);
             for window in [1, 2, 16, 100] {
@@ -221,7 +214,7 @@ mod tests {
 
     #[test]
     fn every_legal_path_shows_the_same_material_within_epsilon() {
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         let size = [26, 19];
         let mut frame: Vec<[u8; 3]> = (0..size[0] * size[1]).map(|at| [(at % 26 * 4) as u8, 30, 0]).collect();
         let mut frames = vec![frame.clone()];
@@ -244,9 +237,9 @@ mod tests {
         let settings = TemporalSettings { epsilon: 10, keyframe_interval: 1000, ..TemporalSettings::default() };
         check(&frames, [12, 12], settings);
         let chunks = paths::encode(TemporalEncoder::in_blocks([12, 12], settings, Effort::Fast), &frames);
-        let parsed = TemporalChunk::<u16, BlockTiles>::parse(chunks[0].payload.clone(), [12, 12], 600).unwrap();
+        let parsed = TemporalChunk::<u16>::parse(Layout::BlockTiles, chunks[0].payload.clone(), [12, 12], 600).unwrap();
         // At most every frame, at least as often as values would need.
-        assert!(parsed.records().len() > 599 / 21, "{}", parsed.records().len());
+        assert!(parsed.records.len() > 599 / 21, "{}", parsed.records.len());
     }
 
     #[test]

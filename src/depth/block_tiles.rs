@@ -1,51 +1,24 @@
-//! Rectangles of pixels cut into block tiles of 16x16, each in blocks of a texture format or as values (CALF 5.3; depth.md
-//! 14).
+//! Rectangles of pixels: as values, or cut into block tiles of 16x16, each in blocks of a texture format or as values (CALF
+//! 5.3; depth.md 14).
 
 #[cfg(feature = "encode")]
 pub mod encode;
 
-use crate::block::{self, Bc1, Bc5, BlockFormat, SIDE, TEXELS};
+use crate::block::{self, BlockFormat, SIDE};
 use crate::container::fields::Fields;
-use crate::depth::records::Layout;
 use crate::depth::texel::Texel;
 use crate::error::Result;
 
 pub const TILE_SIDE: usize = 16;
 
-pub trait BlockTexel: Texel {
-    type Format: BlockFormat;
-
-    /// The value that a decoded pixel stands for.
-    fn of_block(texel: <Self::Format as BlockFormat>::Texel) -> Self;
-
-    fn decode(block: &[u8]) -> [Self; TEXELS] {
-        let mut texels = [<Self::Format as BlockFormat>::Texel::default(); TEXELS];
-        Self::Format::decode_block(block, &mut texels);
-        texels.map(Self::of_block)
-    }
+/// How the pixels of a rectangle, which is a unit or a box, are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// Values as they are, row by row.
+    Values,
+    /// Block tiles after a map of those in blocks.
+    BlockTiles,
 }
-
-/// A depth code: its high byte is the red of BC5, its low byte the green.
-impl BlockTexel for u16 {
-    type Format = Bc5;
-
-    fn of_block(texel: [u8; 2]) -> u16 {
-        u16::from_be_bytes(texel)
-    }
-}
-
-/// A material: reflection, refraction and index are the red, green and blue of BC1.
-impl BlockTexel for [u8; 3] {
-    type Format = Bc1;
-
-    fn of_block(texel: [u8; 3]) -> [u8; 3] {
-        texel
-    }
-}
-
-/// Block tiles after a map of those in blocks.
-#[derive(Debug, Clone, Copy)]
-pub struct BlockTiles;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BlockTileCount {
@@ -83,7 +56,7 @@ fn in_blocks(map: &[u8], tile: usize) -> bool {
     map[tile / 8] >> (tile % 8) & 1 == 1
 }
 
-fn tile_bytes<T: BlockTexel>([_, _, width, height]: [usize; 4], in_blocks: bool) -> usize {
+fn tile_bytes<T: Texel>([_, _, width, height]: [usize; 4], in_blocks: bool) -> usize {
     let [columns, rows] = block::grid(width, height);
     if in_blocks { columns * rows * T::Format::BYTES } else { width * height * T::BYTES }
 }
@@ -98,49 +71,77 @@ pub struct StoredTile {
     pub bytes: usize,
 }
 
-/// The block tiles of a rectangle of this width and height, whose stored bytes these start with.
-pub fn stored_tiles<T: BlockTexel>(bytes: &[u8], size: [usize; 2]) -> impl Iterator<Item = StoredTile> {
-    let mut start = tile_count(size).div_ceil(8);
-    tiles_of(size).enumerate().map(move |(at, rect)| {
-        let in_blocks = in_blocks(bytes, at);
-        let tile = StoredTile { rect, in_blocks, start, bytes: tile_bytes::<T>(rect, in_blocks) };
-        start += tile.bytes;
-        tile
-    })
-}
+impl Layout {
+    /// Boxes start at multiples of this, in pixels, and end at multiples of it or at the unit's edge.
+    pub fn grid(self) -> u32 {
+        match self {
+            Layout::Values => 1,
+            Layout::BlockTiles => SIDE as u32,
+        }
+    }
 
-impl<T: BlockTexel> Layout<T> for BlockTiles {
-    const GRID: u32 = SIDE as u32;
-
-    fn take(fields: &mut Fields<'_>, size: [usize; 2]) -> Result<()> {
+    /// Takes the bytes of a rectangle of this width and height, and checks them.
+    pub fn take<T: Texel>(self, fields: &mut Fields<'_>, size @ [width, height]: [usize; 2]) -> Result<()> {
+        if self == Layout::Values {
+            return fields.bytes(width.saturating_mul(height).saturating_mul(T::BYTES)).map(drop);
+        }
         let count = tile_count(size);
         let map = fields.bytes(count.div_ceil(8))?;
         if !count.is_multiple_of(8) && map[count / 8] >> (count % 8) != 0 {
             return Err(fields.error("spare bits of a map of pieces are not zero"));
         }
-        let bytes = tiles_of(size).enumerate().map(|(at, tile)| tile_bytes::<T>(tile, in_blocks(map, at)));
-        let bytes = bytes.sum();
+        let bytes = tiles_of(size).enumerate().map(|(at, tile)| tile_bytes::<T>(tile, in_blocks(map, at))).sum();
         fields.bytes(bytes).map(drop)
     }
 
-    fn draw(bytes: &[u8], [left, top, width, height]: [usize; 4], picture: &mut [T], stride: usize) {
-        for StoredTile { rect, in_blocks, start, bytes: length } in stored_tiles::<T>(bytes, [width, height]) {
+    /// The parts of a rectangle of this width and height, each stored in one way, whose stored bytes these start with.
+    pub fn parts<T: Texel>(self, bytes: &[u8], size: [usize; 2]) -> Vec<StoredTile> {
+        if self == Layout::Values {
+            let rect = [0, 0, size[0], size[1]];
+            return vec![StoredTile { rect, in_blocks: false, start: 0, bytes: tile_bytes::<T>(rect, false) }];
+        }
+        let mut start = tile_count(size).div_ceil(8);
+        let tiles = tiles_of(size).enumerate().map(|(at, rect)| {
+            let in_blocks = in_blocks(bytes, at);
+            let tile = StoredTile { rect, in_blocks, start, bytes: tile_bytes::<T>(rect, in_blocks) };
+            start += tile.bytes;
+            tile
+        });
+        tiles.collect()
+    }
+
+    /// Writes the pixels of a rectangle (left, top, width, height) into a picture of `stride` columns; `bytes` start
+    /// with what [`Self::take`] took.
+    pub fn draw<T: Texel>(self, bytes: &[u8], rect: [usize; 4], picture: &mut [T], stride: usize) {
+        if self == Layout::Values {
+            return draw_values(bytes, rect, picture, stride);
+        }
+        let [left, top, width, height] = rect;
+        for StoredTile { rect, in_blocks, start, bytes: length } in self.parts::<T>(bytes, [width, height]) {
             let [x, y, width, height] = rect;
             let stored = &bytes[start..start + length];
-            let target = &mut picture[(top + y) * stride + left + x..];
             if in_blocks {
-                draw_blocks(stored, [width, height], target, stride);
+                draw_blocks(stored, [width, height], &mut picture[(top + y) * stride + left + x..], stride);
             } else {
-                for (row, values) in target.chunks_mut(stride).zip(stored.chunks(width * T::BYTES)) {
-                    T::get_row(&mut row[..width], values);
-                }
+                draw_values(stored, [left + x, top + y, width, height], picture, stride);
             }
         }
     }
 }
 
+fn draw_values<T: Texel>(bytes: &[u8], [left, top, width, height]: [usize; 4], picture: &mut [T], stride: usize) {
+    if width == stride {
+        let pixels = top * stride..(top + height) * stride;
+        return T::get_row(&mut picture[pixels], &bytes[..width * height * T::BYTES]);
+    }
+    let rows = picture[top * stride..].chunks_mut(stride).take(height);
+    for (row, bytes) in rows.zip(bytes.chunks(width * T::BYTES)) {
+        T::get_row(&mut row[left..left + width], bytes);
+    }
+}
+
 /// Decodes the blocks of a block tile to the top left of a picture of `stride` columns.
-fn draw_blocks<T: BlockTexel>(blocks: &[u8], [width, height]: [usize; 2], picture: &mut [T], stride: usize) {
+fn draw_blocks<T: Texel>(blocks: &[u8], [width, height]: [usize; 2], picture: &mut [T], stride: usize) {
     let columns = width.div_ceil(SIDE);
     for (at, block) in blocks.chunks_exact(T::Format::BYTES).enumerate() {
         let (x, y) = (at % columns * SIDE, at / columns * SIDE);

@@ -20,6 +20,11 @@ impl PixelBox {
         u32::from(self.width) * u32::from(self.height)
     }
 
+    /// Left, top, width and height.
+    pub fn rect(self) -> [usize; 4] {
+        [self.x, self.y, self.width, self.height].map(usize::from)
+    }
+
     pub fn overlaps(self, other: PixelBox) -> bool {
         let apart = |a: u16, a_size: u16, b: u16, b_size: u16| {
             u32::from(a) + u32::from(a_size) <= u32::from(b) || u32::from(b) + u32::from(b_size) <= u32::from(a)

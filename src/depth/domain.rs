@@ -30,6 +30,39 @@ impl DomainKind {
     pub fn from_byte(byte: u8) -> Option<DomainKind> {
         Self::ALL.get(usize::from(byte)).copied()
     }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            DomainKind::Log => "log",
+            DomainKind::Linear => "linear",
+            DomainKind::Inverse => "inverse",
+        }
+    }
+}
+
+/// A domain as a stream's header has it (depth.md 3).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DomainParts {
+    pub kind: DomainKind,
+    /// Logarithm (Q24) of the value at near; 0 in the log domain.
+    pub base: u32,
+    /// Codes for each unit of the logarithm (Q32); 0 in the log domain.
+    pub scale: u32,
+}
+
+impl DomainParts {
+    pub fn domain(self) -> Result<Domain> {
+        let DomainParts { kind, base, scale } = self;
+        let legal = match kind {
+            DomainKind::Log => base == 0 && scale == 0,
+            DomainKind::Linear | DomainKind::Inverse => base < MAX_LOG && scale > 0,
+        };
+        if legal {
+            Ok(Domain { parts: self, values: OnceLock::new() })
+        } else {
+            Err(Error::invalid(format!("a {kind:?} domain with base {base} and scale {scale} was not expected")))
+        }
+    }
 }
 
 /// Fraction bits of what Horner evaluation yields (Q14).
@@ -47,47 +80,24 @@ const MAX_LOG: u32 = 24 << LOG_BITS;
 
 #[derive(Debug, Clone)]
 pub struct Domain {
-    kind: DomainKind,
-    base: u32,
-    scale: u32,
+    pub parts: DomainParts,
     /// What functions are fitted to, for each code; made when an encoder first asks.
     values: OnceLock<Box<[f64]>>,
 }
 
 impl Domain {
     pub fn log() -> Domain {
-        Domain { kind: DomainKind::Log, base: 0, scale: 0, values: OnceLock::new() }
-    }
-
-    /// The domain of a stream's header: `base` is a logarithm (Q24), `scale` codes for each unit of it (Q32).
-    pub fn from_parts(kind: DomainKind, base: u32, scale: u32) -> Result<Domain> {
-        let legal = match kind {
-            DomainKind::Log => base == 0 && scale == 0,
-            DomainKind::Linear | DomainKind::Inverse => base < MAX_LOG && scale > 0,
-        };
-        if legal {
-            Ok(Domain { kind, base, scale, values: OnceLock::new() })
-        } else {
-            Err(Error::invalid(format!("a {kind:?} domain with base {base} and scale {scale} was not expected")))
-        }
+        Domain { parts: DomainParts { kind: DomainKind::Log, base: 0, scale: 0 }, values: OnceLock::new() }
     }
 
     pub fn kind(&self) -> DomainKind {
-        self.kind
-    }
-
-    pub fn base(&self) -> u32 {
-        self.base
-    }
-
-    pub fn scale(&self) -> u32 {
-        self.scale
+        self.parts.kind
     }
 
     /// The code of `r`, the result of a function in Q14.
     #[inline]
     pub fn code_of(&self, r: i32) -> u16 {
-        match self.kind {
+        match self.parts.kind {
             DomainKind::Log => log_code(r),
             DomainKind::Linear => self.linear_code(r),
             DomainKind::Inverse => self.inverse_code(r),
@@ -100,7 +110,7 @@ impl Domain {
         if value >= LOG_VALUE_END {
             return BACKGROUND_CODE;
         }
-        self.scaled(integer_log2(value.max(1) as u32).saturating_sub(self.base))
+        self.scaled(integer_log2(value.max(1) as u32).saturating_sub(self.parts.base))
     }
 
     #[inline]
@@ -109,18 +119,18 @@ impl Domain {
         if value <= 0 {
             return BACKGROUND_CODE;
         }
-        self.scaled(self.base.saturating_sub(integer_log2(value.min(LOG_VALUE_END - 1) as u32)))
+        self.scaled(self.parts.base.saturating_sub(integer_log2(value.min(LOG_VALUE_END - 1) as u32)))
     }
 
     #[inline]
     fn scaled(&self, log: u32) -> u16 {
-        let code = (u64::from(log) * u64::from(self.scale) + (1 << 31)) >> 32;
+        let code = (u64::from(log) * u64::from(self.parts.scale) + (1 << 31)) >> 32;
         code.min(u64::from(FAR_CODE)) as u16
     }
 
     /// The constant function, in Q14, that is background everywhere.
     pub fn background(&self) -> i32 {
-        match self.kind {
+        match self.parts.kind {
             DomainKind::Log | DomainKind::Linear => BEYOND,
             DomainKind::Inverse => 0,
         }

@@ -4,7 +4,7 @@
 //! rectangle, in binary64, and rounded. Based on: GDC 3.2, equations 6 and 7, whose sums of fourth powers are avoided;
 //! Lawson's reweighting.
 
-use crate::depth::domain::VALUE_BITS;
+use crate::depth::domain::{Domain, VALUE_BITS};
 use crate::depth::precision::Shifts;
 
 /// Coefficients of 1, x, y, xy, x² − mean x², y² − mean y², with x and y of a [`Frame`].
@@ -270,9 +270,12 @@ pub(crate) struct Constants {
 impl Constants {
     pub const ANY: Constants = Constants { low: f64::NEG_INFINITY, high: f64::INFINITY, sum: 0.0, weight: 0.0 };
 
-    /// A pixel that misses `wanted` (Q14), and may miss it by `max_error` codes at `slope` codes for each unit.
+    /// A pixel of `code` where the function without a constant is `value` (Q14), and may miss it by `max_error` codes.
     #[inline]
-    pub fn add(&mut self, wanted: f64, slope: f64, max_error: u16) {
+    pub fn add_pixel(&mut self, domain: &Domain, code: u16, value: i32, max_error: u16) {
+        let wanted_value = domain.value_of(code);
+        let wanted = wanted_value * f64::from(1 << VALUE_BITS) - f64::from(value);
+        let slope = domain.slope_at(wanted_value).abs();
         let reach = (f64::from(max_error) + 0.5) / slope * f64::from(1 << VALUE_BITS);
         self.low = self.low.max(wanted - reach);
         self.high = self.high.min(wanted + reach);

@@ -1,6 +1,9 @@
 //! How wrong an approximation may be, and whether it is: by the decoder, in every pixel.
 
 use crate::depth::block::{Accuracy, Block, MAX_TILE};
+use crate::depth::domain::Domain;
+use crate::depth::nodes::COEFFICIENT_BYTES;
+use crate::depth::precision::{Precision, Shifts};
 use crate::depth::quantise::BACKGROUND_CODE;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,12 +22,41 @@ impl Limit {
     }
 }
 
+/// A modelling function whose coefficients can be rounded, so that they take fewer bytes.
+pub trait NodeFunction: Copy {
+    fn to_bytes(self) -> [u8; COEFFICIENT_BYTES];
+
+    /// The function with these low bits zero; `None` where that breaks the limit.
+    fn rounded(&self, shifts: Shifts, block: &Block, domain: &Domain, limit: Limit) -> Option<(Self, Accuracy)>;
+
+    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy>;
+
+    /// The same function with as few low bits as `limit` allows.
+    fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Self, Accuracy) {
+        let mut shifts = Precision::from_coarsest().map(|precision| precision.shifts(block.level));
+        shifts.find_map(|shifts| self.rounded(shifts, block, domain, limit)).unwrap_or_else(|| {
+            // A function that takes a surface for the background is as wrong as can be.
+            let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
+            (*self, self.measure(block, domain, Limit::on_max(u16::MAX)).unwrap_or(worst))
+        })
+    }
+}
+
+impl Block<'_> {
+    /// How close `decoded`, row-major and of this block's width, is.
+    pub fn accuracy(&self, decoded: &[u16]) -> Option<Accuracy> {
+        let row = |y: usize, row: &mut [u16]| row.copy_from_slice(&decoded[y * self.width..][..self.width]);
+        measure(self, Limit::on_max(u16::MAX), row)
+    }
+}
+
 /// Decodes a block row by row and compares it; `None` as soon as a pixel or the sum breaks the limit, or a surface is
 /// taken for the background or the reverse.
 pub(crate) fn measure(block: &Block, limit: Limit, mut decode_row: impl FnMut(usize, &mut [u16])) -> Option<Accuracy> {
     let mut decoded = [0u16; MAX_TILE as usize];
-    let decoded = &mut decoded[..block.width()];
-    let mut total = Accuracy { max_error: 0, squared_error: 0 };
+    let decoded = &mut decoded[..block.width];
+    let mut total = Accuracy::default();
     for (y, source) in block.rows().enumerate() {
         decode_row(y, decoded);
         let (mut max_error, mut squared_error, mut confused) = (0u16, 0u64, false);
@@ -41,4 +73,18 @@ pub(crate) fn measure(block: &Block, limit: Limit, mut decode_row: impl FnMut(us
         }
     }
     Some(total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_background_is_no_surface_however_near() {
+        let picture = [65535, 65534, 10, 20];
+        let block = Block::of(&picture, 4, 0, [0, 0]);
+        assert_eq!(block.accuracy(&[65535, 65530, 13, 20]), Some(Accuracy { max_error: 4, squared_error: 25 }));
+        assert_eq!(block.accuracy(&[65534, 65534, 10, 20]), None);
+        assert_eq!(block.accuracy(&[65535, 65535, 10, 20]), None);
+    }
 }

@@ -27,6 +27,8 @@ pub mod node_chunk;
 #[cfg(feature = "encode")]
 pub mod node_encoder;
 pub mod nodes;
+#[cfg(feature = "encode")]
+pub mod open_chunk;
 pub mod platelet;
 pub mod precision;
 #[cfg(feature = "encode")]
@@ -43,12 +45,10 @@ pub mod texel;
 #[cfg(feature = "encode")]
 pub mod tile_psnr;
 pub mod tree_chunk;
-#[cfg(feature = "encode")]
-pub mod window;
 pub mod window_check;
 
 pub use boxes::PixelBox;
-pub use coefficients::DomainParts;
+pub use domain::DomainParts;
 pub use quantise::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 pub use records::TemporalChunk;
 pub use settings::TemporalSettings;

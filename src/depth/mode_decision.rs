@@ -5,10 +5,9 @@ use crate::depth::biquadratic::Biquadratic;
 use crate::depth::biquadratic::fit::Order;
 use crate::depth::block::{Accuracy, Block, BlockMut};
 use crate::depth::domain::Domain;
-use crate::depth::limit::Limit;
+use crate::depth::limit::{Limit, NodeFunction};
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Node, Place};
 use crate::depth::platelet::Platelet;
-use crate::depth::precision::Precision;
 use crate::depth::runtime::decode_node;
 use crate::depth::storage::stored_bytes;
 use crate::effort::Effort;
@@ -83,11 +82,6 @@ pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Opt
     best.found
 }
 
-/// The storage form finds the precision anew.
-fn trimmed<F>((function, _, accuracy): (F, Precision, Accuracy)) -> (F, Accuracy) {
-    (function, accuracy)
-}
-
 /// The PSNR of a squared error, summed over `pixels`, in dB of 16-bit codes; infinite for no error.
 pub fn psnr_db(squared_error: u64, pixels: usize) -> f64 {
     let peak = f64::from(u16::MAX);
@@ -122,24 +116,17 @@ impl Best<'_> {
     }
 
     fn biquadratic(&mut self, block: &Block<'_>, order: Order) {
-        let Modelling { domain, bound, .. } = *self.modelling;
-        if let Some((exact, accuracy)) = Biquadratic::fit(block, domain, bound, order) {
-            let (rounded, accuracy) = match self.modelling.limit(block, accuracy) {
-                Some(limit) => trimmed(exact.trim(block, domain, limit)),
-                None => (exact, accuracy),
-            };
-            self.offer(rounded.to_bytes(), accuracy);
-        }
+        self.function(block, Biquadratic::fit(block, self.modelling.domain, self.modelling.bound, order));
     }
 
     fn platelet(&mut self, block: &Block<'_>) {
-        let Modelling { domain, bound, .. } = *self.modelling;
-        if let Some((exact, accuracy)) = Platelet::fit(block, domain, bound) {
-            let (rounded, accuracy) = match self.modelling.limit(block, accuracy) {
-                Some(limit) => trimmed(exact.trim(block, domain, limit)),
-                None => (exact, accuracy),
-            };
-            self.offer(rounded.to_bytes(), accuracy);
+        self.function(block, Platelet::fit(block, self.modelling.domain, self.modelling.bound));
+    }
+
+    fn function(&mut self, block: &Block<'_>, found: Option<(impl NodeFunction, Accuracy)>) {
+        if let Some((exact, accuracy)) = found {
+            let (rounded, accuracy) = self.modelling.rounded(block, exact, accuracy);
+            self.offer(rounded, accuracy);
         }
     }
 
@@ -153,14 +140,20 @@ impl Best<'_> {
 }
 
 impl Modelling<'_> {
-    /// How far a function of this accuracy may be rounded; `None`: not at all.
-    fn limit(&self, block: &Block<'_>, accuracy: Accuracy) -> Option<Limit> {
+    /// The coefficients of a function of this accuracy, rounded as far as they may be.
+    fn rounded(
+        &self,
+        block: &Block<'_>,
+        exact: impl NodeFunction,
+        accuracy: Accuracy,
+    ) -> ([u8; COEFFICIENT_BYTES], Accuracy) {
         let squared_error = match self.rounding {
-            Rounding::Exact => return None,
+            Rounding::Exact => return (exact.to_bytes(), accuracy),
             Rounding::Slight => accuracy.squared_error + accuracy.squared_error / 10 + block.pixel_count() as u64 / 12,
             Rounding::ToBound => u64::MAX,
         };
-        Some(Limit { max_error: self.bound, squared_error })
+        let (rounded, accuracy) = exact.trim(block, self.domain, Limit { max_error: self.bound, squared_error });
+        (rounded.to_bytes(), accuracy)
     }
 }
 
@@ -171,24 +164,15 @@ impl Approximation {
         if self.accuracy.max_error > modelling.bound {
             return None;
         }
+        let exact = &self.node.coefficients;
         let mut decoded = vec![0; block.pixel_count()];
-        let target = &mut BlockMut::of(&mut decoded, block.width(), block.level(), [0, 0]);
-        decode_node(self.node.place, &self.node.coefficients, modelling.domain, target);
+        let target = &mut BlockMut::of(&mut decoded, block.width, block.level, [0, 0]);
+        decode_node(self.node.place, exact, modelling.domain, target);
         let accuracy = block.accuracy(&decoded).filter(|accuracy| accuracy.max_error <= modelling.bound)?;
-        let exact = Approximation { accuracy, ..*self };
-        let Some(limit) = modelling.limit(block, accuracy) else { return Some(exact) };
         let (coefficients, accuracy) = match self.node.function() {
-            Function::Biquadratic => {
-                let function = Biquadratic::from_bytes(&self.node.coefficients);
-                let (rounded, accuracy) = trimmed(function.trim(block, modelling.domain, limit));
-                (rounded.to_bytes(), accuracy)
-            }
-            Function::Platelet => {
-                let function = Platelet::from_bytes(&self.node.coefficients);
-                let (rounded, accuracy) = trimmed(function.trim(block, modelling.domain, limit));
-                (rounded.to_bytes(), accuracy)
-            }
-            Function::Raw | Function::Bc4w => return Some(exact),
+            Function::Biquadratic => modelling.rounded(block, Biquadratic::from_bytes(exact), accuracy),
+            Function::Platelet => modelling.rounded(block, Platelet::from_bytes(exact), accuracy),
+            Function::Raw | Function::Bc4w => (*exact, accuracy),
         };
         Some(Approximation { node: Node { coefficients, ..self.node }, accuracy })
     }

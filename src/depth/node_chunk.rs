@@ -2,9 +2,6 @@
 //!
 //! [`NodeChunk`] checks a payload and brings it into the runtime form, which is then decoded.
 
-#[cfg(feature = "encode")]
-pub mod builder;
-
 use crate::container::Payload;
 use crate::container::fields::Fields;
 use crate::depth::domain::Domain;
@@ -15,25 +12,30 @@ use crate::depth::runtime::{Runtime, RuntimeFrame};
 use crate::depth::storage::{self, Coverage, SECTION};
 use crate::error::Result;
 
-const COMPLETE: u8 = 0;
-const PARTIAL: u8 = 1;
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeRecord {
     pub frame: u32,
     pub updated_pixels: u64,
     /// Payload bytes that it takes, its row of the table included.
     pub bytes: u64,
+    /// Nodes, and of a tree its coarser functions.
     pub nodes: u64,
+    pub complete: bool,
+}
+
+/// What is read of a record.
+pub(super) struct RecordNodes {
+    pub nodes: Vec<Node>,
+    /// Functions besides the nodes.
+    pub functions: usize,
     pub complete: bool,
 }
 
 #[derive(Debug, Clone)]
 pub struct NodeChunk {
-    runtime: Runtime,
-    /// Payload bytes of each record, its row in the table included.
-    record_bytes: Vec<u64>,
-    complete: Vec<bool>,
+    pub runtime: Runtime,
+    /// In order of their frames.
+    pub records: Vec<NodeRecord>,
     domain: Domain,
     spare: Payload,
 }
@@ -44,39 +46,42 @@ impl NodeChunk {
     /// Afterwards all nodes lie in the unit, those of a record do not overlap, frames ascend, and the first record
     /// covers the unit.
     pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32, domain: Domain) -> Result<NodeChunk> {
-        let payload = payload.into();
-        let mut fields = Fields::new(&payload, 0, SECTION);
-        let table = record_table::read(&mut fields, frame_count)?;
-        let (mut runtime, mut record_bytes, mut complete) = (Runtime::new(grid), Vec::new(), Vec::new());
-        for (at, &row) in table.iter().enumerate() {
-            record_table::check_start(&fields, at, row)?;
-            let start = fields.position();
+        Self::parse_records(payload.into(), (grid, SECTION), frame_count, domain, |at, fields| {
             let coverage = match fields.u8()? {
-                COMPLETE => Coverage::Complete,
-                PARTIAL if at > 0 => Coverage::Partial,
+                0 => Coverage::Complete,
+                1 if at > 0 => Coverage::Partial,
                 kind => return Err(fields.error(format!("record {at} is of kind {kind}, which it cannot be"))),
             };
-            runtime.push(row.frame, &storage::read_nodes(grid, coverage, &mut fields)?);
-            record_bytes.push((fields.position() - start + record_table::ROW_BYTES) as u64);
-            complete.push(coverage == Coverage::Complete);
+            let nodes = storage::read_nodes(grid, coverage, fields)?;
+            Ok(RecordNodes { nodes, functions: 0, complete: coverage == Coverage::Complete })
+        })
+    }
+
+    /// Reads the record table, and each record, given its number, by `read`.
+    pub(super) fn parse_records(
+        payload: Payload,
+        (grid, section): (Grid, &'static str),
+        frame_count: u32,
+        domain: Domain,
+        mut read: impl FnMut(usize, &mut Fields<'_>) -> Result<RecordNodes>,
+    ) -> Result<NodeChunk> {
+        let mut fields = Fields::new(&payload, 0, section);
+        let (mut runtime, mut records) = (Runtime::new(grid), Vec::new());
+        for (at, row) in record_table::read(&mut fields, frame_count)?.into_iter().enumerate() {
+            record_table::check_start(&fields, at, row)?;
+            let start = fields.position();
+            let RecordNodes { nodes, functions, complete } = read(at, &mut fields)?;
+            let updated_pixels = runtime.push(row.frame, &nodes);
+            records.push(NodeRecord {
+                frame: row.frame,
+                updated_pixels,
+                bytes: (fields.position() - start + record_table::ROW_BYTES) as u64,
+                nodes: (nodes.len() + functions) as u64,
+                complete,
+            });
         }
         fields.finish()?;
-        Ok(NodeChunk { runtime, record_bytes, complete, domain, spare: payload })
-    }
-
-    pub fn runtime(&self) -> &Runtime {
-        &self.runtime
-    }
-
-    pub fn records(&self) -> impl Iterator<Item = NodeRecord> {
-        let costs = self.record_bytes.iter().zip(&self.complete);
-        self.runtime.frames().iter().zip(costs).map(|(frame, (&bytes, &complete))| NodeRecord {
-            frame: frame.frame,
-            updated_pixels: frame.updated_pixels,
-            bytes,
-            nodes: frame.nodes,
-            complete,
-        })
+        Ok(NodeChunk { runtime, records, domain, spare: payload })
     }
 
     /// Whether every record fills the unit with one code.

@@ -11,11 +11,11 @@ use crate::container::EncodedChunk;
 use crate::depth::block::BlockMut;
 use crate::depth::domain::Domain;
 use crate::depth::mode_decision::{Decide, Modelling, Rounding};
-use crate::depth::node_chunk::builder::NodeChunkBuilder;
-use crate::depth::nodes::{Grid, Node, Place};
+use crate::depth::nodes::{Grid, Node};
+use crate::depth::open_chunk::OpenChunk;
 use crate::depth::quadtree::{self, Build, DirtyLeaves, Known, Leaf};
 use crate::depth::runtime::decode_node;
-use crate::depth::temporal::CLOSE_AT_BYTES;
+use crate::depth::storage;
 use crate::depth::texel::Texel;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
@@ -76,6 +76,7 @@ impl NodeSettings {
 #[derive(Debug, Clone, Copy)]
 struct Recent {
     node: Node,
+    /// From the keyframe on.
     first_sent: u32,
 }
 
@@ -87,9 +88,7 @@ pub struct NodeEncoder {
     held: Vec<u16>,
     recent: Vec<Recent>,
     leaves: Vec<Leaf>,
-    open: Option<NodeChunkBuilder>,
-    chunk_first: u32,
-    next_frame: u32,
+    chunk: OpenChunk,
 }
 
 impl NodeEncoder {
@@ -103,23 +102,16 @@ impl NodeEncoder {
             held: vec![0; grid.pixel_count() as usize],
             recent: Vec::new(),
             leaves: vec![Leaf::Free; columns * rows],
-            open: None,
-            chunk_first: 0,
-            next_frame: 0,
+            chunk: OpenChunk::new(settings.keyframe_interval),
         }
     }
 
     /// Takes the next frame. `known` is what was found for that frame at a larger bound. Answers
     /// the chunk that it closes, if any.
     pub fn push(&mut self, source: &[u16], known: Option<&Known>) -> Result<Option<EncodedChunk>> {
-        let frame = self.next_frame;
-        let full = |open: &NodeChunkBuilder| {
-            frame - self.chunk_first >= self.settings.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES
-        };
-        let finished = if self.open.as_ref().is_some_and(full) { self.finish()? } else { None };
-        self.next_frame += 1;
-        if self.open.is_none() {
-            self.chunk_first = frame;
+        let finished = self.chunk.next()?;
+        let frame = self.chunk.frame();
+        if frame == 0 {
             self.recent.clear();
             self.leaves.fill(Leaf::Dirty);
         } else {
@@ -129,30 +121,25 @@ impl NodeEncoder {
             self.settle_recent();
         }
         let nodes = self.model(source, known);
-        for node in &nodes {
-            let target =
-                &mut BlockMut::of(&mut self.held, self.grid.width as usize, node.place.level, node.place.pixel());
-            decode_node(node.place, &node.coefficients, &self.domain, target);
+        let width = self.grid.width as usize;
+        for Node { place, coefficients } in &nodes {
+            let target = &mut BlockMut::of(&mut self.held, width, place.level, place.pixel());
+            decode_node(*place, coefficients, &self.domain, target);
         }
-        // The keyframe needs no repetition: no path enters a chunk elsewhere.
-        let keyframe = self.open.is_none();
         let mut sent: Vec<Node> = self.recent.iter().map(|recent| recent.node).chain(nodes.iter().copied()).collect();
         sent.sort_by_key(|node| node.place.walk_key());
-        if !keyframe {
+        // The keyframe needs no repetition: no path enters a chunk elsewhere.
+        if frame > 0 {
             self.recent.extend(nodes.into_iter().map(|node| Recent { node, first_sent: frame }));
         }
-        let grid = self.grid;
-        let open = self.open.get_or_insert_with(|| NodeChunkBuilder::new(grid));
         if !sent.is_empty() {
-            open.push(frame - self.chunk_first, &sent);
+            storage::write_record(self.grid, &sent, self.chunk.record());
         }
         Ok(finished)
     }
 
     pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
-        let Some(open) = self.open.take() else { return Ok(None) };
-        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
-        Ok(Some(EncodedChunk { first_frame, frame_count, payload: open.finish()? }))
+        self.chunk.finish()
     }
 
     /// Marks the leaves where what is held is too far from the source.
@@ -174,9 +161,9 @@ impl NodeEncoder {
     fn settle_recent(&mut self) {
         let (grid, leaves) = (self.grid, &mut self.leaves);
         self.recent.retain(|recent| {
-            let changes = leaves_of(grid, recent.node.place).any(|at| leaves[at] == Leaf::Dirty);
+            let changes = grid.leaf_rows(recent.node.place).any(|row| leaves[row].contains(&Leaf::Dirty));
             let leaf = if changes { Leaf::Dirty } else { Leaf::Held };
-            leaves_of(grid, recent.node.place).for_each(|at| leaves[at] = leaf);
+            grid.leaf_rows(recent.node.place).for_each(|row| leaves[row].fill(leaf));
             !changes
         });
     }
@@ -192,20 +179,12 @@ impl NodeEncoder {
     }
 }
 
-/// Indices of the leaves of a place that lie in the picture.
-fn leaves_of(grid: Grid, place: Place) -> impl Iterator<Item = usize> {
-    let ([columns, rows], side) = (grid.leaves(), 1usize << place.level);
-    let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
-    (top..rows.min(top + side)).flat_map(move |y| (left..columns.min(left + side)).map(move |x| y * columns + x))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::depth::domain::DomainKind;
     use crate::depth::node_chunk::NodeChunk;
     use crate::depth::quantise::DepthRange;
-    use crate::depth::window_check::check_window;
 
     const GRID: Grid = Grid { width: 29, height: 18 };
 
@@ -230,7 +209,7 @@ mod tests {
         let domain = domain();
         for chunk in encode(frames, settings) {
             let parsed = NodeChunk::parse(chunk.payload, GRID, chunk.frame_count, domain.clone()).unwrap();
-            check_window(&parsed, settings.window, chunk.frame_count).unwrap();
+            parsed.check_window(settings.window, chunk.frame_count).unwrap();
             let mut canonical = vec![vec![0; frames[0].len()]];
             parsed.advance(&mut canonical[0], None, 0, 1);
             for frame in 1..chunk.frame_count {
@@ -328,6 +307,6 @@ mod tests {
         let chunks = encode(&frames, NodeSettings::default());
         assert_eq!(chunks.len(), 1);
         let parsed = NodeChunk::parse(chunks[0].payload.clone(), GRID, 30, domain()).unwrap();
-        assert_eq!(parsed.records().count(), 1);
+        assert_eq!(parsed.records.len(), 1);
     }
 }

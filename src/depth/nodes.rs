@@ -107,6 +107,13 @@ impl Grid {
     pub fn leaves(self) -> [usize; 2] {
         [self.width.div_ceil(4) as usize, self.height.div_ceil(4) as usize]
     }
+
+    /// Numbers of the leaves of a place that lie in the picture, row by row.
+    pub fn leaf_rows(self, place: Place) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let ([columns, rows], side) = (self.leaves(), 1usize << place.level);
+        let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
+        (top..rows.min(top + side)).map(move |y| y * columns + left..y * columns + columns.min(left + side))
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,7 +155,7 @@ pub mod raw {
         let mut out = [0; COEFFICIENT_BYTES];
         for (at, bytes) in out.as_chunks_mut::<2>().0.iter_mut().enumerate() {
             let (x, y) = (at % 4, at / 4);
-            *bytes = block.row(y.min(block.height() - 1))[x.min(block.width() - 1)].to_le_bytes();
+            *bytes = block.row(y.min(block.height - 1))[x.min(block.width - 1)].to_le_bytes();
         }
         out
     }

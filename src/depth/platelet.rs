@@ -86,7 +86,7 @@ impl Platelet {
     }
 
     fn fill(&self, target: &mut BlockMut, code: impl Fn(i32) -> u16) {
-        let test = SideTest::new(self.line, target.level());
+        let test = SideTest::new(self.line, target.level);
         for (y, row) in target.rows_mut().enumerate() {
             self.fill_row(test, y as i32, row, &code);
         }

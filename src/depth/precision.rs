@@ -13,19 +13,19 @@ pub struct Shifts {
 }
 
 impl Precision {
-    pub const COARSEST: Precision = Precision(15);
+    const COARSEST: u8 = 15;
 
     pub fn new(value: u8) -> Option<Precision> {
-        (value <= Self::COARSEST.0).then_some(Precision(value))
+        (value <= Self::COARSEST).then_some(Precision(value))
     }
 
     pub fn get(self) -> u8 {
         self.0
     }
 
-    /// The coarsest one that `serves`; 0 where none does.
-    pub fn coarsest(serves: impl Fn(Precision) -> bool) -> Precision {
-        (1..=Self::COARSEST.0).rev().map(Precision).find(|&precision| serves(precision)).unwrap_or_default()
+    /// All but 0, the coarsest first.
+    pub fn from_coarsest() -> impl Iterator<Item = Precision> {
+        (1..=Self::COARSEST).rev().map(Precision)
     }
 
     /// The bits that are zero in a node of `level`. Terms that grow across the node are kept finer in proportion, so

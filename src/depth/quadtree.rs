@@ -67,23 +67,16 @@ impl DirtyLeaves<'_> {
     }
 
     pub fn any(&self, place: Place) -> bool {
-        self.rows_of(place).any(|row| self.leaves[row].contains(&Leaf::Dirty))
+        self.grid.leaf_rows(place).any(|row| self.leaves[row].contains(&Leaf::Dirty))
     }
 
     /// Whether all dirty leaves of a place are among some others.
     fn all_among(&self, place: Place, others: &[bool]) -> bool {
-        self.rows_of(place).all(|row| {
+        self.grid.leaf_rows(place).all(|row| {
             let others = others.get(row.clone()).unwrap_or_default();
             let mut pairs = self.leaves[row].iter().zip(others);
             !others.is_empty() && pairs.all(|(&leaf, &other)| leaf != Leaf::Dirty || other)
         })
-    }
-
-    /// The leaves of a place that lie in the picture, row by row.
-    fn rows_of(&self, place: Place) -> impl Iterator<Item = std::ops::Range<usize>> {
-        let ([columns, rows], side) = (self.grid.leaves(), 1usize << place.level);
-        let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
-        (top..rows.min(top + side)).map(move |y| y * columns + left..y * columns + columns.min(left + side))
     }
 
     fn leaf(&self, place: Place) -> Leaf {

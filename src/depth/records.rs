@@ -1,6 +1,6 @@
 //! The payload of a temporally coded chunk: a keyframe and what changes after it (depth.md 4).
 //!
-//! The pixels of a unit or a box are stored as values ([`Values`]) or in block tiles ([`crate::depth::block_tiles`]).
+//! The pixels of a unit or a box are stored as values or in block tiles ([`Layout`]).
 
 #[cfg(feature = "encode")]
 pub mod builder;
@@ -9,6 +9,7 @@ use std::marker::PhantomData;
 
 use crate::container::Payload;
 use crate::container::fields::Fields;
+use crate::depth::block_tiles::Layout;
 use crate::depth::boxes::{MAX_BOXES, PixelBox};
 use crate::depth::record_table;
 use crate::depth::texel::Texel;
@@ -21,43 +22,6 @@ const CONSTANT: u8 = 1;
 /// Boxes follow, then their pixels.
 const BOXES: u8 = 2;
 const SECTION: &str = "depth.md 4";
-
-/// How the pixels of a rectangle, which is a unit or a box, are stored.
-pub trait Layout<T: Texel>: std::fmt::Debug + Clone + Copy + Send + Sync + 'static {
-    /// Boxes start at multiples of this, in pixels, and end at multiples of it or at the unit's edge.
-    const GRID: u32;
-
-    /// Takes the bytes of a rectangle of this width and height, and checks them.
-    fn take(fields: &mut Fields<'_>, size: [usize; 2]) -> Result<()>;
-
-    /// Writes the pixels of a rectangle (left, top, width, height) into a picture of `stride` columns; `bytes` start
-    /// with what [`Self::take`] took.
-    fn draw(bytes: &[u8], rect: [usize; 4], picture: &mut [T], stride: usize);
-}
-
-/// Values as they are, row by row.
-#[derive(Debug, Clone, Copy)]
-pub struct Values;
-
-impl<T: Texel> Layout<T> for Values {
-    const GRID: u32 = 1;
-
-    fn take(fields: &mut Fields<'_>, [width, height]: [usize; 2]) -> Result<()> {
-        let bytes = width.saturating_mul(height).saturating_mul(T::BYTES);
-        fields.bytes(bytes).map(drop)
-    }
-
-    fn draw(bytes: &[u8], [left, top, width, height]: [usize; 4], picture: &mut [T], stride: usize) {
-        if width == stride {
-            let pixels = top * stride..(top + height) * stride;
-            return T::get_row(&mut picture[pixels], &bytes[..width * height * T::BYTES]);
-        }
-        let rows = picture[top * stride..].chunks_mut(stride).take(height);
-        for (row, bytes) in rows.zip(bytes.chunks(width * T::BYTES)) {
-            T::get_row(&mut row[left..left + width], bytes);
-        }
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Body {
@@ -79,29 +43,32 @@ pub struct Record {
 }
 
 #[derive(Debug, Clone)]
-pub struct TemporalChunk<T, L = Values> {
+pub struct TemporalChunk<T> {
+    pub layout: Layout,
     payload: Payload,
-    records: Vec<Record>,
+    /// In order of their frames; frames without one change nothing.
+    pub records: Vec<Record>,
     boxes: Vec<(PixelBox, usize)>,
-    size: [u32; 2],
-    layout: PhantomData<(T, L)>,
+    pub size: [u32; 2],
+    texel: PhantomData<T>,
 }
 
-impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
+impl<T: Texel> TemporalChunk<T> {
     /// Checks a payload for a unit of `size` (width, height) pixels and `frame_count` frames.
     ///
     /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record
     /// overlap, frames ascend, and the first record is a keyframe.
-    pub fn parse(payload: impl Into<Payload>, size: [u32; 2], frame_count: u32) -> Result<Self> {
+    pub fn parse(layout: Layout, payload: impl Into<Payload>, size: [u32; 2], frame_count: u32) -> Result<Self> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
         let table = record_table::read(&mut fields, frame_count)?;
         let mut chunk = TemporalChunk {
+            layout,
             payload: Payload::from(Vec::new()),
             records: Vec::with_capacity(table.len()),
             boxes: Vec::new(),
             size,
-            layout: PhantomData,
+            texel: PhantomData,
         };
         for (at, &row) in table.iter().enumerate() {
             record_table::check_start(&fields, at, row)?;
@@ -128,7 +95,7 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
         match kind {
             WHOLE => {
                 let start = fields.position();
-                L::take(fields, [width as usize, height as usize])?;
+                self.layout.take::<T>(fields, [width as usize, height as usize])?;
                 Ok(Body::Whole(start))
             }
             CONSTANT => {
@@ -146,9 +113,10 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
                     if !inside(x, w, width) || !inside(y, h, height) {
                         return Err(fields.error(format!("a box of {w}x{h} at {x},{y} is not inside {width}x{height}")));
                     }
+                    let grid = self.layout.grid();
                     let on_grid = |start: u16, size: u16, limit: u32| {
                         let end = u32::from(start) + u32::from(size);
-                        u32::from(start) % L::GRID == 0 && (end % L::GRID == 0 || end == limit)
+                        u32::from(start) % grid == 0 && (end % grid == 0 || end == limit)
                     };
                     if !on_grid(x, w, width) || !on_grid(y, h, height) {
                         return Err(fields.error(format!("a box of {w}x{h} at {x},{y} cuts blocks of 4x4 pixels")));
@@ -162,16 +130,12 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
                 for at in first..self.boxes.len() {
                     let (b, start) = &mut self.boxes[at];
                     *start = fields.position();
-                    L::take(fields, [usize::from(b.width), usize::from(b.height)])?;
+                    self.layout.take::<T>(fields, [usize::from(b.width), usize::from(b.height)])?;
                 }
                 Ok(Body::Boxes { first, count: usize::from(count) })
             }
             other => Err(fields.error(format!("a record of kind {other}, which is unknown"))),
         }
-    }
-
-    pub fn size(&self) -> [u32; 2] {
-        self.size
     }
 
     pub fn payload(&self) -> &[u8] {
@@ -180,11 +144,6 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
 
     pub fn into_spare(self) -> Vec<u8> {
         self.payload.into_spare()
-    }
-
-    /// All records in order of their frames; frames without one change nothing.
-    pub fn records(&self) -> &[Record] {
-        &self.records
     }
 
     /// The boxes of a record, with the payload offset of their pixels.
@@ -228,7 +187,7 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
     pub fn apply(&self, picture: &mut [T], body: Body) -> u64 {
         let [width, height] = self.size.map(|side| side as usize);
         match body {
-            Body::Whole(start) => L::draw(&self.payload[start..], [0, 0, width, height], picture, width),
+            Body::Whole(start) => self.layout.draw(&self.payload[start..], [0, 0, width, height], picture, width),
             Body::Constant(start) => {
                 let mut value = [T::default()];
                 T::get_row(&mut value, &self.payload[start..start + T::BYTES]);
@@ -236,8 +195,7 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
             }
             Body::Boxes { .. } => {
                 for &(b, start) in self.boxes(body) {
-                    let rect = [b.x, b.y, b.width, b.height].map(usize::from);
-                    L::draw(&self.payload[start..], rect, picture, width);
+                    self.layout.draw(&self.payload[start..], b.rect(), picture, width);
                 }
             }
         }

@@ -50,8 +50,9 @@ impl Runtime {
         &self.frames
     }
 
-    /// Appends the nodes of a frame: they do not overlap, come in the order of the walk, and lie in the picture.
-    pub fn push(&mut self, frame: u32, nodes: &[Node]) {
+    /// Appends the nodes of a frame: they do not overlap, come in the order of the walk, and lie in the picture. Answers
+    /// how many pixels they cover.
+    pub fn push(&mut self, frame: u32, nodes: &[Node]) -> u64 {
         let offset = self.buffer.len();
         let mut counts = [0u32; LEVELS];
         nodes.iter().for_each(|node| counts[usize::from(node.place.level)] += 1);
@@ -64,6 +65,7 @@ impl Runtime {
         by_level().for_each(|node| self.buffer.extend_from_slice(&node.coefficients));
         let updated_pixels = nodes.iter().map(|node| self.grid.pixels_of(node.place)).sum();
         self.frames.push(RuntimeFrame { frame, offset, nodes: nodes.len() as u64, updated_pixels });
+        updated_pixels
     }
 
     /// The nodes of a frame with their places and coefficients, by level.

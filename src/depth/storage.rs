@@ -5,6 +5,8 @@
 //! walk over the quadtree tells level and place in one to three bits, and low bits of coefficients that are zero are
 //! left out.
 
+use byteorder::{ByteOrder, LittleEndian};
+
 use crate::container::fields::Fields;
 use crate::depth::bits::{BitReader, BitWriter};
 use crate::depth::coefficients::integers;
@@ -23,20 +25,27 @@ const RAW_BITS: u8 = 0x1F;
 /// A raw node whose largest value stands for the background.
 const RAW_BACKGROUND: u8 = 0x20;
 
+/// What a record's nodes cover; its first byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
 pub enum Coverage {
     /// The whole unit: the walk says nothing of empty places.
-    Complete,
-    Partial,
+    Complete = 0,
+    Partial = 1,
 }
 
-/// What nodes cover, which do not overlap.
-pub fn coverage(grid: Grid, nodes: &[Node]) -> Coverage {
+fn coverage(grid: Grid, nodes: &[Node]) -> Coverage {
     let covered: u64 = nodes.iter().map(|node| grid.pixels_of(node.place)).sum();
     if covered == grid.pixel_count() { Coverage::Complete } else { Coverage::Partial }
 }
 
-pub fn write_nodes(grid: Grid, nodes: &[Node], out: &mut Vec<u8>) {
+/// Appends the record of nodes that do not overlap, in the order of the walk.
+pub fn write_record(grid: Grid, nodes: &[Node], out: &mut Vec<u8>) {
+    out.push(coverage(grid, nodes) as u8);
+    write_nodes(grid, nodes, out);
+}
+
+fn write_nodes(grid: Grid, nodes: &[Node], out: &mut Vec<u8>) {
     let mut walk = WalkWriter { grid, coverage: coverage(grid, nodes), left: nodes, bits: BitWriter::default() };
     walk.visit(grid.root());
     out.extend(walk.bits.finish());
@@ -167,10 +176,11 @@ fn precision_of(level: u8, planes: [&[i32]; 2], quadratic: &[i32]) -> Precision 
     let constant = zeros(&mut planes.iter().filter_map(|plane| plane.first()));
     let linear = zeros(&mut planes.iter().flat_map(|plane| plane.iter().skip(1)));
     let quadratic = zeros(&mut quadratic.iter());
-    Precision::coarsest(|precision| {
+    let serves = |precision: &Precision| {
         let shifts = precision.shifts(level);
         shifts.constant <= constant && shifts.linear <= linear && shifts.quadratic <= quadratic
-    })
+    };
+    Precision::from_coarsest().find(serves).unwrap_or_default()
 }
 
 /// The shift of number `at` of a plane or surface: constant, two linear, three quadratic.
@@ -221,9 +231,7 @@ fn read_number(fields: &mut Fields<'_>, shift: u32) -> Result<i32> {
 /// The least code of the surfaces, the bits that their differences take, and whether there is background.
 fn push_raw(coefficients: &[u8; COEFFICIENT_BYTES], out: &mut Vec<u8>) {
     let mut codes = [0u16; 16];
-    for (code, bytes) in codes.iter_mut().zip(coefficients.as_chunks::<2>().0) {
-        *code = u16::from_le_bytes(*bytes);
-    }
+    LittleEndian::read_u16_into(coefficients, &mut codes);
     let surfaces = || codes.iter().copied().filter(|&code| code != BACKGROUND_CODE);
     let background = surfaces().count() < 16;
     let (Some(least), Some(most)) = (surfaces().min(), surfaces().max()) else {
@@ -345,9 +353,7 @@ fn read_numbers(
         (HEAD_BC4W, 0) if level == 1 && precision.get() == 0 => {}
         _ => return Err(illegal(fields)),
     }
-    for (bytes, integer) in coefficients.as_chunks_mut::<4>().0.iter_mut().zip(integers) {
-        *bytes = integer.to_le_bytes();
-    }
+    LittleEndian::write_i32_into(&integers, &mut coefficients[..24]);
     Ok(())
 }
 

@@ -2,99 +2,96 @@
 //!
 //! In: the unit's pixels, frame by frame. Out: payloads of [`crate::depth::records`]. Memory: two pictures and the open
 //! chunk.
+//!
+//! The window rule (depth.md 4): the paper compares source frames with each other; a pixel that creeps by less than epsilon
+//! a frame is then never sent and drifts without limit. Here the loop is closed: the source is compared with the decoder's
+//! picture. A pixel is sent while fewer than W frames have passed since it changed.
 
 use crate::container::EncodedChunk;
 use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
-use crate::depth::records::builder::ChunkBuilder;
+use crate::depth::open_chunk::OpenChunk;
+use crate::depth::record_table::builder::TableBuilder;
 use crate::depth::settings::TemporalSettings;
 use crate::depth::texel::Texel;
-use crate::depth::window::WindowState;
 use crate::error::Result;
 
-/// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
-pub const CLOSE_AT_BYTES: usize = 256 << 20;
-
 /// The decoder's picture, and how boxes of it are written.
-pub trait Held<T: Texel> {
-    fn start(&mut self, source: &[T]) -> ChunkBuilder<T>;
+pub trait Held<T: Texel>: std::fmt::Debug + Send {
+    fn start(&mut self, source: &[T], chunk: &mut TableBuilder);
 
     /// Takes a frame, counted from the keyframe, in, and writes what it sends, if anything.
-    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>);
+    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut TableBuilder);
 }
 
 #[derive(Debug)]
-pub struct HeldValues<T> {
+struct HeldValues<T> {
     settings: TemporalSettings,
     width: usize,
-    state: Option<WindowState<T>>,
+    picture: Vec<T>,
+    /// Frames since the pixel changed, saturating; `u8::MAX` also for "not since the keyframe".
+    age: Vec<u8>,
+    /// One byte a pixel: 1 where the last frame must be sent.
+    mask: Vec<u8>,
 }
 
 impl<T: Texel> Held<T> for HeldValues<T> {
-    fn start(&mut self, source: &[T]) -> ChunkBuilder<T> {
-        match &mut self.state {
-            Some(state) => state.restart(source),
-            None => self.state = Some(WindowState::new(source)),
-        }
-        ChunkBuilder::new(source)
+    fn start(&mut self, source: &[T], chunk: &mut TableBuilder) {
+        self.picture = source.to_vec();
+        self.age = vec![u8::MAX; source.len()];
+        self.mask.resize(source.len(), 0);
+        chunk.put_values(source);
     }
 
-    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>) {
-        let Some(state) = &mut self.state else { return };
-        if state.advance(source, self.settings.epsilon, self.settings.window) {
+    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut TableBuilder) {
+        let TemporalSettings { window, epsilon, max_aabbs, .. } = self.settings;
+        let mut any = 0;
+        for (((held, age), mask), &source) in self.picture.iter_mut().zip(&mut self.age).zip(&mut self.mask).zip(source)
+        {
+            let keep = T::within(*held, source, epsilon);
+            *held = if keep { *held } else { source };
+            *age = if keep { age.saturating_add(1) } else { 0 };
+            *mask = u8::from(*age < window);
+            any |= *mask;
+        }
+        if any != 0 {
             // A box costs eight bytes, so one more must save more pixels than that.
-            let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving: (8 / T::BYTES) as u32 };
-            let boxes = cover(Mask { pixels: state.mask(), width: self.width }, budget);
-            chunk.push_boxes(frame, &boxes, state.held(), self.width);
+            let budget = BoxBudget { max_boxes: max_aabbs, min_saving: (8 / T::BYTES) as u32 };
+            let boxes = cover(Mask { pixels: &self.mask, width: self.width }, budget);
+            chunk.put_boxes_of(frame, &boxes, &self.picture, self.width);
         }
     }
 }
 
 #[derive(Debug)]
-pub struct TemporalEncoder<T, H = HeldValues<T>> {
-    keyframe_interval: u32,
-    held: H,
-    open: Option<ChunkBuilder<T>>,
-    chunk_first: u32,
-    next_frame: u32,
+pub struct TemporalEncoder<T> {
+    chunk: OpenChunk,
+    held: Box<dyn Held<T>>,
 }
 
 impl<T: Texel> TemporalEncoder<T> {
     pub fn new(width: u32, settings: TemporalSettings) -> Self {
-        let held = HeldValues { settings, width: width as usize, state: None };
-        Self::with(held, settings.keyframe_interval)
+        let (picture, age, mask) = (Vec::new(), Vec::new(), Vec::new());
+        let held = HeldValues { settings, width: width as usize, picture, age, mask };
+        Self::with(Box::new(held), settings.keyframe_interval)
     }
-}
 
-impl<T: Texel, H: Held<T>> TemporalEncoder<T, H> {
     /// An encoder of what writes the picture, with at most `keyframe_interval` frames in a chunk.
-    pub fn with(held: H, keyframe_interval: u32) -> Self {
-        TemporalEncoder { keyframe_interval, held, open: None, chunk_first: 0, next_frame: 0 }
+    pub fn with(held: Box<dyn Held<T>>, keyframe_interval: u32) -> Self {
+        TemporalEncoder { chunk: OpenChunk::new(keyframe_interval), held }
     }
 
     /// Takes the next frame; all frames have the same number of pixels. Answers the chunk that it closes, if any.
     pub fn push(&mut self, source: &[T]) -> Result<Option<EncodedChunk>> {
-        let frame = self.next_frame;
-        let in_chunk = frame - self.chunk_first;
-        let full = |open: &ChunkBuilder<T>| in_chunk >= self.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES;
-        let finished = match &self.open {
-            Some(open) if full(open) => self.finish()?,
-            _ => None,
-        };
-        self.next_frame += 1;
-        match &mut self.open {
-            Some(open) => self.held.advance(source, in_chunk, open),
-            None => {
-                self.open = Some(self.held.start(source));
-                self.chunk_first = frame;
-            }
+        let finished = self.chunk.next()?;
+        match self.chunk.frame() {
+            0 => self.held.start(source, self.chunk.records()),
+            frame => self.held.advance(source, frame, self.chunk.records()),
         }
         Ok(finished)
     }
 
     pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
-        let Some(open) = self.open.take() else { return Ok(None) };
-        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
-        Ok(Some(EncodedChunk { first_frame, frame_count, payload: open.finish()? }))
+        self.chunk.finish()
     }
 }
 

@@ -1,10 +1,12 @@
 //! What the temporal coder is generic over: depth codes and material triples (depth.md 3).
 
+use crate::block::{Bc1, Bc5, BlockFormat, TEXELS};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// A pixel value that is stored as it is.
+/// A pixel value that is stored as it is, or in blocks of a texture format.
 pub trait Texel: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     const BYTES: usize;
+    type Format: BlockFormat;
 
     fn put(self, out: &mut Vec<u8>);
 
@@ -13,11 +15,22 @@ pub trait Texel: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
 
     /// Whether a decoder may show `held` where the source has `source`: the promise behind `--update-threshold`.
     fn within(held: Self, source: Self, epsilon: u16) -> bool;
+
+    /// The value that a decoded pixel of a block stands for.
+    fn of_block(texel: <Self::Format as BlockFormat>::Texel) -> Self;
+
+    fn decode(block: &[u8]) -> [Self; TEXELS] {
+        let mut texels = [<Self::Format as BlockFormat>::Texel::default(); TEXELS];
+        Self::Format::decode_block(block, &mut texels);
+        texels.map(Self::of_block)
+    }
 }
 
-/// A depth code. The background is never taken for a surface, nor a surface for it, at any epsilon.
+/// A depth code. The background is never taken for a surface, nor a surface for it, at any epsilon. In blocks its high byte
+/// is the red of BC5, its low byte the green.
 impl Texel for u16 {
     const BYTES: usize = 2;
+    type Format = Bc5;
 
     fn put(self, out: &mut Vec<u8>) {
         out.extend_from_slice(&self.to_le_bytes());
@@ -34,11 +47,17 @@ impl Texel for u16 {
     fn within(held: Self, source: Self, epsilon: u16) -> bool {
         held.abs_diff(source) <= epsilon && (held == BACKGROUND_CODE) == (source == BACKGROUND_CODE)
     }
+
+    fn of_block(texel: [u8; 2]) -> u16 {
+        u16::from_be_bytes(texel)
+    }
 }
 
-/// Reflection weight, refraction weight and index of refraction, 8 bits each; epsilon bounds each of them.
+/// Reflection weight, refraction weight and index of refraction, 8 bits each; epsilon bounds each of them. In blocks they
+/// are the red, green and blue of BC1.
 impl Texel for [u8; 3] {
     const BYTES: usize = 3;
+    type Format = Bc1;
 
     fn put(self, out: &mut Vec<u8>) {
         out.extend_from_slice(&self);
@@ -52,5 +71,9 @@ impl Texel for [u8; 3] {
     #[inline]
     fn within(held: Self, source: Self, epsilon: u16) -> bool {
         (0..3).all(|i| u16::from(held[i].abs_diff(source[i])) <= epsilon)
+    }
+
+    fn of_block(texel: [u8; 3]) -> [u8; 3] {
+        texel
     }
 }

@@ -11,10 +11,8 @@ use crate::container::fields::Fields;
 use crate::depth::bits::BitReader;
 use crate::depth::domain::Domain;
 use crate::depth::mode_statistics::ModeStatistics;
-use crate::depth::node_chunk::NodeRecord;
+use crate::depth::node_chunk::{NodeChunk, RecordNodes};
 use crate::depth::nodes::{Grid, Node, Place};
-use crate::depth::record_table;
-use crate::depth::runtime::Runtime;
 use crate::depth::storage;
 use crate::error::Result;
 
@@ -29,76 +27,33 @@ struct TreeFunction {
 
 #[derive(Debug, Clone)]
 pub struct TreeChunk {
-    runtime: Runtime,
-    domain: Domain,
+    /// The leaves of all records. Frames are shown in steps of 1.
+    pub leaves: NodeChunk,
     trees: Vec<Vec<TreeFunction>>,
-    record_bytes: Vec<u64>,
-    spare: Payload,
 }
 
 impl TreeChunk {
     /// Checks a payload for a unit of `grid`'s size and `frame_count` frames.
     pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32, domain: Domain) -> Result<TreeChunk> {
-        let payload = payload.into();
-        let mut fields = Fields::new(&payload, 0, SECTION);
-        let table = record_table::read(&mut fields, frame_count)?;
-        let (mut runtime, mut trees, mut record_bytes) = (Runtime::new(grid), Vec::new(), Vec::new());
-        for (at, &row) in table.iter().enumerate() {
-            fields.enter(SECTION);
-            record_table::check_start(&fields, at, row)?;
-            let start = fields.position();
-            let (leaves, tree) = read_record(grid, &mut fields)?;
-            if at == 0 && leaves.len() != grid.leaves().iter().product::<usize>() {
+        let mut trees = Vec::new();
+        let leaves = NodeChunk::parse_records(payload.into(), (grid, SECTION), frame_count, domain, |at, fields| {
+            let (nodes, tree) = read_record(grid, fields)?;
+            let complete = nodes.len() == grid.leaves().iter().product::<usize>();
+            if at == 0 && !complete {
                 return Err(fields.error("a chunk's first record must hold all leaves"));
             }
-            runtime.push(row.frame, &leaves);
+            let functions = tree.len();
             trees.push(tree);
-            record_bytes.push((fields.position() - start + record_table::ROW_BYTES) as u64);
-        }
-        fields.finish()?;
-        Ok(TreeChunk { runtime, domain, trees, record_bytes, spare: payload })
-    }
-
-    /// The leaves of all records, in the runtime form.
-    pub fn runtime(&self) -> &Runtime {
-        &self.runtime
-    }
-
-    /// The records, in order of their frames; leaves and functions count as nodes.
-    pub fn records(&self) -> impl Iterator<Item = NodeRecord> {
-        let costs = self.record_bytes.iter().zip(&self.trees);
-        self.runtime.frames().iter().zip(costs).map(|(frame, (&bytes, tree))| NodeRecord {
-            frame: frame.frame,
-            updated_pixels: frame.updated_pixels,
-            bytes,
-            nodes: frame.nodes + tree.len() as u64,
-            complete: frame.updated_pixels == self.runtime.grid().pixel_count(),
-        })
+            Ok(RecordNodes { nodes, functions, complete })
+        })?;
+        Ok(TreeChunk { leaves, trees })
     }
 
     pub fn mode_statistics(&self) -> ModeStatistics {
-        let mut statistics = ModeStatistics::default();
-        let grid = self.runtime.grid();
-        for &frame in self.runtime.frames() {
-            for (place, &coefficients) in self.runtime.nodes(frame) {
-                statistics.count(grid, &Node { place, coefficients });
-            }
-        }
+        let mut statistics = self.leaves.mode_statistics();
+        let grid = self.leaves.runtime.grid();
         self.trees.iter().flatten().for_each(|found| statistics.count(grid, &found.node));
         statistics
-    }
-
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target`; each frame
-    /// between is visited. Answers how many pixels were written.
-    pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32) -> u64 {
-        let frames = self.runtime.frames();
-        record_table::steps(frames, |frame| frame.frame, at, target, 1)
-            .map(|found| self.runtime.apply(picture, frames[found], &self.domain))
-            .sum()
-    }
-
-    pub fn into_spare(self) -> Vec<u8> {
-        self.spare.into_spare()
     }
 }
 

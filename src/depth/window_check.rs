@@ -6,111 +6,92 @@
 use std::path::PathBuf;
 
 use crate::depth::node_chunk::NodeChunk;
-use crate::depth::records::{Body, Layout, TemporalChunk};
+use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::error::{Error, Result};
 
-/// A chunk whose records replace rectangles of pixels.
-pub trait Updates {
-    type Texel: Texel;
-
-    fn size(&self) -> [usize; 2];
-
+/// The records of a chunk, which replace rectangles of pixels.
+struct Updates<R, A> {
+    size: [usize; 2],
     /// Frames of the records, ascending from 0.
-    fn frames(&self) -> Vec<u32>;
-
-    /// Left, top, width and height of the rectangles that record `at` replaces.
-    fn rectangles(&self, at: usize) -> Vec<[usize; 4]>;
-
-    fn apply(&self, at: usize, picture: &mut [Self::Texel]);
+    frames: Vec<u32>,
+    /// Left, top, width and height of the rectangles that a record replaces.
+    rectangles: R,
+    apply: A,
 }
 
-impl<T: Texel, L: Layout<T>> Updates for TemporalChunk<T, L> {
-    type Texel = T;
-
-    fn size(&self) -> [usize; 2] {
-        self.size().map(|side| side as usize)
+impl<T: Texel> TemporalChunk<T> {
+    /// Refuses a chunk of `frame_count` frames in which frame n does not replace a pixel whose value changed in one of the
+    /// W - 1 frames before n. Frames without a record replace nothing.
+    ///
+    /// Time and memory: two pictures, and one pass over the unit for each record.
+    pub fn check_window(&self, window: u8, frame_count: u32) -> Result<()> {
+        let size @ [width, height] = self.size.map(|side| side as usize);
+        let frames = self.records.iter().map(|record| record.frame).collect();
+        let rectangles = |at: usize| match self.records[at].body {
+            Body::Whole(_) | Body::Constant(_) => vec![[0, 0, width, height]],
+            body => self.boxes(body).iter().map(|(b, _)| b.rect()).collect(),
+        };
+        let apply = |at: usize, picture: &mut [T]| self.apply(picture, self.records[at].body);
+        Updates { size, frames, rectangles, apply }.check(window, frame_count)
     }
+}
 
-    fn frames(&self) -> Vec<u32> {
-        self.records().iter().map(|record| record.frame).collect()
+impl NodeChunk {
+    /// As [`TemporalChunk::check_window`].
+    pub fn check_window(&self, window: u8, frame_count: u32) -> Result<()> {
+        let (grid, rows) = (self.runtime.grid(), self.runtime.frames());
+        let size = [grid.width as usize, grid.height as usize];
+        let frames = rows.iter().map(|row| row.frame).collect();
+        let rectangles = |at: usize| {
+            let places = self.runtime.nodes(rows[at]).map(|(place, _)| place);
+            places.map(|place| grid.rect_of(place).map(|value| value as usize)).collect()
+        };
+        let apply = |at: usize, picture: &mut [u16]| self.apply(picture, rows[at]);
+        Updates { size, frames, rectangles, apply }.check(window, frame_count)
     }
+}
 
-    fn rectangles(&self, at: usize) -> Vec<[usize; 4]> {
-        match self.records()[at].body {
-            Body::Whole(_) | Body::Constant(_) => {
-                let [width, height] = Updates::size(self);
-                vec![[0, 0, width, height]]
+impl<R: Fn(usize) -> Vec<[usize; 4]>, A> Updates<R, A> {
+    fn check<T: Texel>(&self, window: u8, frame_count: u32) -> Result<()>
+    where
+        A: Fn(usize, &mut [T]) -> u64,
+    {
+        let (window, [width, height]) = (u32::from(window), self.size);
+        let mut picture = vec![T::default(); width * height];
+        let mut before = picture.clone();
+        let mut covered = vec![false; width * height];
+        // 0: not since the keyframe.
+        let mut changed_at = vec![0; width * height];
+        for (at, &frame) in self.frames.iter().enumerate() {
+            covered.fill(false);
+            for [left, top, columns, rows] in (self.rectangles)(at) {
+                covered[top * width..]
+                    .chunks_mut(width)
+                    .take(rows)
+                    .for_each(|row| row[left..left + columns].fill(true));
             }
-            body => self.boxes(body).iter().map(|(b, _)| [b.x, b.y, b.width, b.height].map(usize::from)).collect(),
-        }
-    }
-
-    fn apply(&self, at: usize, picture: &mut [T]) {
-        self.apply(picture, self.records()[at].body);
-    }
-}
-
-impl Updates for NodeChunk {
-    type Texel = u16;
-
-    fn size(&self) -> [usize; 2] {
-        let grid = self.runtime().grid();
-        [grid.width as usize, grid.height as usize]
-    }
-
-    fn frames(&self) -> Vec<u32> {
-        self.runtime().frames().iter().map(|frame| frame.frame).collect()
-    }
-
-    fn rectangles(&self, at: usize) -> Vec<[usize; 4]> {
-        let runtime = self.runtime();
-        let places = runtime.nodes(runtime.frames()[at]).map(|(place, _)| place);
-        places.map(|place| runtime.grid().rect_of(place).map(|value| value as usize)).collect()
-    }
-
-    fn apply(&self, at: usize, picture: &mut [u16]) {
-        self.apply(picture, self.runtime().frames()[at]);
-    }
-}
-
-/// Refuses a chunk of `frame_count` frames in which frame n does not replace a pixel whose value changed in one of the
-/// W - 1 frames before n. Frames without a record replace nothing.
-///
-/// Time and memory: two pictures, and one pass over the unit for each record.
-pub fn check_window<C: Updates>(chunk: &C, window: u8, frame_count: u32) -> Result<()> {
-    let (window, [width, height]) = (u32::from(window), chunk.size());
-    let mut picture = vec![C::Texel::default(); width * height];
-    let mut before = picture.clone();
-    let mut covered = vec![false; width * height];
-    // 0: not since the keyframe.
-    let mut changed_at = vec![0; width * height];
-    let frames = chunk.frames();
-    for (at, &frame) in frames.iter().enumerate() {
-        covered.fill(false);
-        for [left, top, columns, rows] in chunk.rectangles(at) {
-            covered[top * width..].chunks_mut(width).take(rows).for_each(|row| row[left..left + columns].fill(true));
-        }
-        before.copy_from_slice(&picture);
-        chunk.apply(at, &mut picture);
-        if at > 0 {
-            for (pixel, changed_at) in changed_at.iter_mut().enumerate() {
-                if !covered[pixel] {
-                    check_pixel(pixel, width, window, *changed_at, frame)?;
-                } else if picture[pixel] != before[pixel] {
-                    *changed_at = frame;
+            before.copy_from_slice(&picture);
+            (self.apply)(at, &mut picture);
+            if at > 0 {
+                for (pixel, changed_at) in changed_at.iter_mut().enumerate() {
+                    if !covered[pixel] {
+                        check_pixel(pixel, width, window, *changed_at, frame)?;
+                    } else if picture[pixel] != before[pixel] {
+                        *changed_at = frame;
+                    }
+                }
+            }
+            let next = self.frames.get(at + 1).copied().unwrap_or(frame_count);
+            if next > frame + 1 {
+                // The frames up to the next record replace nothing; the first of them is the strictest.
+                for (pixel, &changed_at) in changed_at.iter().enumerate() {
+                    check_pixel(pixel, width, window, changed_at, frame + 1)?;
                 }
             }
         }
-        let next = frames.get(at + 1).copied().unwrap_or(frame_count);
-        if next > frame + 1 {
-            // The frames up to the next record replace nothing; the first of them is the strictest.
-            for (pixel, &changed_at) in changed_at.iter().enumerate() {
-                check_pixel(pixel, width, window, changed_at, frame + 1)?;
-            }
-        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn check_pixel(pixel: usize, width: usize, window: u32, changed_at: u32, frame: u32) -> Result<()> {
@@ -129,20 +110,22 @@ fn check_pixel(pixel: usize, width: usize, window: u32, changed_at: u32, frame: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::block_tiles::Layout;
     use crate::depth::boxes::PixelBox;
-    use crate::depth::records::builder::ChunkBuilder;
+    use crate::depth::record_table::builder::TableBuilder;
 
     /// 3x1 pixels; each record writes pixel `x` with `code` in `frame`.
     fn chunk(records: &[(u32, u16, u16)], frame_count: u32) -> TemporalChunk<u16> {
-        let mut builder = ChunkBuilder::<u16>::new(&[1, 2, 3]);
+        let mut builder = TableBuilder::default();
+        builder.put_values(&[1u16, 2, 3]);
         for &(frame, x, code) in records {
-            builder.push_boxes(frame, &[PixelBox { x, y: 0, width: 1, height: 1 }], &[code; 3], 3);
+            builder.put_boxes_of(frame, &[PixelBox { x, y: 0, width: 1, height: 1 }], &[code; 3], 3);
         }
-        TemporalChunk::parse(builder.finish().unwrap(), [3, 1], frame_count).unwrap()
+        TemporalChunk::parse(Layout::Values, builder.finish().unwrap(), [3, 1], frame_count).unwrap()
     }
 
     fn holds(records: &[(u32, u16, u16)], window: u8, frame_count: u32) -> bool {
-        check_window(&chunk(records, frame_count), window, frame_count).is_ok()
+        chunk(records, frame_count).check_window(window, frame_count).is_ok()
     }
 
     #[test]
@@ -159,7 +142,7 @@ mod tests {
         assert!(holds(&[(1, 0, 9), (2, 0, 1), (3, 0, 1)], 2, 4));
         // A value that stays what it was is no change.
         assert!(holds(&[(1, 0, 1)], 255, 300));
-        let error = check_window(&chunk(&once, 3), 2, 3).unwrap_err().to_string();
+        let error = chunk(&once, 3).check_window(2, 3).unwrap_err().to_string();
         assert!(error.contains("pixel (0, 0)") && error.ends_with("(formats/depth.md 4)"), "{error}");
     }
 }

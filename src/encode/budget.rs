@@ -8,7 +8,7 @@ use crate::color::SearchSettings;
 use crate::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
 use crate::dataset::SourceGroup;
 use crate::decode::memory;
-use crate::depth::temporal::CLOSE_AT_BYTES;
+use crate::depth::open_chunk::CLOSE_AT_BYTES;
 use crate::encode::source::{FrameSource, GroupRef};
 use crate::encode::{DepthCodec, EncodeSettings};
 use crate::error::Result;

@@ -100,9 +100,6 @@ pub(super) struct ScannedProbe {
 }
 
 /// Reads all depth images of a probe.
-///
-/// # Errors
-/// Of all images that cannot be read, the first in the order of groups and frames.
 pub(super) fn scan_probe(
     source: &dyn FrameSource,
     groups: &[GroupRef<'_>],

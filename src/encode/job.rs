@@ -121,9 +121,6 @@ pub struct Resumable<W> {
 
 /// As [`encode`], with a journal: an encode that was stopped at any moment continues behind the last complete chunk, and the
 /// container has the same bytes as one that was written in one go.
-///
-/// # Errors
-/// [`Stopped`] with the reason, and what is kept.
 pub fn encode_resumable<W: Write>(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -134,9 +131,6 @@ pub fn encode_resumable<W: Write>(
 }
 
 /// Refuses settings that are out of range, and a source without the streams that they ask for.
-///
-/// # Errors
-/// [`Error::Usage`].
 pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> {
     settings.check()?;
     let groups = selected_groups(source, settings);
@@ -147,9 +141,6 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> 
 }
 
 /// Refuses to continue an encode with another configuration.
-///
-/// # Errors
-/// [`Error::Usage`] names the difference.
 pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
     let order = Order::of(source, settings);
     Completed::of(recovered, &configuration::of(source, settings), &order).map(|_| ())
@@ -374,7 +365,7 @@ impl<W: Write> Job<'_, W> {
         // A colour cell looks ahead; other chunks depend on none but their own frames.
         let last_frame = |chunk: &PackedChunk, closed_by: u32| match group.kind {
             StreamKind::Color => closed_by,
-            StreamKind::Depth | StreamKind::Material => chunk.key.first_frame + (chunk.key.frame_count - 1),
+            StreamKind::Depth | StreamKind::Material => chunk.key().last_frame(),
         };
         for frames in frames.chunks(batch) {
             let inputs: Vec<_> = frames.iter().map(|&frame| (frame, kept(frame))).collect();

@@ -1,6 +1,6 @@
 //! The order in which groups are encoded, which numbers their streams.
 
-use crate::container::{ChunkKey, SafeChunks};
+use crate::container::SafeChunks;
 use crate::dataset::SourceGroup;
 use crate::encode::EncodeSettings;
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
@@ -42,13 +42,12 @@ impl<'a> Order<'a> {
 
     /// Complete chunks in words; `None` where there are none.
     pub fn describe(&self, source: &dyn FrameSource, safe: SafeChunks) -> Option<String> {
-        let SafeChunks { count, last: Some(ChunkKey { stream, first_frame, frame_count, .. }) } = safe else {
-            return None;
-        };
-        let (group, face) = self.stream(stream)?;
+        let SafeChunks { count, last } = safe;
+        let last = last?;
+        let (group, face) = self.stream(last.stream)?;
         let probe = &source.probes()[group.probe].name;
         let chunks = if count == 1 { "1 chunk".to_owned() } else { format!("{count} chunks, the last") };
-        let (kind, last_frame) = (group.kind.name(), first_frame + (frame_count - 1));
+        let (kind, first_frame, last_frame) = (group.kind.name(), last.first_frame, last.last_frame());
         Some(format!("{chunks} of frames {first_frame}-{last_frame} of probe {probe}, {kind} {}", face.name()))
     }
 }

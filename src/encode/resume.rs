@@ -130,19 +130,16 @@ pub(super) struct Completed {
 
 impl Completed {
     /// What was recovered of an encode with the same configuration.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] for another configuration, or a journal that contradicts itself.
     pub fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Completed> {
-        let begun = configuration::read(recovered.head()).map_err(|_| broken())?;
+        let begun = configuration::read(&recovered.head).map_err(|_| broken())?;
         if let Some(difference) = begun.difference(now) {
             return Err(configuration::other(&difference));
         }
-        let mut completed = Completed { chunks: recovered.chunks().len() as u64, ..Completed::default() };
-        for note in recovered.notes() {
+        let mut completed = Completed { chunks: recovered.chunks.len() as u64, ..Completed::default() };
+        for note in &recovered.notes {
             completed.read_note(note).map_err(|_| broken())?;
         }
-        for chunk in recovered.chunks() {
+        for chunk in &recovered.chunks {
             let ChunkKey { stream, unit, first_frame, frame_count } = chunk.entry.key;
             let (group, _) = order.stream(stream).ok_or_else(broken)?;
             let end = first_frame + frame_count;
@@ -200,9 +197,6 @@ impl Completed {
     }
 
     /// Refuses a changed file that complete chunks depend on.
-    ///
-    /// # Errors
-    /// [`Error::Usage`].
     pub fn check_file(
         &self,
         source: &dyn FrameSource,
@@ -220,9 +214,6 @@ impl Completed {
     }
 
     /// Refuses changed files that complete chunks depend on. Forgets scans of changed files that no chunk depends on.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] for such a change; others where files cannot be read.
     pub fn check_files(
         &mut self,
         source: &dyn FrameSource,

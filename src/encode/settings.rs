@@ -254,7 +254,7 @@ impl EncodeSettings {
             // A probe that sees one distance, or nothing, has no span for a logarithm.
             let domain = Domain::new(self.depth.domain, range).or_else(|_| Domain::new(DomainKind::Log, range))?;
             let bound = self.depth.error.codes(range);
-            Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() })
+            Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts })
         };
         Ok(match self.depth.codec {
             DepthCodec::Boxes => DepthCoding::Boxes(self.temporal),

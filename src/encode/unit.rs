@@ -8,7 +8,6 @@ use crate::color::{CellEncoder, CellFormat, HalfKey, Sample};
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk};
 use crate::depth::TemporalEncoder;
 use crate::depth::block_chunk::encoder::BlockEncoder;
-use crate::depth::block_temporal::HeldBlocks;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::NodeEncoder;
 use crate::depth::nodes::Grid;
@@ -23,12 +22,10 @@ use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHe
 
 enum Unit {
     Depth(TemporalEncoder<u16>),
-    DepthInBlocks(TemporalEncoder<u16, HeldBlocks<u16>>),
     DepthNodes(Box<NodeEncoder>),
     DepthTree(Box<TreeEncoder>),
     DepthBlocks(BlockEncoder),
     Material(TemporalEncoder<[u8; 3]>),
-    MaterialInBlocks(TemporalEncoder<[u8; 3], HeldBlocks<[u8; 3]>>),
     Color8(CellEncoder<u8>),
     ColorHalf(CellEncoder<HalfKey>),
 }
@@ -132,7 +129,7 @@ impl Unit {
                 Unit::Material(TemporalEncoder::new(width, temporal))
             }
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }) => {
-                Unit::MaterialInBlocks(TemporalEncoder::in_blocks(size, temporal, coder.settings.depth.effort))
+                Unit::Material(TemporalEncoder::in_blocks(size, temporal, coder.settings.depth.effort))
             }
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 Unit::Color8(cell_encoder(memory, header.cell_of_bytes(size), header.min_psnr_db))
@@ -148,7 +145,7 @@ impl Unit {
             DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
             DepthCoding::BoxesInBlocks(temporal) => {
                 let size = [grid.width, grid.height];
-                Unit::DepthInBlocks(TemporalEncoder::in_blocks(size, temporal, settings.depth.effort))
+                Unit::Depth(TemporalEncoder::in_blocks(size, temporal, settings.depth.effort))
             }
             DepthCoding::Nodes(nodes) => {
                 let domain = Domain::new(nodes.domain.kind, header.range)?;
@@ -168,12 +165,10 @@ impl Unit {
     fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
         match (self, picture) {
             (Unit::Depth(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::DepthInBlocks(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::DepthNodes(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect), None),
             (Unit::DepthTree(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::DepthBlocks(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
             (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::MaterialInBlocks(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
             (Unit::ColorHalf(encoder), Coded::Half(plane)) => match &coder.pu21 {
                 Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
@@ -187,12 +182,10 @@ impl Unit {
     fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<EncodedChunk>> {
         match self {
             Unit::Depth(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::DepthInBlocks(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthNodes(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthTree(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthBlocks(encoder) => Ok(encoder.finish().into_iter().collect()),
             Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::MaterialInBlocks(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::Color8(encoder) => encoder.finish(&EightBit),
             Unit::ColorHalf(encoder) => coder.pu21.as_ref().map_or(Ok(Vec::new()), |pu21| encoder.finish(pu21)),
         }

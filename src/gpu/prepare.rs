@@ -7,14 +7,13 @@ use crate::block;
 use crate::color::blend::Sample;
 use crate::color::cells::{Blend, CellChunk};
 use crate::container::{ChunkPlace, Payload};
-use crate::depth::block_tiles::{BlockTexel, BlockTiles, StoredTile, stored_tiles};
-use crate::depth::records::{Body, Layout, TemporalChunk, Values};
+use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::runtime::Runtime;
 use crate::depth::texel::Texel;
 use crate::error::Result;
 use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
 use crate::gpu::pictures::code_stride;
-use crate::streams::{CodecHeader, ColorFormat, DepthChunk, MaterialChunk, PictureChunk};
+use crate::streams::{CodecHeader, ColorFormat, DepthChunk, PictureChunk};
 
 /// What the host keeps of a resident chunk.
 #[derive(Debug, Clone)]
@@ -82,15 +81,13 @@ pub fn prepare(
     Ok(match header {
         CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
             DepthChunk::Boxes(chunk) => of_boxes(&chunk, size),
-            DepthChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
-            DepthChunk::Nodes(chunk) => of_nodes(chunk.runtime()),
-            DepthChunk::Tree(chunk) => of_nodes(chunk.runtime()),
+            DepthChunk::Nodes(chunk) => of_nodes(&chunk.runtime),
+            DepthChunk::Tree(chunk) => of_nodes(&chunk.leaves.runtime),
             DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
         },
-        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
-            MaterialChunk::Boxes(chunk) => of_boxes(&chunk, size),
-            MaterialChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
-        },
+        CodecHeader::Material(header) => {
+            of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
+        }
         CodecHeader::Color(header) => match header.format {
             ColorFormat::EightBit(_) => {
                 of_cells(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?)
@@ -100,33 +97,6 @@ pub fn prepare(
             }
         },
     })
-}
-
-/// A part of a rectangle that is stored in one way: left, top, width and height in it, the way, and where it starts
-/// among the bytes of the rectangle.
-type Part = ([u32; 4], u32, usize);
-
-/// How a rectangle is put together.
-pub trait Parts<T: Texel>: Layout<T> {
-    /// Its parts; `bytes` start with its stored bytes.
-    fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part>;
-}
-
-impl<T: Texel> Parts<T> for Values {
-    fn parts(_: &[u8], [width, height]: [u32; 2]) -> Vec<Part> {
-        vec![([0, 0, width, height], BOX_VALUES, 0)]
-    }
-}
-
-impl<T: BlockTexel> Parts<T> for BlockTiles {
-    fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part> {
-        let pieces = stored_tiles::<T>(bytes, size.map(|side| side as usize));
-        let part = |piece: StoredTile| {
-            let coding = if piece.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
-            (piece.rect.map(|side| side as u32), coding, piece.start)
-        };
-        pieces.map(part).collect()
-    }
 }
 
 /// Bytes as words, the last filled up with zeros.
@@ -151,10 +121,10 @@ pub fn of_nodes(runtime: &Runtime) -> Prepared {
 }
 
 /// Boxes of codes or of material, part by part.
-pub fn of_boxes<T: Texel, L: Parts<T>>(chunk: &TemporalChunk<T, L>, [width, height]: [u32; 2]) -> Prepared {
+pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -> Prepared {
     let mut boxes = Vec::new();
     let mut records = Vec::new();
-    for record in chunk.records() {
+    for record in &chunk.records {
         let (first, mut work) = (boxes.len(), 0);
         let mut push = |[x, y, width, height]: [u32; 4], coding: u32, at: usize| {
             // As many as the kernel writes words of each row.
@@ -163,8 +133,11 @@ pub fn of_boxes<T: Texel, L: Parts<T>>(chunk: &TemporalChunk<T, L>, [width, heig
             boxes.push(BoxRow { x, y, width, height, at: at as u32, coding, end: work });
         };
         let mut parts = |[left, top, width, height]: [u32; 4], at: usize| {
-            for ([x, y, width, height], coding, start) in L::parts(&chunk.payload()[at..], [width, height]) {
-                push([left + x, top + y, width, height], coding, at + start);
+            let size = [width as usize, height as usize];
+            for part in chunk.layout.parts::<T>(&chunk.payload()[at..], size) {
+                let [x, y, width, height] = part.rect.map(|side| side as u32);
+                let coding = if part.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
+                push([left + x, top + y, width, height], coding, at + part.start);
             }
         };
         match record.body {
@@ -179,7 +152,7 @@ pub fn of_boxes<T: Texel, L: Parts<T>>(chunk: &TemporalChunk<T, L>, [width, heig
         let count = (boxes.len() - first) as u32;
         records.push(Record { frame: record.frame, first: first as u32, count, work, ..Record::default() });
     }
-    let pixels = chunk.records().iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
+    let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
     let timeline = Timeline::Records(pixels.collect());
     Prepared { stream: words_from(chunk.payload()), records, boxes, weights: [0; 2], timeline }
 }
@@ -210,15 +183,17 @@ mod tests {
     use super::*;
     use crate::color::cells::CellFormat;
     use crate::color::cells::builder::CellBuilder;
+    use crate::depth::block_tiles::Layout;
     use crate::depth::boxes::PixelBox;
-    use crate::depth::records::builder::ChunkBuilder;
+    use crate::depth::record_table::builder::TableBuilder;
 
     #[test]
     fn boxes_count_the_words_that_they_touch() {
-        let mut builder = ChunkBuilder::<u16>::new(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+        let mut builder = TableBuilder::default();
+        builder.put_values(&[1u16, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
         let boxes = [PixelBox { x: 1, y: 0, width: 2, height: 2 }, PixelBox { x: 4, y: 1, width: 1, height: 1 }];
-        builder.push_boxes(3, &boxes, &[0; 10], 5);
-        let chunk = TemporalChunk::<u16>::parse(builder.finish().unwrap(), [5, 2], 4).unwrap();
+        builder.put_boxes_of(3, &boxes, &[0u16; 10], 5);
+        let chunk = TemporalChunk::<u16>::parse(Layout::Values, builder.finish().unwrap(), [5, 2], 4).unwrap();
         let prepared = of_boxes(&chunk, [5, 2]);
         assert_eq!(
             prepared.records.iter().map(|row| (row.frame, row.first, row.count, row.work)).collect::<Vec<_>>(),

@@ -12,8 +12,7 @@ mod texels;
 
 use std::time::Duration;
 
-use crate::depth::block_tiles::BlockTiles;
-use crate::depth::records::Values;
+use crate::depth::block_tiles::Layout;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::Case;
@@ -43,12 +42,12 @@ pub enum Inputs {
 
 pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::NODES, inputs: Words(nodes::cases) },
-    Row { kernel: &kernels::BOXES_CODES, inputs: Words(boxes::cases::<u16, Values>) },
-    Row { kernel: &kernels::BOXES_MATERIAL, inputs: Words(boxes::cases::<[u8; 3], Values>) },
+    Row { kernel: &kernels::BOXES_CODES, inputs: Words(|seed| boxes::cases::<u16>(Layout::Values, seed)) },
+    Row { kernel: &kernels::BOXES_MATERIAL, inputs: Words(|seed| boxes::cases::<[u8; 3]>(Layout::Values, seed)) },
     Row { kernel: &kernels::CELLS_8BIT, inputs: Words(cells::bytes) },
     Row { kernel: &kernels::CELLS_HALF, inputs: Words(cells::halves) },
-    Row { kernel: &kernels::BOXES_BC5, inputs: Words(boxes::cases::<u16, BlockTiles>) },
-    Row { kernel: &kernels::BOXES_BC1, inputs: Words(boxes::cases::<[u8; 3], BlockTiles>) },
+    Row { kernel: &kernels::BOXES_BC5, inputs: Words(|seed| boxes::cases::<u16>(Layout::BlockTiles, seed)) },
+    Row { kernel: &kernels::BOXES_BC1, inputs: Words(|seed| boxes::cases::<[u8; 3]>(Layout::BlockTiles, seed)) },
     Row { kernel: &kernels::CELLS_BC1, inputs: Words(cells::bc1) },
     Row { kernel: &kernels::CELLS_BC7, inputs: Words(cells::bc7) },
     Row { kernel: &kernels::CELLS_BC6H, inputs: Words(cells::bc6h) },

@@ -8,14 +8,16 @@ use crate::depth::BACKGROUND_CODE;
 use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair, search};
 use crate::depth::block::Block;
+use crate::depth::block_tiles::Layout;
 use crate::depth::domain::Domain;
+use crate::depth::limit::NodeFunction;
 use crate::depth::nodes::{Function, function_of};
 use crate::depth::platelet::Platelet;
 use crate::depth::settings::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
-use crate::hard_cases::clip::{Clip, EFFORT, Sequence, Storage, random_at};
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence, random_at};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::math::random::Random;
 use half::f16;
@@ -67,7 +69,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         for picture in PICTURES {
             cases.push(boxes.case(picture.name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = picture.moving();
-                source.compare(Clip::codes(&source, temporal(epsilon), Storage::Blocks)?)
+                source.compare(Clip::codes(&source, temporal(epsilon), Layout::BlockTiles)?)
             }));
         }
     }
@@ -76,7 +78,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         for (name, pixel) in MATERIALS {
             cases.push(boxes.case(name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = Sequence::new([22, 17], 4, pixel);
-                source.compare(Clip::material(&source, temporal(epsilon), Storage::Blocks)?)
+                source.compare(Clip::material(&source, temporal(epsilon), Layout::BlockTiles)?)
             }));
         }
     }

@@ -5,12 +5,13 @@ use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
 use crate::decode::{Decoder, Picture};
 use crate::depth::block_chunk::encoder::BlockEncoder;
+use crate::depth::block_tiles::Layout;
 use crate::depth::block_tiles::encode::EncodeTexel;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
 use crate::depth::settings::TemporalSettings;
-use crate::depth::temporal::{Held, TemporalEncoder};
+use crate::depth::temporal::TemporalEncoder;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
 use crate::effort::Effort;
@@ -60,23 +61,15 @@ fn depth_header(range: DepthRange, coding: DepthCoding) -> CodecHeader {
     CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Distance, coding })
 }
 
-/// How block tiles and values of boxes are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Storage {
-    Values,
-    /// BC5 for codes, BC1 for material.
-    Blocks,
-}
-
-fn boxes<T: EncodeTexel>(source: &Sequence<T>, settings: TemporalSettings, of: Storage) -> Result<Vec<EncodedChunk>> {
+fn boxes<T: EncodeTexel>(source: &Sequence<T>, settings: TemporalSettings, of: Layout) -> Result<Vec<EncodedChunk>> {
     settings.check()?;
     match of {
-        Storage::Values => held(source, TemporalEncoder::new(source.size[0], settings)),
-        Storage::Blocks => held(source, TemporalEncoder::in_blocks(source.size, settings, EFFORT)),
+        Layout::Values => held(source, TemporalEncoder::new(source.size[0], settings)),
+        Layout::BlockTiles => held(source, TemporalEncoder::in_blocks(source.size, settings, EFFORT)),
     }
 }
 
-fn held<T: Texel, H: Held<T>>(source: &Sequence<T>, mut encoder: TemporalEncoder<T, H>) -> Result<Vec<EncodedChunk>> {
+fn held<T: Texel>(source: &Sequence<T>, mut encoder: TemporalEncoder<T>) -> Result<Vec<EncodedChunk>> {
     source.encode(|frame| match frame {
         Some(frame) => encoder.push(frame),
         None => encoder.finish(),
@@ -134,17 +127,17 @@ impl Clip {
     }
 
     /// Codes in boxes (`DAAB`, `DAB5`).
-    pub(super) fn codes(source: &Sequence<u16>, settings: TemporalSettings, of: Storage) -> Result<Clip> {
+    pub(super) fn codes(source: &Sequence<u16>, settings: TemporalSettings, of: Layout) -> Result<Clip> {
         let (what, coding) = match of {
-            Storage::Values => ("DAAB", DepthCoding::Boxes(settings)),
-            Storage::Blocks => ("DAB5", DepthCoding::BoxesInBlocks(settings)),
+            Layout::Values => ("DAAB", DepthCoding::Boxes(settings)),
+            Layout::BlockTiles => ("DAB5", DepthCoding::BoxesInBlocks(settings)),
         };
         Ok(Clip::new(what, depth_header(any_range()?, coding), source, boxes(source, settings, of)?))
     }
 
     /// Material in boxes (`MAAB`, `MAB1`).
-    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings, of: Storage) -> Result<Clip> {
-        let in_blocks = of == Storage::Blocks;
+    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings, of: Layout) -> Result<Clip> {
+        let in_blocks = of == Layout::BlockTiles;
         let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks });
         Ok(Clip::new(if in_blocks { "MAB1" } else { "MAAB" }, header, source, boxes(source, temporal, of)?))
     }
@@ -237,7 +230,7 @@ impl Sequence<[u8; 3]> {
 
 fn node_header(domain: &Domain, settings: NodeSettings) -> NodeHeader {
     let NodeSettings { window, epsilon, keyframe_interval, bound, .. } = settings;
-    NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() }
+    NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts }
 }
 
 /// A container with a probe for each clip, opened.

@@ -59,12 +59,13 @@ pub(super) fn paths(clip: &Clip) -> Result<Measured> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::block_tiles::Layout;
     use crate::depth::settings::TemporalSettings;
-    use crate::hard_cases::clip::{Sequence, Storage};
+    use crate::hard_cases::clip::Sequence;
 
     fn clip() -> Clip {
         let source = Sequence::new([9, 6], 20, |frame, x, y| (100 * frame + x + y) as u16);
-        Clip::codes(&source, TemporalSettings { window: 3, ..TemporalSettings::default() }, Storage::Values).unwrap()
+        Clip::codes(&source, TemporalSettings { window: 3, ..TemporalSettings::default() }, Layout::Values).unwrap()
     }
 
     #[test]

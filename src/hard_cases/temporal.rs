@@ -3,12 +3,13 @@
 //! Two things must hold of each: every frame is within the bound of its source, and every legal path shows the same frame.
 
 use crate::depth::BACKGROUND_CODE;
+use crate::depth::block_tiles::Layout;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::settings::TemporalSettings;
 use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
-use crate::hard_cases::clip::{Clip, EFFORT, Sequence, Storage, any_range, noise};
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence, any_range, noise};
 use crate::hard_cases::paths::paths;
 
 /// Width and height: no multiple of 4, 8 or 16.
@@ -113,36 +114,36 @@ impl Scenario {
 /// How sequences are coded.
 #[derive(Clone, Copy)]
 enum Codec {
-    Boxes(Storage),
+    Boxes(Layout),
     /// Bound of a node, and domain.
     Nodes(u16, DomainKind),
     Tree,
     Blocks,
-    Material(Storage),
+    Material(Layout),
 }
 
 const CODECS: [Codec; 9] = [
-    Codec::Boxes(Storage::Values),
-    Codec::Boxes(Storage::Blocks),
+    Codec::Boxes(Layout::Values),
+    Codec::Boxes(Layout::BlockTiles),
     Codec::Nodes(0, DomainKind::Log),
     Codec::Nodes(100, DomainKind::Log),
     Codec::Nodes(10, DomainKind::Inverse),
     Codec::Tree,
     Codec::Blocks,
-    Codec::Material(Storage::Values),
-    Codec::Material(Storage::Blocks),
+    Codec::Material(Layout::Values),
+    Codec::Material(Layout::BlockTiles),
 ];
 
 impl Codec {
     fn name(self) -> String {
         match self {
-            Codec::Boxes(Storage::Values) => "DAAB".into(),
-            Codec::Boxes(Storage::Blocks) => "DAB5".into(),
+            Codec::Boxes(Layout::Values) => "DAAB".into(),
+            Codec::Boxes(Layout::BlockTiles) => "DAB5".into(),
             Codec::Nodes(bound, domain) => format!("DQPN, E = {bound}, {}", domain.name()),
             Codec::Tree => "DQTR".into(),
             Codec::Blocks => "DB4W".into(),
-            Codec::Material(Storage::Values) => "MAAB".into(),
-            Codec::Material(Storage::Blocks) => "MAB1".into(),
+            Codec::Material(Layout::Values) => "MAAB".into(),
+            Codec::Material(Layout::BlockTiles) => "MAB1".into(),
         }
     }
 

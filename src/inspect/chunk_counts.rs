@@ -3,13 +3,13 @@
 use crate::color::blend::Sample;
 use crate::color::cells::CellChunk;
 use crate::depth::block_chunk::BlockChunk;
-use crate::depth::block_tiles::{BlockTexel, BlockTileCount, BlockTiles};
+use crate::depth::block_tiles::{BlockTileCount, Layout};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
-use crate::depth::records::{Body, Layout, Record, TemporalChunk};
+use crate::depth::records::{Body, Record, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
-use crate::streams::{DepthChunk, MaterialChunk, StreamChunk};
+use crate::streams::{DepthChunk, StreamChunk};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameCost {
@@ -70,18 +70,16 @@ pub(super) struct ChunkMeasure {
 pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> ChunkMeasure {
     match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => count_records(chunk),
-        StreamChunk::Depth(DepthChunk::BoxesInBlocks(chunk)) => count_block_tiles(chunk),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => count_nodes(chunk),
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => count_tree(chunk),
         StreamChunk::Depth(DepthChunk::Blocks(chunk)) => count_blocks(chunk, pixels, frames),
-        StreamChunk::Material(MaterialChunk::Boxes(chunk)) => count_records(chunk),
-        StreamChunk::Material(MaterialChunk::BoxesInBlocks(chunk)) => count_block_tiles(chunk),
+        StreamChunk::Material(chunk) => count_records(chunk),
         StreamChunk::Color8(chunk) => count_blends(chunk, frames),
         StreamChunk::ColorHalf(chunk) => count_blends(chunk, frames),
     }
 }
 
-fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMeasure {
+fn count_records<T: Texel>(chunk: &TemporalChunk<T>) -> ChunkMeasure {
     let event = |record: &Record| Event {
         frame: record.frame,
         cost: FrameCost {
@@ -92,30 +90,29 @@ fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMe
             ..FrameCost::default()
         },
     };
-    let records = chunk.records();
+    let records = &chunk.records;
+    let mut blocks = BlockCount::default();
+    if chunk.layout == Layout::BlockTiles {
+        for (size, bytes) in records.iter().flat_map(|record| chunk.rectangles(record.body)) {
+            blocks.pieces.add(BlockTileCount::of_rectangle(bytes, size));
+        }
+    }
     ChunkMeasure {
         events: records.iter().map(event).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
+        blocks,
         ..ChunkMeasure::default()
     }
 }
 
-fn count_block_tiles<T: BlockTexel>(chunk: &TemporalChunk<T, BlockTiles>) -> ChunkMeasure {
-    let mut measure = count_records(chunk);
-    for (size, bytes) in chunk.records().iter().flat_map(|record| chunk.rectangles(record.body)) {
-        measure.blocks.pieces.add(BlockTileCount::of_rectangle(bytes, size));
-    }
-    measure
-}
-
-fn node_event(record: NodeRecord, is_keyframe: bool) -> Event {
-    let NodeRecord { frame, updated_pixels, bytes, nodes, .. } = record;
+fn node_event(record: &NodeRecord, is_keyframe: bool) -> Event {
+    let NodeRecord { frame, updated_pixels, bytes, nodes, .. } = *record;
     Event { frame, cost: FrameCost { keyframe_units: u64::from(is_keyframe), aabbs: 0, nodes, updated_pixels, bytes } }
 }
 
 fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
     ChunkMeasure {
-        events: chunk.records().map(|record| node_event(record, record.complete)).collect(),
+        events: chunk.records.iter().map(|record| node_event(record, record.complete)).collect(),
         constant: chunk.is_constant(),
         modes: chunk.mode_statistics(),
         ..ChunkMeasure::default()
@@ -123,7 +120,7 @@ fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
 }
 
 fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
-    let events = chunk.records().enumerate().map(|(at, record)| node_event(record, at == 0)).collect();
+    let events = chunk.leaves.records.iter().enumerate().map(|(at, record)| node_event(record, at == 0)).collect();
     ChunkMeasure { events, modes: chunk.mode_statistics(), ..ChunkMeasure::default() }
 }
 

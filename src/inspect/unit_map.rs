@@ -5,15 +5,14 @@ use std::collections::HashMap;
 use crate::color::blend::Sample;
 use crate::color::cells::CellChunk;
 use crate::depth::block_chunk;
-use crate::depth::block_tiles::{BlockTexel, stored_tiles};
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::{Function, Grid, Place, function_of};
-use crate::depth::records::{Body, Layout, TemporalChunk};
+use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::runtime::Runtime;
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::inspect::patch::{Patch, Writing};
-use crate::streams::{DepthChunk, MaterialChunk, StreamChunk};
+use crate::streams::{DepthChunk, StreamChunk};
 
 /// The rectangles that a unit's record of a frame writes.
 #[derive(Debug, Default)]
@@ -37,16 +36,14 @@ pub(super) struct ChunkSurvey {
 pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap {
     let grid = Grid { width: size[0], height: size[1] };
     let patches = match chunk {
-        StreamChunk::Depth(DepthChunk::Boxes(chunk)) => of_record(chunk, at, of_values),
-        StreamChunk::Depth(DepthChunk::BoxesInBlocks(chunk)) => of_record(chunk, at, of_block_tiles::<u16>),
+        StreamChunk::Depth(DepthChunk::Boxes(chunk)) => of_record(chunk, at),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => of_nodes(chunk, at),
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => of_tree(chunk, at),
         StreamChunk::Depth(DepthChunk::Blocks(_)) => {
             let bc4w = |place| (place, Writing::Function(Function::Bc4w));
             of_places(grid, block_chunk::places(grid).map(bc4w))
         }
-        StreamChunk::Material(MaterialChunk::Boxes(chunk)) => of_record(chunk, at, of_values),
-        StreamChunk::Material(MaterialChunk::BoxesInBlocks(chunk)) => of_record(chunk, at, of_block_tiles::<[u8; 3]>),
+        StreamChunk::Material(chunk) => of_record(chunk, at),
         StreamChunk::Color8(chunk) => return of_cell(chunk, at),
         StreamChunk::ColorHalf(chunk) => return of_cell(chunk, at),
     };
@@ -64,13 +61,13 @@ fn of_places(grid: Grid, places: impl Iterator<Item = (Place, Writing)>) -> Vec<
 }
 
 fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
-    let nodes = nodes_at(chunk.runtime(), at).into_iter();
-    of_places(chunk.runtime().grid(), nodes.map(|(place, function)| (place, Writing::Function(function))))
+    let nodes = nodes_at(&chunk.runtime, at).into_iter();
+    of_places(chunk.runtime.grid(), nodes.map(|(place, function)| (place, Writing::Function(function))))
 }
 
 /// The leaves of a tree, each with its coarsest function.
 fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
-    let (grid, known) = (chunk.runtime().grid(), chunk.known(at));
+    let (grid, known) = (chunk.leaves.runtime.grid(), chunk.known(at));
     let coarsest = |leaf: Place| {
         let above =
             |level: u8| Place { level, x: leaf.x.unbounded_shr(level.into()), y: leaf.y.unbounded_shr(level.into()) };
@@ -79,7 +76,7 @@ fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
             .find_map(|place| known.tree.get(&place))
             .map_or((leaf, Function::Raw), |f| (f.node.place, f.node.function()))
     };
-    let mut leaves: Vec<(Place, Place, Function)> = nodes_at(chunk.runtime(), at)
+    let mut leaves: Vec<(Place, Place, Function)> = nodes_at(&chunk.leaves.runtime, at)
         .into_iter()
         .map(|(leaf, _)| {
             let (place, function) = coarsest(leaf);
@@ -96,16 +93,12 @@ fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
     leaves.into_iter().map(patch).collect()
 }
 
-/// The patches of a record's rectangles, as `cut` finds them in a rectangle's size and stored bytes.
-fn of_record<T: Texel, L: Layout<T>>(
-    chunk: &TemporalChunk<T, L>,
-    at: u32,
-    cut: impl Fn([usize; 2], &[u8]) -> Vec<([usize; 4], Writing)>,
-) -> Vec<Patch> {
-    let Ok(found) = chunk.records().binary_search_by_key(&at, |record| record.frame) else { return Vec::new() };
-    let body = chunk.records()[found].body;
+/// The patches of a record's rectangles.
+fn of_record<T: Texel>(chunk: &TemporalChunk<T>, at: u32) -> Vec<Patch> {
+    let Ok(found) = chunk.records.binary_search_by_key(&at, |record| record.frame) else { return Vec::new() };
+    let body = chunk.records[found].body;
     if let Body::Constant(_) = body {
-        let [width, height] = chunk.size();
+        let [width, height] = chunk.size;
         return vec![Patch { rect: [0, 0, width, height], writing: Writing::OneValue, part: 0 }];
     }
     let corners: Vec<[u32; 2]> = match body {
@@ -114,21 +107,13 @@ fn of_record<T: Texel, L: Layout<T>>(
     };
     let rectangles = chunk.rectangles(body).zip(corners).zip(0..);
     let patches = rectangles.flat_map(|(((size, bytes), [left, top]), part)| {
-        cut(size, bytes).into_iter().map(move |(rect, writing)| {
-            let [x, y, width, height] = rect.map(|pixels| pixels as u32);
+        chunk.layout.parts::<T>(bytes, size).into_iter().map(move |tile| {
+            let [x, y, width, height] = tile.rect.map(|pixels| pixels as u32);
+            let writing = if tile.in_blocks { Writing::Blocks } else { Writing::Values };
             Patch { rect: [left + x, top + y, width, height], writing, part }
         })
     });
     patches.collect()
-}
-
-fn of_values([width, height]: [usize; 2], _: &[u8]) -> Vec<([usize; 4], Writing)> {
-    vec![([0, 0, width, height], Writing::Values)]
-}
-
-fn of_block_tiles<T: BlockTexel>(size: [usize; 2], bytes: &[u8]) -> Vec<([usize; 4], Writing)> {
-    let writing = |in_blocks| if in_blocks { Writing::Blocks } else { Writing::Values };
-    stored_tiles::<T>(bytes, size).map(|tile| (tile.rect, writing(tile.in_blocks))).collect()
 }
 
 fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
@@ -149,21 +134,19 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
 pub(super) fn survey_chunk(chunk: &StreamChunk) -> ChunkSurvey {
     let changed = match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => changes(chunk),
-        StreamChunk::Depth(DepthChunk::BoxesInBlocks(chunk)) => changes(chunk),
-        StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(chunk.runtime()),
-        StreamChunk::Depth(DepthChunk::Tree(chunk)) => node_changes(chunk.runtime()),
+        StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(&chunk.runtime),
+        StreamChunk::Depth(DepthChunk::Tree(chunk)) => node_changes(&chunk.leaves.runtime),
         // Each frame is complete.
         StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
-        StreamChunk::Material(MaterialChunk::Boxes(chunk)) => changes(chunk),
-        StreamChunk::Material(MaterialChunk::BoxesInBlocks(chunk)) => changes(chunk),
+        StreamChunk::Material(chunk) => changes(chunk),
         StreamChunk::Color8(chunk) => return survey_cell(chunk),
         StreamChunk::ColorHalf(chunk) => return survey_cell(chunk),
     };
     ChunkSurvey { changed, ..ChunkSurvey::default() }
 }
 
-fn changes<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> Vec<(u32, u64)> {
-    let later = chunk.records().iter().skip(1);
+fn changes<T: Texel>(chunk: &TemporalChunk<T>) -> Vec<(u32, u64)> {
+    let later = chunk.records.iter().skip(1);
     later.map(|record| (record.frame, chunk.updated_pixels(record.body))).collect()
 }
 

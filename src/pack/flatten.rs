@@ -87,7 +87,7 @@ impl Flattener {
         let mut finished = Vec::new();
         for frame in 0..frame_count {
             monitor.check()?;
-            trees.advance(&mut source, frame.checked_sub(1), frame);
+            trees.leaves.advance(&mut source, frame.checked_sub(1), frame, 1);
             finished.extend(encoder.push(&source, Some(&trees.known(frame)))?);
         }
         finished.extend(encoder.finish()?);

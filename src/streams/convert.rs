@@ -9,9 +9,6 @@ use crate::image::transfer::{DecodeTable, EncodeTable};
 pub const IOR_RANGE: [f32; 2] = [1.0, 3.0];
 
 /// Codes of a depth image.
-///
-/// # Errors
-/// [`Error::Invalid`] names the first pixel outside the range.
 pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
     let mut outside = None;
     let codes = plane.data().iter().enumerate().map(|(at, &z)| {
@@ -49,9 +46,6 @@ pub fn color_light(codes: &Plane<[u8; 3]>, table: &DecodeTable) -> ColorPlane {
 }
 
 /// 8-bit reflection weight, refraction weight and index of refraction.
-///
-/// # Errors
-/// [`Error::Invalid`] names the first pixel outside the range of 8 bits.
 pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     let [low, high] = IOR_RANGE;
     let mut outside = None;

@@ -2,12 +2,11 @@
 
 use crate::container::Payload;
 use crate::depth::block_chunk::BlockChunk;
-use crate::depth::block_tiles::BlockTiles;
+use crate::depth::block_tiles::Layout;
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::Grid;
 use crate::depth::records::TemporalChunk;
 use crate::depth::tree_chunk::TreeChunk;
-use crate::depth::window_check::check_window;
 use crate::error::Result;
 use crate::streams::header::{DepthCoding, DepthHeader};
 use crate::streams::picture_chunk::PictureChunk;
@@ -15,7 +14,6 @@ use crate::streams::picture_chunk::PictureChunk;
 #[derive(Debug, Clone)]
 pub enum DepthChunk {
     Boxes(TemporalChunk<u16>),
-    BoxesInBlocks(TemporalChunk<u16, BlockTiles>),
     Nodes(NodeChunk),
     Tree(TreeChunk),
     Blocks(BlockChunk),
@@ -28,8 +26,10 @@ impl PictureChunk for DepthChunk {
     fn parse(header: &DepthHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<DepthChunk> {
         let grid = Grid { width: size[0], height: size[1] };
         Ok(match header.coding {
-            DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(payload, size, frames)?),
-            DepthCoding::BoxesInBlocks(_) => DepthChunk::BoxesInBlocks(TemporalChunk::parse(payload, size, frames)?),
+            DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(Layout::Values, payload, size, frames)?),
+            DepthCoding::BoxesInBlocks(_) => {
+                DepthChunk::Boxes(TemporalChunk::parse(Layout::BlockTiles, payload, size, frames)?)
+            }
             DepthCoding::Nodes(nodes) => {
                 DepthChunk::Nodes(NodeChunk::parse(payload, grid, frames, nodes.domain.domain()?)?)
             }
@@ -43,9 +43,8 @@ impl PictureChunk for DepthChunk {
     fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
         match self {
             DepthChunk::Boxes(chunk) => chunk.advance(picture, at, target, window),
-            DepthChunk::BoxesInBlocks(chunk) => chunk.advance(picture, at, target, window),
             DepthChunk::Nodes(chunk) => chunk.advance(picture, at, target, window),
-            DepthChunk::Tree(chunk) => chunk.advance(picture, at, target),
+            DepthChunk::Tree(chunk) => chunk.leaves.advance(picture, at, target, 1),
             DepthChunk::Blocks(_) if at == Some(target) => 0,
             DepthChunk::Blocks(chunk) => chunk.show(picture, target),
         }
@@ -53,9 +52,8 @@ impl PictureChunk for DepthChunk {
 
     fn check_window(&self, window: u8, frames: u32) -> Result<()> {
         match self {
-            DepthChunk::Boxes(chunk) => check_window(chunk, window, frames),
-            DepthChunk::BoxesInBlocks(chunk) => check_window(chunk, window, frames),
-            DepthChunk::Nodes(chunk) => check_window(chunk, window, frames),
+            DepthChunk::Boxes(chunk) => chunk.check_window(window, frames),
+            DepthChunk::Nodes(chunk) => chunk.check_window(window, frames),
             DepthChunk::Tree(_) | DepthChunk::Blocks(_) => Ok(()),
         }
     }
@@ -63,9 +61,8 @@ impl PictureChunk for DepthChunk {
     fn into_spare(self) -> Vec<u8> {
         match self {
             DepthChunk::Boxes(chunk) => chunk.into_spare(),
-            DepthChunk::BoxesInBlocks(chunk) => chunk.into_spare(),
             DepthChunk::Nodes(chunk) => chunk.into_spare(),
-            DepthChunk::Tree(chunk) => chunk.into_spare(),
+            DepthChunk::Tree(chunk) => chunk.leaves.into_spare(),
             DepthChunk::Blocks(chunk) => chunk.into_spare(),
         }
     }

@@ -3,6 +3,7 @@
 use crate::color::blend::HalfKey;
 use crate::color::cells::CellFormat;
 use crate::color::keyframe_blocks::KeyframeBlocks;
+use crate::depth::block_tiles::Layout;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
 use crate::image::{DepthKind, StreamKind};
@@ -115,6 +116,12 @@ impl DepthHeader {
             DepthCoding::Tree(_) => Some(0),
             DepthCoding::Blocks => None,
         }
+    }
+}
+
+impl MaterialHeader {
+    pub fn layout(&self) -> Layout {
+        if self.in_blocks { Layout::BlockTiles } else { Layout::Values }
     }
 }
 

@@ -56,9 +56,6 @@ impl CodecHeader {
     }
 
     /// Reads the header of a stream.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] names the field; [`Error::Unsupported`] an unknown codec.
     pub fn read(stream: &StreamEntry) -> Result<CodecHeader> {
         let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
         let mut fields = Fields::new(&stream.codec_header, 0, section);
@@ -223,7 +220,7 @@ mod tests {
     fn samples() -> Vec<CodecHeader> {
         let temporal = TemporalSettings { window: 3, epsilon: 7, max_aabbs: 9, keyframe_interval: 11 };
         let range = DepthRange::new(0.25, 100.0).unwrap();
-        let domain = Domain::new(DomainKind::Inverse, range).unwrap().parts();
+        let domain = Domain::new(DomainKind::Inverse, range).unwrap().parts;
         let nodes = NodeHeader { window: 3, epsilon: 1, keyframe_interval: 5, bound: 100, domain };
         let depth = |coding| {
             CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, coding })

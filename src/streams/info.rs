@@ -72,9 +72,6 @@ impl StreamInfo {
 }
 
 /// All streams of an index.
-///
-/// # Errors
-/// [`Error::Invalid`] for an unknown codec, codec header or face.
 pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
     let streams = index.streams.iter().zip(0..).map(|(entry, at)| {
         let named = |error: Error| error.context(format!("stream {at}"));
@@ -94,9 +91,6 @@ pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
 }
 
 /// Refuses streams that take more memory to decode than a file of `file_bytes` justifies (container.md 2).
-///
-/// # Errors
-/// [`Error::Invalid`].
 pub fn check_memory(streams: &[StreamInfo], index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
     let mut total = 0u64;
     for stream in streams {
@@ -120,9 +114,6 @@ pub fn check_memory(streams: &[StreamInfo], index: &Index, file_bytes: u64, limi
 }
 
 /// [`check_memory`] for a writer that is about to finish a container, with no check of unknown codecs, which can be copied.
-///
-/// # Errors
-/// [`Error::Invalid`].
 pub fn check_written(index: &Index, file_bytes: u64) -> Result<()> {
     match streams(index) {
         Ok(streams) => check_memory(&streams, index, file_bytes, OpenLimits::DEFAULT),

@@ -7,7 +7,6 @@ mod depth_chunk;
 mod header;
 mod header_bytes;
 mod info;
-mod material_chunk;
 mod picture_chunk;
 mod stream_chunk;
 
@@ -19,6 +18,5 @@ pub use header::{
     DepthHeader, MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
 };
 pub use info::{StreamInfo, check_memory, check_written, streams};
-pub use material_chunk::MaterialChunk;
 pub use picture_chunk::PictureChunk;
 pub use stream_chunk::StreamChunk;

@@ -2,34 +2,29 @@
 
 use crate::color::{CellChunk, HalfKey};
 use crate::container::{ChunkEntry, Index, Payload};
+use crate::depth::TemporalChunk;
 use crate::error::Result;
 use crate::streams::depth_chunk::DepthChunk;
 use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
 use crate::streams::info::StreamInfo;
-use crate::streams::material_chunk::MaterialChunk;
 use crate::streams::picture_chunk::PictureChunk;
 
 #[derive(Debug)]
 pub enum StreamChunk {
     Depth(DepthChunk),
-    Material(MaterialChunk),
+    Material(TemporalChunk<[u8; 3]>),
     Color8(CellChunk<u8>),
     ColorHalf(CellChunk<HalfKey>),
 }
 
 impl StreamChunk {
     /// Checks the payload of a chunk of `stream`.
-    ///
-    /// # Errors
-    /// [`crate::Error::Invalid`] for a payload that breaks the format.
     pub fn parse(stream: &StreamInfo, index: &Index, chunk: &ChunkEntry, payload: Payload) -> Result<StreamChunk> {
         let ([_, _, width, height], frames) = (stream.entry.unit_rect(chunk.key.unit), chunk.key.frame_count);
         let size = [width, height];
         Ok(match &stream.header {
             CodecHeader::Depth(header) => StreamChunk::Depth(DepthChunk::parse(header, payload, size, frames)?),
-            CodecHeader::Material(header) => {
-                StreamChunk::Material(MaterialChunk::parse(header, payload, size, frames)?)
-            }
+            CodecHeader::Material(header) => StreamChunk::Material(PictureChunk::parse(header, payload, size, frames)?),
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 let format = header.cell_of_bytes(size);
                 StreamChunk::Color8(CellChunk::parse_at(payload, format, frames, index.place(chunk))?)
@@ -42,9 +37,6 @@ impl StreamChunk {
     }
 
     /// Refuses records of depth and material that break the window rule (depth.md 4).
-    ///
-    /// # Errors
-    /// [`crate::Error::Invalid`] names the pixel and the frames.
     pub fn check_window(&self, stream: &StreamInfo, frames: u32) -> Result<()> {
         match (self, stream.header) {
             (StreamChunk::Depth(chunk), CodecHeader::Depth(header)) => chunk.check_window(header.window(), frames),

@@ -266,7 +266,7 @@ fn a_static_stream_of_many_frames_is_decoded_at_once() {
     // So many that to walk over them takes hours: only for a file that is trusted.
     let refused = Reader::from_memory(long(1 << 31)).unwrap_err().to_string();
     assert!(refused.contains("claim 2147483648 units and 8589934592 pixels"), "{refused}");
-    last(Reader::from_memory_with(long(1 << 31), OpenLimits::NONE).unwrap(), (1 << 31) - 1);
+    last(Reader::from_source(std::sync::Arc::new(long(1 << 31)), "", OpenLimits::NONE).unwrap(), (1 << 31) - 1);
 }
 
 fn refusal(file: Vec<u8>) -> String {
@@ -294,7 +294,7 @@ fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
     assert_eq!(refusal(sized(16_383, 4)), "it opens");
     assert!(refusal(sized(16_383, 5)).contains("5 streams would take"), "{}", refusal(sized(16_383, 5)));
     // More bytes justify more: a megabyte of a real picture.
-    let small = Reader::from_memory_with(sized(16_384, 1), OpenLimits::NONE).unwrap();
+    let small = Reader::from_source(std::sync::Arc::new(sized(16_384, 1)), "", OpenLimits::NONE).unwrap();
     let large = samples::assemble(small.index(), &vec![0; 1 << 20], |_| ());
     assert_eq!(refusal(large), "it opens");
 }

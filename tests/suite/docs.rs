@@ -182,7 +182,7 @@ fn functions_and_logarithms_of_arithmetic_md_hold() {
         let kind = if row[0] == "linear" { DomainKind::Linear } else { DomainKind::Inverse };
         let [base, scale, r, code] = numbers(&row[1..])[..] else { panic!("{row:?}") };
         let domain = Domain::new(kind, DepthRange::new(0.5, 8.0).unwrap()).unwrap();
-        assert_eq!((i64::from(domain.base()), i64::from(domain.scale())), (base, scale));
+        assert_eq!((i64::from(domain.parts.base), i64::from(domain.parts.scale)), (base, scale));
         assert_eq!(i64::from(domain.code_of(r as i32)), code, "{row:?}");
     }
     let entries: Vec<u32> = table(&document, "| i | +0 | +1 |")

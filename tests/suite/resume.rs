@@ -59,15 +59,15 @@ impl State {
     }
 
     fn chunks(&self) -> usize {
-        self.recovered().map_or(0, |recovered| recovered.chunks().len())
+        self.recovered().map_or(0, |recovered| recovered.chunks.len())
     }
 
     /// Goes on from what is sound, as the command line does.
     fn go_on(&self, footage: &Footage, monitor: &dyn Monitor) -> (State, Result<EncodeSummary, Stopped>) {
         let recovered = self.recovered();
         let of = |bytes: &[u8], sound: Option<u64>| Shared::new(&bytes[..sound.unwrap_or(0) as usize]);
-        let container = of(&self.container, recovered.as_ref().map(Recovered::container_bytes));
-        let journal = of(&self.journal, recovered.as_ref().map(Recovered::journal_bytes));
+        let container = of(&self.container, recovered.as_ref().map(|found| found.container_bytes));
+        let journal = of(&self.journal, recovered.as_ref().map(|found| found.journal_bytes));
         let resumable = Resumable { out: container.clone(), journal: Box::new(journal.clone()), recovered };
         let done = encode::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
         let state = State { container: container.bytes(), journal: journal.bytes() };
@@ -252,7 +252,7 @@ fn comes_to(left: &State, footage: &Footage, whole: &(State, EncodeSummary), wha
     assert!(state.container == whole.0.container, "{what}: other bytes");
     assert_eq!(summary.resumed_chunks, left.chunks() as u64, "{what}");
     assert_eq!(timeless(summary), whole.1, "{what}");
-    let chunks = |state: &State| state.recovered().unwrap().chunks().to_vec();
+    let chunks = |state: &State| state.recovered().unwrap().chunks;
     assert_eq!(chunks(&state), chunks(&whole.0), "{what}");
 }
 
@@ -261,8 +261,8 @@ fn every_codec_goes_on_at_every_chunk() {
     for (name, footage) in all() {
         let whole = footage.whole();
         let recovered = whole.0.recovered().unwrap();
-        assert!(recovered.chunks().len() >= 4, "{name} has {} chunks", recovered.chunks().len());
-        let units = recovered.chunks().iter().map(|chunk| (chunk.entry.key.stream, chunk.entry.key.unit));
+        assert!(recovered.chunks.len() >= 4, "{name} has {} chunks", recovered.chunks.len());
+        let units = recovered.chunks.iter().map(|chunk| (chunk.entry.key.stream, chunk.entry.key.unit));
         let mut counts: HashMap<_, usize> = HashMap::new();
         units.for_each(|unit| *counts.entry(unit).or_default() += 1);
         assert!(counts.values().any(|&chunks| chunks > 1), "{name}: no unit has two chunks");
@@ -281,7 +281,7 @@ fn whatever_is_left_goes_on() {
         [("quadtree", depth(DepthCodec::Quadtree)), ("color", color(false, None)), ("dataset", dataset())]
     {
         let whole = footage.whole();
-        let chunks = whole.0.recovered().unwrap().chunks().to_vec();
+        let chunks = whole.0.recovered().unwrap().chunks;
         let mut known = HashMap::new();
         for round in 0..1500 {
             let mut left = whole.0.clone();
@@ -312,14 +312,14 @@ fn whatever_is_left_goes_on() {
                 }
             }
             let recovered = left.recovered();
-            let found = recovered.as_ref().map_or(&[][..], Recovered::chunks);
+            let found = recovered.as_ref().map_or(&[][..], |found| &found.chunks);
             assert_eq!(found, &chunks[..found.len()], "{name}, round {round}");
             for chunk in found {
                 let end = chunk.entry.offset + u64::from(chunk.entry.stored_bytes);
                 assert!(end <= left.container.len() as u64 && end <= first_lost, "{name}, round {round}");
             }
             // What goes on is told by the sound part of the journal.
-            let sound = recovered.as_ref().map_or(0, Recovered::journal_bytes);
+            let sound = recovered.as_ref().map_or(0, |found| found.journal_bytes);
             tried += 1;
             if known.insert(sound, found.len()).is_none() {
                 comes_to(&left, &footage, &whole, &format!("{name}, round {round}"));
@@ -446,7 +446,7 @@ fn refused(left: &State, footage: &Footage) -> String {
     let Err(Stopped { error, kept: kind }) = done else { panic!("it went on") };
     assert_eq!(kind, Kept::Unchanged, "{error}");
     assert!(matches!(error, Error::Usage(_)), "{error}");
-    assert_eq!(after.container.len() as u64, left.recovered().unwrap().container_bytes(), "something was written");
+    assert_eq!(after.container.len() as u64, left.recovered().unwrap().container_bytes, "something was written");
     error.to_string()
 }
 
@@ -490,7 +490,7 @@ fn age(path: &Path) {
 
 /// The last frame that had a part in a complete chunk.
 fn last_frame(left: &State) -> u32 {
-    left.recovered().unwrap().chunks().iter().map(|chunk| chunk.last_frame).max().unwrap()
+    left.recovered().unwrap().chunks.iter().map(|chunk| chunk.last_frame).max().unwrap()
 }
 
 #[test]
@@ -558,7 +558,7 @@ fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_chan
 /// Whether the last frame that had a part in a chunk is behind the first one that is to be encoded.
 fn reads_last_again(left: &State) -> bool {
     let mut ends: HashMap<_, u32> = HashMap::new();
-    for chunk in left.recovered().unwrap().chunks() {
+    for chunk in left.recovered().unwrap().chunks {
         let key = chunk.entry.key;
         ends.insert((key.stream, key.unit), key.first_frame + key.frame_count);
     }
@@ -569,7 +569,7 @@ fn reads_last_again(left: &State) -> bool {
 fn an_encode_of_other_sources_is_refused() {
     let footage = depth(DepthCodec::Boxes);
     let left = stopped_after(&footage.whole().0, 0.6);
-    let head = left.recovered().unwrap().head().to_vec();
+    let head = left.recovered().unwrap().head;
     let name = b"the sources of lightfold";
     let at = head.windows(name.len()).position(|part| part == name).expect("the head names the sources") + name.len();
     let hash = head[at..].iter().position(|&byte| byte == b'#').unwrap() + at;
@@ -621,6 +621,6 @@ fn what_is_safe_is_told_in_words() {
     let whole = footage.whole();
     let recovered = whole.0.recovered().unwrap();
     let words = encode::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
-    let count = recovered.chunks().len();
+    let count = recovered.chunks.len();
     assert_eq!(words, format!("{count} chunks, the last of frames 19-19 of probe b, material ny"));
 }

@@ -14,7 +14,6 @@ use lightfold::depth::block_chunk::encoder::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
 use lightfold::depth::nodes::Grid;
-use lightfold::depth::temporal::Held;
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
@@ -73,10 +72,10 @@ pub fn cut<T: Copy>(image: &[T], width: u32, [left, top, w, h]: [u32; 4]) -> Vec
     (top..top + h).flat_map(|y| (left..left + w).map(move |x| image[(y * width + x) as usize])).collect()
 }
 
-fn temporal<T: Texel, H: Held<T>>(
+fn temporal<T: Texel>(
     entry: StreamEntry,
     images: &[Vec<T>],
-    encoder: impl Fn([u32; 2]) -> TemporalEncoder<T, H>,
+    encoder: impl Fn([u32; 2]) -> TemporalEncoder<T>,
 ) -> Stream {
     assert_eq!(images.len(), entry.frame_count as usize);
     let mut chunks = Vec::new();
@@ -115,7 +114,7 @@ pub fn node_domain(kind: DomainKind) -> Domain {
 /// What the header of a stream of nodes says.
 pub fn node_header(settings: NodeSettings, domain: &Domain) -> NodeHeader {
     let NodeSettings { window, epsilon, keyframe_interval, bound, .. } = settings;
-    NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() }
+    NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts }
 }
 
 pub fn nodes_codec(header: NodeHeader) -> CodecHeader {

@@ -4,9 +4,10 @@ use lightfold::container::{EncodedChunk, Storage};
 use lightfold::depth::domain::DomainKind;
 use lightfold::depth::mode_decision::Decide;
 use lightfold::depth::node_chunk::NodeChunk;
-use lightfold::depth::node_chunk::builder::NodeChunkBuilder;
 use lightfold::depth::node_encoder::NodeSettings;
 use lightfold::depth::nodes::{Function, Node, Place};
+use lightfold::depth::record_table::builder::TableBuilder;
+use lightfold::depth::storage;
 use lightfold::effort::Effort;
 use lightfold::streams::CodecHeader;
 
@@ -67,11 +68,12 @@ fn every_function(face: u8, kind: DomainKind) -> Stream {
     let settings = node_settings(1, 0, 0, 64);
     let entry = samples::entry(shape, &samples::nodes_codec(samples::node_header(settings, &domain)));
     let grid = samples::grid(&entry, 0);
-    let mut chunk = NodeChunkBuilder::new(grid);
-    chunk.push(0, &nodes);
+    let mut chunk = TableBuilder::default();
+    let mut push = |frame, nodes: &[Node]| storage::write_record(grid, nodes, chunk.begin(frame));
+    push(0, &nodes);
     let both_constant = [0, 0, value(7), 0, 0, domain.background()];
-    chunk.push(1, &[node(1, 2, 0, platelet(both_constant, [0, 0, 255, 255])), node(0, 11, 7, raw([5; 16]))]);
-    chunk.push(2, &[node(4, 0, 0, surface([i32::MAX, i32::MIN, 1, -1, i32::MIN, -1]))]);
+    push(1, &[node(1, 2, 0, platelet(both_constant, [0, 0, 255, 255])), node(0, 11, 7, raw([5; 16]))]);
+    push(2, &[node(4, 0, 0, surface([i32::MAX, i32::MIN, 1, -1, i32::MIN, -1]))]);
     let payload = chunk.finish().unwrap();
     let census = NodeChunk::parse(payload.clone(), grid, 3, domain).unwrap().mode_statistics();
     for function in Function::ALL {

@@ -12,18 +12,16 @@ pub struct Bipartition {
     pub side_b: u64,
 }
 
-/// All that lines can do, each once; the first is that of [`Line::NONE`].
-static BIPARTITIONS: LazyLock<Vec<Bipartition>> = LazyLock::new(|| {
-    let mut seen = std::collections::BTreeSet::new();
-    (0..4096)
-        .map(|bits| Bipartition { line: Line::from_bits(bits), side_b: Line::from_bits(bits).side_b() })
-        .filter(|parted| seen.insert(parted.side_b.min(!parted.side_b)))
-        .collect()
-});
-
 /// All distinct bipartitions that lines make, beginning with the one that leaves the block whole.
 pub fn bipartitions() -> &'static [Bipartition] {
-    &BIPARTITIONS
+    static ALL: LazyLock<Vec<Bipartition>> = LazyLock::new(|| {
+        let mut seen = std::collections::BTreeSet::new();
+        (0..4096)
+            .map(|bits| Bipartition { line: Line::from_bits(bits), side_b: Line::from_bits(bits).side_b() })
+            .filter(|parted| seen.insert(parted.side_b.min(!parted.side_b)))
+            .collect()
+    });
+    &ALL
 }
 
 #[cfg(test)]

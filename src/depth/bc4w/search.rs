@@ -38,6 +38,4 @@ fn search(tile: &Tile, effort: Effort) -> Option<Solution> {
 }
 
 #[cfg(test)]
-mod literal;
-#[cfg(test)]
 mod tests;

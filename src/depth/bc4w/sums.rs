@@ -76,9 +76,6 @@ pub struct Plan {
     sides: Vec<[u16; 4]>,
 }
 
-/// The plan of all bipartitions, in their order.
-static ALL: LazyLock<Plan> = LazyLock::new(Plan::of_all);
-
 /// The place among the leaves of a row's mask.
 fn leaf(y: usize, mask: u8) -> u16 {
     let count = mask.count_ones() as usize;
@@ -87,7 +84,9 @@ fn leaf(y: usize, mask: u8) -> u16 {
 }
 
 impl Plan {
+    /// The plan of all bipartitions, in their order.
     pub fn all() -> &'static Plan {
+        static ALL: LazyLock<Plan> = LazyLock::new(Plan::of_all);
         &ALL
     }
 

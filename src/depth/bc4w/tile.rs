@@ -99,7 +99,7 @@ impl Tile {
         let side_b = solution.line.side_b();
         let palettes = solution.pairs.map(Pair::palette);
         let mut indices = [0; 64];
-        let mut accuracy = Accuracy { max_error: 0, squared_error: 0 };
+        let mut accuracy = Accuracy::default();
         for (pixel, index) in indices.iter_mut().enumerate() {
             let bit = 1 << pixel;
             if (self.surfaces | self.background) & bit == 0 {

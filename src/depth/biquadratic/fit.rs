@@ -4,10 +4,12 @@
 
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::block::{Accuracy, Block};
+use crate::depth::coefficients;
 use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
 use crate::depth::least_squares::{Constants, Frame, Sample, Terms};
-use crate::depth::limit::{Limit, measure};
-use crate::depth::precision::{Precision, Shifts};
+use crate::depth::limit::{Limit, NodeFunction, measure};
+use crate::depth::nodes::COEFFICIENT_BYTES;
+use crate::depth::precision::Shifts;
 use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Blocks with more pixels are reweighted on some of them; all are verified.
@@ -52,8 +54,7 @@ impl Biquadratic {
         match Sight::of(block) {
             Sight::Both => return None,
             Sight::Background => {
-                let accuracy = Accuracy { max_error: 0, squared_error: 0 };
-                return Some((Biquadratic::constant(domain.background()), accuracy));
+                return Some((Biquadratic::constant(domain.background()), Accuracy::default()));
             }
             Sight::Surface => {}
         }
@@ -64,58 +65,18 @@ impl Biquadratic {
         }
     }
 
-    /// The same function with as few low bits as `limit` allows. Precision 0, which leaves it as it is, is the answer
-    /// where no other keeps the limit.
-    pub fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Biquadratic, Precision, Accuracy) {
-        let frame = frame_of(block);
-        let terms = frame.terms_of(self.coefficients);
-        for value in (1..=Precision::COARSEST.get()).rev() {
-            let Some(precision) = Precision::new(value) else { continue };
-            let shifts = precision.shifts(block.level());
-            let trimmed = frame.quantise(&terms, shifts).and_then(|mut coefficients| {
-                coefficients[5] = 0;
-                let function = Biquadratic { coefficients };
-                let constants = function.constants(block, domain, limit.max_error)?;
-                coefficients[5] = constants.choose(shifts.constant)?;
-                let function = Biquadratic { coefficients };
-                Some((function, function.measure(block, domain, limit)?))
-            });
-            if let Some((function, accuracy)) = trimmed {
-                return (function, precision, accuracy);
-            }
-        }
-        let any = Limit::on_max(u16::MAX);
-        // A function that takes a surface for the background is as wrong as can be.
-        let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
-        (*self, Precision::default(), self.measure(block, domain, any).unwrap_or(worst))
-    }
-
     /// The constants that keep a function without one within the bound.
     fn constants(&self, block: &Block, domain: &Domain, max_error: u16) -> Option<Constants> {
         let mut constants = Constants::ANY;
         for (y, row) in block.rows().enumerate() {
             for (x, &code) in row.iter().enumerate() {
-                let value = domain.value_of(code);
-                let missing = value * f64::from(1 << VALUE_BITS) - f64::from(self.value(x as i32, y as i32));
-                constants.add(missing, domain.slope_at(value).abs(), max_error);
+                constants.add_pixel(domain, code, self.value(x as i32, y as i32), max_error);
             }
             if constants.is_empty() {
                 return None;
             }
         }
         Some(constants)
-    }
-
-    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
-    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
-        if !self.stays_in_range(block.width(), block.height()) {
-            return None;
-        }
-        measure(block, limit, |y, row| match domain.kind() {
-            DomainKind::Log => self.fill_row(y as i32, row, log_code),
-            DomainKind::Linear => self.fill_row(y as i32, row, |r| domain.linear_code(r)),
-            DomainKind::Inverse => self.fill_row(y as i32, row, |r| domain.inverse_code(r)),
-        })
     }
 
     /// Whether nothing in Horner's scheme leaves 32 bits in the first `width` columns and `height` rows.
@@ -141,8 +102,35 @@ impl Biquadratic {
     }
 }
 
+impl NodeFunction for Biquadratic {
+    fn to_bytes(self) -> [u8; COEFFICIENT_BYTES] {
+        coefficients::put(self.coefficients, [0xFF; 8])
+    }
+
+    fn rounded(&self, shifts: Shifts, block: &Block, domain: &Domain, limit: Limit) -> Option<(Biquadratic, Accuracy)> {
+        let frame = frame_of(block);
+        let mut coefficients = frame.quantise(&frame.terms_of(self.coefficients), shifts)?;
+        coefficients[5] = 0;
+        let constants = Biquadratic { coefficients }.constants(block, domain, limit.max_error)?;
+        coefficients[5] = constants.choose(shifts.constant)?;
+        let function = Biquadratic { coefficients };
+        Some((function, function.measure(block, domain, limit)?))
+    }
+
+    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
+        if !self.stays_in_range(block.width, block.height) {
+            return None;
+        }
+        measure(block, limit, |y, row| match domain.kind() {
+            DomainKind::Log => self.fill_row(y as i32, row, log_code),
+            DomainKind::Linear => self.fill_row(y as i32, row, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill_row(y as i32, row, |r| domain.inverse_code(r)),
+        })
+    }
+}
+
 fn frame_of(block: &Block) -> Frame {
-    Frame::new([0, block.width() - 1], [0, block.height() - 1])
+    Frame::new([0, block.width - 1], [0, block.height - 1])
 }
 
 /// The mean code, or the middle between the least and the greatest.
@@ -184,7 +172,7 @@ fn fit_terms<const N: usize>(block: &Block, domain: &Domain, bound: u16) -> Opti
     let mut samples = Vec::with_capacity(block.pixel_count().min(2 * MAX_SAMPLES));
     let stride = (block.pixel_count() as f64 / MAX_SAMPLES as f64).sqrt().ceil().max(1.0) as usize;
     let picked = |at: usize, end: usize| at.is_multiple_of(stride) || at + 1 == end;
-    for (y, row) in block.rows().enumerate().filter(|&(y, _)| picked(y, block.height())) {
+    for (y, row) in block.rows().enumerate().filter(|&(y, _)| picked(y, block.height)) {
         for (x, &code) in row.iter().enumerate().filter(|&(x, _)| picked(x, row.len())) {
             samples.push(sample(domain, frame.at(x, y), code));
         }
@@ -201,19 +189,9 @@ pub(crate) fn sample(domain: &Domain, at: [f64; 2], code: u16) -> Sample {
 mod tests {
     use super::*;
     use crate::depth::block::{BlockMut, side_of};
+    use crate::depth::precision::Precision;
     use crate::depth::quantise::DepthRange;
-
-    /// A seeded generator (SplitMix64), so that failures repeat.
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> u64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z ^ (z >> 31)
-        }
-    }
+    use crate::math::random::Random;
 
     fn domains() -> [Domain; 3] {
         DomainKind::ALL.map(|kind| Domain::new(kind, DepthRange::new(1.5, 15.5).unwrap()).unwrap())
@@ -221,9 +199,9 @@ mod tests {
 
     #[test]
     fn rows_are_what_pixels_are() {
-        let (mut random, domains) = (Random(3), domains());
+        let (mut random, domains) = (Random::new(3), domains());
         for case in 0..3000u32 {
-            let mut coefficients: [i32; 6] = std::array::from_fn(|_| (random.next() as i32) >> (random.next() % 32));
+            let mut coefficients: [i32; 6] = std::array::from_fn(|_| (random.bits() as i32) >> (random.bits() % 32));
             match case % 4 {
                 0 => coefficients[..5].fill(0),
                 1 => coefficients[2..5].fill(0),
@@ -231,9 +209,9 @@ mod tests {
                 _ => {}
             }
             let function = Biquadratic { coefficients };
-            let level = (random.next() % 5) as u8;
+            let level = (random.bits() % 5) as u8;
             let side = side_of(level);
-            let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
+            let (width, height) = (1 + random.bits() as usize % side, 1 + random.bits() as usize % side);
             for domain in &domains {
                 let mut picture = vec![0u16; width * height];
                 function.decode(domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
@@ -268,14 +246,16 @@ mod tests {
         assert_eq!(decoded(&function), accuracy);
         assert!(accuracy.max_error <= bound);
         let limit = Limit { max_error: bound, squared_error: accuracy.squared_error * 2 + 64 };
-        let (trimmed, precision, after) = function.trim(&block, domain, limit);
+        let (trimmed, after) = function.trim(&block, domain, limit);
         assert_eq!(decoded(&trimmed), after);
         assert!(limit.allows(after));
-        let shifts = precision.shifts(level);
         let [a0, a1, a2, a3, a4, a5] = trimmed.coefficients;
-        assert!([a0, a1].iter().all(|a| a.trailing_zeros() >= shifts.linear));
-        assert!([a2, a3, a4].iter().all(|a| a.trailing_zeros() >= shifts.quadratic));
-        assert!(a5.trailing_zeros() >= shifts.constant);
+        let is_rounded = |shifts: Shifts| {
+            [a0, a1].iter().all(|a| a.trailing_zeros() >= shifts.linear)
+                && [a2, a3, a4].iter().all(|a| a.trailing_zeros() >= shifts.quadratic)
+                && a5.trailing_zeros() >= shifts.constant
+        };
+        assert!(trimmed == function || Precision::from_coarsest().any(|p| is_rounded(p.shifts(level))));
         Some(accuracy)
     }
 
@@ -340,16 +320,16 @@ mod tests {
 
     #[test]
     fn small_pictures_fit_whatever_their_shape() {
-        let mut random = Random(8);
+        let mut random = Random::new(8);
         for domain in domains() {
             for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 7), (6, 1), (2, 2), (3, 5), (2, 8), (8, 2)] {
-                let (a, b) = ((random.next() % 100) as f64, (random.next() % 100) as f64);
+                let (a, b) = ((random.bits() % 100) as f64, (random.bits() % 100) as f64);
                 let picture = picture(width, height, |x, y| 4000.0 + a * x + b * y);
                 for order in [Order::Plane, Order::Full] {
                     assert!(checked(&picture, width, 1, (&domain, 12, order)).is_some(), "{width}x{height} {order:?}");
                 }
             }
-            let any = [(random.next() % 65_535) as u16];
+            let any = [(random.bits() % 65_535) as u16];
             assert_eq!(checked(&any, 1, 1, (&domain, 0, Order::Full)).unwrap().max_error, 0);
         }
     }
@@ -371,14 +351,14 @@ mod tests {
 
     #[test]
     fn noise_keeps_the_bound_or_is_refused() {
-        let (mut random, domains) = (Random(9), domains());
+        let (mut random, domains) = (Random::new(9), domains());
         let mut found = 0;
         for case in 0..600 {
             let domain = &domains[case % 3];
-            let spread = 1 << (random.next() % 16);
-            let base = random.next() % (65_536 - spread);
-            let (width, height) = (1 + random.next() as usize % 16, 1 + random.next() as usize % 16);
-            let picture: Vec<u16> = (0..width * height).map(|_| (base + random.next() % spread) as u16).collect();
+            let spread = 1 << (random.bits() % 16);
+            let base = random.bits() % (65_536 - spread);
+            let (width, height) = (1 + random.bits() as usize % 16, 1 + random.bits() as usize % 16);
+            let picture: Vec<u16> = (0..width * height).map(|_| (base + random.bits() % spread) as u16).collect();
             for order in [Order::Constant, Order::Plane, Order::Full] {
                 found += u32::from(checked(&picture, width, 2, (domain, 300, order)).is_some());
             }
@@ -396,9 +376,9 @@ mod tests {
         assert!(!at([0, 0, 0, 0, -(1 << 30), 0], 8));
         assert!(!at([-(1 << 28), 0, 0, 1 << 30, 0, 0], 4));
         assert!(!at([i32::MIN, 0, 0, 0, 0, 0], 1));
-        let mut random = Random(10);
+        let mut random = Random::new(10);
         for _ in 0..20_000 {
-            let coefficients: [i32; 6] = std::array::from_fn(|_| (random.next() as i32) >> (random.next() % 24));
+            let coefficients: [i32; 6] = std::array::from_fn(|_| (random.bits() as i32) >> (random.bits() % 24));
             let function = Biquadratic { coefficients };
             if function.stays_in_range(8, 8) {
                 let [a0, a1, a2, a3, a4, a5] = coefficients.map(i64::from);

@@ -5,7 +5,7 @@ use crate::depth::bc4w::search;
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::block_chunk::{LEVEL, corners};
 use crate::depth::nodes::Grid;
-use crate::depth::temporal::CLOSE_AT_BYTES;
+use crate::depth::open_chunk::CLOSE_AT_BYTES;
 use crate::effort::Effort;
 
 /// Appends the blocks of a picture; answers how close each of them is, row by row.

@@ -1,10 +1,11 @@
 //! Writes rectangles in block tiles (depth.md 14).
 
 use crate::block::{Bc1, Bc5, BlockEncoder, SIDE, TEXELS};
-use crate::depth::block_tiles::{BlockTexel, tile_count, tiles_of};
+use crate::depth::block_tiles::{tile_count, tiles_of};
+use crate::depth::texel::Texel;
 use crate::effort::Effort;
 
-pub trait EncodeTexel: BlockTexel {
+pub trait EncodeTexel: Texel {
     /// Blocks of 16 values each, one after the other.
     fn encode(values: &[[Self; TEXELS]], effort: Effort) -> Vec<u8>;
 }
@@ -24,7 +25,7 @@ impl EncodeTexel for [u8; 3] {
 
 /// Appends a rectangle: `block` answers the bytes of the block at a place in pixels, counted in the rectangle, or nothing
 /// where its pixels must be stored as values; `value` answers these.
-pub fn put<'a, T: BlockTexel>(
+pub fn put<'a, T: Texel>(
     size: [usize; 2],
     block: impl Fn(usize, usize) -> Option<&'a [u8]>,
     value: impl Fn(usize, usize) -> T,
@@ -52,8 +53,7 @@ pub fn put<'a, T: BlockTexel>(
 mod tests {
     use super::*;
     use crate::container::fields::Fields;
-    use crate::depth::block_tiles::{BlockTileCount, BlockTiles};
-    use crate::depth::records::Layout;
+    use crate::depth::block_tiles::{BlockTileCount, Layout};
 
     /// A block of one code, which BC5 holds exactly.
     fn flat(code: u16) -> [u8; 16] {
@@ -76,17 +76,17 @@ mod tests {
             let count = BlockTileCount::of_rectangle(&stored, size);
             assert_eq!(count.blocks + count.raw, tiles_of(size).count() as u64);
             let mut fields = Fields::new(&stored, 0, "");
-            <BlockTiles as Layout<u16>>::take(&mut fields, size).unwrap();
+            Layout::BlockTiles.take::<u16>(&mut fields, size).unwrap();
             fields.finish().unwrap();
             let (stride, mut picture) = (width + 7, vec![9u16; (width + 7) * (height + 5)]);
-            <BlockTiles as Layout<u16>>::draw(&stored, [3, 2, width, height], &mut picture, stride);
+            Layout::BlockTiles.draw(&stored, [3, 2, width, height], &mut picture, stride);
             for (at, &held) in picture.iter().enumerate() {
                 let (x, y) = (at % stride, at / stride);
                 let inside = (3..3 + width).contains(&x) && (2..2 + height).contains(&y);
                 assert_eq!(held, if inside { code(x - 3, y - 2) } else { 9 }, "{size:?} at {x},{y}");
             }
             for length in 0..stored.len() {
-                assert!(<BlockTiles as Layout<u16>>::take(&mut Fields::new(&stored[..length], 0, ""), size).is_err());
+                assert!(Layout::BlockTiles.take::<u16>(&mut Fields::new(&stored[..length], 0, ""), size).is_err());
             }
         }
     }
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn spare_bits_must_be_zero() {
         let stored = |map: u8| [vec![map], vec![0; 16]].concat();
-        let take = |map| <BlockTiles as Layout<u16>>::take(&mut Fields::new(&stored(map), 0, ""), [4, 4]);
+        let take = |map| Layout::BlockTiles.take::<u16>(&mut Fields::new(&stored(map), 0, ""), [4, 4]);
         assert!(take(1).is_ok());
         assert!(take(3).is_err() && take(0x81).is_err());
     }

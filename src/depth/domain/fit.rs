@@ -1,6 +1,8 @@
 //! The values that functions are fitted to, for each code.
 
-use crate::depth::domain::{Domain, DomainKind, LOG_BITS, LOG_VALUE_BITS, LOG2_TABLE, VALUE_BITS, integer_log2};
+use crate::depth::domain::{
+    Domain, DomainKind, DomainParts, LOG_BITS, LOG_VALUE_BITS, LOG2_TABLE, VALUE_BITS, integer_log2,
+};
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange, FAR_CODE};
 use crate::error::{Error, Result};
 
@@ -27,14 +29,14 @@ impl Domain {
             )));
         }
         let scale = ((u64::from(FAR_CODE) << 32) + span / 2) / span;
-        Domain::from_parts(kind, base, scale as u32)
+        DomainParts { kind, base, scale: scale as u32 }.domain()
     }
 
     /// What a function should yield for a code, in units of which 65535 are the whole range: its Q14 is `code_of`'s
     /// input. For the background the value of [`Self::background`].
     #[inline]
     pub fn value_of(&self, code: u16) -> f64 {
-        match self.kind {
+        match self.parts.kind {
             DomainKind::Log => f64::from(code) + f64::from(u8::from(code == BACKGROUND_CODE)),
             DomainKind::Linear | DomainKind::Inverse => self.values()[usize::from(code)],
         }
@@ -44,9 +46,9 @@ impl Domain {
     #[inline]
     pub fn slope_at(&self, value: f64) -> f64 {
         // d log2(v) = dv / (v ln 2)
-        let codes = f64::from(self.scale) / f64::from(1 << (32 - LOG_BITS)) * std::f64::consts::LOG2_E;
+        let codes = f64::from(self.parts.scale) / f64::from(1 << (32 - LOG_BITS)) * std::f64::consts::LOG2_E;
         let least = 1.0 / f64::from(1 << LOG_VALUE_BITS);
-        match self.kind {
+        match self.parts.kind {
             DomainKind::Log => 1.0,
             DomainKind::Linear => codes / value.max(least),
             DomainKind::Inverse => -codes / value.max(least),
@@ -55,11 +57,13 @@ impl Domain {
 
     fn values(&self) -> &[f64] {
         self.values.get_or_init(|| {
-            let step = 4_294_967_296.0 / f64::from(self.scale);
-            let sign = if self.kind == DomainKind::Inverse { -1.0 } else { 1.0 };
+            let step = 4_294_967_296.0 / f64::from(self.parts.scale);
+            let sign = if self.parts.kind == DomainKind::Inverse { -1.0 } else { 1.0 };
             let value = |code: u16| match code {
                 BACKGROUND_CODE => f64::from(self.background()) / f64::from(1 << VALUE_BITS),
-                _ => exp2_of(f64::from(self.base) + sign * f64::from(code) * step) / f64::from(1 << LOG_VALUE_BITS),
+                _ => {
+                    exp2_of(f64::from(self.parts.base) + sign * f64::from(code) * step) / f64::from(1 << LOG_VALUE_BITS)
+                }
             };
             (0..=u16::MAX).map(value).collect()
         })
@@ -198,11 +202,11 @@ mod tests {
                 assert!(Domain::new(kind, range(ratio)).is_err());
             }
             assert!(Domain::new(kind, range(1.0035)).is_ok());
-            assert!(Domain::from_parts(kind, 24 << 24, 1).is_err());
-            assert!(Domain::from_parts(kind, 0, 0).is_err());
+            assert!(DomainParts { kind, base: 24 << 24, scale: 1 }.domain().is_err());
+            assert!(DomainParts { kind, base: 0, scale: 0 }.domain().is_err());
         }
         assert!(Domain::new(DomainKind::Log, range(1.0)).is_ok());
-        assert!(Domain::from_parts(DomainKind::Log, 0, 1).is_err());
+        assert!(DomainParts { kind: DomainKind::Log, base: 0, scale: 1 }.domain().is_err());
         assert_eq!(DomainKind::ALL.map(|kind| kind as u8), [0, 1, 2]);
         assert_eq!(DomainKind::from_byte(3), None);
     }

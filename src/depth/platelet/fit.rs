@@ -5,12 +5,14 @@
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::biquadratic::fit::{EXACT, Sight, sample};
 use crate::depth::block::{Accuracy, Block};
-use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
+use crate::depth::coefficients;
+use crate::depth::domain::{Domain, DomainKind, log_code};
 use crate::depth::least_squares::{Constants, Frame, Terms};
-use crate::depth::limit::{Limit, measure};
+use crate::depth::limit::{Limit, NodeFunction, measure};
+use crate::depth::nodes::COEFFICIENT_BYTES;
 use crate::depth::platelet::line_search::{LineSearch, separating_line};
 use crate::depth::platelet::{Plane, Platelet, SideTest};
-use crate::depth::precision::Precision;
+use crate::depth::precision::Shifts;
 use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Nodes of higher levels are not searched for lines: edges are hardly straight that far.
@@ -22,13 +24,13 @@ impl Platelet {
     /// A platelet that is within `bound` codes of the block in every pixel, `None` where none was found. A side is all
     /// background or all surface.
     pub fn fit(block: &Block, domain: &Domain, bound: u16) -> Option<(Platelet, Accuracy)> {
-        if block.level() == 0 || block.level() > MAX_PLATELET_LEVEL {
+        if block.level == 0 || block.level > MAX_PLATELET_LEVEL {
             return None;
         }
         match Sight::of(block) {
             Sight::Background => {
                 let sides = [Plane::constant(domain.background()); 2];
-                return Some((Platelet { sides, line: [0; 4] }, Accuracy { max_error: 0, squared_error: 0 }));
+                return Some((Platelet { sides, line: [0; 4] }, Accuracy::default()));
             }
             Sight::Both => {
                 let line = separating_line(block, |code| code == BACKGROUND_CODE)?;
@@ -49,57 +51,46 @@ impl Platelet {
             .filter(|&(squared_error, _)| squared_error <= worst)
             .find_map(|(_, line)| fit_sides(block, domain, bound, line))
     }
+}
 
-    /// The same function with as few low bits as `limit` allows. Precision 0, which leaves it as it is, is the answer
-    /// where no other keeps the limit.
-    pub fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Platelet, Precision, Accuracy) {
-        let test = SideTest::new(self.line, block.level());
-        for value in (1..=Precision::COARSEST.get()).rev() {
-            let Some(precision) = Precision::new(value) else { continue };
-            let shifts = precision.shifts(block.level());
-            let trimmed = (|| {
-                let round = |value: i32| {
-                    let step = 1i64 << shifts.linear;
-                    i32::try_from((i64::from(value) + step / 2).div_euclid(step) * step).ok()
-                };
-                let mut sides = self.sides;
-                for side in &mut sides {
-                    *side = Plane { a0: round(side.a0)?, a1: round(side.a1)?, a5: 0 };
-                }
-                let mut constants = [Constants::ANY; 2];
-                for (y, row) in block.rows().enumerate() {
-                    for (x, &code) in row.iter().enumerate() {
-                        let side = usize::from(test.at(x as i32, y as i32) > 0);
-                        let value = domain.value_of(code);
-                        let missing = value * f64::from(1 << VALUE_BITS);
-                        let missing = missing - f64::from(sides[side].value(x as i32, y as i32));
-                        constants[side].add(missing, domain.slope_at(value).abs(), limit.max_error);
-                    }
-                    if constants[0].is_empty() || constants[1].is_empty() {
-                        return None;
-                    }
-                }
-                for (side, constants) in sides.iter_mut().zip(constants) {
-                    side.a5 = constants.choose(shifts.constant)?;
-                }
-                let platelet = Platelet { sides, line: self.line };
-                Some((platelet, platelet.measure(block, domain, limit)?))
-            })();
-            if let Some((platelet, accuracy)) = trimmed {
-                return (platelet, precision, accuracy);
-            }
-        }
-        let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
-        let accuracy = self.measure(block, domain, Limit::on_max(u16::MAX)).unwrap_or(worst);
-        (*self, Precision::default(), accuracy)
+impl NodeFunction for Platelet {
+    fn to_bytes(self) -> [u8; COEFFICIENT_BYTES] {
+        let ([a, b], [x0, y0, x1, y1]) = (self.sides, self.line);
+        coefficients::put([a.a0, a.a1, a.a5, b.a0, b.a1, b.a5], [x0, y0, x1, y1, 0xFF, 0xFF, 0xFF, 0xFF])
     }
 
-    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    fn rounded(&self, shifts: Shifts, block: &Block, domain: &Domain, limit: Limit) -> Option<(Platelet, Accuracy)> {
+        let test = SideTest::new(self.line, block.level);
+        let round = |value: i32| {
+            let step = 1i64 << shifts.linear;
+            i32::try_from((i64::from(value) + step / 2).div_euclid(step) * step).ok()
+        };
+        let mut sides = self.sides;
+        for side in &mut sides {
+            *side = Plane { a0: round(side.a0)?, a1: round(side.a1)?, a5: 0 };
+        }
+        let mut constants = [Constants::ANY; 2];
+        for (y, row) in block.rows().enumerate() {
+            for (x, &code) in row.iter().enumerate() {
+                let side = usize::from(test.at(x as i32, y as i32) > 0);
+                constants[side].add_pixel(domain, code, sides[side].value(x as i32, y as i32), limit.max_error);
+            }
+            if constants.iter().any(Constants::is_empty) {
+                return None;
+            }
+        }
+        for (side, constants) in sides.iter_mut().zip(constants) {
+            side.a5 = constants.choose(shifts.constant)?;
+        }
+        let platelet = Platelet { sides, line: self.line };
+        Some((platelet, platelet.measure(block, domain, limit)?))
+    }
+
     fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
         if !self.sides.iter().all(|side| side.stays_in_range(block)) {
             return None;
         }
-        let test = SideTest::new(self.line, block.level());
+        let test = SideTest::new(self.line, block.level);
         measure(block, limit, |y, row| match domain.kind() {
             DomainKind::Log => self.fill_row(test, y as i32, row, log_code),
             DomainKind::Linear => self.fill_row(test, y as i32, row, |r| domain.linear_code(r)),
@@ -111,7 +102,7 @@ impl Platelet {
 impl Plane {
     fn stays_in_range(self, block: &Block) -> bool {
         let whole = Biquadratic { coefficients: [self.a0, self.a1, 0, 0, 0, self.a5] };
-        whole.stays_in_range(block.width(), block.height())
+        whole.stays_in_range(block.width, block.height)
     }
 }
 
@@ -123,7 +114,7 @@ fn fit_sides(block: &Block, domain: &Domain, bound: u16, line: [u8; 4]) -> Optio
 
 /// The plane of one side; where its pixels are too few or in a row, what they leave open is 0.
 fn fit_side(block: &Block, domain: &Domain, bound: u16, (line, side): ([u8; 4], usize)) -> Option<Plane> {
-    let test = SideTest::new(line, block.level());
+    let test = SideTest::new(line, block.level);
     let (mut pixels, mut background) = (Vec::with_capacity(block.pixel_count()), 0);
     let (mut first, mut last) = ([usize::MAX; 2], [0; 2]);
     for (y, row) in block.rows().enumerate() {
@@ -178,19 +169,9 @@ fn widest_gap(block: &Block) -> Option<u16> {
 mod tests {
     use super::*;
     use crate::depth::block::{BlockMut, side_of};
+    use crate::depth::precision::Precision;
     use crate::depth::quantise::DepthRange;
-
-    /// A seeded generator (SplitMix64), so that failures repeat.
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> u64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z ^ (z >> 31)
-        }
-    }
+    use crate::math::random::Random;
 
     fn domains() -> [Domain; 3] {
         DomainKind::ALL.map(|kind| Domain::new(kind, DepthRange::new(1.5, 15.5).unwrap()).unwrap())
@@ -198,15 +179,15 @@ mod tests {
 
     #[test]
     fn rows_are_what_pixels_are() {
-        let (mut random, domains) = (Random(5), domains());
+        let (mut random, domains) = (Random::new(5), domains());
         for case in 0..3000u32 {
-            let mut number = || (random.next() as i32) >> (random.next() % 32);
+            let mut number = || (random.bits() as i32) >> (random.bits() % 32);
             let mut plane = || Plane { a0: number(), a1: number(), a5: number() };
             let sides = [plane(), plane()];
-            let platelet = Platelet { sides, line: (random.next() as u32).to_le_bytes() };
+            let platelet = Platelet { sides, line: (random.bits() as u32).to_le_bytes() };
             let level = (case % 4 + 1) as u8;
             let side = side_of(level);
-            let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
+            let (width, height) = (1 + random.bits() as usize % side, 1 + random.bits() as usize % side);
             for domain in &domains {
                 let mut picture = vec![0u16; width * height];
                 platelet.decode(domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
@@ -220,12 +201,12 @@ mod tests {
 
     #[test]
     fn the_side_test_is_the_cross_product_of_the_document() {
-        let mut random = Random(6);
+        let mut random = Random::new(6);
         for _ in 0..2000 {
-            let [x0, y0, x1, y1] = (random.next() as u32).to_le_bytes();
-            let level = (random.next() % 9) as u8;
+            let [x0, y0, x1, y1] = (random.bits() as u32).to_le_bytes();
+            let level = (random.bits() % 9) as u8;
             let side = side_of(level) as i64;
-            let (x, y) = (random.next() as i64 & (side - 1), random.next() as i64 & (side - 1));
+            let (x, y) = (random.bits() as i64 & (side - 1), random.bits() as i64 & (side - 1));
             let test = SideTest::new([x0, y0, x1, y1], level).at(x as i32, y as i32);
             let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(i64::from);
             let cross =
@@ -247,14 +228,16 @@ mod tests {
         assert_eq!(decoded(&function), accuracy);
         assert!(accuracy.max_error <= bound && function.line != [0xff; 4]);
         let limit = Limit { max_error: bound, squared_error: accuracy.squared_error * 2 + 64 };
-        let (trimmed, precision, after) = function.trim(&block, domain, limit);
+        let (trimmed, after) = function.trim(&block, domain, limit);
         assert_eq!(decoded(&trimmed), after);
         assert!(limit.allows(after));
-        let shifts = precision.shifts(level);
-        for side in trimmed.sides {
-            assert!([side.a0, side.a1].iter().all(|a| a.trailing_zeros() >= shifts.linear));
-            assert!(side.a5.trailing_zeros() >= shifts.constant);
-        }
+        let is_rounded = |shifts: Shifts| {
+            trimmed.sides.iter().all(|side| {
+                [side.a0, side.a1].iter().all(|a| a.trailing_zeros() >= shifts.linear)
+                    && side.a5.trailing_zeros() >= shifts.constant
+            })
+        };
+        assert!(trimmed == function || Precision::from_coarsest().any(|p| is_rounded(p.shifts(level))));
         Some(function)
     }
 
@@ -270,15 +253,15 @@ mod tests {
 
     #[test]
     fn steps_along_any_line_are_exact() {
-        let (mut random, domains) = (Random(11), domains());
+        let (mut random, domains) = (Random::new(11), domains());
         let mut found = 0;
         let cases = 400;
         for case in 0..cases {
             let level = [1, 1, 2, 3, 5][case % 5];
             let side = side_of(level);
-            let angle = (random.next() % 6283) as f64 / 1000.0;
+            let angle = (random.bits() % 6283) as f64 / 1000.0;
             let n = side as f64;
-            let through = [0, 1].map(|_| n * (0.2 + 0.6 * (random.next() % 1000) as f64 / 1000.0));
+            let through = [0, 1].map(|_| n * (0.2 + 0.6 * (random.bits() % 1000) as f64 / 1000.0));
             let inside = |x: f64, y: f64| (x - through[0]) * angle.cos() + (y - through[1]) * angle.sin() > 0.0;
             let picture = parted(side, inside, [[40.0 / n, 90.0 / n, 5000.0], [-70.0 / n, 30.0 / n, 60_000.0]]);
             for domain in &domains {
@@ -291,13 +274,13 @@ mod tests {
 
     #[test]
     fn creases_are_found_without_a_step() {
-        let mut random = Random(12);
+        let mut random = Random::new(12);
         let (mut found, cases) = (0, 200);
         for case in 0..cases {
             let level = [1, 2, 3, 4][case % 4];
             let side = side_of(level);
             let n = side as f64;
-            let angle = (random.next() % 6283) as f64 / 1000.0;
+            let angle = (random.bits() % 6283) as f64 / 1000.0;
             let (c, s) = (angle.cos() * 4000.0 / n, angle.sin() * 4000.0 / n);
             let fold = 30_000.0 - (c + s) * n / 2.0;
             let inside = |x: f64, y: f64| (x - n / 2.0) * c + (y - n / 2.0) * s > 0.0;
@@ -354,18 +337,18 @@ mod tests {
 
     #[test]
     fn blocks_at_the_edge_of_a_picture_and_noise_keep_the_bound() {
-        let (mut random, domains) = (Random(13), domains());
+        let (mut random, domains) = (Random::new(13), domains());
         for case in 0..600 {
             let domain = &domains[case % 3];
-            let spread = 1 << (random.next() % 16);
-            let base = random.next() % (65_536 - spread);
+            let spread = 1 << (random.bits() % 16);
+            let base = random.bits() % (65_536 - spread);
             let (width, height) = match case % 5 {
                 0 => (1, 1 + case % 7),
                 1 => (1 + case % 8, 1),
                 2 => (3, 5),
                 _ => (8, 8),
             };
-            let picture: Vec<u16> = (0..width * height).map(|_| (base + random.next() % spread) as u16).collect();
+            let picture: Vec<u16> = (0..width * height).map(|_| (base + random.bits() % spread) as u16).collect();
             checked(&picture, width, 1, (domain, 300));
         }
         assert!(checked(&[5], 1, 1, (&Domain::log(), 0)).is_some());

@@ -118,7 +118,7 @@ pub(crate) struct LineSearch {
 impl LineSearch {
     /// Moments of a block: of codes, or of what stands for them, brought to about the size of codes.
     pub fn new(block: &Block, domain: &Domain) -> LineSearch {
-        let (width, height) = (block.width(), block.height());
+        let (width, height) = (block.width, block.height);
         let mean = block.rows().flatten().map(|&code| u64::from(code)).sum::<u64>() / block.pixel_count() as u64;
         let middle = domain.value_of(mean as u16);
         let slope = domain.slope_at(middle).abs();
@@ -144,7 +144,7 @@ impl LineSearch {
             }
             all.add_row(y as f64 - centre[1], columns[width], [sum, across]);
         }
-        LineSearch { level: block.level(), width, height, values, columns, all, energy }
+        LineSearch { level: block.level, width, height, values, columns, all, energy }
     }
 
     /// Sum of squared errors of the two best planes beside a line.
@@ -251,7 +251,7 @@ pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Op
     let low = chosen.iter().map(|&point| dot(point)).fold(f64::INFINITY, f64::min);
     let high = others.iter().map(|&point| dot(point)).fold(f64::NEG_INFINITY, f64::max);
     // Half way between the sets, in units of the line's points.
-    let unit = 256.0 / side_of(block.level()) as f64;
+    let unit = 256.0 / side_of(block.level) as f64;
     let offset = ((low + high) / 2.0 + (difference[0] + difference[1]) / 2.0) * unit;
     // Points of whole coordinates close to the line, from either end of it: two of them make almost the same line.
     let [nx, ny] = difference;
@@ -266,7 +266,7 @@ pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Op
         }
     }
     let parts = |line: [u8; 4]| {
-        let test = SideTest::new(line, block.level());
+        let test = SideTest::new(line, block.level);
         others.iter().all(|&[x, y]| test.at(x, y) <= 0) && chosen.iter().all(|&[x, y]| test.at(x, y) > 0)
     };
     let middle = points.len() / 2;

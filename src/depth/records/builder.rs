@@ -1,92 +1,72 @@
 //! Writes the payload of a temporally coded chunk (depth.md 4).
 
-use std::marker::PhantomData;
-
 use crate::container::serialize::PutFields;
 use crate::depth::boxes::PixelBox;
 use crate::depth::record_table::builder::TableBuilder;
 use crate::depth::records::{BOXES, CONSTANT, WHOLE};
 use crate::depth::texel::Texel;
-use crate::error::Result;
 
-#[derive(Debug)]
-pub struct ChunkBuilder<T> {
-    records: TableBuilder,
-    texel: PhantomData<T>,
-}
-
-impl<T: Texel> ChunkBuilder<T> {
-    pub fn new(keyframe: &[T]) -> Self {
-        Self::starting_with(keyframe, |data| keyframe.iter().for_each(|value| value.put(data)))
+impl TableBuilder {
+    /// Starts with the keyframe, as values.
+    pub fn put_values<T: Texel>(&mut self, keyframe: &[T]) {
+        self.put_keyframe(keyframe, |data| keyframe.iter().for_each(|value| value.put(data)));
     }
 
     /// Starts with the keyframe, which `put` writes unless it has one value.
-    pub fn starting_with(keyframe: &[T], put: impl FnOnce(&mut Vec<u8>)) -> Self {
-        let mut builder = ChunkBuilder { records: TableBuilder::default(), texel: PhantomData };
+    pub fn put_keyframe<T: Texel>(&mut self, keyframe: &[T], put: impl FnOnce(&mut Vec<u8>)) {
         let constant = keyframe.iter().all(|value| *value == keyframe[0]);
-        let data = builder.begin(0, if constant { CONSTANT } else { WHOLE }, 0);
+        let data = self.begin(0);
+        data.extend_from_slice(&[if constant { CONSTANT } else { WHOLE }, 0, 0, 0]);
         if constant {
             keyframe[0].put(data);
         } else {
             put(data);
         }
-        builder
-    }
-
-    fn begin(&mut self, frame: u32, kind: u8, count: u16) -> &mut Vec<u8> {
-        let data = self.records.begin(frame);
-        data.extend_from_slice(&[kind, 0]);
-        data.put_u16(count);
-        data
     }
 
     /// Adds the boxes that a frame updates, with their pixels from `picture` of `width` columns.
-    pub fn push_boxes(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
+    pub fn put_boxes_of<T: Texel>(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
         self.put_boxes(frame, boxes, |b, data| {
             data.reserve(T::BYTES * b.area() as usize);
-            for y in usize::from(b.y)..usize::from(b.y) + usize::from(b.height) {
-                let start = y * width + usize::from(b.x);
-                picture[start..start + usize::from(b.width)].iter().for_each(|value| value.put(data));
+            let [x, y, box_width, height] = b.rect();
+            for row in picture[y * width..].chunks(width).take(height) {
+                row[x..x + box_width].iter().for_each(|value| value.put(data));
             }
         });
     }
 
     /// Adds the boxes that a frame updates; `put` writes the pixels of each.
     pub fn put_boxes(&mut self, frame: u32, boxes: &[PixelBox], mut put: impl FnMut(PixelBox, &mut Vec<u8>)) {
-        let data = self.begin(frame, BOXES, boxes.len() as u16);
+        let data = self.begin(frame);
+        data.extend_from_slice(&[BOXES, 0]);
+        data.put_u16(boxes.len() as u16);
         for b in boxes {
             [b.x, b.y, b.width, b.height].iter().for_each(|&value| data.put_u16(value));
         }
         boxes.iter().for_each(|&b| put(b, data));
-    }
-
-    pub fn bytes(&self) -> usize {
-        self.records.bytes()
-    }
-
-    pub fn finish(self) -> Result<Vec<u8>> {
-        self.records.finish()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::block_tiles::Layout;
     use crate::depth::records::TemporalChunk;
 
     fn sample() -> Vec<u8> {
-        let mut builder = ChunkBuilder::<u16>::new(&[1, 2, 3, 4, 5, 6]);
-        let picture = [1, 20, 30, 4, 50, 60];
+        let mut builder = TableBuilder::default();
+        builder.put_values(&[1u16, 2, 3, 4, 5, 6]);
+        let picture = [1u16, 20, 30, 4, 50, 60];
         let b = PixelBox { x: 1, y: 0, width: 2, height: 2 };
-        builder.push_boxes(3, &[b], &picture, 3);
+        builder.put_boxes_of(3, &[b], &picture, 3);
         assert_eq!(builder.bytes(), 4 + 16 + 4 + 12 + 4 + 8 + 8);
         builder.finish().unwrap()
     }
 
     #[test]
     fn records_are_applied_at_their_frames() {
-        let chunk = TemporalChunk::<u16>::parse(sample(), [3, 2], 5).unwrap();
-        assert_eq!(chunk.records().iter().map(|record| record.bytes).collect::<Vec<_>>(), [24, 28]);
+        let chunk = TemporalChunk::<u16>::parse(Layout::Values, sample(), [3, 2], 5).unwrap();
+        assert_eq!(chunk.records.iter().map(|record| record.bytes).collect::<Vec<_>>(), [24, 28]);
         let mut picture = [0; 6];
         assert_eq!(chunk.advance(&mut picture, None, 2, 1), 6);
         assert_eq!(picture, [1, 2, 3, 4, 5, 6]);
@@ -99,9 +79,11 @@ mod tests {
 
     #[test]
     fn one_value_is_stored_once() {
-        let payload = ChunkBuilder::<[u8; 3]>::new(&[[1, 2, 3]; 100]).finish().unwrap();
+        let mut builder = TableBuilder::default();
+        builder.put_values(&[[1u8, 2, 3]; 100]);
+        let payload = builder.finish().unwrap();
         assert_eq!(payload.len(), 4 + 8 + 4 + 3);
-        let chunk = TemporalChunk::<[u8; 3]>::parse(payload, [10, 10], 1).unwrap();
+        let chunk = TemporalChunk::<[u8; 3]>::parse(Layout::Values, payload, [10, 10], 1).unwrap();
         let mut picture = [[0; 3]; 100];
         assert_eq!(chunk.advance(&mut picture, None, 0, 2), 100);
         assert!(picture.iter().all(|value| *value == [1, 2, 3]));
@@ -109,8 +91,10 @@ mod tests {
 
     #[test]
     fn two_billion_frames_without_a_change_cost_nothing() {
-        let payload = ChunkBuilder::<u16>::new(&[7; 6]).finish().unwrap();
-        let chunk = TemporalChunk::<u16>::parse(payload, [3, 2], u32::MAX).unwrap();
+        let mut builder = TableBuilder::default();
+        builder.put_values(&[7u16; 6]);
+        let payload = builder.finish().unwrap();
+        let chunk = TemporalChunk::<u16>::parse(Layout::Values, payload, [3, 2], u32::MAX).unwrap();
         let mut picture = [0; 6];
         for window in [1, 2, 255] {
             assert_eq!(chunk.advance(&mut picture, None, u32::MAX - 1, window), 6);
@@ -122,22 +106,22 @@ mod tests {
     fn damaged_payloads_are_refused_or_stay_inside_the_picture() {
         let good = sample();
         for length in 0..good.len() {
-            assert!(TemporalChunk::<u16>::parse(good[..length].to_vec(), [3, 2], 5).is_err());
+            assert!(TemporalChunk::<u16>::parse(Layout::Values, good[..length].to_vec(), [3, 2], 5).is_err());
         }
         for at in 0..good.len() {
             for bit in 0..8 {
                 let mut damaged = good.clone();
                 damaged[at] ^= 1 << bit;
-                if let Ok(chunk) = TemporalChunk::<u16>::parse(damaged, [3, 2], 5) {
+                if let Ok(chunk) = TemporalChunk::<u16>::parse(Layout::Values, damaged, [3, 2], 5) {
                     let mut picture = [0; 6];
                     chunk.advance(&mut picture, None, 4, 1);
                 }
             }
         }
-        assert!(TemporalChunk::<u16>::parse(good.clone(), [3, 2], 3).is_err());
-        assert!(TemporalChunk::<u16>::parse(good.clone(), [2, 2], 5).is_err());
+        assert!(TemporalChunk::<u16>::parse(Layout::Values, good.clone(), [3, 2], 3).is_err());
+        assert!(TemporalChunk::<u16>::parse(Layout::Values, good.clone(), [2, 2], 5).is_err());
         let mut longer = good;
         longer.push(0);
-        assert!(TemporalChunk::<u16>::parse(longer, [3, 2], 5).is_err());
+        assert!(TemporalChunk::<u16>::parse(Layout::Values, longer, [3, 2], 5).is_err());
     }
 }

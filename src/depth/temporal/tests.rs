@@ -1,13 +1,12 @@
 use super::*;
-use crate::depth::records::{TemporalChunk, Values};
+use crate::depth::block_tiles::Layout;
+use crate::depth::records::TemporalChunk;
 
 /// For tests of the encoder with either way to write pictures.
 pub mod paths {
     use super::*;
-    use crate::depth::records::Layout;
-    use crate::depth::window_check::check_window;
 
-    pub fn encode<T: Texel, H: Held<T>>(mut encoder: TemporalEncoder<T, H>, frames: &[Vec<T>]) -> Vec<EncodedChunk> {
+    pub fn encode<T: Texel>(mut encoder: TemporalEncoder<T>, frames: &[Vec<T>]) -> Vec<EncodedChunk> {
         let mut chunks = Vec::new();
         for frame in frames {
             chunks.extend(encoder.push(frame).unwrap());
@@ -18,17 +17,17 @@ pub mod paths {
     }
 
     /// Walks random legal paths and the two canonical ones; all must show the same pictures within the bound.
-    pub fn check_all<T: Texel, L: Layout<T>>(
+    pub fn check_all<T: Texel>(
         frames: &[Vec<T>],
-        size: [u32; 2],
+        (size, layout): ([u32; 2], Layout),
         chunks: Vec<EncodedChunk>,
         settings: TemporalSettings,
     ) {
         let mut seed = 7u32;
         for chunk in chunks {
-            let parsed = TemporalChunk::<T, L>::parse(chunk.payload, size, chunk.frame_count).unwrap();
-            check_window(&parsed, settings.window, chunk.frame_count).unwrap();
-            let body = |frame| parsed.records().iter().find(|record| record.frame == frame).map(|record| record.body);
+            let parsed = TemporalChunk::<T>::parse(layout, chunk.payload, size, chunk.frame_count).unwrap();
+            parsed.check_window(settings.window, chunk.frame_count).unwrap();
+            let body = |frame| parsed.records.iter().find(|record| record.frame == frame).map(|record| record.body);
             let mut canonical = vec![vec![T::default(); frames[0].len()]];
             parsed.apply(&mut canonical[0], body(0).unwrap());
             for frame in 1..chunk.frame_count {
@@ -71,7 +70,7 @@ fn encode(frames: &[Vec<u16>], settings: TemporalSettings) -> Vec<EncodedChunk> 
 }
 
 fn check_all_paths(frames: &[Vec<u16>], settings: TemporalSettings) {
-    paths::check_all::<u16, Values>(frames, SIZE, encode(frames, settings), settings);
+    paths::check_all::<u16>(frames, (SIZE, Layout::Values), encode(frames, settings), settings);
 }
 
 #[test]
@@ -113,9 +112,9 @@ fn a_pixel_that_creeps_below_epsilon_for_600_frames_stays_within_it() {
     let settings = TemporalSettings { epsilon: 10, keyframe_interval: 1000, ..TemporalSettings::default() };
     check_all_paths(&frames, settings);
     let chunk = &encode(&frames, settings)[0];
-    let parsed = TemporalChunk::<u16>::parse(chunk.payload.clone(), SIZE, 600).unwrap();
+    let parsed = TemporalChunk::<u16>::parse(Layout::Values, chunk.payload.clone(), SIZE, 600).unwrap();
     // It is sent once every 11 frames, for the two frames of the window.
-    assert_eq!(parsed.records().len(), 1 + 599 / 11 * 2);
+    assert_eq!(parsed.records.len(), 1 + 599 / 11 * 2);
 }
 
 #[test]

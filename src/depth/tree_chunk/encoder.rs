@@ -8,29 +8,24 @@ use crate::depth::domain::Domain;
 use crate::depth::mode_decision::{Approximation, Modelling, Rounding};
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::{Grid, Node, Place, raw};
+use crate::depth::open_chunk::OpenChunk;
 use crate::depth::quadtree::{self, Build, DirtyLeaves, Known, Leaf, Tree};
-use crate::depth::record_table::builder::TableBuilder;
 use crate::depth::storage;
-use crate::depth::temporal::CLOSE_AT_BYTES;
 use crate::depth::tree_chunk::{TreeChunk, TreeFunction};
 use crate::error::Result;
 
-impl TreeFunction {
-    /// What was found for a place. Squared errors are not stored and read 0.
-    fn approximation(&self) -> (Place, Approximation) {
-        let accuracy = Accuracy { max_error: self.max_error, squared_error: 0 };
-        (self.node.place, Approximation { node: self.node, accuracy })
-    }
-}
-
 impl TreeChunk {
-    /// The approximations of a frame, and the leaves that they were searched for.
+    /// The approximations of a frame, and the leaves that they were searched for. Squared errors are not stored and read 0.
     pub fn known(&self, frame: u32) -> Known {
-        let [columns, rows] = self.runtime.grid().leaves();
+        let runtime = &self.leaves.runtime;
+        let [columns, rows] = runtime.grid().leaves();
         let mut known = Known { leaves: vec![false; columns * rows], ..Known::default() };
-        if let Ok(at) = self.runtime.frames().binary_search_by_key(&frame, |row| row.frame) {
-            known.tree = self.trees[at].iter().map(TreeFunction::approximation).collect();
-            for (place, _) in self.runtime.nodes(self.runtime.frames()[at]) {
+        if let Ok(at) = runtime.frames().binary_search_by_key(&frame, |row| row.frame) {
+            let found = self.trees[at].iter().map(|&TreeFunction { node, max_error }| {
+                (node.place, Approximation { node, accuracy: Accuracy { max_error, squared_error: 0 } })
+            });
+            known.tree = found.collect();
+            for (place, _) in runtime.nodes(runtime.frames()[at]) {
                 known.leaves[usize::from(place.y) * columns + usize::from(place.x)] = true;
             }
         }
@@ -44,30 +39,20 @@ pub struct TreeEncoder {
     domain: Domain,
     grid: Grid,
     held: Vec<u16>,
-    open: Option<TableBuilder>,
-    chunk_first: u32,
-    next_frame: u32,
+    chunk: OpenChunk,
 }
 
 impl TreeEncoder {
     /// An encoder for a unit of `grid`'s size, at most 1024×1024. Of the settings, window and epsilon play no part.
     pub fn new(grid: Grid, domain: Domain, settings: NodeSettings) -> TreeEncoder {
         let held = vec![0; grid.pixel_count() as usize];
-        TreeEncoder { settings, domain, grid, held, open: None, chunk_first: 0, next_frame: 0 }
+        TreeEncoder { settings, domain, grid, held, chunk: OpenChunk::new(settings.keyframe_interval) }
     }
 
     /// Takes the next frame. Answers the chunk that it closes, if any.
     pub fn push(&mut self, source: &[u16]) -> Result<Option<EncodedChunk>> {
-        let frame = self.next_frame;
-        let full = |open: &TableBuilder| {
-            frame - self.chunk_first >= self.settings.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES
-        };
-        let finished = if self.open.as_ref().is_some_and(full) { self.finish()? } else { None };
-        self.next_frame += 1;
-        let keyframe = self.open.is_none();
-        if keyframe {
-            self.chunk_first = frame;
-        }
+        let finished = self.chunk.next()?;
+        let keyframe = self.chunk.frame() == 0;
         let [columns, rows] = self.grid.leaves();
         let width = self.grid.width as usize;
         let differs = |at: usize| {
@@ -77,23 +62,18 @@ impl TreeEncoder {
         };
         let leaves: Vec<Leaf> =
             (0..columns * rows).map(|at| if differs(at) { Leaf::Dirty } else { Leaf::Free }).collect();
-        if keyframe || leaves.contains(&Leaf::Dirty) {
+        if leaves.contains(&Leaf::Dirty) {
             let dirty = DirtyLeaves { picture: source, grid: self.grid, leaves: &leaves };
-            let modelling = self.settings.modelling(&self.domain);
-            let modelling = Modelling { rounding: Rounding::Exact, ..modelling };
+            let modelling = Modelling { rounding: Rounding::Exact, ..self.settings.modelling(&self.domain) };
             let build = Build { modelling, min_children: self.settings.min_children, known: None };
-            let tree = quadtree::build(&dirty, &build);
-            let open = self.open.get_or_insert_with(TableBuilder::default);
-            write_record(&dirty, &tree, open.begin(frame - self.chunk_first));
+            write_record(&dirty, &quadtree::build(&dirty, &build), self.chunk.record());
         }
         self.held.copy_from_slice(source);
         Ok(finished)
     }
 
     pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
-        let Some(open) = self.open.take() else { return Ok(None) };
-        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
-        Ok(Some(EncodedChunk { first_frame, frame_count, payload: open.finish()? }))
+        self.chunk.finish()
     }
 }
 

@@ -1,15 +1,15 @@
 //! Inputs of the kernels of boxes: columns that share words, units of odd sizes, whole and constant records,
 //! block tiles.
 
-use crate::depth::block_tiles::{BlockTexel, BlockTiles, stored_tiles, tiles_of};
+use crate::depth::block_tiles::{Layout, tiles_of};
 use crate::depth::boxes::PixelBox;
-use crate::depth::records::builder::ChunkBuilder;
-use crate::depth::records::{TemporalChunk, Values};
+use crate::depth::record_table::builder::TableBuilder;
+use crate::depth::records::TemporalChunk;
 use crate::depth::texel::Texel;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Record, Unit};
 use crate::gpu::pictures::{pack_bytes, pack_codes};
-use crate::gpu::prepare::{self, Parts, Prepared};
+use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
@@ -22,49 +22,36 @@ pub trait BoxTexel: Texel {
     fn pack(picture: &[Self], width: usize) -> Vec<u32>;
 }
 
-/// How boxes are stored, with what may stand in them.
-pub trait RandomLayout<T: BoxTexel>: Parts<T> {
-    /// Appends a random rectangle.
-    fn put(size: [u32; 2], random: &mut Random, data: &mut Vec<u8>);
-
-    /// Boxes of a unit that do not overlap.
-    fn boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox>;
+/// Appends a random rectangle.
+pub fn put_random<T: BoxTexel>(layout: Layout, size: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
+    let pixels = size.map(|side| side as usize);
+    if layout == Layout::Values {
+        return random_picture::<T>(pixels[0] * pixels[1], random).into_iter().for_each(|value| value.put(data));
+    }
+    let count = tiles_of(pixels).count();
+    let mut map = vec![0; count.div_ceil(8)];
+    (0..count).filter(|_| !random.one_in(3)).for_each(|tile| map[tile / 8] |= 1 << (tile % 8));
+    let bytes = layout.parts::<T>(&map, pixels).iter().map(|tile| tile.bytes).sum();
+    let mut tiles = vec![0; bytes];
+    random.fill(&mut tiles);
+    data.extend(map);
+    data.extend(tiles);
 }
 
-impl<T: BoxTexel> RandomLayout<T> for Values {
-    fn put([width, height]: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
-        random_picture::<T>((width * height) as usize, random).into_iter().for_each(|value| value.put(data));
+/// Boxes of a unit, stored in this way, that do not overlap.
+pub fn random_boxes_in(layout: Layout, [width, height]: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
+    if layout == Layout::Values {
+        return random_boxes([width, height], random);
     }
-
-    fn boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
-        random_boxes(size, random)
-    }
-}
-
-impl<T: BoxTexel + BlockTexel> RandomLayout<T> for BlockTiles {
-    fn put(size: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
-        let size = size.map(|side| side as usize);
-        let count = tiles_of(size).count();
-        let mut map = vec![0; count.div_ceil(8)];
-        (0..count).filter(|_| !random.one_in(3)).for_each(|tile| map[tile / 8] |= 1 << (tile % 8));
-        let bytes = stored_tiles::<T>(&map, size).map(|tile| tile.bytes).sum();
-        let mut tiles = vec![0; bytes];
-        random.fill(&mut tiles);
-        data.extend(map);
-        data.extend(tiles);
-    }
-
-    fn boxes([width, height]: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
-        let whole = random_boxes([width.div_ceil(4), height.div_ceil(4)], random);
-        let inside = |start: u16, size: u16, end: u32| (4 * size).min(end as u16 - 4 * start);
-        let on_grid = |b: PixelBox| PixelBox {
-            x: 4 * b.x,
-            y: 4 * b.y,
-            width: inside(b.x, b.width, width),
-            height: inside(b.y, b.height, height),
-        };
-        whole.into_iter().map(on_grid).collect()
-    }
+    let whole = random_boxes([width.div_ceil(4), height.div_ceil(4)], random);
+    let inside = |start: u16, size: u16, end: u32| (4 * size).min(end as u16 - 4 * start);
+    let on_grid = |b: PixelBox| PixelBox {
+        x: 4 * b.x,
+        y: 4 * b.y,
+        width: inside(b.x, b.width, width),
+        height: inside(b.y, b.height, height),
+    };
+    whole.into_iter().map(on_grid).collect()
 }
 
 impl BoxTexel for u16 {
@@ -120,8 +107,9 @@ pub fn random_boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
 }
 
 /// Adds units to which the first records of a random chunk are applied: a keyframe, then these boxes.
-fn push<T: BoxTexel, L: RandomLayout<T>>(
+fn push<T: BoxTexel>(
     all: &mut Gathered,
+    layout: Layout,
     size: [u32; 2],
     boxes: &[PixelBox],
     records: usize,
@@ -129,18 +117,20 @@ fn push<T: BoxTexel, L: RandomLayout<T>>(
 ) {
     let pixels = (size[0] * size[1]) as usize;
     let keyframe = random_picture::<T>(pixels, random);
-    let mut builder = ChunkBuilder::starting_with(&keyframe, |data| L::put(size, random, data));
-    builder.put_boxes(1, boxes, |b, data| L::put([b.width, b.height].map(u32::from), random, data));
-    let Some(chunk) = builder.finish().ok().and_then(|bytes| TemporalChunk::<T, L>::parse(bytes, size, 2).ok()) else {
-        return;
-    };
+    let mut builder = TableBuilder::default();
+    builder.put_keyframe(&keyframe, |data| put_random::<T>(layout, size, random, data));
+    builder.put_boxes(1, boxes, |b, data| {
+        put_random::<T>(layout, [b.width, b.height].map(u32::from), random, data);
+    });
+    let parse = |bytes: Vec<u8>| TemporalChunk::<T>::parse(layout, bytes, size, 2).ok();
+    let Some(chunk) = builder.finish().ok().and_then(parse) else { return };
     for at in 0..records {
         let mut picture = random_picture::<T>(pixels, random);
         let Prepared { stream, records, boxes, .. } = prepare::of_boxes(&chunk, size);
         let (bytes, rows) = (4 * all.stream.len() as u32, all.boxes.len() as u32);
         let record = Record { first: records[at].first + rows, ..records[at] };
         all.before.extend(T::pack(&picture, size[0] as usize));
-        all.pixels += chunk.apply(&mut picture, chunk.records()[at].body);
+        all.pixels += chunk.apply(&mut picture, chunk.records[at].body);
         all.inputs += u64::from(record.count);
         all.boxes.extend(boxes.iter().map(|row| BoxRow { at: row.at + bytes, ..*row }));
         all.stream.extend(stream);
@@ -150,24 +140,25 @@ fn push<T: BoxTexel, L: RandomLayout<T>>(
 }
 
 /// All cases of one kind of pixel, stored in one way.
-pub(super) fn cases<T: BoxTexel, L: RandomLayout<T>>(seed: u64) -> Vec<Case> {
+pub(super) fn cases<T: BoxTexel>(layout: Layout, seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let [mut small, mut odd, mut large] = [(); 3].map(|()| Gathered::default());
     for size in (1..=9).flat_map(|width| (1..=3).map(move |height| [width, height])) {
         // Boxes of one column each, where that is allowed: every word is shared.
         let column = |x| PixelBox { x, y: 0, width: 1, height: size[1] as u16 };
         let columns: Vec<_> = (0..size[0] as u16).filter(|_| !random.one_in(3)).map(column).collect();
-        let boxes = if columns.is_empty() || L::GRID > 1 { L::boxes(size, random) } else { columns };
-        push::<T, L>(&mut small, size, &boxes, 2, random);
+        let boxes =
+            if columns.is_empty() || layout.grid() > 1 { random_boxes_in(layout, size, random) } else { columns };
+        push::<T>(&mut small, layout, size, &boxes, 2, random);
     }
     for _ in 0..150 {
         let size = [1 + random.below(70), 1 + random.below(70)];
-        let boxes = L::boxes(size, random);
-        push::<T, L>(&mut odd, size, &boxes, 2, random);
+        let boxes = random_boxes_in(layout, size, random);
+        push::<T>(&mut odd, layout, size, &boxes, 2, random);
     }
     for _ in 0..4 {
         let boxes = L::boxes([1024; 2], random);
-        push::<T, L>(&mut large, [1024; 2], &boxes, 1, random);
+        push::<T>(&mut large, layout, [1024; 2], &boxes, 1, random);
     }
     vec![small.case("columns that share words"), odd.case("random boxes"), large.case("units of 1024x1024")]
 }

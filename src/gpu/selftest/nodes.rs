@@ -1,6 +1,6 @@
 //! Inputs of the kernel of nodes: all functions on all levels, in units of odd sizes, in all domains.
 
-use crate::depth::domain::{Domain, DomainKind};
+use crate::depth::domain::{Domain, DomainKind, DomainParts};
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::runtime::{LEVELS, Runtime};
 use crate::gpu::harness::Case;
@@ -24,8 +24,8 @@ fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
         height: grid.height,
         window: 1,
         domain: domain.kind() as u32,
-        base: domain.base(),
-        scale: domain.scale(),
+        base: domain.parts.base,
+        scale: domain.parts.scale,
         ..Unit::default()
     };
     let record = Record { at: all.stream.len() as u32, work, ..Record::default() };
@@ -67,7 +67,7 @@ fn domains() -> Vec<Domain> {
         (DomainKind::Linear, 1, 699_050),
         (DomainKind::Inverse, 402_653_183, 698_998),
     ];
-    parts.iter().filter_map(|&(kind, base, scale)| Domain::from_parts(kind, base, scale).ok()).collect()
+    parts.iter().filter_map(|&(kind, base, scale)| DomainParts { kind, base, scale }.domain().ok()).collect()
 }
 
 fn words_into(words: &[i32; 6], tail: [[u8; 4]; 2]) -> [u8; COEFFICIENT_BYTES] {

@@ -11,22 +11,21 @@ use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
 use crate::decode::{Decoder, FaceDecoder, StreamInfo};
 use crate::depth::DomainParts;
 use crate::depth::block_chunk::picture_bytes;
-use crate::depth::block_tiles::BlockTiles;
+use crate::depth::block_tiles::Layout;
 use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::node_chunk::builder::NodeChunkBuilder;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::Grid;
 use crate::depth::quantise::DepthRange;
 use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::records::Values;
 use crate::depth::settings::TemporalSettings;
+use crate::depth::storage;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::error::Result;
 use crate::gpu::decode::{GpuDecoder, UnitFrame};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::Family;
 use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::selftest::boxes::{BoxTexel, RandomLayout, random_picture};
+use crate::gpu::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
 use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
 use crate::gpu::verify::Verification;
@@ -276,11 +275,10 @@ fn unit_chunks(
                 blocks(grid, count, random)
             }
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Boxes(_), .. }) => {
-                records::<u16, Values>(size, count, random)?
+                records::<u16>(Layout::Values, size, count, random)?
             }
-            CodecHeader::Depth(_) => records::<u16, BlockTiles>(size, count, random)?,
-            CodecHeader::Material(header) if header.in_blocks => records::<[u8; 3], BlockTiles>(size, count, random)?,
-            CodecHeader::Material(_) => records::<[u8; 3], Values>(size, count, random)?,
+            CodecHeader::Depth(_) => records::<u16>(Layout::BlockTiles, size, count, random)?,
+            CodecHeader::Material(header) => records::<[u8; 3]>(header.layout(), size, count, random)?,
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 cells(&header.cell_of_bytes(size), count, last, random)?
             }
@@ -308,9 +306,9 @@ fn record_frames(count: u32, random: &mut Random) -> Vec<u32> {
 }
 
 fn nodes(grid: Grid, count: u32, random: &mut Random) -> Result<Vec<u8>> {
-    let mut builder = NodeChunkBuilder::new(grid);
+    let mut builder = TableBuilder::default();
     for frame in record_frames(count, random) {
-        builder.push(frame, &random_nodes(grid, frame > 0, random));
+        storage::write_record(grid, &random_nodes(grid, frame > 0, random), builder.begin(frame));
     }
     builder.finish()
 }
@@ -336,11 +334,11 @@ fn blocks(grid: Grid, count: u32, random: &mut Random) -> Vec<u8> {
 }
 
 /// Records of all kinds, also those that no encoder of ours writes.
-fn records<T: BoxTexel, L: RandomLayout<T>>(size: [u32; 2], count: u32, random: &mut Random) -> Result<Vec<u8>> {
+fn records<T: BoxTexel>(layout: Layout, size: [u32; 2], count: u32, random: &mut Random) -> Result<Vec<u8>> {
     let mut table = TableBuilder::default();
     for frame in record_frames(count, random) {
         let kind = if frame == 0 || random.one_in(5) { random.below(2) } else { 2 };
-        let boxes = if kind == 2 { L::boxes(size, random) } else { Vec::new() };
+        let boxes = if kind == 2 { random_boxes_in(layout, size, random) } else { Vec::new() };
         let data = table.begin(frame);
         data.extend_from_slice(&[kind as u8, 0]);
         data.extend_from_slice(&(boxes.len() as u16).to_le_bytes());
@@ -348,9 +346,9 @@ fn records<T: BoxTexel, L: RandomLayout<T>>(size: [u32; 2], count: u32, random: 
             [b.x, b.y, b.width, b.height].iter().for_each(|value| data.extend_from_slice(&value.to_le_bytes()));
         }
         match kind {
-            0 => L::put(size, random, data),
+            0 => put_random::<T>(layout, size, random, data),
             1 => T::random(random).put(data),
-            _ => boxes.iter().for_each(|b| L::put([b.width, b.height].map(u32::from), random, data)),
+            _ => boxes.iter().for_each(|b| put_random::<T>(layout, [b.width, b.height].map(u32::from), random, data)),
         }
     }
     table.finish()

@@ -52,7 +52,7 @@ pub fn run(bytes: &[u8]) -> Judged {
 }
 
 pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
-    let open = || Reader::from_memory_with(bytes.to_vec(), limits);
+    let open = || Reader::from_source(std::sync::Arc::new(bytes.to_vec()), "", limits);
     let reader = match open() {
         Ok(reader) => reader,
         Err(error) => return refused(&error),
@@ -82,7 +82,7 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
 
 /// Packing copies chunks, which need be no more than whole.
 fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
-    let reader = Reader::from_memory_with(bytes.to_vec(), limits);
+    let reader = Reader::from_source(std::sync::Arc::new(bytes.to_vec()), "", limits);
     let Ok(reader) = reader else { return Ok(Verdict::Refused) };
     let readers = [reader];
     if readers[0].index().streams.iter().any(|stream| stream.codec == *b"DQTR") {

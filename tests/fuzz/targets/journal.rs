@@ -19,22 +19,21 @@ pub fn run(bytes: &[u8]) -> Judged {
         Err(error) => return refused(&error),
     };
     let (Some(journal), Some(container)) =
-        (journal.get(..found.journal_bytes() as usize), container.get(..found.container_bytes() as usize))
+        (journal.get(..found.journal_bytes as usize), container.get(..found.container_bytes as usize))
     else {
         return Err(format!("more is sound than there is: {found:?}"));
     };
     let whole = |entry: &lightfold::container::ChunkEntry| {
-        entry.offset + u64::from(entry.stored_bytes) <= found.container_bytes()
+        entry.offset + u64::from(entry.stored_bytes) <= found.container_bytes
     };
-    if !found.chunks().iter().all(|chunk| whole(&chunk.entry)) {
+    if !found.chunks.iter().all(|chunk| whole(&chunk.entry)) {
         return Err(format!("a chunk lies beyond what is sound: {found:?}"));
     }
     match recover(journal, container) {
         Ok(Some(again))
-            if again.chunks() == found.chunks()
-                && again.notes().eq(found.notes())
-                && (again.container_bytes(), again.journal_bytes())
-                    == (found.container_bytes(), found.journal_bytes()) =>
+            if again.chunks == found.chunks
+                && again.notes == found.notes
+                && (again.container_bytes, again.journal_bytes) == (found.container_bytes, found.journal_bytes) =>
         {
             Ok(Verdict::Accepted)
         }

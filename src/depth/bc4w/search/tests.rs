@@ -1,3 +1,5 @@
+mod literal;
+
 use rayon::prelude::*;
 
 use super::*;

@@ -1,0 +1,58 @@
+//! Cuts the frames of a unit into chunks, each with a keyframe first.
+
+use crate::container::EncodedChunk;
+use crate::depth::record_table::builder::TableBuilder;
+use crate::error::Result;
+
+/// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
+pub const CLOSE_AT_BYTES: usize = 256 << 20;
+
+#[derive(Debug)]
+pub struct OpenChunk {
+    keyframe_interval: u32,
+    records: TableBuilder,
+    first_frame: u32,
+    next_frame: u32,
+}
+
+impl OpenChunk {
+    pub fn new(keyframe_interval: u32) -> OpenChunk {
+        OpenChunk { keyframe_interval, records: TableBuilder::default(), first_frame: 0, next_frame: 0 }
+    }
+
+    /// Counts the next frame. Answers the chunk that it closes, if any.
+    pub fn next(&mut self) -> Result<Option<EncodedChunk>> {
+        let is_full = self.frame_count() >= self.keyframe_interval || self.records.bytes() >= CLOSE_AT_BYTES;
+        let finished = if is_full { self.finish()? } else { None };
+        self.next_frame += 1;
+        Ok(finished)
+    }
+
+    fn frame_count(&self) -> u32 {
+        self.next_frame - self.first_frame
+    }
+
+    /// The frame that was counted last, from the keyframe on, which is 0.
+    pub fn frame(&self) -> u32 {
+        self.frame_count() - 1
+    }
+
+    pub fn records(&mut self) -> &mut TableBuilder {
+        &mut self.records
+    }
+
+    /// Starts the record of the frame that was counted last.
+    pub fn record(&mut self) -> &mut Vec<u8> {
+        self.records.begin(self.next_frame - 1 - self.first_frame)
+    }
+
+    pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
+        let (first_frame, frame_count) = (self.first_frame, self.frame_count());
+        self.first_frame = self.next_frame;
+        let records = std::mem::take(&mut self.records);
+        if frame_count == 0 {
+            return Ok(None);
+        }
+        Ok(Some(EncodedChunk { first_frame, frame_count, payload: records.finish()? }))
+    }
+}
