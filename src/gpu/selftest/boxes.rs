@@ -157,7 +157,7 @@ pub(super) fn cases<T: BoxTexel>(layout: Layout, seed: u64) -> Vec<Case> {
         push::<T>(&mut odd, layout, size, &boxes, 2, random);
     }
     for _ in 0..4 {
-        let boxes = L::boxes([1024; 2], random);
+        let boxes = random_boxes_in(layout, [1024; 2], random);
         push::<T>(&mut large, layout, [1024; 2], &boxes, 1, random);
     }
     vec![small.case("columns that share words"), odd.case("random boxes"), large.case("units of 1024x1024")]
