@@ -226,7 +226,7 @@ impl Work<'_> {
         };
         let goes_on = recovered.is_some();
         let intact =
-            recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes() });
+            recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
         let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);
