@@ -2,7 +2,7 @@
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::cli::encode::Encodes;
+use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
@@ -41,11 +41,11 @@ pub enum Command {
     /// Encode a dataset into one container
     Encode(encode::Args),
     /// Encode one colour sequence
-    EncodeColor(encode_color::Args),
+    EncodeColor(EncodeSequence<encode_color::Args>),
     /// Encode one depth sequence
-    EncodeDepth(encode_depth::Args),
+    EncodeDepth(EncodeSequence<encode_depth::Args>),
     /// Build quadtrees of one depth sequence, to pack at any error bound
-    Quadtree(quadtree::Args),
+    Quadtree(EncodeSequence<quadtree::Args>),
     /// Encode one depth sequence as BC4w blocks at a fixed 4:1, and measure their PSNR
     Bc4w(bc4w::Args),
     /// Join containers, recompress them, or pack quadtrees at an error bound

@@ -88,7 +88,6 @@ pub struct Args {
     pub cameras: CameraArgs,
 }
 
-/// `--format`.
 const FORMATS: &Choices<FileFormat> = &[("exr", FileFormat::Exr, "OpenEXR"), ("png", FileFormat::Png, "PNG")];
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -213,7 +212,6 @@ fn open_device(args: &Args, global: &GlobalArgs) -> Result<Option<Gpu>> {
     args.gpu.open(choice, global)
 }
 
-/// Images to be written.
 pub struct Export<'a> {
     pub source: &'a dyn ImageSource,
     pub decoder: &'a Decoder,
@@ -304,7 +302,6 @@ struct Document<'a> {
     verification: Option<&'a Verification>,
 }
 
-/// Results of a run.
 struct Run<'a> {
     decoder: &'a Decoder,
     decoded: &'a Decoded,

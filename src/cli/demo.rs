@@ -51,7 +51,6 @@ pub struct Args {
 /// Samples of a pixel's colour: a quarter of the default, for a short capture.
 const SAMPLES: u32 = 4;
 
-/// Output paths.
 struct Places {
     scene: PathBuf,
     container: PathBuf,
@@ -81,7 +80,6 @@ impl Places {
     }
 }
 
-/// Figures of the demo.
 #[derive(Serialize)]
 struct Report {
     bytes: u64,
@@ -95,7 +93,6 @@ struct Report {
     commands: [String; 4],
 }
 
-/// Figures of one kind of streams.
 #[derive(Serialize)]
 struct KindReport {
     kind: &'static str,

@@ -21,7 +21,6 @@ pub struct GpuArgs {
     pub list_devices: bool,
 }
 
-/// `--device`.
 pub const DEVICES: &Choices<DeviceChoice> = &[
     ("auto", DeviceChoice::Auto, "A hardware graphics device if there is one, else the CPU"),
     ("gpu", DeviceChoice::Gpu, "A graphics device, or an error without one"),
@@ -62,7 +61,6 @@ pub fn or_on_cpu<T>(
     }
 }
 
-/// Prints the list of devices.
 pub fn list(as_json: bool) -> Result<ExitStatus> {
     let devices = device::list();
     if as_json {

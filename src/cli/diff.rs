@@ -72,7 +72,6 @@ pub struct Args {
     pub reading: SideArgs,
 }
 
-/// `--ssim`.
 const SSIM: &Choices<SsimFrames> = &[
     ("every", SsimFrames::Every, "Every frame"),
     ("sampled", SsimFrames::Sampled, "The first, the middle and the last"),

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs, Target, Unfinished,
-    check_stdout, parse_kind,
+    ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs, SequenceInputArgs, Target,
+    Unfinished, check_stdout, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -64,6 +64,43 @@ pub trait Encodes {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
     fn open(&self, options: &SourceOptions) -> Result<Source>;
     fn target(&self) -> Target<'_>;
+}
+
+/// What is coded from one image sequence.
+pub trait SequenceCodec: clap::Args {
+    const KIND: StreamKind;
+    fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()>;
+}
+
+/// A command that encodes one image sequence.
+#[derive(Debug, clap::Args)]
+pub struct EncodeSequence<C: SequenceCodec> {
+    #[command(flatten)]
+    output: OutputArgs,
+    #[command(flatten)]
+    resume: ResumeArgs,
+    #[command(flatten)]
+    input: SequenceInputArgs,
+    #[command(flatten)]
+    codec: C,
+}
+
+impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
+    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
+        let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+        self.codec.apply(&mut options, &mut settings)?;
+        self.input.apply(&mut options, &mut settings);
+        self.output.store.apply(&mut settings);
+        Ok((options, settings))
+    }
+
+    fn open(&self, options: &SourceOptions) -> Result<Source> {
+        self.input.open(C::KIND, options)
+    }
+
+    fn target(&self) -> Target<'_> {
+        self.output.target(self.resume)
+    }
 }
 
 impl Encodes for Args {

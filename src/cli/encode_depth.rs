@@ -1,8 +1,8 @@
 //! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
 
-use crate::cli::encode::Encodes;
-use crate::cli::options::{DepthArgs, SequenceArgs, Target};
-use crate::dataset::source::{Source, SourceOptions};
+use crate::cli::encode::SequenceCodec;
+use crate::cli::options::DepthArgs;
+use crate::dataset::source::SourceOptions;
 use crate::encode::EncodeSettings;
 use crate::error::Result;
 use crate::image::StreamKind;
@@ -17,24 +17,13 @@ use crate::image::StreamKind;
     layer.")]
 pub struct Args {
     #[command(flatten)]
-    pub sequence: SequenceArgs,
-    #[command(flatten)]
     pub depth: DepthArgs,
 }
 
-impl Encodes for Args {
-    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
-        let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-        self.depth.apply(&mut options, &mut settings)?;
-        self.sequence.apply(&mut options, &mut settings);
-        Ok((options, settings))
-    }
+impl SequenceCodec for Args {
+    const KIND: StreamKind = StreamKind::Depth;
 
-    fn open(&self, options: &SourceOptions) -> Result<Source> {
-        self.sequence.input.open(StreamKind::Depth, options)
-    }
-
-    fn target(&self) -> Target<'_> {
-        self.sequence.target()
+    fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
+        self.depth.apply(source, settings)
     }
 }

@@ -14,7 +14,6 @@ pub struct Args {
 pub struct Page {
     /// Such as `lightfold-encode.1`.
     pub name: String,
-    /// Troff.
     pub text: Vec<u8>,
 }
 

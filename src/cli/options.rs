@@ -22,5 +22,5 @@ pub use material::MaterialArgs;
 pub use number::{parse_not_negative, parse_number_where, parse_positive};
 pub use output::{MemoryArgs, OutputArgs, ResumeArgs, StoreArgs, Target, Unfinished, check_stdout};
 pub use selection::{FrameArgs, SelectionArgs, parse_face, parse_kind};
-pub use sequence::{COLOR_SPACES, ImageArgs, SequenceArgs, SequenceInputArgs};
+pub use sequence::{COLOR_SPACES, ImageArgs, SequenceInputArgs};
 pub use side::SideArgs;

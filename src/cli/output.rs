@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::files::OutputFile;
 use crate::report::machine;
 
 /// Whether the reader of our output has closed it, which is not a failure.
@@ -18,10 +19,14 @@ pub fn name_output(error: Error, path: &Path) -> Error {
     if matches!(error, Error::Io { .. }) { error.in_file(path) } else { error }
 }
 
-/// Prints a result as JSON on standard output.
-pub fn print_json(value: &impl Serialize) -> Result<()> {
+/// A result as JSON text.
+pub fn json_text(value: &impl Serialize) -> Result<String> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-    print_text(&format!("{text}\n"))
+    Ok(text + "\n")
+}
+
+pub fn print_json(value: &impl Serialize) -> Result<()> {
+    print_text(&json_text(value)?)
 }
 
 /// Prints a report as JSON on standard output, with the peak memory of this process where the system reports it.
@@ -36,7 +41,6 @@ pub fn print_report(report: &impl Serialize) -> Result<()> {
     print_json(&WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() })
 }
 
-/// Prints a line on standard error, ignoring errors.
 pub fn note(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_option_names(&line.to_string()));
 }
@@ -44,6 +48,13 @@ pub fn note(line: impl std::fmt::Display) {
 pub fn print_text(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
+}
+
+/// Writes a file whole, `-` for standard output.
+pub fn write_file(path: &Path, text: &str) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.write_all(text.as_bytes()).map_err(|error| Error::io(path, error))?;
+    file.commit()
 }
 
 /// A size with a decimal unit, as `1.25 MB`.

@@ -14,8 +14,8 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::error::{Error, Result};
-use crate::files::{OutputFile, OutputFolder};
+use crate::error::Result;
+use crate::files::OutputFolder;
 use crate::placement::report::DecayPlacement;
 use crate::placement::search::{self, Extent};
 use crate::placement::{Lighting, Placement, Region, Search};
@@ -140,16 +140,10 @@ fn write(report: &Report<'_>) -> Result<Vec<PathBuf>> {
         out.commit()?;
     }
     if let Some(path) = &args.csv {
-        put(path, &report.csv()?)?;
+        output::write_file(path, &report.csv()?)?;
         files.push(path.clone());
     }
-    put(&args.output, &report.set.to_json()?)?;
+    output::write_file(&args.output, &report.set.to_json()?)?;
     files.push(args.output.clone());
     Ok(files)
-}
-
-fn put(path: &Path, text: &str) -> Result<()> {
-    let mut file = OutputFile::create(path)?;
-    std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
-    file.commit()
 }

@@ -1,8 +1,8 @@
 //! `lightfold quadtree SEQ -o OUT`: one depth sequence as quadtrees, to be packed at any error bound.
 
-use crate::cli::encode::Encodes;
-use crate::cli::options::{DepthUnitArgs, DomainArgs, ModelArgs, SequenceArgs, Target};
-use crate::dataset::source::{Source, SourceOptions};
+use crate::cli::encode::SequenceCodec;
+use crate::cli::options::{DepthUnitArgs, DomainArgs, ModelArgs};
+use crate::dataset::source::SourceOptions;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::image::StreamKind;
@@ -14,8 +14,6 @@ use crate::image::StreamKind;
     The intermediate form holds every code and the modelling functions of every node. It decodes without loss; \
     `lightfold pack` reduces it to any error bound up to --max-error.")]
 pub struct Args {
-    #[command(flatten)]
-    pub sequence: SequenceArgs,
     /// Largest error of a modelling function in 16-bit log codes, and so the largest bound to pack at
     #[arg(long, value_name = "CODES", default_value_t = 300, help_heading = "Depth",
         value_parser = clap::value_parser!(u16).range(..=65534))]
@@ -28,23 +26,15 @@ pub struct Args {
     pub units: DepthUnitArgs,
 }
 
-impl Encodes for Args {
-    fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
-        let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-        self.model.apply(&mut settings);
-        self.units.apply(&mut options, &mut settings);
-        self.sequence.apply(&mut options, &mut settings);
+impl SequenceCodec for Args {
+    const KIND: StreamKind = StreamKind::Depth;
+
+    fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
+        self.model.apply(settings);
+        self.units.apply(source, settings);
         settings.depth.domain = self.domain.depth_domain;
         settings.depth.codec = DepthCodec::Tree;
         settings.depth.error = ErrorBound::Codes(self.max_error);
-        Ok((options, settings))
-    }
-
-    fn open(&self, options: &SourceOptions) -> Result<Source> {
-        self.sequence.input.open(StreamKind::Depth, options)
-    }
-
-    fn target(&self) -> Target<'_> {
-        self.sequence.target()
+        Ok(())
     }
 }

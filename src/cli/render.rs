@@ -42,7 +42,6 @@ use options::{METHODS, Method};
 use pictures::{Job, PictureName, Pictures};
 use truth::TruthRun;
 
-/// Default height.
 const DEFAULT_SIZE: u32 = 512;
 
 /// Bytes of an image on a contact sheet.
@@ -152,7 +151,6 @@ enum MethodRenderer<'g> {
 }
 
 impl MethodRenderer<'_> {
-    /// The renderer of a job.
     fn prepare(&mut self, job: &Job, truth: &mut Option<TruthRun>) -> Result<&mut dyn Renderer> {
         match self {
             MethodRenderer::March(renderer) => {

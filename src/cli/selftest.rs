@@ -42,7 +42,6 @@ pub struct Args {
     pub json: bool,
 }
 
-/// Results of a device.
 struct Tested {
     info: DeviceInfo,
     kernels: Vec<KernelReport>,
@@ -118,7 +117,6 @@ struct Document<'a> {
     failed: bool,
 }
 
-/// A report of one device.
 #[derive(Serialize)]
 struct OnDevice<'a, T> {
     device: &'a str,

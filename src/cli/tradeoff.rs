@@ -13,11 +13,11 @@ mod tiles;
 
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::error::Result;
+use crate::scene::Scene;
 
 pub use args::Args;
 pub use child::end_with_parent;
 
-/// Measures, recommends, or both.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.list_knobs {
         text::list_knobs(args.json)?;
@@ -25,7 +25,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let demands = args.recommend.demands()?;
     match (&args.input, demands) {
-        (Some(scene), _) if placement::is_scene(scene) => placement::measure(args, scene, global),
+        (Some(scene), _) if Scene::is_named_by(scene) => placement::measure(args, scene, global),
         (Some(dataset), _) if rendering::is_asked(args) => rendering::measure(args, dataset, global),
         (Some(input), demands) => coding::measure(args, input, demands, global),
         (None, Some(demands)) => {

@@ -90,7 +90,6 @@ pub struct Args {
     pub json: bool,
 }
 
-/// `--projection`.
 const PROJECTIONS: &Choices<Projection> = &[
     ("cube", Projection::Cubemap, "Six faces of an OpenGL cube map"),
     ("equirect", Projection::Equirect, "Longitude across, latitude down"),
@@ -114,7 +113,6 @@ const DEPTHS: &Choices<DepthKind> = &[
     ("planar", DepthKind::Planar, "Along the viewing axis"),
 ];
 
-/// Parses `256` or `640x480`.
 pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
     let side = |text: &str| text.parse::<u32>().ok().filter(|side| *side > 0);
     let size = match text.split_once('x') {

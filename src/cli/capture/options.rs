@@ -27,7 +27,6 @@ pub enum Viewers {
 }
 
 impl Args {
-    /// The cameras, and whether they are viewers.
     pub(super) fn read_cameras(&self) -> Result<(CameraSet, Viewers)> {
         let Some(path) = &self.cameras else {
             let cameras = self.position.iter().map(|position| self.camera_at(*position)).collect::<Result<_>>()?;
@@ -49,7 +48,6 @@ impl Args {
         Ok(PlacedCamera { orientation: camera.orientation(), ..at })
     }
 
-    /// Notes about the capture.
     pub(super) fn notes(&self, scene: &Scene, plan: &CapturePlan) -> Vec<String> {
         let mut notes = Vec::new();
         if let Scene::Model(model) = scene

@@ -81,7 +81,6 @@ impl Args {
     }
 }
 
-/// An inspected container.
 pub struct Report<'a> {
     pub args: &'a Args,
     pub decoder: &'a Decoder,

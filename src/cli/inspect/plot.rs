@@ -73,7 +73,6 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
     Ok(plots)
 }
 
-/// The list of written images.
 pub fn text(args: &Args, folder: &Path, plots: &[PlotOut<'_>]) -> String {
     let mut out = String::new();
     if plots.len() <= MAX_LINES {

@@ -272,7 +272,6 @@ fn setting(stats: &StreamStats<'_>) -> String {
     }
 }
 
-/// The report of `--per-frame`.
 pub fn frames(report: &Report<'_>) -> String {
     let mut table = Table::new("Probe|Kind|Face|>Frame|>Keys|>AABBs|>Updated pixels|>%|>Bytes");
     for row in report.inspection.frame_reports(report.decoder) {
@@ -291,7 +290,6 @@ pub fn frames(report: &Report<'_>) -> String {
     format!("{}\n{table}", heading(report))
 }
 
-/// Result of `--verify`.
 pub fn verdict(report: &Report<'_>) -> String {
     let inspection = report.inspection;
     let all = inspection.totals(None);

@@ -13,7 +13,6 @@ use crate::evaluate::camera_path::TimedCamera;
 use crate::math::{Camera, Lens};
 use crate::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 
-/// Parses `x,y,z`.
 pub fn parse_point(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|number| number.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect();
@@ -23,7 +22,6 @@ pub fn parse_point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// Parses `16/9`, `16:9` or `1.78`.
 pub fn parse_aspect(text: &str) -> Result<f64, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let ratio = match text.split_once(['/', ':']) {

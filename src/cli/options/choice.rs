@@ -18,7 +18,6 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(choices: &'static Choices<T>) -> 
     })
 }
 
-/// The word of a value.
 pub fn word_of<T: PartialEq>(choices: &Choices<T>, value: &T) -> &'static str {
     choices.iter().find(|(_, other, _)| other == value).map_or("", |(word, ..)| *word)
 }

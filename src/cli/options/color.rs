@@ -23,10 +23,8 @@ const BLOCKS: &Choices<KeyframeBlocks> = &[
     ("bc6h", Some(ColorBlocks::Bc6h), "16 bytes for 4x4 pixels of half floats"),
 ];
 
-/// `--transfer`.
 const TRANSFERS: &Choices<Transfer> = &[("srgb", Transfer::Srgb, "sRGB curve"), ("linear", Transfer::Linear, "Linear")];
 
-/// `--invalid-color`.
 pub const INVALID_COLORS: &Choices<InvalidColor> =
     &[("refuse", InvalidColor::Refuse, "Fail with file and pixel"), ("black", InvalidColor::Black, "Replace by black")];
 
@@ -71,7 +69,6 @@ pub struct ColorArgs {
 }
 
 impl ColorArgs {
-    /// Puts the options where the encoder reads them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
         let blocks = self.color_block;
         let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));

@@ -13,7 +13,6 @@ use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use crate::error::Result;
 use crate::image::DepthKind;
 
-/// Parses a background: a finite float, or +inf.
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
     if value == f32::INFINITY && !text.contains("inf") || value == f32::NEG_INFINITY || value.is_nan() {
@@ -22,8 +21,7 @@ pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
     Ok(value)
 }
 
-/// `--depth-codec`.
-const CODECS: &Choices<DepthCodec> = &[
+const DEPTH_CODECS: &Choices<DepthCodec> = &[
     (
         "quadtree",
         DepthCodec::Quadtree,
@@ -36,8 +34,7 @@ const CODECS: &Choices<DepthCodec> = &[
 /// `--depth-block`.
 const BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes for 4x4 pixels")];
 
-/// `--depth-domain`.
-const DOMAINS: &Choices<DomainKind> = &[
+const DEPTH_DOMAINS: &Choices<DomainKind> = &[
     ("log", DomainKind::Log, "Log codes"),
     ("linear", DomainKind::Linear, "Metres"),
     ("inverse", DomainKind::Inverse, "Inverse metres, in which planes are exact"),
@@ -50,25 +47,22 @@ const GOALS: &Choices<Decide> = &[
     ("size", Decide::Size, "The fewest bytes"),
 ];
 
-/// `--invalid-depth`.
 const INVALID_DEPTHS: &Choices<InvalidDepth> = &[
     ("refuse", InvalidDepth::Refuse, "Fail with file and pixel"),
     ("far", InvalidDepth::Far, "Replace by background"),
     ("near", InvalidDepth::Near, "Replace by the nearest distance"),
 ];
 
-/// `--depth-kind`, and `--depth` of capture.
-pub const DEPTH_KINDS: &Choices<DepthKind> = &[
+const DEPTH_KINDS: &Choices<DepthKind> = &[
     ("distance", DepthKind::Distance, "Distance from the probe"),
     ("planar", DepthKind::Planar, "Along the viewing axis"),
 ];
 
-/// How depth is read and coded.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthArgs {
     /// Depth codec
-    #[arg(long, value_name = "CODEC", value_parser = one_of(CODECS), default_value = "quadtree")]
+    #[arg(long, value_name = "CODEC", value_parser = one_of(DEPTH_CODECS), default_value = "quadtree")]
     pub depth_codec: DepthCodec,
     /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
     /// defaults to 100
@@ -95,16 +89,14 @@ pub struct DepthArgs {
     pub units: DepthUnitArgs,
 }
 
-/// Domain of the modelling functions.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DomainArgs {
     /// Domain of the modelling functions; log if near and far are too close for another
-    #[arg(long, value_name = "DOMAIN", value_parser = one_of(DOMAINS), default_value = "log")]
+    #[arg(long, value_name = "DOMAIN", value_parser = one_of(DEPTH_DOMAINS), default_value = "log")]
     pub depth_domain: DomainKind,
 }
 
-/// How functions are chosen for nodes.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
@@ -117,7 +109,6 @@ pub struct ModelArgs {
     pub min_children: u8,
 }
 
-/// When pixels are updated.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthStepArgs {
@@ -131,7 +122,6 @@ pub struct DepthStepArgs {
     pub update_threshold: Option<u16>,
 }
 
-/// Tiles, keyframes and range of depth, and how files are read.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthUnitArgs {
@@ -156,7 +146,6 @@ pub struct DepthUnitArgs {
     pub reading: DepthReadingArgs,
 }
 
-/// Error bound of packing.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct BoundArgs {
@@ -170,13 +159,11 @@ pub struct BoundArgs {
 }
 
 impl BoundArgs {
-    /// The bound, if one was given.
     pub fn get(self) -> Option<ErrorBound> {
         self.max_error.map(ErrorBound::Codes).or(self.max_error_relative.map(ErrorBound::Relative))
     }
 }
 
-/// Parses a share: `0.1%` or `0.001`.
 pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
     let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
@@ -187,7 +174,6 @@ pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
     Ok(share)
 }
 
-/// How depth files are read.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthReadingArgs {
@@ -206,7 +192,6 @@ pub struct DepthReadingArgs {
 }
 
 impl DepthArgs {
-    /// Puts the options where the encoder reads them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
         settings.depth.codec = match (self.depth_codec, self.depth_block) {
             (codec, false) => codec,
@@ -242,7 +227,6 @@ impl DepthArgs {
 }
 
 impl ModelArgs {
-    /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
         settings.depth.decide = self.optimize;
         settings.depth.min_children = self.min_children;
@@ -250,7 +234,6 @@ impl ModelArgs {
 }
 
 impl DepthStepArgs {
-    /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
         settings.temporal.window = self.depth_window;
         settings.temporal.epsilon = self.update_threshold.unwrap_or(0);
@@ -258,7 +241,6 @@ impl DepthStepArgs {
 }
 
 impl DepthUnitArgs {
-    /// Puts the options where the reader of files and the encoder find them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         settings.temporal.keyframe_interval = self.keyframe_interval;
         settings.tiles = match (self.depth_tile, self.tiles) {
@@ -273,7 +255,6 @@ impl DepthUnitArgs {
 }
 
 impl DepthReadingArgs {
-    /// Puts the options where the reader of files finds them.
     pub fn apply(&self, source: &mut SourceOptions) {
         source.depth_scale = self.depth_scale;
         source.background = self.background;

@@ -6,7 +6,6 @@ use super::choice::{Choices, one_of};
 use crate::effort::Effort;
 use crate::encode::EncodeSettings;
 
-/// `--effort`.
 pub const EFFORTS: &Choices<Effort> = &[
     ("fast", Effort::Fast, "Faster, with a small loss"),
     ("normal", Effort::Normal, "Close to the result of exhaustive"),
@@ -21,7 +20,6 @@ pub struct EffortArgs {
 }
 
 impl EffortArgs {
-    /// Puts the option where the encoder reads it; after those of depth and colour.
     pub fn apply(self, settings: &mut EncodeSettings) {
         settings.search.effort = self.effort;
         settings.depth.effort = self.effort;

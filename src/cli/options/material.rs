@@ -23,7 +23,6 @@ pub struct MaterialArgs {
 }
 
 impl MaterialArgs {
-    /// Puts the options where the encoder reads them.
     pub fn apply(self, settings: &mut EncodeSettings) {
         let usual = if self.material_block { USUAL_ERROR_IN_BLOCKS } else { 0 };
         let epsilon = self.material_error.unwrap_or(usual);

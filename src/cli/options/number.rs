@@ -1,6 +1,5 @@
 //! Numbers on the command line: finite, and in their range.
 
-/// Parses a finite number.
 pub fn parse_number(text: &str) -> Result<f64, String> {
     let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
     value.ok_or_else(|| format!("'{text}' is no number"))

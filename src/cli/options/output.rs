@@ -40,7 +40,6 @@ pub struct MemoryArgs {
 }
 
 impl MemoryArgs {
-    /// The budget.
     pub fn get(self) -> Budget {
         self.memory.unwrap_or(Budget::UNLIMITED)
     }
@@ -55,7 +54,6 @@ pub struct ResumeArgs {
 }
 
 impl StoreArgs {
-    /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
         settings.lzma2 = self.lzma2;
         settings.memory = self.memory.get();

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use super::{EffortArgs, FrameArgs, OutputArgs, ResumeArgs, Target, parse_face};
+use super::{EffortArgs, FrameArgs, parse_face};
 use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
@@ -12,7 +12,6 @@ use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::image::png::ColorSpace;
 
-/// `--color-space`.
 pub const COLOR_SPACES: &Choices<ColorSpace> =
     &[("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709"), ("srgb", ColorSpace::Srgb, "sRGB codes")];
 
@@ -24,30 +23,6 @@ const LAYOUTS: &Choices<Arrangement> = &[
     ("equirect", Arrangement::Equirect, "Longitude and latitude, resampled to six faces"),
 ];
 
-/// Options of every command that encodes one sequence into a container.
-#[derive(Debug, Clone, Args)]
-pub struct SequenceArgs {
-    #[command(flatten)]
-    pub output: OutputArgs,
-    #[command(flatten)]
-    pub resume: ResumeArgs,
-    #[command(flatten)]
-    pub input: SequenceInputArgs,
-}
-
-impl SequenceArgs {
-    /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
-    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
-        self.input.apply(source, settings);
-        self.output.store.apply(settings);
-    }
-
-    pub fn target(&self) -> Target<'_> {
-        self.output.target(self.resume)
-    }
-}
-
-/// An image sequence to encode.
 #[derive(Debug, Clone, Args)]
 pub struct SequenceInputArgs {
     /// The sequence: a pattern such as name.%04d.exr or name.####.exr, a folder, or one file

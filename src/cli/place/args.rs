@@ -108,7 +108,6 @@ pub struct Args {
 const DEFAULT_THETA_DEG: f64 = 50.0;
 const SPECULAR: Lighting = Lighting::Specular { theta_deg: DEFAULT_THETA_DEG };
 
-/// `--lighting`.
 const LIGHTINGS: &Choices<Lighting> = &[
     ("diffuse", Lighting::Diffuse, "Equal from all directions: one camera covers a surface"),
     ("specular", SPECULAR, "Glossy or mirroring: directions above a surface are covered"),

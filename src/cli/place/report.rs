@@ -26,7 +26,6 @@ pub struct Document<'a> {
     files: &'a [PathBuf],
 }
 
-/// Results of a run.
 pub struct Report<'a> {
     pub args: &'a Args,
     pub search: &'a Search<'a>,

@@ -84,7 +84,6 @@ pub struct Args {
 }
 
 impl Args {
-    /// Number of results on standard output, without the report.
     pub fn results_to_stdout(&self) -> usize {
         let paths = [&self.output, &self.contact_sheet, &self.views.trace];
         paths.into_iter().flatten().filter(|path| *path == Path::new("-")).count()

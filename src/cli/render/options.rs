@@ -19,7 +19,6 @@ pub enum Method {
     Reproject,
 }
 
-/// `--method`.
 pub const METHODS: &Choices<Method> = &[
     ("march", Method::March, "March rays through all active views"),
     ("splat", Method::Splat, "Baseline: each texel as a point of one pixel"),
@@ -30,27 +29,23 @@ pub const METHODS: &Choices<Method> = &[
     ),
 ];
 
-/// `--holes`.
 const HOLES: &Choices<HoleFill> = &[
     ("blank", HoleFill::Blank, "Transparent black"),
     ("nearest", HoleFill::Nearest, "The nearest texel; alpha stays 0"),
 ];
 
-/// `--effects`.
 const EFFECTS: &Choices<SpecularMode> = &[
     ("auto", SpecularMode::Auto, "If the light field has reflective or refractive materials"),
     ("none", SpecularMode::None, "Never; views are blended"),
     ("force", SpecularMode::Force, "Always, for tests: slower, with the same images as auto"),
 ];
 
-/// `--acceleration`.
 const ACCELERATIONS: &Choices<Acceleration> = &[
     ("pyramid", Acceleration::Pyramid, "Skip empty space by depth pyramids; the images do not change"),
     ("none", Acceleration::None, "Sample every step"),
 ];
 
-/// `--view-priority`.
-const PRIORITIES: &Choices<ViewPriority> = &[
+const VIEW_PRIORITIES: &Choices<ViewPriority> = &[
     ("distance", ViewPriority::Distance, "By distance from the eye"),
     ("angle", ViewPriority::Angle, "By angle to the eye at --pivot"),
 ];
@@ -109,7 +104,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub views: Option<u32>,
     /// Priority of probes
-    #[arg(long, value_parser = one_of(PRIORITIES), default_value = "distance")]
+    #[arg(long, value_parser = one_of(VIEW_PRIORITIES), default_value = "distance")]
     pub view_priority: ViewPriority,
     /// Vertex of the angles between probes, in metres [default: the centre of all probes]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
@@ -142,7 +137,6 @@ pub struct TruthArgs {
     pub error_map: Option<PathBuf>,
 }
 
-/// Parses metres that are normal as 32-bit floats.
 fn parse_metres(text: &str) -> Result<f64, String> {
     parse_positive(text)?;
     parse_number_where(text, |metres| (metres as f32).is_normal(), "metres between 1e-37 and 1e38 were expected")

@@ -43,7 +43,6 @@ impl Frames {
     }
 }
 
-/// Results of a run.
 pub struct Report<'a> {
     pub args: &'a Args,
     pub summary: PlaybackSummary,
@@ -65,7 +64,6 @@ pub struct Report<'a> {
     pub truth: Option<&'a TruthRun>,
 }
 
-/// The JSON report.
 #[derive(Serialize)]
 struct Document<'a> {
     seconds: f64,

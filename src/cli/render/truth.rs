@@ -34,7 +34,6 @@ pub struct TruthRun {
     images: Vec<ImageReport>,
 }
 
-/// The similarity of an image.
 #[derive(Serialize)]
 struct ImageReport {
     #[serde(flatten)]
@@ -44,7 +43,6 @@ struct ImageReport {
     frame: u32,
 }
 
-/// The similarity of all images.
 #[derive(Serialize)]
 pub struct TruthReport<'a> {
     #[serde(flatten)]
@@ -136,7 +134,6 @@ impl TruthRun {
         job.references.iter().map(of).collect()
     }
 
-    /// Compares the images of a job.
     pub fn compare(&mut self, job: &Job, pictures: &[RenderedImage], tone: ToneMap) -> Result<()> {
         for ((&image, name), rendered) in job.references.iter().zip(&job.names).zip(pictures) {
             let truth = self.reference.truth(image, job.request.frame)?;
@@ -160,7 +157,6 @@ impl TruthRun {
         Ok(())
     }
 
-    /// Commits the error maps.
     pub fn commit(&mut self) -> Result<()> {
         self.maps.take().map_or(Ok(()), OutputFolder::commit)
     }

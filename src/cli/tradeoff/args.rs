@@ -107,7 +107,6 @@ pub struct RecommendArgs {
     pub max_ratio: Option<f64>,
 }
 
-/// `--preset`.
 const PRESETS: &Choices<Preset> = &[
     ("paper", Preset::Paper, "CALF figures 7 and 8, GDC figures 5, 6 and 8"),
     ("quick", Preset::Quick, "The same in few values, without the statistics of tiles"),

@@ -96,12 +96,13 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
         args,
         global,
         start,
+        kind: &CODING,
         studies: plan.studies,
         left_out,
         about: "Less is better for bytes, time and score.".to_owned(),
         commands: Vec::new(),
     };
-    let finished = sweeping.measure(&CODING, &mut opened, |work| Box::new(CodingBench::new(&footage.input, work)))?;
+    let finished = sweeping.measure(&mut opened, |work| Box::new(CodingBench::new(&footage.input, work)))?;
     if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
             "{path}: the footage, or this program, changed while it was measured; measure again with --overwrite"

@@ -9,7 +9,6 @@ use crate::cli::{Cli, refuse};
 use crate::error::{Error, Result};
 use crate::report::tradeoff::study::Axis;
 
-/// An option that was given.
 #[derive(Debug, PartialEq)]
 pub struct FixedOption {
     /// The option without its dashes.

@@ -1,7 +1,6 @@
 //! The steps of every sweep: lock the folder, measure, write the files, print.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -10,9 +9,8 @@ use super::args::Args;
 use super::child::Children;
 use super::text;
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, output, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::error::{Error, Result};
-use crate::files::OutputFile;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
 use crate::report::tradeoff::json::Report;
@@ -33,14 +31,11 @@ impl Opened {
     /// Opens the folder of a sweep.
     pub fn new(args: &Args, kind: &'static SweepKind, store: impl FnOnce(&Path) -> Result<Store>) -> Result<Opened> {
         let folder = Folder::open(&args.output, kind)?;
-        match folder.in_the_way() {
-            Some(path) if !args.overwrite => {
-                return refuse(format!(
-                    "{}: exists and would be lost; name another folder, or replace it by --overwrite",
-                    path.display()
-                ));
-            }
-            _ => {}
+        if let Some(path) = folder.in_the_way().filter(|_| !args.overwrite) {
+            return refuse(format!(
+                "{}: exists and would be lost; name another folder, or replace it by --overwrite",
+                path.display()
+            ));
         }
         let store = store(&args.output)?;
         if args.overwrite && (store.dropped > 0 || !kind.is_resumable) {
@@ -61,18 +56,16 @@ impl Opened {
 pub struct Sweeping<'a> {
     pub args: &'a Args,
     pub global: &'a GlobalArgs,
-    /// When the command began.
     pub start: Instant,
+    pub kind: &'static SweepKind,
     pub studies: Vec<Study>,
     /// What a preset has and the input has no streams for.
     pub left_out: Vec<String>,
-    /// What the sweep is about, a sentence.
+    /// A sentence.
     pub about: String,
-    /// Commands that anyone can repeat.
     pub commands: Vec<ExampleCommand>,
 }
 
-/// A measured sweep.
 pub struct Finished<'a> {
     args: &'a Args,
     global: &'a GlobalArgs,
@@ -81,10 +74,18 @@ pub struct Finished<'a> {
 }
 
 impl<'a> Sweeping<'a> {
+    /// Measures one grid, which begins anew each time; `more` has further keys of the JSON.
+    pub fn measure_grid<'b>(self, more: Value, bench: impl FnOnce(&Path) -> Box<dyn Bench + 'b>) -> Result<ExitStatus> {
+        let knobs = self.studies.iter().flat_map(|study| &study.axes).map(|axis| axis.knob).collect();
+        let store = |folder: &Path| Ok(Store::new(self.kind, folder, knobs));
+        let mut opened = Opened::new(self.args, self.kind, store)?;
+        self.measure(&mut opened, bench)?.tell(&opened, &Extras::default(), more, "")?;
+        Ok(ExitStatus::Passed)
+    }
+
     /// Measures all points. `bench` is given the folder of unfinished work.
     pub fn measure<'b>(
         self,
-        kind: &'static SweepKind,
         opened: &mut Opened,
         bench: impl FnOnce(&Path) -> Box<dyn Bench + 'b>,
     ) -> Result<Finished<'a>> {
@@ -98,8 +99,11 @@ impl<'a> Sweeping<'a> {
         let done = schedule::measure(&self.studies, extent, lab, &progress);
         drop(progress);
         if done.is_err() && !store.rows.is_empty() {
-            let next =
-                if kind.is_resumable { "the same command goes on from there" } else { "measuring again starts over" };
+            let next = if self.kind.is_resumable {
+                "the same command goes on from there"
+            } else {
+                "measuring again starts over"
+            };
             output::note(format_args!("{}: {} points are kept; {next}", store.path().display(), store.rows.len()));
         }
         let done = done?;
@@ -111,7 +115,7 @@ impl<'a> Sweeping<'a> {
         let timed = points.iter().filter(|point| store.runs(point) > 0);
         let machine = std::iter::once(machine::describe()).chain(bench.devices().iter().cloned());
         let results = Results {
-            sweep: kind,
+            sweep: self.kind,
             input: self.args.input.clone().unwrap_or_default(),
             about: self.about,
             command_line: shell_line(&std::env::args_os().skip(1).collect::<Vec<_>>()),
@@ -145,7 +149,7 @@ impl Finished<'_> {
         if let Value::Object(more) = more {
             more.into_iter().for_each(|(key, value)| all[key] = value);
         }
-        write_json(&all, &folder.report())?;
+        output::write_file(&folder.report(), &output::json_text(&all)?)?;
         if args.json {
             output::print_json(&all)?;
         } else {
@@ -161,12 +165,4 @@ impl Finished<'_> {
             ))),
         }
     }
-}
-
-fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {
-    let text = serde_json::to_string_pretty(all).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-    let mut file = OutputFile::create(path)?;
-    writeln!(file, "{text}").map_err(|error| Error::io(path, error))?;
-    file.commit()?;
-    Ok(path.to_path_buf())
 }

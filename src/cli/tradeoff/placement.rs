@@ -1,21 +1,17 @@
 //! Sweeps of placing cameras, where the input is a scene.
 
-use std::path::Path;
 use std::time::Instant;
 
 use serde_json::json;
 
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, parse};
-use super::measure::{Opened, Sweeping};
+use super::measure::Sweeping;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::Result;
-use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::placement::{PLACEMENT, PlacementBench, RULER_SAMPLES};
 use crate::report::tradeoff::plan;
-use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::Axis;
-use crate::scene::Scene;
 
 /// Options of `place` that tradeoff gives itself.
 const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compare-k"];
@@ -23,12 +19,6 @@ const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compa
 const OF_THE_SEARCH: &[&str] =
     &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "uniform", "threads"];
 
-/// Whether a scene is meant and not footage.
-pub fn is_scene(text: &str) -> bool {
-    Scene::is_named_by(text)
-}
-
-/// Measures what placing cameras costs.
 pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     refuse_options_of_coding(args, "placing cameras in a scene")?;
@@ -39,25 +29,16 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStat
     for point in &points {
         parse(&bench.place(point).into_iter().chain(["-o".into(), "a.json".into()]).collect::<Vec<_>>())?;
     }
-    let sweeping = Sweeping {
-        args,
-        global,
-        start,
-        about: format!(
-            "Coverage is by the same {RULER_SAMPLES} points on surfaces for all rows; own coverage is by the row's."
-        ),
-        commands: bench.examples(&points),
-        left_out: Vec::new(),
-        studies: vec![study],
-    };
-    let knobs = sweeping.studies[0].axes.iter().map(|axis| axis.knob).collect();
-    let mut opened = Opened::new(args, &PLACEMENT, |folder: &Path| Ok(Store::new(&PLACEMENT, folder, knobs)))?;
-    let finished = sweeping.measure(&PLACEMENT, &mut opened, |work| {
+    let about = format!(
+        "Coverage is by the same {RULER_SAMPLES} points on surfaces for all rows; own coverage is by the row's."
+    );
+    let commands = bench.examples(&points);
+    let (kind, left_out, studies) = (&PLACEMENT, Vec::new(), vec![study]);
+    let sweeping = Sweeping { args, global, start, kind, studies, left_out, about, commands };
+    sweeping.measure_grid(json!({ "scene": scene }), |work| {
         bench.work = work.to_path_buf();
         Box::new(bench)
-    })?;
-    finished.tell(&opened, &Extras::default(), json!({ "scene": scene }), "")?;
-    Ok(ExitStatus::Passed)
+    })
 }
 
 /// Options of `place` that all points have, one word each.

@@ -8,15 +8,13 @@ use serde_json::json;
 
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, parse};
-use super::measure::{Opened, Sweeping};
+use super::measure::Sweeping;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
 use crate::report::tradeoff::knob::Stage;
-use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::rendering::{RENDERING, RenderingBench};
-use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::Axis;
 
 /// Options of `render` that tradeoff gives itself.
@@ -50,7 +48,6 @@ struct Fixed {
     frames: Option<String>,
 }
 
-/// Measures what rendering costs.
 pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     refuse_options_of_coding(args, "rendering")?;
@@ -68,26 +65,16 @@ pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitSt
     let points = study.points();
     parse(&bench.encode(container))?;
     points.iter().try_for_each(|point| parse(&bench.render(container, point)).map(drop))?;
-    let sweeping = Sweeping {
-        args,
-        global,
-        start,
-        about: format!(
-            "Probe {probe} was left out, and rendered from the others; PSNR and SSIM are means over its pictures."
-        ),
-        commands: bench.examples(&points),
-        left_out: Vec::new(),
-        studies: vec![study],
-    };
-    let knobs = sweeping.studies[0].axes.iter().map(|axis| axis.knob).collect();
-    let mut opened = Opened::new(args, &RENDERING, |folder: &Path| Ok(Store::new(&RENDERING, folder, knobs)))?;
+    let about =
+        format!("Probe {probe} was left out, and rendered from the others; PSNR and SSIM are means over its pictures.");
+    let commands = bench.examples(&points);
+    let (kind, left_out, studies) = (&RENDERING, Vec::new(), vec![study]);
+    let sweeping = Sweeping { args, global, start, kind, studies, left_out, about, commands };
     let more = json!({ "dataset": dataset, "probe": probe, "frames": bench.frames });
-    let finished = sweeping.measure(&RENDERING, &mut opened, |work| {
+    sweeping.measure_grid(more, |work| {
         bench.container = work.join("field.lfold");
         Box::new(bench)
-    })?;
-    finished.tell(&opened, &Extras::default(), more, "")?;
-    Ok(ExitStatus::Passed)
+    })
 }
 
 /// The probe that is nearest to the middle of all, the first of several.
@@ -106,7 +93,6 @@ fn most_central(dataset: &Path) -> Result<String> {
     }
 }
 
-/// Options after `--`.
 fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
     // The reference stands for that of the points, so that options which need one are accepted.
     let line = ["field.lfold", "--reference", "set", "--null"];
