@@ -38,7 +38,6 @@ impl Fingerprint {
     }
 }
 
-/// A hash of long values.
 pub fn digest(bytes: &[u8]) -> String {
     let hash = |part: u8| {
         let mut hasher = DefaultHasher::new();

@@ -25,12 +25,10 @@ impl Serialize for Number {
     }
 }
 
-/// Serializes a field as a [`Number`].
 pub fn number<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     Number(*value).serialize(serializer)
 }
 
-/// Serializes a field as seconds.
 pub fn seconds<S: Serializer>(value: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_f64(value.as_secs_f64())
 }

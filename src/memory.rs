@@ -7,7 +7,6 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
-/// Limit of the bytes of images, chunks and tables.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Budget {
     bytes: Option<u64>,
@@ -34,7 +33,6 @@ impl Budget {
         Budget { bytes: Some(bytes) }
     }
 
-    /// The limit.
     pub fn bytes(self) -> Option<u64> {
         self.bytes
     }
@@ -51,9 +49,6 @@ impl Budget {
     }
 
     /// Number of parallel jobs, 1 to `most`.
-    ///
-    /// # Errors
-    /// Not even one job fits.
     pub fn at_once(self, need: &Need<'_>, most: usize) -> Result<usize> {
         let Some(bytes) = self.bytes else { return Ok(most.max(1)) };
         let least = need.fixed.saturating_add(need.each);

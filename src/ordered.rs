@@ -7,18 +7,13 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 
-/// Maps jobs in parallel; results are in the order of the jobs.
-///
-/// # Errors
-/// The first failed job in order. Jobs after it may be skipped.
+/// Maps jobs in parallel; results are in the order of the jobs. The error is that of the first failed job in order; jobs
+/// after it may be skipped.
 pub fn try_map_ordered<J: Send, T: Send>(jobs: Vec<J>, f: impl Fn(J) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
     try_map_ordered_with(jobs, || (), |(), job| f(job))
 }
 
 /// As [`try_map_ordered`], with state that jobs of a thread share, made by `init`.
-///
-/// # Errors
-/// The first failed job in order.
 pub fn try_map_ordered_with<J: Send, T: Send, S>(
     jobs: Vec<J>,
     init: impl Fn() -> S + Sync + Send,
@@ -44,9 +39,6 @@ pub fn try_map_ordered_with<J: Send, T: Send, S>(
 }
 
 /// As [`try_map_ordered`], with at most `at_once` jobs at a time, including jobs that wait for their own parallel work.
-///
-/// # Errors
-/// The first failed job in order.
 pub fn try_map_at_once<J: Send, T: Send>(
     jobs: Vec<J>,
     at_once: usize,
@@ -56,9 +48,6 @@ pub fn try_map_at_once<J: Send, T: Send>(
 }
 
 /// As [`try_map_at_once`], with state that jobs of a thread share, made by `init`.
-///
-/// # Errors
-/// The first failed job in order.
 pub fn try_map_at_once_with<J: Send, T: Send, S>(
     jobs: Vec<J>,
     at_once: usize,

@@ -32,7 +32,6 @@ pub struct Violation {
     /// Its value: codes or dB.
     pub limit: f64,
     pub measured: f64,
-    /// Index of the stream.
     pub stream: usize,
     /// The pixel, or the frame and the upper left corner of the cell.
     pub spot: Option<Spot>,

@@ -25,7 +25,6 @@ fn serialize_side<S: Serializer>(side: &usize, serializer: S) -> Result<S::Ok, S
     serializer.serialize_str(side_name(*side))
 }
 
-/// First and last.
 pub(super) fn serialize_frames<S: Serializer>(frames: &FrameRange, serializer: S) -> Result<S::Ok, S::Error> {
     [frames.first, frames.last].serialize(serializer)
 }
@@ -57,7 +56,6 @@ pub struct StreamReport {
 }
 
 impl StreamReport {
-    /// Pixels that differ in the domain.
     pub fn differing_pixels(&self) -> u64 {
         match &self.measured {
             Measured::Depth(errors) => errors.differing_pixels,
@@ -93,7 +91,6 @@ impl StreamReport {
 pub struct Comparison {
     /// By kind, then probe, then face.
     pub streams: Vec<StreamReport>,
-    /// What only one side has.
     pub missing: Vec<Missing>,
 }
 
@@ -103,7 +100,6 @@ pub struct SampleTotal {
     pub psnr_db: f64,
     /// With the index of the stream.
     pub lowest_frame: Option<(usize, Lowest)>,
-    /// With the index of the stream.
     pub lowest_cell: Option<(usize, Lowest)>,
     /// Index of the stream with the largest error relative to its peak.
     pub worst: Option<usize>,

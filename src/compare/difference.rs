@@ -10,7 +10,6 @@ use crate::image::plane::{ColorPlane, Plane};
 use crate::metrics::depth_error::Spot;
 use crate::metrics::psnr::SquaredError;
 
-/// A sample of colour or material in steps of its metric.
 pub trait Level: Copy + PartialEq {
     fn steps(self) -> i32;
 }
@@ -60,7 +59,6 @@ pub struct SampleErrors {
     /// The lowest PSNR of a cell in one frame.
     pub lowest_cell: Option<Lowest>,
     pub ssim_sum: f64,
-    /// Frames of the sum.
     pub ssim_frames: u64,
     /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,
@@ -140,7 +138,6 @@ pub(super) fn cells<T>(image: &Plane<T>, cell: u32) -> impl Iterator<Item = [u32
     starts(height).flat_map(move |top| starts(width).map(move |left| rect(left, top)))
 }
 
-/// Errors of a pixel's three samples in steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct SampleError {
     pub squared: u64,
@@ -168,7 +165,6 @@ pub struct BitErrors {
 }
 
 impl BitErrors {
-    /// Adds a frame of values as in files.
     pub fn add(&mut self, frame: u32, a: &Values, b: &Values) -> Result<()> {
         match (a, b) {
             (Values::Metres(a), Values::Metres(b)) => self.compare(frame, a, b, |z| z.to_bits()),

@@ -63,7 +63,6 @@ pub enum Converted {
     Half(ColorPlane),
 }
 
-/// An image in the values of files.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Metres, +inf for background.
@@ -79,7 +78,6 @@ pub struct ConvertedImage {
     pub clipped_pixels: u64,
 }
 
-/// Brings the images of one stream of one side into the domain.
 #[derive(Debug)]
 pub struct Converter {
     domain: Coding,
@@ -120,10 +118,6 @@ impl Converter {
         }
     }
 
-    /// The image in the domain.
-    ///
-    /// # Errors
-    /// When a material has weights that 8 bits cannot express.
     pub fn convert(&self, image: Image) -> Result<ConvertedImage> {
         let unclipped = |image| Ok(ConvertedImage { image, clipped_pixels: 0 });
         match (image, self.domain) {
@@ -161,7 +155,6 @@ impl Converter {
         }
     }
 
-    /// The image in the values of files.
     pub fn values(&self, image: &Image) -> Values {
         match image {
             Image::Coded(Picture::Depth(codes)) => Values::Metres(self.metres_of(codes)),

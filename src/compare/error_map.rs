@@ -28,12 +28,9 @@ pub struct ErrorMap {
     pub cells: Vec<CellPsnr>,
 }
 
-/// The largest error of an image, and the pixels without an error in steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct LargestError {
-    /// Codes, or steps of the metric.
     pub steps: u32,
-    /// Background on one side only.
     pub background_pixels: u64,
     /// Outside the range of the codes.
     pub outside_pixels: u64,

@@ -48,7 +48,6 @@ pub struct CompareSettings {
     pub coverage: Coverage,
     pub measure: Measure,
     pub ssim: SsimFrames,
-    /// Limit of memory for images and decoders.
     pub memory: Budget,
 }
 
@@ -90,7 +89,6 @@ fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
     memory.at_once(&Need { what: "comparing", fixed, each, instead: "" }, rayon::current_num_threads())
 }
 
-/// Reads the images of some pairs, frame by frame.
 fn visit(
     sides: &[Side; 2],
     pairs: &[Pair<'_>],
@@ -148,7 +146,6 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
     pairing.pairs.iter().zip(known).map(domain).collect()
 }
 
-/// A pair of streams while it is compared.
 struct PairComparison {
     report: StreamReport,
     converters: [Converter; 2],

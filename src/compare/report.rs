@@ -26,7 +26,6 @@ pub struct ComparisonReport<'a> {
     broken: Vec<ViolationReport<'a>>,
     /// The pixel with the largest error relative to its metric's peak.
     worst: Option<Place<'a>>,
-    /// Domains in use, by kind.
     domains: BTreeMap<&'static str, Vec<DomainReport<'a>>>,
     missing: &'a [Missing],
     sides: &'a [Side; 2],
@@ -148,7 +147,6 @@ struct ColorErrors {
 struct DomainReport<'a> {
     #[serde(flatten)]
     codes: Codes,
-    /// The side that the domain is from.
     of: Option<&'static str>,
     from: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]

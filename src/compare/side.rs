@@ -36,7 +36,6 @@ impl fmt::Display for StreamId {
     }
 }
 
-/// Coding of a stream, now or before it was decoded into files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coding {
     Depth(DepthRange),
@@ -59,10 +58,12 @@ pub struct SideStream {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Place {
-    /// Index of a container's stream.
     Stream(usize),
     /// Index of a source's group, and of the plane that reading it delivers.
-    Plane { group: usize, plane: usize },
+    Plane {
+        group: usize,
+        plane: usize,
+    },
 }
 
 impl SideStream {
@@ -83,7 +84,6 @@ pub enum SideForm {
     /// A dataset that lightfold decoded, whose manifest has the coding.
     #[serde(rename = "decoded dataset")]
     Decoded,
-    /// An image sequence.
     Sequence,
 }
 
@@ -152,12 +152,10 @@ impl Side {
 pub struct SideReader<'a> {
     side: &'a Side,
     streams: Vec<&'a SideStream>,
-    /// One for each stream of a container.
     decoders: Vec<FaceDecoder<'a>>,
     held: Option<ReadGroup>,
 }
 
-/// A group that was read, with the planes that were not returned yet.
 #[derive(Debug)]
 struct ReadGroup {
     group: usize,
@@ -180,7 +178,6 @@ impl<'a> SideReader<'a> {
         SideReader { side, streams, decoders, held: None }
     }
 
-    /// The image of a frame of stream `at` of this reader.
     pub fn image(&mut self, at: usize, frame: u32) -> Result<Image> {
         match (&self.side.content, self.streams[at].place) {
             (Content::Files(source), Place::Plane { group, plane }) => {

@@ -25,12 +25,10 @@ impl Source {
         self.rules.invalid
     }
 
-    /// The declared kind of stored depth.
     pub fn depth_kind(&self) -> DepthKind {
         self.depth_kind
     }
 
-    /// The declared colour space.
     pub fn color_space(&self) -> Option<ColorSpace> {
         self.color_space
     }

@@ -20,7 +20,6 @@ pub const CAMERAS_VERSION: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSet {
-    /// Version of the schema, 1.
     pub lightfold_cameras: u32,
     /// In order of placement.
     pub cameras: Vec<PlacedCamera>,
@@ -29,7 +28,6 @@ pub struct CameraSet {
     pub extra: Option<serde_json::Value>,
 }
 
-/// The pose of a probe to capture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedCamera {
@@ -56,7 +54,6 @@ pub struct PlacedCamera {
 }
 
 impl PlacedCamera {
-    /// A camera of a position.
     pub fn at(position: [f64; 3]) -> PlacedCamera {
         PlacedCamera {
             name: None,
@@ -71,7 +68,6 @@ impl PlacedCamera {
 }
 
 impl CameraSet {
-    /// A set without other data.
     pub fn new(cameras: Vec<PlacedCamera>) -> CameraSet {
         CameraSet { lightfold_cameras: CAMERAS_VERSION, cameras, extra: None }
     }

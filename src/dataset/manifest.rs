@@ -10,7 +10,6 @@ use crate::error::{Error, Result};
 use crate::image::{ColorSpace, Face, FrameRange, Pattern};
 use crate::image::{DepthKind, Projection, StreamKind};
 
-/// File name of a manifest inside its folder.
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
 pub const MANIFEST_VERSION: u32 = 1;
@@ -23,7 +22,6 @@ pub const MAX_SIDE: u32 = 65_536;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// Version of the schema, 1.
     pub lightfield: u32,
     pub name: String,
     pub fps: f64,
@@ -52,7 +50,6 @@ pub struct Manifest {
     pub extra: Option<serde_json::Value>,
 }
 
-/// File layout of the six faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaceFiles {
     /// Six files; the pattern holds `{face}`.
@@ -77,7 +74,6 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Metres per unit.
     pub fn metres(self) -> f64 {
         match self {
             Unit::M => 1.0,
@@ -90,7 +86,6 @@ impl Unit {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DepthInfo {
-    /// Distance or planar Z.
     #[serde(default)]
     pub kind: DepthKind,
     /// Unit of the values. Metres when it and `scale` are absent, except in integer files, which need one of them.
@@ -111,7 +106,6 @@ pub struct DepthInfo {
 }
 
 impl Default for DepthInfo {
-    /// Distances in metres, with the unit stated.
     fn default() -> Self {
         DepthInfo {
             kind: DepthKind::Distance,
@@ -169,7 +163,6 @@ pub struct MaterialInfo {
     pub channels: MaterialChannels,
 }
 
-/// Names of the channels of a material file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialChannels {
@@ -177,7 +170,6 @@ pub struct MaterialChannels {
     pub reflection: String,
     /// Weight of refraction.
     pub refraction: String,
-    /// Index of refraction.
     pub ior: String,
 }
 
@@ -230,7 +222,6 @@ pub struct Probe {
     /// fx, fy, cx, cy in pixels; perspective only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<[f64; 4]>,
-    /// Other data; kept, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -260,7 +251,6 @@ pub fn manifest_path(path: &Path) -> PathBuf {
 }
 
 impl Manifest {
-    /// Reads and validates a manifest; `path` is the file or the folder that holds `lightfield.json`.
     pub fn read(path: &Path) -> Result<Manifest> {
         let path = manifest_path(path);
         let file = crate::files::open_regular(&path)?;
@@ -273,7 +263,6 @@ impl Manifest {
         Manifest::from_json(&text).map_err(|error| error.in_file(&path))
     }
 
-    /// Parses and validates the text of a manifest.
     pub fn from_json(text: &[u8]) -> Result<Manifest> {
         let manifest: Manifest = serde_json::from_slice(text)
             .map_err(|error| Error::invalid(format!("this is not a lightfield manifest: {error}")))?;
@@ -295,7 +284,6 @@ impl Manifest {
         FrameRange { first: self.frames[0], last: self.frames[1] }
     }
 
-    /// File layout of the faces of a cube map.
     pub fn face_files(&self) -> FaceFiles {
         self.faces.unwrap_or_default()
     }

@@ -27,14 +27,11 @@ pub enum InvalidColor {
     Black,
 }
 
-/// How depth values of a source are read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DepthRules {
     /// Value in the file that means "nothing there", besides +inf.
     pub background: f32,
-    /// Metres per unit of the file.
     pub scale: f64,
-    /// What becomes of values that are no depth.
     pub invalid: InvalidDepth,
 }
 

@@ -23,7 +23,6 @@ use crate::image::{
 };
 use crate::image::{DepthKind, Projection, StreamKind};
 
-/// Default frames per second.
 const DEFAULT_FPS: f64 = 24.0;
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
@@ -51,7 +50,6 @@ pub struct SourceOptions {
     pub limits: ReadLimits,
 }
 
-/// Projection and layout of an image sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
     /// One image, one face: a cube face, or [`Face::View`] for a perspective image.
@@ -63,7 +61,6 @@ pub enum Arrangement {
     Equirect,
 }
 
-/// Description of an image sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SequenceLayout {
     pub arrangement: Arrangement,
@@ -122,7 +119,6 @@ pub struct SourceGroup {
     pub height: u32,
 }
 
-/// Content of an image file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
     Face,
@@ -142,9 +138,7 @@ pub struct Source {
     sequences: BTreeMap<(StreamKind, usize, Face), Sequence>,
     manifest: Option<Manifest>,
     content: Content,
-    /// Size of each file.
     file_size: (u32, u32),
-    /// Size of each face as read.
     delivered_size: (u32, u32),
     pub(super) rules: DepthRules,
     /// Whether the scale of depth is stated.
@@ -411,7 +405,6 @@ impl Source {
         &self.probes
     }
 
-    /// Pixels of one file.
     pub fn file_pixels(&self) -> u64 {
         u64::from(self.file_size.0) * u64::from(self.file_size.1)
     }
@@ -421,7 +414,6 @@ impl Source {
         &self.groups
     }
 
-    /// The manifest, when the source was opened by one.
     pub fn manifest(&self) -> Option<&Manifest> {
         self.manifest.as_ref()
     }
@@ -455,7 +447,6 @@ impl Source {
         self.material_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
-    /// The file that a frame of a group is read from.
     pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
         self.path(group.kind, group, frame)
     }
@@ -482,7 +473,6 @@ impl Source {
         self.faces_of(plane, group, resample_color)
     }
 
-    /// Depth as the file has it.
     pub(super) fn depth_file(&self, path: &Path) -> Result<DepthPlane> {
         let plane = if is_png(path) {
             if !self.scale_stated {

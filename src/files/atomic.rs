@@ -7,9 +7,6 @@ use crate::error::{Error, Result};
 
 /// Calls `write` with a temporary path beside `path` and renames that file afterwards. Concurrent writers do not disturb
 /// each other: the last rename wins.
-///
-/// # Errors
-/// Those of `write`, naming `path`, and when the file cannot be made or renamed. The temporary file is removed.
 pub fn write_whole<T>(path: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
     let mut prefix = OsString::from(".");
     prefix.push(path.file_name().unwrap_or_default());

@@ -4,7 +4,6 @@ use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Result};
 use std::path::Path;
 
-/// A file that is open to read and write.
 #[derive(Debug)]
 pub struct Locked {
     /// The file; closing it releases the lock.
@@ -14,9 +13,6 @@ pub struct Locked {
 }
 
 /// Opens or creates a file and locks it until it is closed. `None` where another process has the lock.
-///
-/// # Errors
-/// When the path is no plain file, or cannot be opened.
 pub fn open_locked(path: &Path) -> Result<Option<Locked>> {
     // The previous owner may rename or remove the file between our opening and locking it: then the path is opened again.
     for _ in 0..100 {

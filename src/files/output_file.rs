@@ -23,9 +23,6 @@ pub struct OutputFile {
 
 impl OutputFile {
     /// Starts a file. An existing one stays until [`Self::commit`]; an unfinished one is removed.
-    ///
-    /// # Errors
-    /// When another process writes the same output, or no file can be made there.
     pub fn create(path: &Path) -> Result<OutputFile> {
         let mut file = Self::open(path)?;
         if let Sink::Partial(partial) = &mut file.sink {
@@ -35,9 +32,6 @@ impl OutputFile {
     }
 
     /// Opens an unfinished file with its content; call [`Self::resume`] before writing.
-    ///
-    /// # Errors
-    /// As for [`Self::create`].
     pub fn open(path: &Path) -> Result<OutputFile> {
         let io = |error| Error::io(path, error);
         let sink = if path == Path::new("-") {
@@ -73,9 +67,6 @@ impl OutputFile {
 
     /// Lets `check` find the intact chunks of an unfinished file: it gets the bytes of the journal, and the file. `None`
     /// where nothing was left.
-    ///
-    /// # Errors
-    /// When a file cannot be read, and those of `check`. Both files stay.
     pub fn recover<T>(&mut self, check: impl FnOnce(&[u8], &mut dyn Read) -> Result<Option<T>>) -> Result<Option<T>> {
         match &mut self.sink {
             Sink::Partial(partial) => partial.recover(check),
@@ -84,9 +75,6 @@ impl OutputFile {
     }
 
     /// Cuts off all but the intact bytes. Returns where to write the journal.
-    ///
-    /// # Errors
-    /// When a file cannot be truncated or made. Both files stay.
     pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<Box<dyn Write + Send>> {
         match &mut self.sink {
             Sink::Partial(partial) => Ok(Box::new(partial.resume(intact)?)),
@@ -94,10 +82,7 @@ impl OutputFile {
         }
     }
 
-    /// Keeps the unfinished file in [`Self::work_path`].
-    ///
-    /// # Errors
-    /// When some bytes may not have reached the disk. The file stays nevertheless.
+    /// Keeps the unfinished file in [`Self::work_path`], also where an error says that bytes may not have reached the disk.
     pub fn keep(&mut self) -> std::io::Result<()> {
         match &mut self.sink {
             Sink::Partial(partial) => partial.keep(),
@@ -112,10 +97,7 @@ impl OutputFile {
         }
     }
 
-    /// Renames the file to the output after its bytes have reached the disk.
-    ///
-    /// # Errors
-    /// When that fails; the file can then still be kept.
+    /// Renames the file to the output after its bytes have reached the disk. After an error it can still be kept.
     pub fn commit(&mut self) -> Result<()> {
         let written = match &mut self.sink {
             Sink::Partial(partial) => partial.commit(),

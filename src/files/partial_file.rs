@@ -102,7 +102,6 @@ impl PartialFile {
         self.committed
     }
 
-    /// Path of the unfinished file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -157,10 +156,7 @@ impl PartialFile {
         }
     }
 
-    /// Lets dropping leave file and journal.
-    ///
-    /// # Errors
-    /// When some bytes may not have reached the disk. The files are left nevertheless.
+    /// Lets dropping leave file and journal, also where an error says that bytes may not have reached the disk.
     pub fn keep(&mut self) -> std::io::Result<()> {
         self.keep = true;
         // On a full disk this fails; chunks that the journal lists were flushed before.

@@ -36,9 +36,6 @@ pub struct PartialFolder {
 
 impl PartialFolder {
     /// Opens the unfinished folder of an output with its content; a new one is empty. Missing parents are created.
-    ///
-    /// # Errors
-    /// When another process has it, the output is no folder, or none can be made.
     pub fn open(output: &Path, kind: FolderKind) -> Result<PartialFolder> {
         let io = |error| Error::io(output, error);
         if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
@@ -78,24 +75,17 @@ impl PartialFolder {
     }
 
     /// The text that an earlier process gave to [`Self::start_over`]; empty for a new folder.
-    ///
-    /// # Errors
-    /// When it cannot be read.
     pub fn state(&mut self) -> Result<String> {
         let mut text = String::new();
         let read = self.state.seek(SeekFrom::Start(0)).and_then(|_| self.state.read_to_string(&mut text));
         read.map(|_| text).map_err(|error| Error::io(self.path.join(self.kind.state), error))
     }
 
-    /// Number of complete images.
     pub fn files(&self) -> u64 {
         self.kind.count(&self.path)
     }
 
     /// Removes all files and writes a new state.
-    ///
-    /// # Errors
-    /// When something cannot be removed or written.
     pub fn start_over(&mut self, state: &str) -> Result<()> {
         self.keep = false;
         let io = |error| Error::io(&self.path, error);
@@ -122,9 +112,7 @@ impl PartialFolder {
     }
 
     /// Moves images and the manifest to the output, replacing files of the same names. Other files are removed.
-    ///
-    /// # Errors
-    /// When something cannot be moved. A later process can resume with the rest.
+    /// After an error a later process can resume with the rest.
     pub fn commit(&mut self) -> Result<()> {
         let (output, state) = (&self.output, self.kind.state);
         let io = |error| Error::io(output, error);

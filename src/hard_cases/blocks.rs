@@ -141,13 +141,11 @@ impl Palette {
         if e0 > e1 { Palette::Eight } else { Palette::Six }
     }
 
-    /// Codes that are evenly spaced.
     fn codes(self) -> usize {
         if self == Palette::Eight { 8 } else { 6 }
     }
 }
 
-/// Codes between two endpoints, in one mode, against the real ones.
 fn palette_error(mode: Palette) -> Measured {
     let mut random = Random::new(8);
     let mut worst = Measured::nothing();
@@ -276,7 +274,6 @@ fn any_blocks<const BYTES: usize>(seed: u128) -> Vec<[u8; BYTES]> {
     blocks
 }
 
-/// What the library shows of blocks, a column of them.
 fn shown_by_dds(blocks: &[u8], count: usize, (format, color): (Format, ColorFormat)) -> Result<Vec<u8>> {
     let size = Size::new(SIDE as u32, (count * SIDE) as u32);
     let mut shown = vec![0; TEXELS * count * usize::from(color.bytes_per_pixel())];

@@ -8,6 +8,9 @@ use crate::error::Result;
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::clip::Clip;
 
+/// Relative rounding of binary64.
+pub(super) const ROUNDING: f64 = f64::EPSILON / 2.0;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Family {
@@ -32,7 +35,6 @@ impl Family {
     }
 }
 
-/// A bound on a measured figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "must_be", content = "bound")]
 pub enum Bound {
@@ -75,13 +77,11 @@ impl fmt::Display for Bound {
     }
 }
 
-/// The result of a case.
 #[derive(Debug, Clone)]
 pub struct Measured {
     pub figure: f64,
     pub place: Option<String>,
     pub note: Option<String>,
-    /// Streams and pictures that it was measured on.
     pub inputs: Inputs,
 }
 

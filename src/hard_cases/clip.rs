@@ -27,10 +27,8 @@ pub(super) const EFFORT: Effort = Effort::Fast;
 /// A stream of one unit.
 #[derive(Debug, Clone)]
 pub struct Clip {
-    /// How it was encoded.
     pub what: String,
     pub header: CodecHeader,
-    /// Width and height in pixels.
     pub size: [u32; 2],
     pub frame_count: u32,
     pub(super) chunks: Vec<EncodedChunk>,
@@ -142,7 +140,6 @@ impl Clip {
         Ok(Clip::new(if in_blocks { "MAB1" } else { "MAAB" }, header, source, boxes(source, temporal, of)?))
     }
 
-    /// Pixels of all frames together.
     pub fn pixels(&self) -> u64 {
         u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(self.frame_count)
     }
@@ -166,7 +163,6 @@ impl Clip {
 }
 
 impl<T> Sequence<T> {
-    /// Frames from a function of frame, column and row.
     pub(super) fn new(size: [u32; 2], frames: u32, pixel: impl Fn(u32, u32, u32) -> T) -> Sequence<T> {
         let [width, height] = size;
         let frame = |frame| (0..width * height).map(|at| pixel(frame, at % width, at / width)).collect();

@@ -133,7 +133,6 @@ fn paths_of(codec: &str) -> Group {
     Group::new(Family::Color, format!("{codec}, every legal path"), "pictures that differ")
 }
 
-/// Decibels of a sum of squares.
 fn decibels(sum: f64, samples: usize, peak: f64) -> f64 {
     if sum == 0.0 { f64::INFINITY } else { 10.0 * (peak * peak * samples as f64 / sum).log10() }
 }

@@ -18,7 +18,6 @@ const PIXELS_TOGETHER: u64 = 8 << 20;
 /// Frames that are entered out of order.
 const JUMPS: u32 = 12;
 
-/// The result of a device for one case.
 #[derive(Debug, Clone, Default)]
 pub struct DeviceFigures {
     /// Words that differ from the CPU's; of rendered pictures, pixels that do so by more than is allowed.

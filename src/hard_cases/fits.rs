@@ -7,7 +7,7 @@ use crate::depth::least_squares::{Frame, Sample, Terms, solve};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::error::{Error, Result};
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::report::CONDITION;
@@ -17,11 +17,8 @@ use crate::math::random::Random;
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
 /// Sides of nodes, in pixels, whose arithmetic is looked at.
 const SIDES: [usize; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
-/// Relative rounding of binary64.
-const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// Samples along a side that encoders solve for at most.
 const SAMPLES_ACROSS: usize = 32;
-/// A matrix over the six terms.
 type Matrix = [[f64; 6]; 6];
 
 pub(super) fn cases() -> Vec<HardCase> {

@@ -9,25 +9,18 @@ use half::f16;
 
 use crate::dataset::planar_to_distance;
 use crate::error::Result;
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::hard_cases::sight;
 use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::equirect::{FaceMap, resample_color, resample_depth};
 use crate::image::plane::Plane;
 use crate::image::projection::{ImageProjection, centre_of};
 
-/// Sides of faces in pixels.
 const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];
-/// Sizes of equirectangular images.
 const PANORAMAS: [[u32; 2]; 5] = [[1, 1], [2, 1], [7, 3], [512, 256], [16_384, 8192]];
-/// Sizes of those that are resampled.
 const RESAMPLED: [[u32; 2]; 4] = [[2, 1], [7, 3], [64, 32], [257, 129]];
-/// Lengths of direction vectors.
 const LENGTHS: [f64; 5] = [1.0, 1e-300, 1e-150, 1e150, 1e300];
-/// Relative rounding of binary64.
-const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// What makes directions.
 type Directions = fn() -> Vec<DVec3>;
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -317,7 +310,6 @@ fn outside_panorama() -> Measured {
     wrong
 }
 
-/// The faces of a panorama, of three sizes.
 fn face_maps(width: u32, height: u32) -> Result<Vec<FaceMap>> {
     let faces = Face::CUBE.into_iter().flat_map(|face| [1, width / 4, width / 2].map(|size| (face, size.max(1))));
     faces.map(|(face, size)| FaceMap::new(face, size, width, height)).collect()

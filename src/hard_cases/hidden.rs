@@ -24,7 +24,6 @@ const EYE_M: f64 = 1.0;
 /// Left and right edge of the rectangle, which is 1 m away, and half its height.
 const EDGES_M: [f64; 2] = [-0.5, 0.25];
 const HALF_HEIGHT_M: f64 = 0.5;
-/// How far the walls are.
 const WALL_M: f64 = 4.0;
 /// Pixels of a row: odd, so that no ray goes along an edge.
 const PIXELS: u32 = 33;

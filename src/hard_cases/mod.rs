@@ -32,7 +32,6 @@ pub use case::{Bound, Family, HardCase, Inputs, Measured, number};
 pub use clip::Clip;
 pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, notes};
 
-/// All cases, family by family.
 pub fn table() -> Vec<HardCase> {
     let families: [fn() -> Vec<HardCase>; 9] = [
         quantisation::cases,

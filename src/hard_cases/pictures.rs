@@ -2,14 +2,11 @@
 
 use crate::hard_cases::clip::{self, Sequence};
 
-/// A picture from a function of column and row.
 type Generator = fn(usize, usize) -> f64;
 
-/// A picture that is hard to model.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HardPicture {
     pub name: &'static str,
-    /// Width and height in pixels.
     pub size: [usize; 2],
     /// Codes, clamped to 0 to 65535.
     pixel: Generator,
@@ -104,13 +101,11 @@ pub(super) const PICTURES: &[HardPicture] = &[
 ];
 
 impl HardPicture {
-    /// Its codes, row by row.
     pub(super) fn picture(&self) -> Vec<u16> {
         let [width, height] = self.size;
         (0..width * height).map(|at| (self.pixel)(at % width, at / width).clamp(0.0, 65535.0) as u16).collect()
     }
 
-    /// The picture alone.
     pub(super) fn still(&self) -> Sequence<u16> {
         Sequence { size: self.size.map(|side| side as u32), frames: vec![self.picture()] }
     }

@@ -54,7 +54,6 @@ fn log_ratio(z: f32, near: f32) -> f64 {
     doublings * std::f64::consts::LN_2 + 2.0 * t * series
 }
 
-/// A range with what the reference says of it.
 #[derive(Clone, Copy)]
 struct Reference {
     range: DepthRange,
@@ -66,7 +65,6 @@ impl Reference {
         Ok(Reference { range: DepthRange::new(near, far)?, span: log_ratio(far, near) })
     }
 
-    /// The code of a depth, before it is rounded.
     fn code(self, z: f32) -> f64 {
         if self.span == 0.0 { 0.0 } else { log_ratio(z, self.range.near_m()) / self.span * f64::from(FAR_CODE) }
     }

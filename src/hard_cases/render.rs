@@ -28,22 +28,17 @@ use crate::views::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
 pub(super) const SIDE: u32 = 32;
 /// Half the sides of the room, in metres.
 const ROOM: DVec3 = DVec3::new(4.0, 1.5, 3.0);
-/// Rays of a case.
 const RAYS: usize = 2000;
-/// Steps, and refinements of them.
 const STEPS: u32 = 96;
 const REFINE: u32 = 12;
 pub(super) const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
-/// A light field, and an eye in it.
 pub(super) struct Setup {
     pub field: LightField,
     pub eye: DVec3,
-    /// Nearest and farthest step, in metres.
     pub range_m: [f32; 2],
 }
 
-/// What makes a setup.
 type Make = fn() -> Setup;
 
 const SETUPS: [(&str, Make); 10] = [
@@ -158,7 +153,6 @@ fn alone(position: DVec3, side: u32, sight: Sight<'_>) -> Setup {
     Setup { field: LightField { views: vec![view], coding: CODES }, eye: position, range_m: [0.0625, 16.0] }
 }
 
-/// Bars one texel wide before walls.
 fn fence() -> Setup {
     made(|direction| {
         let [u, _] = direction_to_face(direction).plane;
@@ -222,7 +216,6 @@ impl Setup {
 }
 
 impl Measured {
-    /// The same, with a picture of a setup.
     pub(super) fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
         let settings = setup.settings(SIDE);
         Ok(self.with_picture(setup.on_device(label, settings)?))

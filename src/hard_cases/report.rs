@@ -5,15 +5,12 @@ use serde::Serialize;
 use crate::hard_cases::case::{Bound, Family, HardCase, Measured, number};
 use crate::json;
 
-/// Unit of condition numbers.
 pub(super) const CONDITION: &str = "condition number";
 
-/// The result of a case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CaseReport {
     pub name: String,
     pub family: Family,
-    /// The code under test.
     pub pipeline: String,
     pub unit: &'static str,
     #[serde(flatten)]
@@ -74,7 +71,6 @@ impl<'a> CaseRow<'a> {
     }
 }
 
-/// The cases of one pipeline.
 #[derive(Debug, Clone)]
 pub struct FamilyRow<'a> {
     pub cases: usize,
@@ -83,7 +79,6 @@ pub struct FamilyRow<'a> {
     pub worst: &'a CaseReport,
 }
 
-/// A [`FamilyRow`] in JSON.
 #[derive(Debug, Serialize)]
 pub struct FamilyReport<'a> {
     family: &'static str,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::math::random::Random;
 use crate::mesh::{AxisBox, Mesh, Ray};
 use crate::scene::{
@@ -20,10 +20,7 @@ const SIZES: [(f64, f64, &str); 4] =
     [(1.0, 0.0, "1 m"), (1e-6, 0.0, "a micrometre"), (1e6, 0.0, "1000 km"), (1.0, 1e6, "1 m, 1000 km from the origin")];
 /// Steps along the edge of an octant of the ball.
 const STEPS: u32 = 16;
-/// Rays of a case.
 const RAYS: u32 = 20_000;
-/// Relative rounding of binary64.
-const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Scene, pipeline, unit);

@@ -26,7 +26,6 @@ const SIDE: u32 = 64;
 /// reference itself is far below.
 const INSIDE: f64 = 1e-12;
 
-/// A probe, and what its pixels may show.
 struct Setup {
     centre: DVec3,
     span: DepthSpan,

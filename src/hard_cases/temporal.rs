@@ -14,10 +14,8 @@ use crate::hard_cases::paths::paths;
 
 /// Width and height: no multiple of 4, 8 or 16.
 const SIZE: [u32; 2] = [21, 18];
-/// Frames of the longest sequence.
 const LONG: u32 = 2000;
 
-/// A sequence, and how it is coded.
 struct Scenario {
     name: &'static str,
     frames: u32,
@@ -25,7 +23,6 @@ struct Scenario {
     pixel: fn(frame: u32, x: u32, y: u32) -> u16,
 }
 
-/// What still pixels show.
 fn slope(x: u32, y: u32) -> u16 {
     (20_000 + 5 * x + 2 * y) as u16
 }
@@ -111,7 +108,6 @@ impl Scenario {
     }
 }
 
-/// How sequences are coded.
 #[derive(Clone, Copy)]
 enum Codec {
     Boxes(Layout),

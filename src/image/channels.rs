@@ -71,7 +71,6 @@ impl From<Option<String>> for ChannelSelect {
     }
 }
 
-/// Name of a channel.
 #[derive(Debug, Clone)]
 pub(crate) struct ChannelName {
     /// Name of its layer (part); empty where the file has none.
@@ -88,10 +87,8 @@ impl ChannelName {
     }
 }
 
-/// Settings that name a channel, for messages.
 const OPTIONS: &str = "`channel` (`depth_channel` or `color_channel` for a dataset)";
 
-/// Limit of channels that a message lists.
 const LISTED: usize = 24;
 
 fn list(names: &[ChannelName]) -> String {
@@ -105,12 +102,9 @@ fn list(names: &[ChannelName]) -> String {
     text.join(", ")
 }
 
-/// Which name of a channel is compared.
 #[derive(Clone, Copy)]
 enum By {
-    /// `layer.name`.
     Full,
-    /// The name inside the layer.
     Plain,
 }
 

@@ -67,7 +67,6 @@ impl Face {
 /// Where a direction meets a cube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FacePoint {
-    /// The face.
     pub face: Face,
     /// u and v in its plane at distance 1, each in −1..1.
     pub plane: [f64; 2],

@@ -54,7 +54,6 @@ pub struct FaceMap {
 
 #[derive(Debug, Clone)]
 struct FilterRow {
-    /// One past the last tap of each pixel.
     ends: Box<[u32]>,
     /// Source pixel and weight; the weights of one pixel add up to 1.
     taps: Box<[(u32, f32)]>,
@@ -197,7 +196,6 @@ pub fn resample_depth(image: &DepthPlane, map: &FaceMap) -> Result<DepthPlane> {
     resample_nearest(image, map)
 }
 
-/// Other pixels by nearest sample.
 pub fn resample_nearest<T: Copy>(image: &Plane<T>, map: &FaceMap) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
     Plane::new(map.size, map.size, map.nearest().iter().flatten().map(|&index| image.data()[index as usize]).collect())

@@ -64,7 +64,6 @@ pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok((window.width() as u32, window.height() as u32))
 }
 
-/// A number type that pixels are converted to.
 trait Sample: Copy {
     fn from_half(value: f16) -> Self;
     fn from_float(value: f32) -> Self;
@@ -177,7 +176,6 @@ fn translate(error: exr::error::Error) -> Error {
     }
 }
 
-/// Refuses headers that claim more than a file of `file_len` bytes could hold or the caller allows.
 fn guard(headers: &[Header], wanted_bytes: u64, limits: &ReadLimits, file_len: u64) -> Result<()> {
     let refuse = |bytes: u64| {
         Error::invalid(format!(

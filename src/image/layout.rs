@@ -22,7 +22,6 @@ pub enum FaceLayout {
     Strip,
 }
 
-/// Whether a face is stored upright.
 #[derive(Clone, Copy, PartialEq)]
 enum Turn {
     None,

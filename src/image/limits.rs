@@ -8,7 +8,6 @@ pub struct ReadLimits {
 }
 
 impl Default for ReadLimits {
-    /// 4 GiB an image.
     fn default() -> Self {
         ReadLimits { max_image_bytes: 4 << 30 }
     }

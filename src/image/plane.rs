@@ -29,7 +29,6 @@ impl<T> Plane<T> {
         Ok(Plane { width, height, data })
     }
 
-    /// A plane of `value(x, y)`.
     pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
         let mut data = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
@@ -48,7 +47,6 @@ impl<T> Plane<T> {
         self.height
     }
 
-    /// All values, row-major.
     pub fn data(&self) -> &[T] {
         &self.data
     }
@@ -61,25 +59,16 @@ impl<T> Plane<T> {
         self.data
     }
 
-    /// Row `y`.
-    ///
-    /// # Panics
-    /// If `y` is not below the height.
     pub fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.data[start..start + self.width as usize]
     }
 
-    /// Row `y`, to be written.
-    ///
-    /// # Panics
-    /// If `y` is not below the height.
     pub fn row_mut(&mut self, y: u32) -> &mut [T] {
         let start = y as usize * self.width as usize;
         &mut self.data[start..start + self.width as usize]
     }
 
-    /// The same rectangle with every value mapped.
     pub fn map<U>(&self, value: impl FnMut(&T) -> U) -> Plane<U> {
         Plane { width: self.width, height: self.height, data: self.data.iter().map(value).collect() }
     }
@@ -92,10 +81,6 @@ impl<T: Clone> Plane<T> {
 }
 
 impl<T: Copy> Plane<T> {
-    /// The value at `(x, y)`.
-    ///
-    /// # Panics
-    /// If the pixel lies outside.
     pub fn get(&self, x: u32, y: u32) -> T {
         assert!(x < self.width && y < self.height);
         self.data[y as usize * self.width as usize + x as usize]

@@ -76,7 +76,6 @@ pub fn write_color8(path: &Path, plane: &Plane<[u8; 3]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
 
-/// The bytes of such a file, into anything that takes bytes.
 pub fn encode_color8(writer: &mut dyn Write, plane: &Plane<[u8; 3]>) -> Result<()> {
     encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }

@@ -37,7 +37,6 @@ pub enum ImageProjection {
 }
 
 impl ImageProjection {
-    /// A square face of a cube map.
     pub fn cube_face(face: Face, size: u32) -> ImageProjection {
         ImageProjection::CubeFace { face, size: [size; 2] }
     }
@@ -121,7 +120,6 @@ impl ImageProjection {
         }
     }
 
-    /// Direction of the centre of a pixel, as [`ImageProjection::unproject`] has it.
     pub fn pixel_direction(&self, col: u32, row: u32) -> DVec3 {
         self.unproject(centre_of(col, row))
     }

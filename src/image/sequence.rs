@@ -83,7 +83,6 @@ pub struct Pattern {
     after: String,
 }
 
-/// The field of the frame number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Field {
     /// Minimum number of digits.
@@ -156,7 +155,6 @@ impl Pattern {
         Ok(pattern)
     }
 
-    /// Whether it has a field.
     pub fn has_field(&self) -> bool {
         self.field.is_some()
     }
@@ -322,7 +320,6 @@ impl Sequence {
     }
 }
 
-/// UTF-8 names of the files in a folder.
 fn file_names(folder: &Path) -> Result<Vec<String>> {
     let entries = std::fs::read_dir(folder).map_err(|error| Error::io(folder, error))?;
     let mut names = Vec::new();

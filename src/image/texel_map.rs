@@ -28,18 +28,15 @@ impl TexelMap {
         }
     }
 
-    /// The map of a face of a cube.
     pub fn cube_face(size: [u32; 2]) -> TexelMap {
         let half = size.map(|pixels| pixels as f32 / 2.0);
         TexelMap { scale: half, centre: half }
     }
 
-    /// (u, v) of a position.
     pub fn plane(&self, at: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|axis| (at[axis] - self.centre[axis]) / self.scale[axis])
     }
 
-    /// Position of (u, v).
     pub fn position(&self, plane: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|axis| plane[axis] * self.scale[axis] + self.centre[axis])
     }

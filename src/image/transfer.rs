@@ -32,7 +32,6 @@ impl Transfer {
         }
     }
 
-    /// A code in 0..1 to linear light.
     pub fn decode(self, code: f64) -> f64 {
         match self {
             Transfer::Linear => code,
@@ -42,7 +41,6 @@ impl Transfer {
     }
 }
 
-/// Conversion of scene light to display codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ToneMap {
     pub transfer: Transfer,
@@ -111,7 +109,6 @@ impl DecodeTable {
         DecodeTable { entries: std::array::from_fn(entry) }
     }
 
-    /// Scene light of a code.
     pub fn value(&self, code: u8) -> f16 {
         self.entries[code as usize]
     }

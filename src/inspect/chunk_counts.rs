@@ -13,7 +13,6 @@ use crate::streams::{DepthChunk, StreamChunk};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameCost {
-    /// Units with a keyframe.
     pub keyframe_units: u64,
     pub aabbs: u64,
     /// Nodes of a quadtree, and BC4w blocks.
@@ -48,7 +47,6 @@ impl BlockCount {
     }
 }
 
-/// Contents of a chunk in one of its frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Event {
     /// Counted from the chunk's first; [`crate::inspect::inspect`] adds its number.
@@ -66,7 +64,6 @@ pub(super) struct ChunkMeasure {
     pub blocks: BlockCount,
 }
 
-/// Counts a chunk of a unit of `pixels` pixels.
 pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> ChunkMeasure {
     match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => count_records(chunk),

@@ -28,7 +28,6 @@ pub struct CodingMap {
     pub patches: Vec<Patch>,
     /// Nodes, boxes or units that they belong to.
     pub parts: u32,
-    /// Units with a record in this frame.
     pub written_units: u32,
     /// Those whose record is the first of a chunk, or a keyframe of colour.
     pub keyframe_units: u32,
@@ -39,7 +38,6 @@ impl CodingMap {
         self.patches.iter().map(Patch::pixels).sum()
     }
 
-    /// Parts and pixels by coding.
     pub fn extents(&self) -> BTreeMap<Writing, Extent> {
         let mut extents: BTreeMap<Writing, (Extent, Option<u32>)> = BTreeMap::new();
         for patch in &self.patches {

@@ -22,7 +22,6 @@ pub fn steps(decoder: &Decoder, streams: &[&StreamInfo]) -> u64 {
     streams.iter().map(|stream| decoder.reader().index().stream_chunks(stream.index).len() as u64).sum()
 }
 
-/// Statistics of some streams of a container.
 pub fn inspect<'a>(
     decoder: &'a Decoder,
     streams: &[&'a StreamInfo],
@@ -73,7 +72,6 @@ pub fn statistics(decoder: &Decoder) -> Result<Inspection<'_>> {
     inspect(decoder, &streams, InspectSettings::default(), &Silent)
 }
 
-/// How many chunks may be counted at once within the limit of memory.
 fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, threads: usize) -> Result<usize> {
     if memory.bytes().is_none() {
         return Ok(usize::MAX);
@@ -87,7 +85,6 @@ fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, th
     memory.at_once(&Need { what: "inspecting", fixed, each, instead: "" }, threads)
 }
 
-/// Bytes of all streams, and bytes that belong to none.
 fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
     let index = reader.index();
     let mut storage = vec![StorageStats::default(); index.streams.len()];

@@ -117,7 +117,6 @@ struct BoxesReport {
     pieces: Option<PiecesReport>,
 }
 
-/// Block tiles stored as blocks or as values.
 #[derive(Debug, Serialize)]
 struct PiecesReport {
     blocks: u64,
@@ -254,7 +253,6 @@ impl<'a> Inspection<'a> {
         if self.is_partial(decoder) { self.totals(None).bytes } else { decoder.reader().file_bytes() }
     }
 
-    /// Indices of the streams' probes.
     pub fn probes(&self) -> Vec<usize> {
         let mut probes: Vec<usize> = self.streams.iter().map(|stats| stats.stream.probe).collect();
         probes.sort_unstable();
@@ -405,7 +403,6 @@ fn by_function(value: impl Fn(Function) -> u64) -> BTreeMap<&'static str, u64> {
     Function::ALL.into_iter().map(|function| (function.name(), value(function))).collect()
 }
 
-/// `part` in percent of `whole`.
 pub fn percent(part: u64, whole: u64) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
 }

@@ -8,7 +8,6 @@ use crate::image::{FrameRange, StreamKind};
 use crate::inspect::chunk_counts::{BlockCount, FrameCost};
 use crate::memory::Budget;
 
-/// Most frame rows of one inspection.
 pub const MAX_ROWS: u64 = 1_000_000;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,7 +20,6 @@ pub enum FrameRows {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Check {
-    /// The first one is an error.
     #[default]
     StopAtFirst,
     /// All are listed. Chunks of LZMA2 must agree between two independent decoders, and records of depth and material must
@@ -33,7 +31,6 @@ pub enum Check {
 pub struct InspectSettings {
     pub rows: FrameRows,
     pub check: Check,
-    /// Limit of memory for chunks.
     pub memory: Budget,
 }
 
@@ -68,7 +65,6 @@ pub struct StreamStats<'a> {
     pub raw_bytes: u64,
     pub storage: StorageStats,
     pub units: u64,
-    /// Keyframes of all units.
     pub keyframes: u64,
     pub keyframes_per_unit: Spread,
     pub aabbs: u64,
@@ -101,7 +97,6 @@ pub struct FrameRow<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection<'a> {
     pub streams: Vec<StreamStats<'a>>,
-    /// By stream and frame.
     pub rows: Vec<FrameRow<'a>>,
     /// Damaged chunks, which no count of pixels, boxes or keyframes includes.
     pub damaged: Vec<DamagedChunk>,
@@ -125,7 +120,6 @@ pub struct Totals {
 }
 
 impl Inspection<'_> {
-    /// Sums of the streams of a kind, or of all.
     pub fn totals(&self, kind: Option<StreamKind>) -> Totals {
         let mut totals = Totals::default();
         for stats in self.streams.iter().filter(|stats| kind.is_none_or(|kind| stats.stream.kind == kind)) {

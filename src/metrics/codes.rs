@@ -1,4 +1,3 @@
 //! The 16-bit codes of depth that measures know.
 
-/// The code of the background.
 pub const BACKGROUND_CODE: u16 = u16::MAX;

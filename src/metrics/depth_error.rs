@@ -37,7 +37,6 @@ pub struct DepthPicture {
     pub metres: Vec<f32>,
 }
 
-/// Errors of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DepthErrors {
     /// Largest error in codes: 65535 where one side sees background and the other does not, or where one side has no
@@ -46,7 +45,6 @@ pub struct DepthErrors {
     /// Largest error in metres, +inf where one side sees background and the other does not.
     #[serde(serialize_with = "json::number")]
     pub max_error_m: f64,
-    /// Squared error in codes.
     #[serde(rename = "psnr_db", serialize_with = "psnr_db")]
     pub error: SquaredError,
     /// The first pixel that has the largest error in codes; `None` where all are equal.
@@ -120,7 +118,6 @@ impl DepthErrors {
     }
 }
 
-/// The error of one pixel of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelError {
     /// So many codes or steps of the metric; 0 where nothing differs.

@@ -5,9 +5,7 @@
 
 use crate::error::{Error, Result};
 
-/// Largest value of an 8-bit sample, the peak of its PSNR.
 pub const U8_PEAK: f64 = 255.0;
-/// Largest value of a 16-bit sample, the peak of its PSNR.
 pub const U16_PEAK: f64 = 65_535.0;
 
 /// 8-bit squares summed in i32 before they are widened: 32,768 · 255² is below 2³¹.
@@ -29,7 +27,6 @@ impl SquaredError {
         SquaredError { sum: 0, samples: 0, peak }
     }
 
-    /// Adds another sum, in any order.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         if self.peak != other.peak {
             return Err(Error::invalid(format!(
@@ -42,9 +39,7 @@ impl SquaredError {
         Ok(())
     }
 
-    /// 10·log₁₀(peak² / mse), in dB.
-    ///
-    /// `+inf` when the samples are equal or none was compared.
+    /// 10·log₁₀(peak² / mse) in dB; `+inf` when the samples are equal or none was compared.
     pub fn psnr_db(&self) -> f64 {
         psnr_of_sum(self.sum as f64, self.samples, self.peak)
     }
