@@ -6,9 +6,9 @@ use serde::Serialize;
 use crate::color::quality::Pu21;
 use crate::compare::domain::Values;
 use crate::error::{Error, Result};
-use crate::image::plane::{ColorPlane, Plane};
+use crate::image::{ColorPlane, Plane};
+use crate::metrics::SquaredError;
 use crate::metrics::depth_error::Spot;
-use crate::metrics::psnr::SquaredError;
 
 pub trait Level: Copy + PartialEq {
     fn steps(self) -> i32;

@@ -7,9 +7,7 @@ use crate::decode::Picture;
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 use crate::error::{Error, Result};
-use crate::image::StreamKind;
-use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
-use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
+use crate::image::{ColorPlane, DecodeTable, DepthPlane, EncodeTable, MaterialPlane, Plane, StreamKind, ToneMap};
 use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::streams::{ColorFormat, convert};
 

@@ -6,9 +6,9 @@ use crate::compare::domain::{Converted, Converter, Domain};
 use crate::compare::pairing::Pair;
 use crate::compare::side::{Coding, Side, SideReader};
 use crate::error::{Error, Result};
-use crate::image::plane::Plane;
+use crate::image::Plane;
 use crate::metrics::depth_error::{PixelError, depth_errors};
-use crate::metrics::psnr::{SquaredError, U8_PEAK};
+use crate::metrics::{SquaredError, U8_PEAK};
 use crate::streams::ColorFormat;
 
 #[derive(Debug, Clone, Copy, PartialEq)]

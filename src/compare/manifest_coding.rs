@@ -8,8 +8,7 @@ use crate::compare::side::Coding;
 use crate::dataset::Manifest;
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::transfer::{ToneMap, Transfer};
-use crate::image::{Face, StreamKind};
+use crate::image::{Face, StreamKind, ToneMap, Transfer};
 use crate::streams::ColorFormat;
 
 /// `extra.lightfold` of a decoded dataset's manifest.

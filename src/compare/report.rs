@@ -12,8 +12,7 @@ use crate::compare::comparison::{
 use crate::compare::difference::{BitErrors, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{Coding, Side, StreamId};
-use crate::image::StreamKind;
-use crate::image::sequence::FrameRange;
+use crate::image::{FrameRange, StreamKind};
 use crate::json::Number;
 use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::streams::ColorFormat;

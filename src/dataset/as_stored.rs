@@ -3,9 +3,8 @@
 use super::pixels::InvalidDepth;
 use super::source::{Source, SourceGroup};
 use crate::error::Result;
-use crate::image::DepthKind;
 use crate::image::equirect::resample_depth;
-use crate::image::{ColorSpace, DepthPlane};
+use crate::image::{ColorSpace, DepthKind, DepthPlane};
 
 impl Source {
     /// Depth of a frame as stored, before background, unit and kind are applied: a plane per face of the group. Values may be

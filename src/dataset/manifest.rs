@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::image::{ColorSpace, Face, FrameRange, Pattern};
-use crate::image::{DepthKind, Projection, StreamKind};
+use crate::image::{ColorSpace, DepthKind, Face, FrameRange, Pattern, Projection, StreamKind};
 
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.

@@ -18,10 +18,9 @@ use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_depth, resample_nearest};
 use crate::image::layout::{cut_faces, face_size};
 use crate::image::{
-    ChannelSelect, ColorPlane, ColorSpace, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection, MaterialPlane,
-    Plane, ReadLimits, Sequence, exr, png,
+    ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
+    MaterialPlane, Plane, Projection, ReadLimits, Sequence, StreamKind, exr, png,
 };
-use crate::image::{DepthKind, Projection, StreamKind};
 
 const DEFAULT_FPS: f64 = 24.0;
 

@@ -4,7 +4,6 @@
 use dds::{ColorFormat, DecodeOptions, Format, ImageViewMut, Size};
 
 use crate::block::{SIDE, TEXELS, bc1, bc4, bc5, bc6h, bc7};
-use crate::depth::BACKGROUND_CODE;
 use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair, search};
 use crate::depth::block::Block;
@@ -13,7 +12,7 @@ use crate::depth::domain::Domain;
 use crate::depth::limit::NodeFunction;
 use crate::depth::nodes::{Function, function_of};
 use crate::depth::platelet::Platelet;
-use crate::depth::settings::TemporalSettings;
+use crate::depth::{BACKGROUND_CODE, TemporalSettings};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};

@@ -2,19 +2,16 @@
 
 use half::f16;
 
-use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
-use crate::color::settings::SearchSettings;
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
+use crate::color::{CellChunk, CellFormat, HalfKey, Sample, SearchSettings};
 use crate::decode::Picture;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::paths::paths;
-use crate::image::transfer::ToneMap;
-use crate::metrics::psnr::U8_PEAK;
-use crate::metrics::pu21::PU21_PEAK;
+use crate::image::ToneMap;
+use crate::metrics::{PU21_PEAK, U8_PEAK};
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, ColorHeader};
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².

@@ -11,9 +11,9 @@ use crate::dataset::planar_to_distance;
 use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::hard_cases::sight;
+use crate::image::Plane;
 use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::equirect::{FaceMap, resample_color, resample_depth};
-use crate::image::plane::Plane;
 use crate::image::projection::{ImageProjection, centre_of};
 
 const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];

@@ -11,7 +11,7 @@ use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::image::cube::{Face, FacePoint, direction_to_face};
-use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::intersect::intersect;

@@ -6,15 +6,11 @@ use glam::{DQuat, DVec3};
 use crate::container::ProbeEntry;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Family, Group, HardCase, Measured};
-use crate::image::DepthKind;
-use crate::image::cube::Face;
+use crate::image::{DepthKind, Face};
 use crate::math::random::Random;
 use crate::math::{Camera, Lens, Viewer};
-use crate::views::face_frustum::DepthSpan;
-use crate::views::face_frustum::FaceImage;
-use crate::views::visibility::UnitGrid;
-use crate::views::visibility::cull;
-use crate::views::visibility::cull_all;
+use crate::views::face_frustum::{DepthSpan, FaceImage};
+use crate::views::visibility::{UnitGrid, cull, cull_all};
 
 /// Cameras of a case, and points that are asked of each.
 const CAMERAS: u64 = 300;

@@ -6,12 +6,11 @@ use serde::Serialize;
 
 use crate::container::header::VERSION_MAJOR;
 use crate::decode::{DamagedChunkReport, Decoder, StreamInfo};
+use crate::depth::TemporalSettings;
 use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
-use crate::depth::settings::TemporalSettings;
-use crate::image::transfer::Transfer;
-use crate::image::{DepthKind, StreamKind};
+use crate::image::{DepthKind, StreamKind, Transfer};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
