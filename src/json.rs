@@ -4,6 +4,14 @@ use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
+use crate::error::{Error, Result};
+
+/// Indented, with a newline at its end.
+pub fn pretty(value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+    Ok(text + "\n")
+}
+
 /// A number that may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub f64);

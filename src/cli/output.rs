@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
+use crate::json;
 use crate::report::machine;
 
 /// Whether the reader of our output has closed it, which is not a failure.
@@ -19,14 +20,8 @@ pub fn name_output(error: Error, path: &Path) -> Error {
     if matches!(error, Error::Io { .. }) { error.in_file(path) } else { error }
 }
 
-/// A result as JSON text.
-pub fn json_text(value: &impl Serialize) -> Result<String> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-    Ok(text + "\n")
-}
-
 pub fn print_json(value: &impl Serialize) -> Result<()> {
-    print_text(&json_text(value)?)
+    print_text(&json::pretty(value)?)
 }
 
 /// Prints a report as JSON on standard output, with the peak memory of this process where the system reports it.

@@ -73,7 +73,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     let depth = manifest.and_then(|manifest| manifest.depth.as_ref());
     let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
     let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
-    let (background, scale, invalid) = (source.background(), source.depth_scale(), source.invalid_depth());
+    let (background, scale, invalid) = (source.rules.background, source.rules.scale, source.rules.invalid);
     let stated = values::Stated { background, scale, range_m: [near, far], invalid };
     let footage = read::read(source, choice, &stated, monitor)?;
     let projection = manifest.map_or(Projection::Cubemap, |manifest| manifest.projection);
@@ -88,7 +88,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         }
     }
     if let Some(values) = &footage.depth {
-        let kind = source.depth_kind();
+        let kind = source.depth_kind;
         if footage.views.is_empty() {
             let says = "the intrinsics of the perspective views are unknown";
             findings.push(Finding::new("depth.kind.flatness", Verdict::CannotTell, says));
@@ -108,13 +108,13 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         let pattern = manifest.and_then(|manifest| manifest.files.get(StreamKind::Color));
         let png = pattern.is_some_and(|pattern| pattern.to_ascii_lowercase().ends_with(".png"));
         let files = if png { light::Files::Integers } else { light::Files::Floats };
-        let space = source.color_space().unwrap_or(match files {
+        let space = source.color_space.unwrap_or(match files {
             light::Files::Integers => ColorSpace::Srgb,
             light::Files::Floats => ColorSpace::LinearRec709,
         });
         findings.push(light::check(values, space, files));
     }
-    findings.extend(duplicate_images::check(&footage, source.depth_kind()));
+    findings.extend(duplicate_images::check(&footage, source.depth_kind));
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })
 }

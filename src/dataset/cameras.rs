@@ -10,8 +10,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, is_probe_name};
+use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, pose_fault};
 use crate::error::{Error, Result};
+use crate::json;
 
 /// Version of the schema that this program reads and writes.
 pub const CAMERAS_VERSION: u32 = 1;
@@ -127,19 +128,14 @@ impl CameraSet {
     /// The text of the file, indented, with a newline at its end.
     pub fn to_json(&self) -> Result<String> {
         self.validate()?;
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|error| Error::invalid(format!("the cameras cannot be written: {error}")))?;
-        text.push('\n');
-        Ok(text)
+        json::pretty(self)
     }
 
     /// Name of a camera's probe.
     pub fn name_of(&self, camera: usize) -> String {
         let digits = (self.cameras.len().saturating_sub(1)).to_string().len().max(2);
-        match self.cameras.get(camera).and_then(|camera| camera.name.clone()) {
-            Some(name) => name,
-            None => format!("{camera:0digits$}"),
-        }
+        let name = self.cameras.get(camera).and_then(|camera| camera.name.clone());
+        name.unwrap_or_else(|| format!("{camera:0digits$}"))
     }
 
     fn validate(&self) -> Result<()> {
@@ -156,20 +152,11 @@ impl CameraSet {
         for (at, camera) in self.cameras.iter().enumerate() {
             let wrong = |what: &str| Err(Error::invalid(format!("camera {at}: {what}")));
             let name = self.name_of(at);
-            if !is_probe_name(&name) {
-                return wrong("a name is 1 to 100 letters, digits, '.', '_' or '-', and does not begin with '.'");
+            if let Some(fault) = pose_fault(&name, camera.position, camera.orientation, camera.fov_y_deg) {
+                return wrong(fault);
             }
             if !names.insert(name) {
                 return wrong("there is another camera of this name");
-            }
-            if camera.position.iter().any(|value| !value.is_finite()) {
-                return wrong("\"position\" must be three finite numbers");
-            }
-            if camera.orientation.is_some_and(|orientation| crate::math::camera::rotation(orientation).is_none()) {
-                return wrong("\"orientation\" must be a quaternion of length 1");
-            }
-            if camera.fov_y_deg.is_some_and(|fov| !(fov > 0.0 && fov < 180.0)) {
-                return wrong("\"fov_y_deg\" must lie between 0 and 180");
             }
             if camera.frames.is_some_and(|[first, last]| first > last) {
                 return wrong("the first of its \"frames\" comes after the last");

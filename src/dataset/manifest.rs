@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::image::{ColorSpace, DepthKind, Face, FrameRange, Pattern, Projection, StreamKind};
+use crate::json;
+use crate::math::camera::rotation;
 
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
@@ -272,10 +274,7 @@ impl Manifest {
     /// The text of the manifest, indented, with a newline at its end.
     pub fn to_json(&self) -> Result<String> {
         self.validate()?;
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|error| Error::invalid(format!("the manifest cannot be written: {error}")))?;
-        text.push('\n');
-        Ok(text)
+        json::pretty(self)
     }
 
     /// First and last frame of the dataset.
@@ -424,23 +423,14 @@ impl Manifest {
         let mut names = BTreeSet::new();
         for probe in &self.probes {
             let wrong = |what: String| Err(Error::invalid(format!("probe \"{}\": {what}", probe.name)));
-            if !is_probe_name(&probe.name) {
-                return wrong("a name is 1 to 100 letters, digits, '.', '_' or '-', and not \".\" or \"..\"".into());
+            if let Some(fault) = pose_fault(&probe.name, probe.position, probe.orientation, probe.fov_y_deg) {
+                return wrong(fault.into());
             }
             if !names.insert(&probe.name) {
                 return wrong("there are two probes of this name".into());
             }
-            if probe.position.iter().any(|value| !value.is_finite()) {
-                return wrong("\"position\" must be three finite numbers".into());
-            }
             if let Some(frames) = probe.frames {
                 check_frames(frames).map_err(|error| error.context(format!("probe \"{}\": \"frames\"", probe.name)))?;
-            }
-            if let Some(orientation) = probe.orientation {
-                let length = orientation.iter().map(|value| value * value).sum::<f64>().sqrt();
-                if length.is_nan() || (length - 1.0).abs() > 1e-3 {
-                    return wrong("\"orientation\" must be a quaternion of length 1".into());
-                }
             }
             let has_lens = probe.fov_y_deg.is_some() || probe.intrinsics.is_some();
             if has_lens && self.projection != Projection::Perspective {
@@ -448,9 +438,6 @@ impl Manifest {
             }
             if probe.fov_y_deg.is_some() && probe.intrinsics.is_some() {
                 return wrong("it has both \"fov_y_deg\" and \"intrinsics\": leave one out".into());
-            }
-            if probe.fov_y_deg.is_some_and(|fov| !(fov > 0.0 && fov < 180.0)) {
-                return wrong("\"fov_y_deg\" must lie between 0 and 180".into());
             }
             if let Some(intrinsics) = probe.intrinsics
                 && let Err(error) = check_intrinsics(intrinsics)
@@ -466,6 +453,22 @@ impl Manifest {
 pub fn is_probe_name(name: &str) -> bool {
     let allowed = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
     (1..=100).contains(&name.len()) && name.bytes().all(allowed) && !name.starts_with('.')
+}
+
+/// What is wrong with the name or pose of a probe or camera.
+pub(super) fn pose_fault(
+    name: &str,
+    position: [f64; 3],
+    orientation: Option<[f64; 4]>,
+    fov_y_deg: Option<f64>,
+) -> Option<&'static str> {
+    let faults = [
+        (!is_probe_name(name), "a name is 1 to 100 letters, digits, '.', '_' or '-', and does not begin with '.'"),
+        (position.iter().any(|value| !value.is_finite()), "\"position\" must be three finite numbers"),
+        (orientation.is_some_and(|of| rotation(of).is_none()), "\"orientation\" must be a quaternion of length 1"),
+        (fov_y_deg.is_some_and(|fov| !(fov > 0.0 && fov < 180.0)), "\"fov_y_deg\" must lie between 0 and 180"),
+    ];
+    faults.into_iter().find(|(is_so, _)| *is_so).map(|(_, fault)| fault)
 }
 
 /// Checks fx, fy, cx, cy: all finite, focal lengths above 0.

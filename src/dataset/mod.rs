@@ -1,6 +1,5 @@
 //! Datasets: manifests, and readers of EXR or PNG sequences as planes of metres and linear light.
 
-mod as_stored;
 pub mod cameras;
 pub mod manifest;
 mod pixels;

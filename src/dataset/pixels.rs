@@ -28,7 +28,7 @@ pub enum InvalidColor {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct DepthRules {
+pub struct DepthRules {
     /// Value in the file that means "nothing there", besides +inf.
     pub background: f32,
     pub scale: f64,

@@ -2,8 +2,6 @@
 //!
 //! Opening checks that all files exist; reading checks their content.
 
-mod reading;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +13,7 @@ use super::pixels::{
     planar_to_distance,
 };
 use crate::error::{Error, Result};
-use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_depth, resample_nearest};
+use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_nearest};
 use crate::image::layout::{cut_faces, face_size};
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
@@ -139,12 +137,13 @@ pub struct Source {
     content: Content,
     file_size: (u32, u32),
     delivered_size: (u32, u32),
-    pub(super) rules: DepthRules,
+    pub rules: DepthRules,
     /// Whether the scale of depth is stated.
     scale_stated: bool,
     depth_stored: DepthKind,
-    pub(super) depth_kind: DepthKind,
-    pub(super) color_space: Option<ColorSpace>,
+    /// The declared kind of stored depth.
+    pub depth_kind: DepthKind,
+    pub color_space: Option<ColorSpace>,
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
     material_channels: [String; 3],
@@ -185,11 +184,8 @@ impl Source {
         if manifest.projection == Projection::Perspective {
             source.projection = Projection::Perspective;
         }
-        let wanted = manifest.frame_range();
-        let wanted = match options.frames {
-            Some(frames) => wanted.intersect(frames),
-            None => Some(wanted),
-        };
+        let wanted =
+            options.frames.map_or(Some(manifest.frame_range()), |frames| manifest.frame_range().intersect(frames));
         for probe in &manifest.probes {
             let own = probe.frames.map_or(manifest.frame_range(), |[first, last]| FrameRange { first, last });
             source.probes.push(ProbeInfo {
@@ -342,12 +338,8 @@ impl Source {
                 return Err(Error::Usage("a face size is only for equirectangular input".into()));
             }
         };
-        let maps = match content {
-            Content::Equirect => {
-                Face::CUBE.into_iter().map(|face| FaceMap::new(face, delivered_size.0, width, height)).collect()
-            }
-            _ => Ok(Vec::new()),
-        };
+        let cut = if content == Content::Equirect { &Face::CUBE[..] } else { &[] };
+        let maps = cut.iter().map(|&face| FaceMap::new(face, delivered_size.0, width, height));
         let names = MaterialChannels::default();
         Ok(Source {
             name: String::new(),
@@ -374,7 +366,7 @@ impl Source {
             material_channels: [names.reflection, names.refraction, names.ior],
             invalid_color: options.invalid_color,
             limits: options.limits,
-            maps: maps?,
+            maps: maps.collect::<Result<_>>()?,
         })
     }
 
@@ -417,11 +409,6 @@ impl Source {
         self.manifest.as_ref()
     }
 
-    /// The value that stands for "nothing there" in the source's files, besides +inf.
-    pub fn background(&self) -> f32 {
-        self.rules.background
-    }
-
     /// What delivered depth measures: distance, or planar Z where the camera is not known well enough to convert.
     pub fn depth_stored(&self) -> DepthKind {
         self.depth_stored
@@ -429,21 +416,71 @@ impl Source {
 
     /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
-        let path = self.path(StreamKind::Color, group, frame)?;
-        self.color_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
+        self.read(StreamKind::Color, group, frame, |path| {
+            let mut plane = if is_png(path) {
+                png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
+            } else {
+                exr::read_color(path, &self.color_channel, &self.limits)?
+            };
+            self.check_size(&plane)?;
+            check_color(&mut plane, self.invalid_color)?;
+            if !is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
+                linear_from_srgb(&mut plane);
+            }
+            self.faces_of(plane, group, resample_color)
+        })
     }
 
     /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
     /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
-        let path = self.path(StreamKind::Depth, group, frame)?;
-        self.depth_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
+        self.read(StreamKind::Depth, group, frame, |path| {
+            let mut plane = self.depth_file(path)?;
+            check_depth(&mut plane, &self.rules)?;
+            let mut planes = self.faces_of(plane, group, resample_nearest)?;
+            if self.depth_kind != self.depth_stored {
+                for (face, plane) in group.faces.iter().zip(&mut planes) {
+                    let size = [plane.width(), plane.height()];
+                    let known = self.probes.get(group.probe).and_then(|probe| probe.projection(*face, size));
+                    let projection = known.unwrap_or(ImageProjection::CubeFace { face: *face, size });
+                    planar_to_distance(plane, &projection);
+                }
+            }
+            Ok(planes)
+        })
+    }
+
+    /// Depth of a frame as stored, before background, unit and kind are applied: a plane per face of the group. Values may be
+    /// anything, also NaN.
+    pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
+        let read = |path: &Path| self.faces_of(self.depth_file(path)?, group, resample_nearest);
+        self.read(group.kind, group, frame, read)
     }
 
     /// Material of a frame, one plane for each face of the group, every value finite.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
-        let path = self.path(StreamKind::Material, group, frame)?;
-        self.material_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
+        self.read(StreamKind::Material, group, frame, |path| {
+            if is_png(path) {
+                return Err(Error::unsupported("material is read from EXR files only"));
+            }
+            let [a, b, c] = &self.material_channels;
+            let mut plane = exr::read_material(path, [a, b, c], &self.limits)?;
+            self.check_size(&plane)?;
+            check_material(&mut plane, self.invalid_color)?;
+            // Weights belong to one surface, so they are never blended.
+            self.faces_of(plane, group, resample_nearest)
+        })
+    }
+
+    fn read<T>(
+        &self,
+        kind: StreamKind,
+        group: &SourceGroup,
+        frame: u32,
+        planes: impl FnOnce(&Path) -> Result<Vec<T>>,
+    ) -> Result<Vec<T>> {
+        let path = self.path(kind, group, frame)?;
+        planes(&path).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
     pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
@@ -458,21 +495,7 @@ impl Source {
         }
     }
 
-    fn color_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<ColorPlane>> {
-        let mut plane = if is_png(path) {
-            png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
-        } else {
-            exr::read_color(path, &self.color_channel, &self.limits)?
-        };
-        self.check_size(&plane)?;
-        check_color(&mut plane, self.invalid_color)?;
-        if !is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
-            linear_from_srgb(&mut plane);
-        }
-        self.faces_of(plane, group, resample_color)
-    }
-
-    pub(super) fn depth_file(&self, path: &Path) -> Result<DepthPlane> {
+    fn depth_file(&self, path: &Path) -> Result<DepthPlane> {
         let plane = if is_png(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
@@ -489,33 +512,6 @@ impl Source {
         Ok(plane)
     }
 
-    fn depth_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<DepthPlane>> {
-        let mut plane = self.depth_file(path)?;
-        check_depth(&mut plane, &self.rules)?;
-        let mut planes = self.faces_of(plane, group, resample_depth)?;
-        if self.depth_kind != self.depth_stored {
-            for (face, plane) in group.faces.iter().zip(&mut planes) {
-                let size = [plane.width(), plane.height()];
-                let known = self.probes.get(group.probe).and_then(|probe| probe.projection(*face, size));
-                let projection = known.unwrap_or(ImageProjection::CubeFace { face: *face, size });
-                planar_to_distance(plane, &projection);
-            }
-        }
-        Ok(planes)
-    }
-
-    fn material_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<MaterialPlane>> {
-        if is_png(path) {
-            return Err(Error::unsupported("material is read from EXR files only"));
-        }
-        let [a, b, c] = &self.material_channels;
-        let mut plane = exr::read_material(path, [a, b, c], &self.limits)?;
-        self.check_size(&plane)?;
-        check_material(&mut plane, self.invalid_color)?;
-        // Weights belong to one surface, so they are never blended.
-        self.faces_of(plane, group, resample_nearest)
-    }
-
     fn check_size<T>(&self, plane: &Plane<T>) -> Result<()> {
         let (width, height) = self.file_size;
         if (plane.width(), plane.height()) == (width, height) {
@@ -525,8 +521,29 @@ impl Source {
         Err(Error::invalid(format!("the image is {found} pixels, expected {width}x{height}")))
     }
 
+    /// Names and values of all settings that affect pixels. Sources with equal values read equal pixels from equal files.
+    pub fn reading_rules(&self) -> Vec<(&'static str, String)> {
+        let range = self.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
+        vec![
+            ("what an image shows", format!("{:?}", self.content)),
+            ("the size of the images", format!("{}x{}", self.file_size.0, self.file_size.1)),
+            ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
+            ("the background", format!("{:?}", self.rules.background)),
+            ("the depth scale", format!("{:?}", self.rules.scale)),
+            ("`invalid_depth`", format!("{:?}", self.rules.invalid)),
+            ("`invalid_color`", format!("{:?}", self.invalid_color)),
+            ("the kind of depth", format!("{:?} as {:?}", self.depth_kind, self.depth_stored)),
+            ("near and far in the manifest", format!("{:?}", range.map(|depth| (depth.near, depth.far)))),
+            ("whether a depth scale is stated", self.scale_stated.to_string()),
+            ("the color space", format!("{:?}", self.color_space)),
+            ("the color channels", format!("{:?}", self.color_channel)),
+            ("the depth channel", format!("{:?}", self.depth_channel)),
+            ("the material channels", format!("{:?}", self.material_channels)),
+        ]
+    }
+
     /// Cuts or resamples a file into the faces of its group.
-    pub(super) fn faces_of<T: Copy>(
+    fn faces_of<T: Copy>(
         &self,
         plane: Plane<T>,
         group: &SourceGroup,
@@ -535,13 +552,12 @@ impl Source {
         match self.content {
             Content::Face => Ok(vec![plane]),
             Content::Faces(layout) => Ok(keep_faces(cut_faces(&plane, layout)?, &group.faces)),
-            Content::Equirect => group.faces.iter().map(|&face| resample(&plane, self.map(face)?)).collect(),
+            Content::Equirect => {
+                let none = |face: &Face| Error::Usage(format!("an equirectangular image has no face {}", face.name()));
+                let map = |face: &Face| self.maps.iter().find(|map| map.face == *face).ok_or_else(|| none(face));
+                group.faces.iter().map(|face| resample(&plane, map(face)?)).collect()
+            }
         }
-    }
-
-    fn map(&self, face: Face) -> Result<&FaceMap> {
-        let map = self.maps.iter().find(|map| map.face() == face);
-        map.ok_or_else(|| Error::Usage(format!("an equirectangular image has no face {}", face.name())))
     }
 }
 

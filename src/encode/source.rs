@@ -94,7 +94,7 @@ impl FrameSource for Source {
     }
 
     fn background(&self) -> f32 {
-        self.background()
+        self.rules.background
     }
 
     fn depth_kind(&self) -> DepthKind {

@@ -1,8 +1,6 @@
 //! Streams of one unit, encoded, and decoded from a container.
 
-use crate::container::index::{ProbeEntry, StreamEntry};
-use crate::container::writer::Writer;
-use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
+use crate::container::{ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use crate::decode::{Decoder, Picture};
 use crate::depth::block_chunk::encoder::BlockEncoder;
 use crate::depth::block_tiles::Layout;
@@ -10,10 +8,8 @@ use crate::depth::block_tiles::encode::EncodeTexel;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
-use crate::depth::settings::TemporalSettings;
-use crate::depth::temporal::TemporalEncoder;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
-use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
+use crate::depth::{BACKGROUND_CODE, DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::Measured;

@@ -3,11 +3,10 @@
 
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
-use crate::gpu::decode::GpuDecoder;
-use crate::gpu::device::Gpu;
 use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
 use crate::gpu::selftest::pictures;
+use crate::gpu::{Gpu, GpuDecoder};
 use crate::hard_cases::case::Inputs;
 use crate::hard_cases::clip::{Clip, open};
 use crate::math::random::Random;

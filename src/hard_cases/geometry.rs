@@ -13,7 +13,7 @@ use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING
 use crate::hard_cases::sight;
 use crate::image::Plane;
 use crate::image::cube::{Face, FacePoint, direction_to_face};
-use crate::image::equirect::{FaceMap, resample_color, resample_depth};
+use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
 use crate::image::projection::{ImageProjection, centre_of};
 
 const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];
@@ -321,10 +321,10 @@ fn mixed_depth() -> Result<Measured> {
         let values = [1.0, 1000.0, f32::INFINITY];
         let image = Plane::from_fn(width, height, |x, y| values[(x + y) as usize % 3]);
         for map in face_maps(width, height)? {
-            let shown = resample_depth(&image, &map)?;
+            let shown = resample_nearest(&image, &map)?;
             for value in shown.data() {
                 let is_mixed = !values.contains(value);
-                wrong.count_if(is_mixed, || format!("{value} on {} of {width}x{height}", map.face().name()));
+                wrong.count_if(is_mixed, || format!("{value} on {} of {width}x{height}", map.face.name()));
             }
         }
     }
@@ -338,7 +338,7 @@ fn changed_color(value: f64) -> Result<Measured> {
         let image = Plane::filled(width, height, [value; 3]);
         for map in face_maps(width, height)? {
             let shown = resample_color(&image, &map)?;
-            let (face, size) = (map.face().name(), shown.width());
+            let (face, size) = (map.face.name(), shown.width());
             for shown in shown.data().as_flattened() {
                 let change = (shown.to_f64() / value.to_f64() - 1.0).abs();
                 worst.greatest(change, || format!("{face} on a face of {size} pixels of {width}x{height}"));

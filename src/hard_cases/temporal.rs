@@ -2,11 +2,10 @@
 //!
 //! Two things must hold of each: every frame is within the bound of its source, and every legal path shows the same frame.
 
-use crate::depth::BACKGROUND_CODE;
 use crate::depth::block_tiles::Layout;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::node_encoder::NodeSettings;
-use crate::depth::settings::TemporalSettings;
+use crate::depth::{BACKGROUND_CODE, TemporalSettings};
 use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, any_range, noise};

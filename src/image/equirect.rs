@@ -8,7 +8,7 @@ use glam::DVec3;
 use half::f16;
 
 use super::cube::Face;
-use super::plane::{ColorPlane, DepthPlane, Plane};
+use super::plane::{ColorPlane, Plane};
 use super::projection::ImageProjection;
 use crate::error::{Error, Result};
 
@@ -44,7 +44,7 @@ pub fn check_face_size(size: u32, width: u32) -> Result<()> {
 /// the image's width, and up to 520 for much smaller faces.
 #[derive(Debug, Clone)]
 pub struct FaceMap {
-    face: Face,
+    pub face: Face,
     size: u32,
     width: u32,
     height: u32,
@@ -70,10 +70,6 @@ impl FaceMap {
         }
         check_face_size(size, width)?;
         Ok(FaceMap { face, size, width, height, filters: OnceLock::new(), nearest: OnceLock::new() })
-    }
-
-    pub fn face(&self) -> Face {
-        self.face
     }
 
     fn panorama(&self) -> ImageProjection {
@@ -191,11 +187,7 @@ pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
     Plane::new(map.size, map.size, pixels)
 }
 
-/// Depth of a face: the nearest sample, so that surfaces never mix.
-pub fn resample_depth(image: &DepthPlane, map: &FaceMap) -> Result<DepthPlane> {
-    resample_nearest(image, map)
-}
-
+/// Depth or material of a face: the nearest sample, so that surfaces never mix.
 pub fn resample_nearest<T: Copy>(image: &Plane<T>, map: &FaceMap) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
     Plane::new(map.size, map.size, map.nearest().iter().flatten().map(|&index| image.data()[index as usize]).collect())
@@ -215,7 +207,7 @@ mod tests {
         for face in Face::CUBE {
             let map = FaceMap::new(face, size, width, height).unwrap();
             let faces = resample_color(&image, &map).unwrap();
-            let near = resample_depth(&depth, &map).unwrap();
+            let near = resample_nearest(&depth, &map).unwrap();
             for (row, col) in (0..size).flat_map(|row| (0..size).map(move |col| (row, col))) {
                 let expected = face.direction(col, row, size).normalize();
                 let got = faces.get(col, row).map(f16::to_f64);

@@ -22,56 +22,38 @@ pub enum FaceLayout {
     Strip,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Turn {
-    None,
-    Half,
+/// Places of the faces in an image.
+struct Cells {
+    columns: u32,
+    rows: u32,
+    /// Column and row of each face in the order of [`Face::CUBE`].
+    places: [[u32; 2]; 6],
+    /// The face that is turned by 180°.
+    turned: Option<Face>,
 }
-
-/// Column, row and turn of each face in the order of [`Face::CUBE`], and the number of columns and rows.
-type Cells = ([(u32, u32, Turn); 6], u32, u32);
-
-const CROSS_LYING: Cells = (
-    [
-        (2, 1, Turn::None),
-        (0, 1, Turn::None),
-        (1, 0, Turn::None),
-        (1, 2, Turn::None),
-        (1, 1, Turn::None),
-        (3, 1, Turn::None),
-    ],
-    4,
-    3,
-);
-const CROSS_STANDING: Cells = (
-    [
-        (2, 1, Turn::None),
-        (0, 1, Turn::None),
-        (1, 0, Turn::None),
-        (1, 2, Turn::None),
-        (1, 1, Turn::None),
-        (1, 3, Turn::Half),
-    ],
-    3,
-    4,
-);
 
 fn cells(layout: FaceLayout, width: u32, height: u32) -> Cells {
     let lying = width > height;
+    let (columns, rows) = match layout {
+        FaceLayout::Cross if lying => (4, 3),
+        FaceLayout::Cross => (3, 4),
+        FaceLayout::Strip if lying => (6, 1),
+        FaceLayout::Strip => (1, 6),
+    };
+    let strip = [0, 1, 2, 3, 4, 5].map(|at| if lying { [at, 0] } else { [0, at] });
+    let nz = if lying { [3, 1] } else { [1, 3] };
     match layout {
-        FaceLayout::Cross if lying => CROSS_LYING,
-        FaceLayout::Cross => CROSS_STANDING,
-        FaceLayout::Strip => {
-            let cell = |index: u32| if lying { (index, 0, Turn::None) } else { (0, index, Turn::None) };
-            let (columns, rows) = if lying { (6, 1) } else { (1, 6) };
-            (std::array::from_fn(|index| cell(index as u32)), columns, rows)
+        FaceLayout::Cross => {
+            let places = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], nz];
+            Cells { columns, rows, places, turned: (!lying).then_some(Face::Nz) }
         }
+        FaceLayout::Strip => Cells { columns, rows, places: strip, turned: None },
     }
 }
 
 /// Side in pixels of the faces in an image of that shape.
 pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
-    let (_, columns, rows) = cells(layout, width, height);
+    let Cells { columns, rows, .. } = cells(layout, width, height);
     let size = width / columns;
     if size > 0
         && u64::from(size) * u64::from(columns) == u64::from(width)
@@ -89,11 +71,11 @@ pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
 /// Cuts the six faces out, in the order of [`Face::CUBE`].
 pub fn cut_faces<T: Copy>(image: &Plane<T>, layout: FaceLayout) -> Result<Vec<Plane<T>>> {
     let size = face_size(layout, image.width(), image.height())?;
-    let (places, ..) = cells(layout, image.width(), image.height());
+    let Cells { places, turned, .. } = cells(layout, image.width(), image.height());
     let cut = |face: Face| {
-        let (column, row, turn) = places[face as usize];
+        let [column, row] = places[face as usize];
         Plane::from_fn(size, size, |x, y| {
-            let (x, y) = if turn == Turn::Half { (size - 1 - x, size - 1 - y) } else { (x, y) };
+            let (x, y) = if turned == Some(face) { (size - 1 - x, size - 1 - y) } else { (x, y) };
             image.get(column * size + x, row * size + y)
         })
     };
@@ -111,11 +93,11 @@ mod tests {
         let size = 8;
         for (layout, columns, rows) in [(FaceLayout::Cross, 4, 3), (FaceLayout::Cross, 3, 4)] {
             let mut image = Plane::filled(columns * size, rows * size, None);
-            let (places, ..) = cells(layout, image.width(), image.height());
+            let Cells { places, turned, .. } = cells(layout, image.width(), image.height());
             for face in Face::CUBE {
-                let (column, row, turn) = places[face as usize];
+                let [column, row] = places[face as usize];
                 for (y, x) in (0..size).flat_map(|y| (0..size).map(move |x| (y, x))) {
-                    let (px, py) = if turn == Turn::Half { (size - 1 - x, size - 1 - y) } else { (x, y) };
+                    let (px, py) = if turned == Some(face) { (size - 1 - x, size - 1 - y) } else { (x, y) };
                     let at = ((row * size + py) * columns * size + column * size + px) as usize;
                     image.data_mut()[at] = Some(face.direction(x, y, size).normalize());
                 }

@@ -1,13 +1,12 @@
 //! Counts of one chunk, frame by frame: keyframes, boxes, nodes, pixels, bytes.
 
-use crate::color::blend::Sample;
-use crate::color::cells::CellChunk;
+use crate::color::{CellChunk, Sample};
+use crate::depth::Texel;
 use crate::depth::block_chunk::BlockChunk;
 use crate::depth::block_tiles::{BlockTileCount, Layout};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
 use crate::depth::records::{Body, Record, TemporalChunk};
-use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::streams::{DepthChunk, StreamChunk};
 

@@ -2,15 +2,13 @@
 
 use std::collections::HashMap;
 
-use crate::color::blend::Sample;
-use crate::color::cells::CellChunk;
-use crate::depth::block_chunk;
+use crate::color::{CellChunk, Sample};
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::{Function, Grid, Place, function_of};
 use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::runtime::Runtime;
-use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
+use crate::depth::{Texel, block_chunk};
 use crate::inspect::patch::{Patch, Writing};
 use crate::streams::{DepthChunk, StreamChunk};
 

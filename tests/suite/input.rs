@@ -296,7 +296,7 @@ fn perspective_planar_depth() {
     let lone = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
     assert_eq!((lone.depth_stored(), lone.name()), (DepthKind::Planar, "z"));
     assert_eq!(lone.read_depth(&lone.groups()[0], 1).unwrap()[0].get(1, 0), 1.0);
-    assert_eq!(lone.background(), 0.0);
+    assert_eq!(lone.rules.background, 0.0);
 }
 
 #[test]

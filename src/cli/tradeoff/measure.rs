@@ -11,6 +11,7 @@ use super::text;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::error::{Error, Result};
+use crate::json;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
 use crate::report::tradeoff::json::Report;
@@ -149,7 +150,7 @@ impl Finished<'_> {
         if let Value::Object(more) = more {
             more.into_iter().for_each(|(key, value)| all[key] = value);
         }
-        output::write_file(&folder.report(), &output::json_text(&all)?)?;
+        output::write_file(&folder.report(), &json::pretty(&all)?)?;
         if args.json {
             output::print_json(&all)?;
         } else {
