@@ -1,7 +1,7 @@
 //! Allocation of rectangles in the layers of a texture array.
 //!
-//! Shelf packing: a layer is cut into shelves from the top down, a shelf into spans from left to right. A rectangle goes to the
-//! shelf that wastes the least height; freed spans are joined and used again. Rectangles of one size leave no gaps.
+//! Shelf packing: a layer is cut into shelves from the top down, and a shelf is filled from left to right. A rectangle goes to
+//! the shelf that wastes the least height. Rectangles of one size leave no gaps.
 
 /// Largest texture array of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,9 +14,7 @@ pub struct TextureLimits {
 /// Tiles of one size in the layers of a texture array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileGrid {
-    /// Tiles in a row.
     pub columns: u32,
-    /// Tiles in a column.
     pub rows: u32,
     pub layers: u32,
 }
@@ -38,7 +36,6 @@ impl TileGrid {
     }
 }
 
-/// A rectangle of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Allocation {
     pub layer: u32,
@@ -48,20 +45,12 @@ pub struct Allocation {
     pub size: [u32; 2],
 }
 
-/// Free columns of a shelf.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    left: u32,
-    width: u32,
-}
-
 #[derive(Debug, Clone)]
 struct Shelf {
     layer: u32,
     top: u32,
     height: u32,
-    /// In order, no two of them adjacent.
-    free: Vec<Span>,
+    used_columns: u32,
 }
 
 /// Rectangles in the layers of a texture array.
@@ -82,56 +71,23 @@ impl Atlas {
     /// A free rectangle of `size` (width, height), none if there is no room.
     pub fn allocate(&mut self, size: [u32; 2]) -> Option<Allocation> {
         let [width, height] = size;
-        let room = |shelf: &Shelf| shelf.free.iter().position(|span| span.width >= width);
-        let fitting = self.shelves.iter().enumerate().filter(|(_, shelf)| shelf.height >= height);
-        let best = fitting.filter_map(|(at, shelf)| Some((shelf.height - height, at, room(shelf)?))).min();
-        let new = || {
-            let fits = |used: &u32| width <= self.size[0] && used.saturating_add(height) <= self.size[1];
-            self.used_rows.iter().position(fits)
-        };
-        let (shelf, span) = match (best, new()) {
-            (Some((waste, at, span)), layer) if waste == 0 || layer.is_none() => (at, span),
+        let fits = |shelf: &Shelf| shelf.height >= height && self.size[0] - shelf.used_columns >= width;
+        let fitting = self.shelves.iter().enumerate().filter(|(_, shelf)| fits(shelf));
+        let best = fitting.map(|(at, shelf)| (shelf.height - height, at)).min();
+        let fits = |used: &u32| width <= self.size[0] && used.saturating_add(height) <= self.size[1];
+        let at = match (best, self.used_rows.iter().position(fits)) {
+            (Some((waste, at)), layer) if waste == 0 || layer.is_none() => at,
             (_, Some(layer)) => {
-                let (top, free) = (self.used_rows[layer], vec![Span { left: 0, width: self.size[0] }]);
+                self.shelves.push(Shelf { layer: layer as u32, top: self.used_rows[layer], height, used_columns: 0 });
                 self.used_rows[layer] += height;
-                self.shelves.push(Shelf { layer: layer as u32, top, height, free });
-                (self.shelves.len() - 1, 0)
+                self.shelves.len() - 1
             }
             _ => return None,
         };
-        let shelf = &mut self.shelves[shelf];
-        let Span { left, width: free } = shelf.free[span];
-        match free - width {
-            0 => {
-                shelf.free.remove(span);
-            }
-            rest => shelf.free[span] = Span { left: left + width, width: rest },
-        }
-        Some(Allocation { layer: shelf.layer, corner: [left, shelf.top], size })
-    }
-
-    /// Frees a rectangle that was allocated here.
-    pub fn free(&mut self, allocation: Allocation) {
-        let Allocation { layer, corner: [left, top], size: [width, _] } = allocation;
-        let Some(shelf) = self.shelves.iter_mut().find(|shelf| shelf.layer == layer && shelf.top == top) else {
-            return;
-        };
-        let at = shelf.free.partition_point(|span| span.left < left);
-        shelf.free.insert(at, Span { left, width });
-        shelf.free.dedup_by(|next, span| {
-            let joins = span.left + span.width == next.left;
-            span.width += if joins { next.width } else { 0 };
-            joins
-        });
-        let whole = self.size[0];
-        // Empty shelves at the lower end of a layer make room for shelves of other heights.
-        while let Some(at) = self.shelves.iter().position(|shelf| {
-            let is_last = shelf.top + shelf.height == self.used_rows[shelf.layer as usize];
-            is_last && shelf.free.first().is_some_and(|span| span.width == whole)
-        }) {
-            let Shelf { layer, top, .. } = self.shelves.swap_remove(at);
-            self.used_rows[layer as usize] = top;
-        }
+        let shelf = &mut self.shelves[at];
+        let corner = [shelf.used_columns, shelf.top];
+        shelf.used_columns += width;
+        Some(Allocation { layer: shelf.layer, corner, size })
     }
 }
 
@@ -161,24 +117,15 @@ mod tests {
     }
 
     #[test]
-    fn tiles_fill_a_grid_and_freed_ones_come_back() {
+    fn tiles_fill_a_grid() {
         let tile = [30, 20];
         let mut atlas = Atlas::new([90, 100], 2);
-        let mut tiles: Vec<_> = std::iter::from_fn(|| atlas.allocate(tile)).collect();
+        let tiles: Vec<_> = std::iter::from_fn(|| atlas.allocate(tile)).collect();
         assert_eq!(tiles.len(), 30);
         for (at, a) in tiles.iter().enumerate() {
             assert!(a.corner[0].is_multiple_of(30) && a.corner[1].is_multiple_of(20));
             assert!(tiles[..at].iter().all(|b| !overlap(a, b)));
         }
-        for at in [29, 13, 7, 8, 0] {
-            let freed = tiles.swap_remove(at);
-            atlas.free(freed);
-            assert_eq!(atlas.allocate(tile), Some(freed));
-            tiles.push(freed);
-        }
-        assert_eq!(atlas.allocate(tile), None);
-        tiles.into_iter().for_each(|tile| atlas.free(tile));
-        assert!(atlas.allocate([90, 100]).is_some() && atlas.allocate([90, 100]).is_some());
     }
 
     #[test]
@@ -191,11 +138,7 @@ mod tests {
             (number >> 8) % end
         };
         let mut refused = 0;
-        for _ in 0..3000 {
-            if below(3) == 0 && !held.is_empty() {
-                atlas.free(held.swap_remove(below(held.len() as u32) as usize));
-                continue;
-            }
+        for _ in 0..300 {
             match atlas.allocate([1 + below(24), 1 + below(24)]) {
                 None => refused += 1,
                 Some(new) => {
@@ -205,8 +148,6 @@ mod tests {
                 }
             }
         }
-        assert!(refused > 0 && refused < 2500, "{refused}");
-        held.into_iter().for_each(|rect| atlas.free(rect));
-        assert!(atlas.allocate([64, 64]).is_some());
+        assert!(refused > 0 && held.len() > 20, "{refused} {}", held.len());
     }
 }

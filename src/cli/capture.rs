@@ -28,7 +28,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     check_cameras_stay(args)?;
     let (cameras, viewers) = args.read_cameras()?;
     let play = args.animation.as_deref().map_or(Play::First, Play::Named);
-    let (scene, notes) = Scene::open_to_play(&args.scene, play)?;
+    let (scene, notes) = Scene::open(&args.scene, play)?;
     notes.iter().for_each(|note| global.note(note));
     let plan = args.plan(&scene, cameras, viewers)?;
     plan.manifest()?;

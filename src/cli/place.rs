@@ -32,7 +32,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let region = Region::parse(&args.region)?;
     let start = args.start.as_deref().map(CameraSet::read).transpose()?;
     let play = args.animation.as_deref().map_or(Play::First, Play::Named);
-    let (scene, notes) = Scene::open_to_play(&args.scene, play)?;
+    let (scene, notes) = Scene::open(&args.scene, play)?;
     notes.iter().for_each(|note| global.note(note));
     let settings = args.settings();
     let range = args.frames(&scene)?;

@@ -13,7 +13,6 @@ use crate::dataset::{DepthKind, Projection};
 use crate::error::Result;
 use crate::monitor::Monitor;
 
-/// Finding about planar depth or distance.
 pub const KIND: &str = "depth.kind";
 /// Fewer compared samples are inconclusive.
 const MIN_TESTED: u64 = 200;
@@ -58,7 +57,6 @@ fn next_figures(tally: &Tally) -> [(&'static str, f64); 2] {
     [("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())]
 }
 
-/// Probes and the pairs to compare.
 struct Comparison<'a> {
     probes: &'a [ProbeSamples],
     pairs: Vec<[usize; 2]>,
@@ -110,7 +108,6 @@ impl Comparison<'_> {
         self.pairs.iter().map(|pair| look_up(self.probes, *pair, hypothesis)).sum()
     }
 
-    /// The tally of each alternative.
     fn tallies(&self, alternatives: &[Alternative]) -> Result<Vec<Tally>> {
         self.monitor.check()?;
         let tallies = alternatives.par_iter().map(|alternative| self.tally(&alternative.hypothesis)).collect();

@@ -49,7 +49,6 @@ impl Turn {
 /// For each face its file and the turn of that; `None` where there is none.
 pub type FacePermutation = [Option<PlacedFile>; FACES];
 
-/// A file as a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlacedFile {
     /// Index of the face that it is declared to be.
@@ -69,7 +68,6 @@ pub struct CostTable {
     edges: Vec<Edge>,
 }
 
-/// A permutation and its cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     pub permutation: FacePermutation,

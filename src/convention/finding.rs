@@ -4,7 +4,6 @@ use serde::{Serialize, Serializer};
 
 use crate::json::Number;
 
-/// Verdict of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -16,7 +15,6 @@ pub enum Verdict {
     CannotTell,
 }
 
-/// Result of one check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     /// Name of the check, such as `depth.kind`.
@@ -34,12 +32,10 @@ fn by_name<S: Serializer>(figures: &[(&'static str, f64)], serializer: S) -> Res
 }
 
 impl Finding {
-    /// A finding without figures.
     pub fn new(check: &'static str, verdict: Verdict, says: impl Into<String>) -> Finding {
         Finding { check, verdict, says: says.into(), figures: Vec::new() }
     }
 
-    /// The same with figures.
     #[must_use]
     pub fn with(mut self, figures: &[(&'static str, f64)]) -> Finding {
         self.figures.extend_from_slice(figures);
@@ -47,7 +43,6 @@ impl Finding {
     }
 }
 
-/// A share in percent.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 || percent >= 10.0 { format!("{percent:.0}%") } else { format!("{percent:.2}%") }

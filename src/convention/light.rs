@@ -59,7 +59,6 @@ impl ColorValues {
     }
 }
 
-/// Compares values with the declared colour space.
 pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
     let above = values.above_one as f64 / values.values.max(1) as f64;
     let codes = values.codes as f64 / values.dim.max(1) as f64;

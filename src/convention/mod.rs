@@ -41,7 +41,6 @@ pub use read::Choice;
 /// Default limit of probes to check.
 pub const MAX_PROBES: usize = 16;
 
-/// The result of all checks.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
     /// Probes checked.
@@ -50,13 +49,11 @@ pub struct Report {
     pub all_probes: usize,
     /// Face images read.
     pub images: u64,
-    /// One for each check.
     #[serde(rename = "checks")]
     pub findings: Vec<Finding>,
 }
 
 impl Report {
-    /// Whether any finding is a suspicion.
     pub fn suspects(&self) -> bool {
         self.findings.iter().any(|finding| finding.verdict == Verdict::Suspect)
     }

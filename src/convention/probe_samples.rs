@@ -112,7 +112,6 @@ impl FaceSamples {
     }
 }
 
-/// Position and orientation of a probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Centre, metres.

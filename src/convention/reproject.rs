@@ -79,7 +79,6 @@ pub fn look_up(probes: &[ProbeSamples], [from, to]: [usize; 2], hypothesis: &Hyp
     tally
 }
 
-/// A tally of each of `pairs`, (from, to).
 pub fn look_up_all(probes: &[ProbeSamples], pairs: &[[usize; 2]], hypothesis: &Hypothesis) -> Vec<Tally> {
     pairs.par_iter().map(|pair| look_up(probes, *pair, hypothesis)).collect()
 }

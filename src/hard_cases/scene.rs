@@ -196,7 +196,7 @@ fn against_one_metre(size: f64) -> Measured {
         let nearest = |mesh: &SceneMesh, ray: &Ray| mesh.nearest(ray, 0.0..f64::INFINITY);
         let (a, b) = (nearest(&plain, &ray), scaled.and_then(|ray| nearest(&other, &ray)));
         let (Some(a), Some(b)) = (a, b) else { continue };
-        let [p, q, r] = plain.mesh().corners(a.triangle);
+        let [p, q, r] = plain.mesh.corners(a.triangle);
         let cosine = (q - p).cross(r - p).normalize().dot(ray.direction()).abs();
         // What falls to the other side of an edge seen edge on is another question.
         if cosine > 0.1 {
@@ -227,7 +227,7 @@ fn among_broken() -> Measured {
     });
     let (plain, other) = (mesh(&sound), mesh(&triangles));
     let mut wrong = Measured::count(0);
-    wrong.count_if(plain.bounds() != other.bounds(), || "the box around them".into());
+    wrong.count_if(plain.bvh.bounds != other.bvh.bounds, || "the box around them".into());
     count_other_answers(wrong, 7, &plain, &other)
 }
 

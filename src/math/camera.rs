@@ -24,7 +24,6 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// A square image with this vertical field of view, from the eye to infinity.
     pub fn new(fov_y_deg: f64) -> Lens {
         Lens { fov_y_deg, aspect: 1.0, near_m: 0.0, far_m: f64::INFINITY }
     }
@@ -34,7 +33,7 @@ impl Lens {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: DVec3,
-    /// Forward, right, down.
+    /// Forward, right, down: of length 1, each at right angles to the others.
     axes: [DVec3; 3],
     /// Half the width and half the height of the image at distance 1.
     half: [f64; 2],
@@ -111,12 +110,10 @@ impl Camera {
         self.eye
     }
 
-    /// Forward, right and down: of length 1, each at right angles to the others.
     pub fn axes(&self) -> [DVec3; 3] {
         self.axes
     }
 
-    /// Half the width and half the height of the image at distance 1.
     pub fn half(&self) -> [f64; 2] {
         self.half
     }
@@ -135,8 +132,7 @@ impl Camera {
         }
     }
 
-    /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` for the
-    /// identity.
+    /// The quaternion of [`Camera::oriented`]; `None` for the identity.
     pub fn orientation(&self) -> Option<[f64; 4]> {
         let [forward, right, down] = self.axes;
         let turn = DQuat::from_mat3(&DMat3::from_cols(right, -down, -forward)).normalize();
@@ -150,8 +146,7 @@ impl Camera {
         (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
-    /// Position in its image, in the same shares, of a point relative to the eye, and its planar depth. None behind the
-    /// camera.
+    /// Position in its image, in the same shares, and planar depth of a point relative to the eye; `None` behind it.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
         let plane = [right / deep, down / deep];

@@ -2,12 +2,10 @@
 //!
 //! Based on: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014 (SplitMix64).
 
-/// A sequence of random numbers.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// The sequence of a seed.
     pub fn new(seed: u64) -> Random {
         Random(seed)
     }
@@ -31,7 +29,6 @@ impl Random {
         ((u64::from(self.word()) * u64::from(end)) >> 32) as u32
     }
 
-    /// True with probability 1 in `n`.
     pub fn one_in(&mut self, n: u32) -> bool {
         self.below(n) == 0
     }
@@ -41,7 +38,6 @@ impl Random {
         of.get(self.below(of.len() as u32) as usize).copied()
     }
 
-    /// Random bytes.
     pub fn fill(&mut self, bytes: &mut [u8]) {
         bytes.fill_with(|| self.word() as u8);
     }

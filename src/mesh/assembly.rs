@@ -18,7 +18,6 @@ pub struct Part<'a> {
     pub winding: Winding,
 }
 
-/// Winding order of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Winding {
     /// Counter-clockwise seen from outside.

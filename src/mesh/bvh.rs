@@ -44,8 +44,8 @@ pub struct Bvh {
     tree: CwBvh,
     /// Triangles in the order of the tree's leaves.
     leaves: Vec<Leaf>,
-    /// Around all triangles with an area.
-    bounds: Option<AxisBox>,
+    /// The smallest box around all triangles with an area.
+    pub bounds: Option<AxisBox>,
     /// The same, inflated.
     clip: AxisBox,
     center: DVec3,
@@ -95,11 +95,6 @@ impl Bvh {
         bvh.leaves = bvh.tree.primitive_indices.iter().map(|&index| bvh.leaves[index as usize]).collect();
         bvh.tree.primitive_indices = Vec::new();
         bvh
-    }
-
-    /// The smallest box around all triangles with an area; `None` where there are none.
-    pub fn bounds(&self) -> Option<AxisBox> {
-        self.bounds
     }
 
     /// The nearest accepted hit strictly within the range of distances, from either side; of equally near triangles,

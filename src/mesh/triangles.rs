@@ -18,7 +18,6 @@ pub struct Mesh {
     pub colors: Vec<Vec4>,
     /// Corners of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Index of the material of each triangle.
     pub material_of: Vec<u32>,
 }
 

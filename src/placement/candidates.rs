@@ -37,7 +37,6 @@ pub struct FreeSpace<'a> {
 }
 
 impl FreeSpace<'_> {
-    /// Whether a camera may be at a position.
     pub fn admits(&self, position: DVec3) -> bool {
         self.region.contains(position) && self.sampled.is_free(position, self.clearance_m)
     }
@@ -134,7 +133,6 @@ impl FreeSpace<'_> {
     }
 }
 
-/// The visible set of a position, and its gain.
 #[derive(Debug, Clone)]
 pub struct ScoredSet {
     pub visible: VisibleSet,

@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::sequence;
 use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
-use crate::scene::Model;
+use crate::scene::{Model, Play};
 
 /// Rays that vote on whether a point is inside: an odd number, as one along an edge may be wrong.
 const VOTES: usize = 5;
@@ -29,8 +29,8 @@ pub struct ClosedMesh {
 
 impl ClosedMesh {
     pub fn open(path: &Path) -> Result<ClosedMesh> {
-        let (model, _) = Model::open(path)?;
-        let meshes = model.at(0.0).meshes().iter().map(|part| part.mesh().clone()).collect();
+        let (model, _) = Model::open(path, Play::First)?;
+        let meshes = model.at(0.0).meshes.iter().map(|part| part.mesh.clone()).collect();
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 

@@ -64,8 +64,7 @@ impl Lazy {
         Lazy { queue: entries.into(), round: 0 }
     }
 
-    /// The best candidate; cameras may have been added since the last call. Counts gains and bounds, but for those of
-    /// [`Self::new`].
+    /// The best candidate; cameras may have been added since the last call. Adds to `calls`.
     pub fn best(&mut self, state: &State<'_>, visible_sets: &[VisibleSet], calls: &mut Calls) -> Option<Choice> {
         self.round += 1;
         loop {

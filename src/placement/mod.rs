@@ -8,7 +8,7 @@
 //! 5. [`coverage`]: coverage that does not depend on the objective.
 //!
 //! Lengths that are not given are fractions of the region's diagonal, and random numbers are replaced by
-//! low-discrepancy sequences ([`sequence`]), so that scenes of any size are treated alike.
+//! low-discrepancy sequences ([`sequence`]), so that scenes of any size are treated alike. Positions are in metres.
 
 pub mod candidates;
 pub mod closed_mesh;

@@ -28,7 +28,6 @@ const ROUNDING: f64 = 1e-9;
 /// Surface sample: one side of a surface around a point, at one time sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfel {
-    /// Metres.
     pub point: DVec3,
     /// On the visible side, length 1.
     pub normal: DVec3,
@@ -72,7 +71,6 @@ impl Lighting {
 /// The surfels that a position sees, one bit each, from the lowest of the first word.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VisibleSet {
-    /// Metres.
     pub position: DVec3,
     /// Bits beyond the last surfel are 0.
     pub seen: Vec<u64>,

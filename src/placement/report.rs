@@ -188,7 +188,6 @@ impl Placement {
 }
 
 impl Lighting {
-    /// θ in degrees, of specular lighting.
     pub fn theta_deg(self) -> Option<f64> {
         match self {
             Lighting::Diffuse => None,

@@ -67,7 +67,6 @@ impl SampledScene {
         self.points.len()
     }
 
-    /// A box around the points.
     pub fn bounds(&self) -> AxisBox {
         let bounds = AxisBox::around(self.points.iter().map(|point| point.on.point));
         bounds.unwrap_or(AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY })
@@ -82,8 +81,8 @@ impl SampledScene {
             let mut backs = 0;
             for direction in 0..DIRECTIONS {
                 let Some(ray) = Ray::new(position, sequence::on_sphere(direction, DIRECTIONS)) else { return false };
-                let is_near = |at: &usize| scene.objects()[*at].bounds.intersect(&ray, 0.0).is_some();
-                let candidates = (0..scene.objects().len()).filter(is_near);
+                let is_near = |at: &usize| scene.objects[*at].bounds.intersect(&ray, 0.0).is_some();
+                let candidates = (0..scene.objects.len()).filter(is_near);
                 let Some(hit) = scene.first_hit(&ray, candidates) else { continue };
                 if hit.distance < clearance_m {
                     return false;
@@ -179,10 +178,10 @@ fn words(count: usize, is_set: impl Fn(usize) -> bool) -> Vec<u64> {
 /// Whether a ray hits the back of a surface; flat rectangles have none.
 fn is_back(scene: &SceneAtTime, hit: &FirstHit, ray: &Ray) -> bool {
     let normal = match hit.surface {
-        HitSurface::Object { index, .. } if matches!(scene.objects()[index].shape, Shape::Quad(_)) => return false,
+        HitSurface::Object { index, .. } if matches!(scene.objects[index].shape, Shape::Quad(_)) => return false,
         HitSurface::Object { normal, .. } => normal,
         HitSurface::Mesh { index, at } => {
-            let [a, b, c] = scene.meshes()[index].mesh().corners(at.triangle);
+            let [a, b, c] = scene.meshes[index].mesh.corners(at.triangle);
             (b - a).cross(c - a)
         }
     };

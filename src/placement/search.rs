@@ -46,7 +46,6 @@ pub struct Settings {
     pub surface_samples: Option<usize>,
 }
 
-/// Size of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     pub candidates: usize,
@@ -76,7 +75,6 @@ pub fn sample_frames([first, last]: [u32; 2], most: usize) -> Vec<u32> {
     (0..taken).map(|at| first + ((2 * at + 1) * count / (2 * taken)) as u32).collect()
 }
 
-/// The scene at each of the frames.
 pub fn time_samples(scene: &Scene, frames: &[u32], fps: f64) -> Vec<SceneAtTime> {
     frames.iter().map(|frame| scene.at(f64::from(*frame) / fps)).collect()
 }
@@ -93,7 +91,6 @@ pub struct Stop {
 /// A camera, and the coverage with it and those before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placed {
-    /// Metres.
     pub position: DVec3,
     /// Fraction of all area and time.
     pub gain: f64,

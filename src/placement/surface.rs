@@ -11,7 +11,6 @@ use crate::scene::{Quad, SceneAtTime, Shape, Sphere, TurnedBox};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// Metres.
     pub point: DVec3,
     /// Length 1, out of the solid or to the front of the triangle.
     pub normal: DVec3,
@@ -67,7 +66,7 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
         }
     };
     let mut flats = Vec::new();
-    for object in scene.objects() {
+    for object in &scene.objects {
         match &object.shape {
             Shape::Sphere(ball) => add(Patch::Ball(*ball), 2.0 * TAU * ball.radius * ball.radius),
             Shape::Quad(quad) => flats.push(*quad),
@@ -85,9 +84,9 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     for quad in flats {
         add(Patch::Flat(quad), quad.u.cross(quad.v).length());
     }
-    for (mesh, of_mesh) in scene.meshes().iter().enumerate() {
-        for triangle in 0..of_mesh.mesh().triangles.len() {
-            let [a, b, c] = of_mesh.mesh().corners(triangle);
+    for (mesh, of_mesh) in scene.meshes.iter().enumerate() {
+        for triangle in 0..of_mesh.mesh.triangles.len() {
+            let [a, b, c] = of_mesh.mesh.corners(triangle);
             add(Patch::Triangle { mesh, triangle }, 0.5 * (b - a).cross(c - a).length());
         }
     }
@@ -129,8 +128,8 @@ fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<Surfac
             Some(SurfacePoint { point: center + radius * normal, normal })
         }
         Patch::Triangle { mesh, triangle } => {
-            let mesh = scene.meshes().get(mesh)?;
-            let [a, b, c] = mesh.mesh().corners(triangle);
+            let mesh = scene.meshes.get(mesh)?;
+            let [a, b, c] = mesh.mesh.corners(triangle);
             // The half of the square beyond the diagonal is mirrored.
             let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
             let is_hole = mesh.is_hole(triangle, glam::DVec2::new(s, t));
@@ -187,7 +186,7 @@ mod tests {
     #[test]
     fn every_shape_has_its_points_on_its_surface() {
         let found = DemoScene::new(DemoKind::Courtyard).at(0.7);
-        for object in found.objects() {
+        for object in &found.objects {
             let alone = scene(vec![object.shape]);
             let mut met = 0;
             let points = sample(&alone, 200, 5).points;

@@ -9,7 +9,6 @@ use crate::error::{Error, Result};
 
 const ENDINGS: [&str; 3] = ["glb", "gltf", "obj"];
 
-/// A scene over time.
 #[derive(Debug)]
 pub enum Scene {
     Procedural(DemoScene),
@@ -22,14 +21,8 @@ impl Scene {
         has_ending(text) || built_in(text).is_some()
     }
 
-    /// Opens a built-in scene by its name, or a file with its first animation. An existing file precedes a built-in
-    /// scene of its name; a folder does not. Notes say what was left out or replaced.
-    pub fn open(text: &str) -> Result<(Scene, Vec<String>)> {
-        Scene::open_to_play(text, Play::First)
-    }
-
-    /// The same with any animation; that of a built-in scene has no name.
-    pub fn open_to_play(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
+    /// Opens a built-in scene by its name, or a file. Notes say what was left out or replaced.
+    pub fn open(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
         if let Some(kind) = built_in(text) {
             return match play {
                 Play::Named(name) => Err(Error::Usage(format!(
@@ -46,7 +39,7 @@ impl Scene {
                 DemoKind::ALL.map(DemoKind::name).join(", ")
             )));
         }
-        let (model, notes) = Model::open_to_play(path, play)?;
+        let (model, notes) = Model::open(path, play)?;
         Ok((Scene::Model(Box::new(model)), notes))
     }
 

@@ -14,7 +14,6 @@ pub struct Sun {
 /// A point light of limited range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
-    /// Metres.
     pub position: DVec3,
     /// Radiance of a white surface that faces it at 1 m, without the window.
     pub radiance: DVec3,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::{AxisBox, Bvh, Material as PlainMaterial, Mesh, Ray, TriangleHit};
+use crate::mesh::{Bvh, Material as PlainMaterial, Mesh, Ray, TriangleHit};
 
 /// Specular transport at a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,9 +49,9 @@ pub struct MeshMaterial {
 /// A mesh that rays can be traced against. Holes of alpha are passed through.
 #[derive(Debug, Clone)]
 pub struct SceneMesh {
-    mesh: Mesh,
-    materials: Arc<[MeshMaterial]>,
-    bvh: Bvh,
+    pub mesh: Mesh,
+    pub materials: Arc<[MeshMaterial]>,
+    pub bvh: Bvh,
     /// Whether any material has holes, and whether any is glass.
     has_holes: bool,
     has_glass: bool,
@@ -63,19 +63,6 @@ impl SceneMesh {
         let has_holes = materials.iter().any(|material| material.plain.alpha_cutoff.is_some());
         let has_glass = materials.iter().any(|material| matches!(material.optics, Optics::Glass { .. }));
         SceneMesh { mesh, materials, bvh, has_holes, has_glass }
-    }
-
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
-    }
-
-    pub fn materials(&self) -> &Arc<[MeshMaterial]> {
-        &self.materials
-    }
-
-    /// As [`Bvh::bounds`].
-    pub fn bounds(&self) -> Option<AxisBox> {
-        self.bvh.bounds()
     }
 
     /// The nearest triangle strictly within the range, in metres, from either side.
@@ -134,14 +121,14 @@ mod tests {
     fn hits_in_files_equal_brute_force() {
         let meshes = std::path::Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("meshes");
         for file in ["sponza.glb", "dragon.glb", "bunny.obj"] {
-            let (model, _) = crate::scene::Model::open(&meshes.join(file)).unwrap();
+            let (model, _) = crate::scene::Model::open(&meshes.join(file), Default::default()).unwrap();
             let scene = model.at(0.0);
-            let bounds = scene.bounds().unwrap();
+            let bounds = scene.bounds.unwrap();
             let mut numbers = Numbers::new(7);
             let mut anywhere = || 0.5 * (bounds.min + bounds.max) + 0.5 * (bounds.max - bounds.min) * numbers.point();
             let mut hits = 0;
-            for mesh in scene.meshes() {
-                let triangles: Vec<_> = (0..mesh.mesh().triangles.len()).map(|at| mesh.mesh().corners(at)).collect();
+            for mesh in &scene.meshes {
+                let triangles: Vec<_> = (0..mesh.mesh.triangles.len()).map(|at| mesh.mesh.corners(at)).collect();
                 for _ in 0..60 {
                     let (from, to) = (anywhere(), anywhere());
                     let ray = Ray::new(from, to - from).unwrap();

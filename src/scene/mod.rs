@@ -1,7 +1,7 @@
 //! Scenes that can be seen from anywhere: analytic shapes, meshes, procedural scenes, ray casting, cube-map capture.
 //!
 //! Enters: a time and a camera position. Leaves: colour and depth planes whose every value has a known reason, which
-//! is what `lightfold demo` and the tests of a codec need.
+//! is what `lightfold demo` and the tests of a codec need. Positions and lengths are in metres.
 
 pub mod animated;
 pub mod capture;

@@ -6,14 +6,12 @@ use crate::mesh::{AxisBox, Intersection, Ray};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    /// Metres.
     pub center: DVec3,
     /// Metres, above 0.
     pub radius: f64,
 }
 
 impl Sphere {
-    /// The nearest intersection beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let to_center = self.center - ray.origin();
         let closest = to_center.dot(ray.direction());
@@ -34,7 +32,6 @@ impl Sphere {
 /// A box rotated about the vertical.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnedBox {
-    /// Metres.
     pub center: DVec3,
     /// Half the length of each edge, metres.
     pub half: DVec3,
@@ -43,19 +40,16 @@ pub struct TurnedBox {
 }
 
 impl TurnedBox {
-    /// World to local axes.
     pub fn to_local(self, v: DVec3) -> DVec3 {
         let (cos, sin) = (self.turn.x, self.turn.y);
         DVec3::new(cos * v.x - sin * v.z, v.y, sin * v.x + cos * v.z)
     }
 
-    /// Local to world axes.
     pub fn to_world(self, v: DVec3) -> DVec3 {
         let (cos, sin) = (self.turn.x, self.turn.y);
         DVec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
     }
 
-    /// The nearest intersection beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let local = Ray::from_unit(self.to_local(ray.origin() - self.center), self.to_local(ray.direction()));
         let hit = AxisBox { min: -self.half, max: self.half }.intersect(&local, min_distance)?;
@@ -66,7 +60,6 @@ impl TurnedBox {
 /// A flat rectangle, visible from both sides; its normal is that of `u × v`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quad {
-    /// Metres.
     pub corner: DVec3,
     /// Edge from the corner, metres.
     pub u: DVec3,
@@ -107,7 +100,6 @@ pub struct Fence {
     pub spacing: f64,
     /// Width of a post in x and z, metres.
     pub width: f64,
-    /// Metres.
     pub height: f64,
     /// Heights of the centres of the rails above the foot, metres; rails are as thick as posts.
     pub rails: [f64; 2],

@@ -16,15 +16,10 @@ use super::raycast::SceneAtTime;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DemoKind {
-    /// Terrace under an open sky, with thin fence posts; the face +X is empty. Three spheres and a box move.
     Courtyard,
-    /// Closed room with lamps, furniture and a lattice; three spheres move.
     Interior,
-    /// A knotted tube that turns in empty space, as a mesh.
     Object,
-    /// Closed room with a glass sphere and a moving mirror sphere.
     Mirrors,
-    /// The Cornell box, open to +Z; static.
     Cornell,
 }
 
@@ -59,7 +54,6 @@ pub struct DemoScene {
 }
 
 impl DemoScene {
-    /// Period of the animation, seconds.
     pub const PERIOD_S: f64 = 4.0;
 
     pub fn new(kind: DemoKind) -> Self {

@@ -21,15 +21,15 @@ fn lift_m(size: f64) -> f64 {
 
 #[derive(Debug, Clone)]
 pub struct SceneAtTime {
-    objects: Vec<Object>,
-    meshes: Vec<Arc<SceneMesh>>,
-    light: Light,
+    pub objects: Vec<Object>,
+    pub meshes: Vec<Arc<SceneMesh>>,
+    pub light: Light,
     /// One for each sun.
-    shadows: Vec<ShadowGrid>,
-    bounds: Option<AxisBox>,
+    pub(super) shadows: Vec<ShadowGrid>,
+    /// The smallest box around the boxes of all objects and meshes; `None` for an empty scene.
+    pub bounds: Option<AxisBox>,
     /// Diagonal of the bounds, metres.
     size: f64,
-    /// See [`lift_m`].
     lift: f64,
 }
 
@@ -40,17 +40,14 @@ pub struct FirstHit {
     pub surface: HitSurface,
 }
 
-/// Shape or triangle that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HitSurface {
     Object {
-        /// Index into [`SceneAtTime::objects`].
         index: usize,
         /// Length 1, out of the solid.
         normal: DVec3,
     },
     Mesh {
-        /// Index into [`SceneAtTime::meshes`].
         index: usize,
         at: TriangleHit,
     },
@@ -64,17 +61,12 @@ impl SceneAtTime {
 
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<SceneMesh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
-        let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bounds()));
+        let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bvh.bounds));
         // Shapes that are not finite are invisible, and must not spoil what depends on the size.
         let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = boxes.reduce(AxisBox::join);
         let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length().min(f64::MAX));
         SceneAtTime { objects, meshes, light, shadows, bounds, size, lift: lift_m(size) }
-    }
-
-    /// The smallest box around the boxes of all objects and meshes; `None` for an empty scene.
-    pub fn bounds(&self) -> Option<AxisBox> {
-        self.bounds
     }
 
     /// Whether no surface lies between two points, both of which may be on a surface: hits within the offset of ray
@@ -104,26 +96,10 @@ impl SceneAtTime {
         0.01 * self.size.min(1.0).powi(2)
     }
 
-    pub(super) fn shadows(&self) -> &[ShadowGrid] {
-        &self.shadows
-    }
-
     /// Offset of the origin of a ray that leaves the surface at `point`, metres: larger far from the origin, where f64
     /// resolves less.
     pub(super) fn lift(&self, point: DVec3) -> f64 {
         self.lift.max(1e-13 * point.abs().max_element())
-    }
-
-    pub fn meshes(&self) -> &[Arc<SceneMesh>] {
-        &self.meshes
-    }
-
-    pub fn objects(&self) -> &[Object] {
-        &self.objects
-    }
-
-    pub fn light(&self) -> &Light {
-        &self.light
     }
 
     /// The nearest hit among all meshes and the `candidates` (indices of objects, rising); of equally near ones, objects

@@ -80,13 +80,13 @@ impl SceneAtTime {
     /// Radiance that arrives from `direction` on the side of `out`.
     fn along(&self, surface: &Surface, out: DVec3, direction: DVec3, path: Path) -> DVec3 {
         if path.bounces > MAX_BOUNCES || path.weight < LEAST_WEIGHT {
-            return self.light().sky.ambient;
+            return self.light.sky.ambient;
         }
         #[cfg(test)]
         SECONDARY_RAYS.with(|count| count.set(count.get() + 1));
         let ray = Ray::from_unit(surface.point + self.lift(surface.point) * out, direction);
-        match self.first_hit(&ray, 0..self.objects().len()) {
-            None => self.light().sky.radiance(direction),
+        match self.first_hit(&ray, 0..self.objects.len()) {
+            None => self.light.sky.radiance(direction),
             Some(hit) => self.radiance(&self.surface(&ray, &hit), direction, path),
         }
     }
@@ -112,7 +112,7 @@ impl SceneAtTime {
     fn arriving(&self, surface: &Surface, direction: DVec3) -> Reflected {
         let ambient = |normal: DVec3| {
             // The ground reflects 40% of the light of the sky.
-            self.light().sky.ambient * (0.7 + 0.3 * normal.y)
+            self.light.sky.ambient * (0.7 + 0.3 * normal.y)
         };
         let mut light = self.direct_upon(surface, direction, ambient(surface.normal));
         if !surface.phong.is_matt() {
@@ -132,7 +132,7 @@ impl SceneAtTime {
             }
         };
         let above = surface.point + self.lift(surface.point) * surface.side;
-        for (sun, shadows) in self.light().suns.iter().zip(self.shadows()) {
+        for (sun, shadows) in self.light.suns.iter().zip(&self.shadows) {
             let facing = surface.normal.dot(sun.direction);
             // Interpolated normals may face a light that is behind the surface.
             let lit = facing > 0.0 && surface.side.dot(sun.direction) > 0.0;
@@ -140,7 +140,7 @@ impl SceneAtTime {
                 add(facing * sun.radiance, sun.direction);
             }
         }
-        for lamp in &self.light().lamps {
+        for lamp in &self.light.lamps {
             if let Some((light, towards)) = self.lamp_light(lamp, above, surface) {
                 add(light, towards);
             }
@@ -172,16 +172,16 @@ impl SceneAtTime {
 
     /// Whether a shadow caster is within the first `length` metres.
     fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
-        self.objects().iter().filter(|object| object.is_occluder()).any(|object| {
+        self.objects.iter().filter(|object| object.is_occluder()).any(|object| {
             object.bounds.intersect(ray, 0.0).is_some()
                 && object.shape.intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
-        }) || self.meshes().iter().any(|mesh| mesh.casts_shadow(ray, 0.0..length))
+        }) || self.meshes.iter().any(|mesh| mesh.casts_shadow(ray, 0.0..length))
     }
 
     fn in_sun_shadow(&self, sun: DVec3, shadows: &super::shadow_grid::ShadowGrid, point: DVec3) -> bool {
         let ray = Ray::from_unit(point, sun);
-        shadows.casters(point).iter().any(|&index| self.objects()[index].shape.intersect(&ray, 0.0).is_some())
-            || self.meshes().iter().any(|mesh| mesh.casts_shadow(&ray, 0.0..f64::INFINITY))
+        shadows.casters(point).iter().any(|&index| self.objects[index].shape.intersect(&ray, 0.0).is_some())
+            || self.meshes.iter().any(|mesh| mesh.casts_shadow(&ray, 0.0..f64::INFINITY))
     }
 }
 

@@ -9,7 +9,6 @@ use crate::scene::{MeshMaterial, Scene, SceneAtTime};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneSummary {
-    /// Metres.
     pub bounds_m: Option<SceneBounds>,
     pub triangles: usize,
     /// Analytic shapes.
@@ -47,15 +46,13 @@ impl Scene {
             materials.iter().flat_map(|material| [&material.plain.base_texture, &material.plain.emissive_texture]);
         let textures: BTreeSet<_> = images.flatten().map(Arc::as_ptr).collect();
         SceneSummary {
-            bounds_m: scene
-                .bounds()
-                .map(|bounds| SceneBounds { min: bounds.min.to_array(), max: bounds.max.to_array() }),
-            triangles: scene.meshes().iter().map(|mesh| mesh.mesh().triangles.len()).sum(),
-            objects: scene.objects().len(),
+            bounds_m: scene.bounds.map(|bounds| SceneBounds { min: bounds.min.to_array(), max: bounds.max.to_array() }),
+            triangles: scene.meshes.iter().map(|mesh| mesh.mesh.triangles.len()).sum(),
+            objects: scene.objects.len(),
             materials: materials.len(),
             textures: textures.len(),
-            suns: scene.light().suns.len(),
-            lamps: scene.light().lamps.len(),
+            suns: scene.light.suns.len(),
+            lamps: scene.light.lamps.len(),
             animations: self.animation_summaries(),
         }
     }
@@ -81,9 +78,9 @@ impl Scene {
 fn materials(scene: &SceneAtTime) -> Vec<&MeshMaterial> {
     let mut found = Vec::new();
     let mut known = BTreeSet::new();
-    for mesh in scene.meshes() {
-        let used: BTreeSet<u32> = mesh.mesh().material_of.iter().copied().collect();
-        for material in used.into_iter().filter_map(|number| mesh.materials().get(number as usize)) {
+    for mesh in &scene.meshes {
+        let used: BTreeSet<u32> = mesh.mesh.material_of.iter().copied().collect();
+        for material in used.into_iter().filter_map(|number| mesh.materials.get(number as usize)) {
             if known.insert(std::ptr::from_ref(material)) {
                 found.push(material);
             }

@@ -30,9 +30,9 @@ impl SceneAtTime {
     pub(super) fn surface(&self, ray: &Ray, hit: &FirstHit) -> Surface {
         match hit.surface {
             HitSurface::Object { index, normal } => {
-                of_object(&self.objects()[index], ray, &Intersection { distance: hit.distance, normal })
+                of_object(&self.objects[index], ray, &Intersection { distance: hit.distance, normal })
             }
-            HitSurface::Mesh { index, at } => of_mesh(&self.meshes()[index], ray, &at),
+            HitSurface::Mesh { index, at } => of_mesh(&self.meshes[index], ray, &at),
         }
     }
 }
@@ -62,7 +62,7 @@ fn of_object(object: &Object, ray: &Ray, hit: &Intersection) -> Surface {
 }
 
 fn of_mesh(scene_mesh: &SceneMesh, ray: &Ray, hit: &TriangleHit) -> Surface {
-    let mesh = scene_mesh.mesh();
+    let mesh = &scene_mesh.mesh;
     let corners = mesh.corners(hit.triangle);
     let outward = outward(&corners);
     let from_within = outward.dot(ray.direction()) > 0.0;

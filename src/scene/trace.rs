@@ -33,9 +33,9 @@ impl Hit {
 /// distance `+inf` and the colour of the horizon.
 pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     let Some(ray) = Ray::new(origin, direction) else {
-        return Hit { color: scene.light().sky.horizon, ..Hit::NOTHING };
+        return Hit { color: scene.light.sky.horizon, ..Hit::NOTHING };
     };
-    scene.trace(&ray, 0..scene.objects().len())
+    scene.trace(&ray, 0..scene.objects.len())
 }
 
 impl SceneAtTime {
@@ -43,7 +43,7 @@ impl SceneAtTime {
     /// are traced against all objects.
     pub fn trace(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Hit {
         let Some(hit) = self.first_hit(ray, candidates) else {
-            return Hit { color: self.light().sky.radiance(ray.direction()), ..Hit::NOTHING };
+            return Hit { color: self.light.sky.radiance(ray.direction()), ..Hit::NOTHING };
         };
         let surface = self.surface(ray, &hit);
         Hit {

@@ -14,7 +14,7 @@ use std::time::Instant;
 use clock::Clock;
 use glam::{DVec3, Vec3};
 use lightfold::mesh::{Mesh, Ray};
-use lightfold::scene::{Light, MeshMaterial, Scene, SceneAtTime, SceneMesh};
+use lightfold::scene::{Light, MeshMaterial, Play, Scene, SceneAtTime, SceneMesh};
 
 /// Widths of faces in pixels.
 const SIZES: [u32; 3] = [256, 512, 1024];
@@ -36,12 +36,12 @@ fn main() {
     let scene = SceneAtTime::with_meshes(vec![], vec![tree.into()], Light::default());
     measure("landscape", &scene, seconds);
     let folder = std::env::var_os("LIGHTFOLD_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
-    match Scene::open(&folder.join("meshes/sponza.glb").to_string_lossy()) {
+    match Scene::open(&folder.join("meshes/sponza.glb").to_string_lossy(), Play::First) {
         Ok((scene, _)) => {
             let moment = scene.at(0.0);
             let start = Instant::now();
-            for mesh in moment.meshes() {
-                black_box(SceneMesh::new(mesh.mesh().clone(), mesh.materials().clone()));
+            for mesh in &moment.meshes {
+                black_box(SceneMesh::new(mesh.mesh.clone(), mesh.materials.clone()));
             }
             measure("sponza.glb", &moment, start.elapsed().as_secs_f64());
         }
@@ -50,8 +50,8 @@ fn main() {
 }
 
 fn measure(name: &str, scene: &SceneAtTime, build_seconds: f64) {
-    let Some(bounds) = scene.bounds() else { return println!("{name} is empty") };
-    let triangles: usize = scene.meshes().iter().map(|mesh| mesh.mesh().triangles.len()).sum();
+    let Some(bounds) = scene.bounds else { return println!("{name} is empty") };
+    let triangles: usize = scene.meshes.iter().map(|mesh| mesh.mesh.triangles.len()).sum();
     let eye = 0.5 * (bounds.min + bounds.max);
     print!("{name:<10} {triangles:>9} {build_seconds:>7.2}          ");
     let speed = |count: usize, seconds: f64| count as f64 / seconds / 1e6;
@@ -66,7 +66,7 @@ fn measure(name: &str, scene: &SceneAtTime, build_seconds: f64) {
     let sun = Light::default().suns[0].direction;
     let to_sun: Vec<Ray> = hits.iter().filter_map(|&at| Ray::new(at, sun)).collect();
     let seconds = median(|| {
-        let dark = |ray: &&Ray| scene.meshes().iter().any(|mesh| mesh.occluded(ray, 1e-4..f64::INFINITY));
+        let dark = |ray: &&Ray| scene.meshes.iter().any(|mesh| mesh.occluded(ray, 1e-4..f64::INFINITY));
         to_sun.iter().filter(dark).count()
     });
     print!("  {:>6.2} ", speed(to_sun.len(), seconds));

@@ -48,7 +48,7 @@ fn moved() -> Gltf {
 }
 
 fn contents(path: &Path) -> String {
-    Scene::open(path.to_str().unwrap()).unwrap().0.contents().to_owned()
+    Scene::open(path.to_str().unwrap(), Default::default()).unwrap().0.contents().to_owned()
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub fn open_beside(
     }
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    Model::open(&path)
+    Model::open(&path, Play::First)
 }
 
 pub fn open(file: &Gltf) -> (Model, Vec<String>) {
@@ -37,8 +37,8 @@ fn refusal(file: &Gltf) -> String {
 
 /// The only mesh of a scene.
 fn only(scene: &SceneAtTime) -> &Mesh {
-    assert_eq!(scene.meshes().len(), 1);
-    scene.meshes()[0].mesh()
+    assert_eq!(scene.meshes.len(), 1);
+    &scene.meshes[0].mesh
 }
 
 /// A mesh and its materials.
@@ -58,7 +58,7 @@ impl std::ops::Deref for Painted {
 /// The only mesh at the beginning.
 pub fn first(model: &Model) -> Painted {
     let scene = model.at(0.0);
-    Painted { mesh: only(&scene).clone(), materials: scene.meshes()[0].materials().clone() }
+    Painted { mesh: only(&scene).clone(), materials: scene.meshes[0].materials.clone() }
 }
 
 #[track_caller]
@@ -106,7 +106,7 @@ fn a_triangle_comes_out_of_each_kind_of_file() {
         assert_corners(&mesh, &CORNERS);
         assert!(mesh.normals.is_empty() && mesh.uvs.is_empty());
         assert_eq!((mesh.materials[0].plain.base_color, &mesh.material_of[..]), (DVec3::splat(0.8), &[0][..]));
-        assert_eq!(model.at(0.0).light().suns.len(), 1, "a day, as the file has no light");
+        assert_eq!(model.at(0.0).light.suns.len(), 1, "a day, as the file has no light");
     }
 }
 
@@ -249,23 +249,23 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     let (model, notes) = open(&file);
     assert!(notes.len() == 1 && notes[0].contains("“go”"), "{notes:?}");
     let (one, two) = (model.at(0.0), model.at(0.5));
-    assert_eq!((one.meshes().len(), two.meshes().len()), (2, 2));
-    assert!(std::sync::Arc::ptr_eq(&one.meshes()[0], &two.meshes()[0]));
-    assert_corners(one.meshes()[0].mesh(), &CORNERS.map(|[x, y, _]| [x, y, 5.0]));
-    assert_corners(one.meshes()[1].mesh(), &CORNERS.map(|[x, y, _]| [x, y, 1.0]));
-    assert_corners(two.meshes()[1].mesh(), &CORNERS.map(|[x, y, _]| [x, y, 1.5]));
+    assert_eq!((one.meshes.len(), two.meshes.len()), (2, 2));
+    assert!(std::sync::Arc::ptr_eq(&one.meshes[0], &two.meshes[0]));
+    assert_corners(&one.meshes[0].mesh, &CORNERS.map(|[x, y, _]| [x, y, 5.0]));
+    assert_corners(&one.meshes[1].mesh, &CORNERS.map(|[x, y, _]| [x, y, 1.0]));
+    assert_corners(&two.meshes[1].mesh, &CORNERS.map(|[x, y, _]| [x, y, 1.5]));
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     std::fs::write(&path, file.glb()).unwrap();
-    let (model, notes) = Model::open_to_play(&path, Play::Named("stay")).unwrap();
+    let (model, notes) = Model::open(&path, Play::Named("stay")).unwrap();
     assert_eq!(
         (model.duration_s(), notes.len(), &model.animations[..]),
         (0.0, 0, &["go".to_string(), "stay".to_string()][..])
     );
     let corners = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [0.0, 1.0, 5.0]];
     assert_corners(only(&model.at(0.0)), &[corners, CORNERS].concat());
-    let message = Model::open_to_play(&path, Play::Named("run")).unwrap_err().to_string();
+    let message = Model::open(&path, Play::Named("run")).unwrap_err().to_string();
     assert!(message.contains("“run”") && message.contains("go, stay"), "{message}");
 }
 
@@ -462,7 +462,7 @@ fn the_meshes_beside_the_footage_are_whole() {
     // Triangles, and how many of them have no area.
     for (name, triangles, no_area) in [("sponza.glb", 262_267, 1), ("dragon.glb", 202_520, 0), ("bunny.obj", 69_451, 0)]
     {
-        let (model, notes) = Model::open(&Path::new(data).join("meshes").join(name)).unwrap();
+        let (model, notes) = Model::open(&Path::new(data).join("meshes").join(name), Play::First).unwrap();
         let mesh = first(&model);
         assert_eq!((mesh.triangles.len(), notes.len()), (triangles - no_area, no_area), "{name}: {notes:?}");
         assert_eq!(model.duration_s(), 0.0);
@@ -477,5 +477,5 @@ fn the_rich_document_has_everything() {
     assert!(notes.is_empty(), "{notes:?}");
     assert_eq!((model.duration_s(), &model.animations[..]), (2.0, &["all".to_string()][..]));
     assert_eq!(only(&model.at(1.0)).triangles.len(), 4);
-    assert_eq!(open_beside("a.gltf", &rich().text(), &[]).unwrap().0.at(1.0).light().lamps.len(), 1);
+    assert_eq!(open_beside("a.gltf", &rich().text(), &[]).unwrap().0.at(1.0).light.lamps.len(), 1);
 }

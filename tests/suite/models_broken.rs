@@ -1,6 +1,6 @@
 //! Mesh files that are broken or hostile: one sentence, no panic, and memory within bounds.
 
-use lightfold::scene::Model;
+use lightfold::scene::{Model, Play};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, rich};
@@ -9,7 +9,7 @@ fn open(name: &str, bytes: &[u8]) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    Model::open(&path).map(|_| ()).map_err(|error| error.to_string())
+    Model::open(&path, Play::First).map(|_| ()).map_err(|error| error.to_string())
 }
 
 /// The rich document, changed.

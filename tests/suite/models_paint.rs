@@ -184,7 +184,7 @@ fn lights_become_suns_and_lamps() {
     file.root_node(json!({ "rotation": [-HALF, 0.0, 0.0, HALF], "extensions": on(0) }));
     file.root_node(json!({ "translation": [1, 2, 3], "extensions": on(1) }));
     let spot = file.root_node(json!({ "extensions": on(2), "scale": [5, 5, 5] }));
-    let light = open(&file).0.at(0.0).light().clone();
+    let light = open(&file).0.at(0.0).light.clone();
     let [sun] = light.suns[..] else { panic!("one sun") };
     assert!((sun.direction - DVec3::Y).length() < 1e-6 && (sun.radiance - DVec3::new(1.0, 0.5, 0.0)).length() < 1e-6);
     let [lamp, spot_lamp] = light.lamps[..] else { panic!("two lamps") };
@@ -198,8 +198,8 @@ fn lights_become_suns_and_lamps() {
     let output = file.floats("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
     file.animate(spot, "translation", json!({ "input": times, "output": output }));
     let (model, _) = open(&file);
-    assert_eq!((model.duration_s(), model.at(0.5).light().lamps[1].position), (1.0, DVec3::X * 4.0));
-    assert_eq!(model.at(0.5).meshes().len(), 1);
+    assert_eq!((model.duration_s(), model.at(0.5).light.lamps[1].position), (1.0, DVec3::X * 4.0));
+    assert_eq!(model.at(0.5).meshes.len(), 1);
 }
 
 /// The colour that is seen straight from above the triangle at (x, y), which are its weights of the other two corners.

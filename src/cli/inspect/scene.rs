@@ -8,7 +8,7 @@ use super::args::Args;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::error::Result;
 use crate::report::Table;
-use crate::scene::{Scene, SceneSummary};
+use crate::scene::{Play, Scene, SceneSummary};
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -26,7 +26,7 @@ pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     if is_selective || is_per_frame || args.streams || args.verify || args.csv || args.plot.is_some() {
         return refuse(format!("{name}: a scene is reported as a table or with --json; leave out the other options"));
     }
-    let (scene, notes) = Scene::open(name)?;
+    let (scene, notes) = Scene::open(name, Play::First)?;
     let document = Document { scene: name, summary: scene.summary(), notes };
     if args.json {
         return output::print_json(&document).map(|()| ExitStatus::Passed);

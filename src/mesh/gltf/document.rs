@@ -60,8 +60,7 @@ pub fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(b"glTF")
 }
 
-/// Reads the JSON of a `.gltf` or `.glb` file; fails where it requires an unknown extension or an index is out of
-/// range.
+/// Fails where the file requires an unknown extension, or an index is out of range.
 pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let (text, blob) = if is_glb(bytes) { split(bytes)? } else { (bytes, None) };
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);

@@ -9,7 +9,6 @@ use crate::error::{Error, Result};
 /// Transform to the parent: scale, then rotation, then translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Metres.
     pub translation: DVec3,
     /// Length 1.
     pub rotation: DQuat,

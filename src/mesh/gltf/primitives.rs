@@ -19,7 +19,6 @@ pub struct Geometry {
     /// All corners exist.
     pub triangles: Vec<[u32; 3]>,
     pub material: u32,
-    /// Morph targets.
     pub targets: Vec<Target>,
     /// Joints, four in each set.
     pub influences: Vec<Influences>,
@@ -47,8 +46,7 @@ pub struct Coordinates {
     pub transform: Affine2,
 }
 
-/// Reads a primitive; `None` for points and lines. Fails where accessors are broken or differ in length, or an index
-/// is out of range.
+/// `None` for points and lines. Fails where accessors differ in length, or an index is out of range.
 pub fn read(
     primitive: &gltf::Primitive,
     material: u32,

@@ -89,7 +89,6 @@ impl Document {
         push(&mut self.views, view)
     }
 
-    /// An accessor of vectors of floats.
     fn floats<const N: usize>(&mut self, vectors: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = vectors.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
         let view = self.view(&bytes);

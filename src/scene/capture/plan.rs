@@ -46,10 +46,8 @@ pub struct CapturePlan {
     pub far_m: f64,
 }
 
-/// One face of one probe in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameRequest {
-    /// Index of the probe.
     pub probe: usize,
     pub face: Face,
     pub frame: u32,
@@ -183,7 +181,6 @@ impl CapturePlan {
         probes.flat_map(move |probe| self.faces().iter().map(move |&face| FrameRequest { probe, face, frame }))
     }
 
-    /// Number of image files.
     pub fn image_count(&self) -> u64 {
         let frames = |camera| self.frames_of(camera).map_or(0, |frames| frames.count());
         let frames: u64 = (0..self.cameras.cameras.len()).map(frames).sum();

@@ -10,7 +10,7 @@ pub const MAX_SAMPLES: u32 = 4096;
 /// Points in a pixel, each coordinate in 0..1, its centre at (½, ½).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SamplePattern {
-    points: Vec<[f64; 2]>,
+    pub points: Vec<[f64; 2]>,
 }
 
 impl SamplePattern {
@@ -32,10 +32,6 @@ impl SamplePattern {
         Ok(SamplePattern { points })
     }
 
-    pub fn points(&self) -> &[[f64; 2]] {
-        &self.points
-    }
-
     /// Whether the centre is the only one.
     pub fn is_centre(&self) -> bool {
         self.points == [[0.5; 2]]
@@ -50,18 +46,18 @@ mod tests {
     fn squares_are_grids_and_one_is_the_centre() {
         assert!(SamplePattern::new(1).unwrap().is_centre());
         let four = SamplePattern::new(4).unwrap();
-        assert_eq!(four.points(), [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]]);
+        assert_eq!(four.points, [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]]);
         assert!(!four.is_centre());
-        assert_eq!(SamplePattern::new(16).unwrap().points()[6], [0.625, 0.375]);
+        assert_eq!(SamplePattern::new(16).unwrap().points[6], [0.625, 0.375]);
     }
 
     #[test]
     fn other_numbers_are_spread_over_both_axes() {
         for count in [2, 3, 5, 8, 12, 99, 1000] {
             let pattern = SamplePattern::new(count).unwrap();
-            assert_eq!(pattern.points().len(), count as usize);
+            assert_eq!(pattern.points.len(), count as usize);
             for axis in 0..2 {
-                let mut along: Vec<f64> = pattern.points().iter().map(|point| point[axis]).collect();
+                let mut along: Vec<f64> = pattern.points.iter().map(|point| point[axis]).collect();
                 along.sort_by(f64::total_cmp);
                 // No two alike, and no gap wider than two steps.
                 assert!(along.windows(2).all(|pair| pair[0] < pair[1]), "{count}");

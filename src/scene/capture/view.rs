@@ -25,7 +25,6 @@ pub const MAX_FACE_SIZE: u32 = 16_384;
 /// Side in pixels of the squares that share a list of visible objects.
 const TILE: u32 = 16;
 
-/// An image of a capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {
     /// Linear Rec. 709 radiance, averaged over the pixel.
@@ -54,7 +53,6 @@ impl Pass {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
-    /// Metres.
     pub position: DVec3,
     /// From the probe's axes to the world's.
     pub orientation: Option<DQuat>,
@@ -80,7 +78,7 @@ impl PassSettings<'_> {
 
     /// Camera rays for each pixel, without reflected, refracted and shadow rays.
     pub fn rays_per_pixel(&self) -> u64 {
-        let color = if self.wants(Pass::Color) { self.samples.points().len() as u64 } else { 0 };
+        let color = if self.wants(Pass::Color) { self.samples.points.len() as u64 } else { 0 };
         let centre = self.passes.iter().any(|pass| *pass != Pass::Color);
         color + u64::from(centre && !(color > 0 && self.samples.is_centre()))
     }
@@ -89,9 +87,7 @@ impl PassSettings<'_> {
 /// Planes of the requested passes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Images {
-    /// Linear.
     pub color: Option<ColorPlane>,
-    /// Metres.
     pub depth: Option<DepthPlane>,
     pub normal: Option<Plane<[f32; 3]>>,
     pub material: Option<MaterialPlane>,
@@ -170,6 +166,8 @@ fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
     (0..height).step_by(TILE as usize).map(band).collect()
 }
 
+type BoxTest = Box<dyn Fn(&AxisBox) -> bool>;
+
 struct ImageCapture<'a> {
     scene: &'a SceneAtTime,
     from: &'a Viewpoint,
@@ -226,9 +224,8 @@ impl ImageCapture<'_> {
         }
     }
 
-    /// Mean radiance of a pixel.
     fn color(&self, [col, row]: [u32; 2], candidates: &[usize]) -> [f16; 3] {
-        let points = self.settings.samples.points();
+        let points = &self.settings.samples.points;
         let look = |[x, y]: [f64; 2]| {
             let ray = self.ray(f64::from(col) + x, f64::from(row) + y);
             self.scene.trace(&ray, candidates.iter().copied()).color
@@ -253,8 +250,8 @@ impl ImageCapture<'_> {
 
     /// Indices, in order, of the objects that pixels `from..to` may see.
     fn in_view(&self, from: [u32; 2], to: [u32; 2]) -> Vec<usize> {
-        let objects = self.scene.objects();
-        let outside: Box<dyn Fn(&AxisBox) -> bool> = match self.axes {
+        let objects = &self.scene.objects;
+        let outside = match self.axes {
             Some(axes) => self.outside_of_pyramid(axes, from, to),
             None => self.outside_of_cone(from, to),
         };
@@ -262,12 +259,8 @@ impl ImageCapture<'_> {
     }
 
     /// Whether a box is outside of one of the five planes of the pixels' pyramid.
-    fn outside_of_pyramid(
-        &self,
-        [forward, right, down]: [DVec3; 3],
-        from: [u32; 2],
-        to: [u32; 2],
-    ) -> Box<dyn Fn(&AxisBox) -> bool> {
+    fn outside_of_pyramid(&self, axes: [DVec3; 3], from: [u32; 2], to: [u32; 2]) -> BoxTest {
+        let [forward, right, down] = axes;
         let plane = |at: [u32; 2]| self.from.projection.plane(at.map(f64::from));
         let ([left, top], [beyond, below]) = (plane(from), plane(to));
         // Inward normals of planes through the camera.
@@ -282,7 +275,7 @@ impl ImageCapture<'_> {
     }
 
     /// Whether the sphere around a box is outside of a cone around the pixels of a panorama.
-    fn outside_of_cone(&self, from: [u32; 2], to: [u32; 2]) -> Box<dyn Fn(&AxisBox) -> bool> {
+    fn outside_of_cone(&self, from: [u32; 2], to: [u32; 2]) -> BoxTest {
         let [width, height] = self.from.projection.size().map(f64::from);
         let [x, y] = [0, 1].map(|axis| 0.5 * (f64::from(from[axis]) + f64::from(to[axis])));
         // Along a meridian and then a parallel, which is an upper bound.

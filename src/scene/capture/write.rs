@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use super::plan::{CapturePlan, FrameRequest, NORMAL_CHANNELS};
 use super::samples::SamplePattern;
 use super::view::{Images, Pass, PassSettings, capture_view};
-use crate::dataset::manifest::{MANIFEST_NAME, Manifest, MaterialChannels};
+use crate::dataset::manifest::{MANIFEST_NAME, MaterialChannels};
 use crate::error::{Error, Result};
 use crate::files::{FolderKind, write_whole};
-use crate::image::exr;
-use crate::image::{ChannelSelect, DepthPlane, ReadLimits};
+use crate::image::{ChannelSelect, DepthPlane, Plane, ReadLimits, exr};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::scene::animated::Scene;
@@ -26,7 +25,6 @@ const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
 /// Most time samples of a scene in memory.
 const MAX_TIME_SAMPLES: usize = 16;
 
-/// Images that are in the folder already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExistingImages {
     /// Captured again.
@@ -37,13 +35,10 @@ pub enum ExistingImages {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureSummary {
-    /// Image files of the dataset.
     pub images: u64,
-    /// Those kept from an earlier run.
     pub kept_images: u64,
     /// Camera rays; reflected, refracted and shadow rays are not counted.
     pub rays: u64,
-    /// Bytes of all images.
     pub bytes: u64,
     /// Nearest and farthest stored depth in metres, (+inf, 0) without any.
     pub depth_range_m: [f32; 2],
@@ -69,7 +64,6 @@ pub struct CaptureReport {
 }
 
 impl CaptureSummary {
-    /// The report of a capture of `plan`.
     pub fn report(&self, plan: &CapturePlan, loading_seconds: f64, seconds: f64) -> CaptureReport {
         let [near_m, far_m] = self.depth_range_m;
         let has_depth = near_m <= far_m;
@@ -138,20 +132,17 @@ impl CapturePlan {
             let requests = frames.iter().flat_map(|&frame| self.requests(frame)).collect();
             let jobs = try_map_at_once(requests, self.images_at_once(), |request| run.missing(request, existing))?;
             let is_needed = |frame: u32| jobs.iter().any(|job| job.request.frame == frame && !job.passes.is_empty());
-            let times: Vec<Option<SceneAtTime>> = match &static_scene {
-                Some(_) => Vec::new(),
-                None => frames
-                    .iter()
-                    .map(|&frame| is_needed(frame).then(|| scene.at(f64::from(frame) / self.fps)))
-                    .collect(),
-            };
+            let moves = |frame: u32| static_scene.is_none() && is_needed(frame);
+            let at = |&frame: &u32| moves(frame).then(|| scene.at(f64::from(frame) / self.fps));
+            let times: Vec<Option<SceneAtTime>> = frames.iter().map(at).collect();
             let done = try_map_at_once(jobs, self.images_at_once(), |job| {
-                let own = times.get((job.request.frame - first) as usize).and_then(Option::as_ref);
+                let own = times[(job.request.frame - first) as usize].as_ref();
                 run.make(own.or(static_scene.as_ref()), &job)
             })?;
             sum = done.into_iter().fold(sum, CaptureSummary::and);
         }
-        write_manifest(&manifest, folder)?;
+        let path = folder.join(MANIFEST_NAME);
+        std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
         Ok(sum)
     }
 
@@ -166,11 +157,6 @@ impl CapturePlan {
         let fit = usize::try_from(MEMORY_BYTES / bytes.max(1)).unwrap_or(usize::MAX);
         fit.clamp(1, rayon::current_num_threads().max(1))
     }
-}
-
-fn write_manifest(manifest: &Manifest, folder: &Path) -> Result<()> {
-    let path = folder.join(MANIFEST_NAME);
-    std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))
 }
 
 struct CaptureRun<'a> {
@@ -220,31 +206,24 @@ impl CaptureRun<'_> {
         }
         let limits = ReadLimits::default();
         let none = CaptureSummary::NOTHING.depth_range_m;
-        let triple = |names| exr::read_material(path, names, &limits).ok().map(|plane| (plane.width(), plane.height()));
+        let triple = |names| exr::read_material(path, names, &limits).ok().map(|plane| size_of(&plane));
         let (size, range) = match pass {
-            Pass::Color => {
-                let plane = exr::read_color(path, &ChannelSelect::Auto, &limits).ok()?;
-                ((plane.width(), plane.height()), none)
-            }
+            Pass::Color => (size_of(&exr::read_color(path, &ChannelSelect::Auto, &limits).ok()?), none),
             Pass::Depth => {
                 let plane = exr::read_depth(path, &ChannelSelect::Auto, &limits).ok()?;
-                ((plane.width(), plane.height()), range_of(&plane))
+                (size_of(&plane), range_of(&plane))
             }
             Pass::Normal => (triple(NORMAL_CHANNELS)?, none),
             Pass::Material => (triple(names(&MaterialChannels::default()))?, none),
         };
-        (size == (self.plan.size[0], self.plan.size[1])).then_some(range)
+        (size == self.plan.size).then_some(range)
     }
 
     fn make(&self, scene: Option<&SceneAtTime>, job: &Job) -> Result<CaptureSummary> {
         let (Some(scene), false) = (scene, job.passes.is_empty()) else { return Ok(job.kept) };
         self.monitor.check()?;
-        let settings = PassSettings {
-            passes: &job.passes,
-            samples: &self.samples,
-            depth: self.plan.depth,
-            far_m: self.plan.far_m,
-        };
+        let CapturePlan { depth, far_m, .. } = *self.plan;
+        let settings = PassSettings { passes: &job.passes, samples: &self.samples, depth, far_m };
         let images = capture_view(scene, &self.plan.viewpoint(&job.request), &settings, self.monitor)?;
         let mut sum = job.kept;
         for &pass in &job.passes {
@@ -257,6 +236,10 @@ impl CaptureRun<'_> {
         sum.rays += pixels * settings.rays_per_pixel();
         Ok(sum)
     }
+}
+
+fn size_of<T: Copy>(plane: &Plane<T>) -> [u32; 2] {
+    [plane.width(), plane.height()]
 }
 
 fn names(channels: &MaterialChannels) -> [&str; 3] {

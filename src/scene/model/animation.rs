@@ -25,7 +25,7 @@ pub struct Curve {
 pub struct Channel {
     pub node: usize,
     pub property: Property,
-    curve: Curve,
+    pub curve: Curve,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -72,7 +72,6 @@ impl Channel {
         }
     }
 
-    /// Applies the value at a time to a pose.
     pub fn move_pose(&self, time_s: f64, pose: &mut Pose) {
         let vector = || DVec3::from_slice(&self.curve.at(time_s));
         match self.property {
@@ -81,11 +80,6 @@ impl Channel {
             Property::Rotation => pose.rotation = self.curve.rotation(time_s),
             Property::MorphTargetWeights => {}
         }
-    }
-
-    /// Morph target weights at a time.
-    pub fn weights(&self, time_s: f64) -> Vec<f64> {
-        self.curve.at(time_s)
     }
 }
 
@@ -154,7 +148,7 @@ impl Curve {
     }
 
     /// Interpolated component by component.
-    fn at(&self, time_s: f64) -> Vec<f64> {
+    pub fn at(&self, time_s: f64) -> Vec<f64> {
         match self.span(time_s) {
             Span::Key(key) => self.value(key).collect(),
             Span::Between(key, t, seconds) if self.interpolation == Interpolation::CubicSpline => {

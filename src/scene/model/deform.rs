@@ -56,7 +56,6 @@ pub enum Carrier<'a> {
 /// A mesh in world space.
 #[derive(Debug)]
 pub struct Placed {
-    /// Metres.
     pub positions: Vec<DVec3>,
     /// Of any length; empty where there are none.
     pub normals: Vec<DVec3>,

@@ -49,12 +49,8 @@ struct Motion {
 }
 
 impl Model {
-    /// Reads the file with its first animation. Notes say what was left out or replaced.
-    pub fn open(path: &Path) -> Result<(Model, Vec<String>)> {
-        Model::open_to_play(path, Play::First)
-    }
-
-    pub fn open_to_play(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
+    /// Notes say what was left out or replaced.
+    pub fn open(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
         let mut notes = Vec::new();
         let model = Model::read(path, play, &mut notes).map_err(|error| error.in_file(path))?;
         let more = notes.len().saturating_sub(MAX_NOTES);
@@ -83,7 +79,7 @@ impl Model {
             return Err(Error::Usage(format!("{path}: there is no animation “{name}”; an OBJ file has none")));
         }
         let (mesh, contents) = obj::read(&bytes, path, notes)?;
-        if mesh.mesh().triangles.is_empty() {
+        if mesh.mesh.triangles.is_empty() {
             return Err(nothing());
         }
         Ok(Model { contents, ..Model::of_parts(vec![Arc::new(mesh)], Light::default(), None) })

@@ -76,7 +76,6 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     Ok((SceneMesh::new(assembly.finish(), paints.into()), folder.contents(bytes)))
 }
 
-/// Normalised text.
 struct Plain {
     text: Vec<u8>,
     /// Elements without a surface.

@@ -49,12 +49,10 @@ pub struct Shown {
     pub left_out: LeftOut,
 }
 
-/// What the animation moves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Moves {
     /// For each instance, whether it is moved.
     pub instances: Vec<bool>,
-    /// Whether any light is moved.
     pub lights: bool,
 }
 
@@ -102,7 +100,7 @@ impl Stage {
         let joints: Vec<_> = self.skins.iter().map(|skin| skin.matrices(&to_world)).collect();
         let weights = self.animation.channels.iter().filter(|channel| channel.property == Property::MorphTargetWeights);
         let mut morphed = vec![None; self.nodes.locals.len()];
-        weights.for_each(|channel| morphed[channel.node] = Some(channel.weights(time_s)));
+        weights.for_each(|channel| morphed[channel.node] = Some(channel.curve.at(time_s)));
 
         let shown = |moves: bool| moves == (which == Which::Moving);
         let instances = self.instances.iter().zip(&moves.instances);

@@ -164,7 +164,7 @@ mod tests {
     fn empty_side_is_empty_from_every_probe() {
         for time in TIMES {
             let scene = courtyard().at(time);
-            let sky = scene.light().sky.horizon.to_array().map(f16::from_f64);
+            let sky = scene.light.sky.horizon.to_array().map(f16::from_f64);
             for probe in probes() {
                 let (color, depth) = capture_face(&scene, probe, Face::Px, 32).unwrap();
                 assert!(depth.data().iter().all(|&d| d == f32::INFINITY), "{probe} at {time} s");

@@ -9,12 +9,10 @@ use crate::scene::object::{CastsShadow, Object};
 use crate::scene::primitive::{Quad, Shape, Sphere};
 use crate::scene::raycast::SceneAtTime;
 
-/// A built-in scene.
 pub(super) struct Definition {
     pub name: &'static str,
     /// Region for probes: centre and half size.
     pub region: (DVec3, DVec3),
-    /// Static objects.
     pub fixed: fn() -> Vec<Object>,
     /// The scene at a phase of its period, 0..1, with its static objects.
     pub at: fn(f64, Vec<Object>) -> SceneAtTime,

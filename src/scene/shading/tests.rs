@@ -122,7 +122,7 @@ fn a_highlight_is_where_the_mirror_direction_meets_the_light() {
 fn interpolated_normals_never_light_the_back() {
     let flat = square(0.0, painted(DVec3::ONE));
     let normals = vec![Vec3::new(0.8, 0.6, 0.0); 4];
-    let mesh = SceneMesh::new(Mesh { normals, ..flat.mesh().clone() }, flat.materials().clone());
+    let mesh = SceneMesh::new(Mesh { normals, ..flat.mesh.clone() }, flat.materials.clone());
     // The sun stands below the horizon of the square, but above that of its normals.
     let low = Sun { direction: DVec3::new(0.995, -0.0998, 0.0).normalize(), radiance: DVec3::ONE };
     let scene = with_mesh(vec![], mesh.clone(), Light { suns: vec![low], lamps: vec![], sky: Sky::NONE });

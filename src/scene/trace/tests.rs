@@ -84,17 +84,17 @@ fn points_see_each_other_unless_something_lies_between() {
     assert!(scene.sees(DVec3::new(3.0, 0.0, 0.0), DVec3::new(-5.0, 0.0, 1.0)));
     assert!(scene.sees(DVec3::new(9.1, 1.0, 0.0), DVec3::new(9.1, -1.0, 0.0)));
     assert!(scene.sees(top, top) && !scene.sees(DVec3::NAN, top) && !scene.sees(top, DVec3::INFINITY));
-    assert_eq!(scene.bounds(), Some(AxisBox { min: DVec3::new(-9.0, 0.0, -9.0), max: DVec3::new(9.0, 4.0, 9.0) }));
-    assert_eq!(SceneAtTime::new(vec![], scene.light().clone()).bounds(), None);
+    assert_eq!(scene.bounds, Some(AxisBox { min: DVec3::new(-9.0, 0.0, -9.0), max: DVec3::new(9.0, 4.0, 9.0) }));
+    assert_eq!(SceneAtTime::new(vec![], scene.light.clone()).bounds, None);
 }
 
 #[test]
 fn an_empty_scene_is_sky() {
-    let empty = SceneAtTime::new(vec![], scene().light().clone());
+    let empty = SceneAtTime::new(vec![], scene().light.clone());
     assert_eq!(trace(&empty, DVec3::ZERO, DVec3::Z).color, SKY.horizon);
     // And a scene in which nothing casts a shadow is lit everywhere.
-    let mut floor = scene().objects()[0];
+    let mut floor = scene().objects[0];
     floor.casts_shadow = CastsShadow::No;
-    let bare = SceneAtTime::new(vec![floor], scene().light().clone());
+    let bare = SceneAtTime::new(vec![floor], scene().light.clone());
     assert!((trace(&bare, DVec3::Y, DVec3::new(0.1, -1.0, 0.0)).color.x - 2.1).abs() < 1e-12);
 }

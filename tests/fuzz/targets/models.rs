@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lightfold::mesh::budget::Budget;
-use lightfold::scene::{Model, SceneMesh};
+use lightfold::scene::{Model, Play, SceneMesh};
 use tempfile::NamedTempFile;
 
 use super::{Judged, Verdict, judge};
@@ -36,7 +36,7 @@ fn run(file: &NamedTempFile, bytes: &[u8]) -> Judged {
 }
 
 fn look(path: &Path) -> Judged {
-    let model = Model::open(path);
+    let model = Model::open(path, Play::First);
     if let Ok((model, notes)) = &model {
         if notes.iter().any(|note| note.trim().is_empty()) {
             return Err("a note without words".into());
@@ -47,7 +47,7 @@ fn look(path: &Path) -> Judged {
         }
         for time in [0.0, duration / 3.0, f64::NAN] {
             let (scene, again) = (model.at(time), model.at(time));
-            for (mesh, again) in scene.meshes().iter().zip(again.meshes()) {
+            for (mesh, again) in scene.meshes.iter().zip(&again.meshes) {
                 sound(mesh, again)?;
             }
         }
@@ -57,8 +57,8 @@ fn look(path: &Path) -> Judged {
 
 /// Whether a mesh is one that rays can be asked of, and the same each time.
 fn sound(mesh: &SceneMesh, again: &SceneMesh) -> Result<(), String> {
-    let materials = mesh.materials().len();
-    let (mesh, again) = (mesh.mesh(), again.mesh());
+    let materials = mesh.materials.len();
+    let (mesh, again) = (&mesh.mesh, &again.mesh);
     let count = mesh.positions.len();
     if mesh.positions != again.positions || mesh.triangles != again.triangles || mesh.normals != again.normals {
         return Err("placed twice, it is not the same".into());
@@ -94,8 +94,8 @@ pub fn run_obj(bytes: &[u8]) -> Judged {
 pub fn run_mtl(bytes: &[u8]) -> Judged {
     MTL.with(|(mtl, obj)| {
         std::fs::write(mtl.path(), bytes).expect("the temporary file is written");
-        let refused =
-            Model::open(obj.path()).is_ok_and(|(_, notes)| notes.iter().any(|note| note.starts_with("materials")));
+        let refused = Model::open(obj.path(), Play::First)
+            .is_ok_and(|(_, notes)| notes.iter().any(|note| note.starts_with("materials")));
         let judged = look(obj.path())?;
         Ok(if refused { Verdict::Refused } else { judged })
     })
