@@ -3,69 +3,31 @@
 use crate::block::grid::{BlockFormat, SIDE, TEXELS, grid};
 use crate::block::{bc1, bc4, bc5, bc6h, bc7};
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc1;
+/// Types of formats: their pixels, the bytes of a block, and its decoder.
+macro_rules! formats {
+    ($($name:ident: [$texel:ty; $bytes:literal] by $decode:path;)+) => {$(
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+        pub struct $name;
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc4;
+        impl BlockFormat for $name {
+            type Texel = $texel;
+            const BYTES: usize = $bytes;
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc5;
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc6h;
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc7;
-
-impl BlockFormat for Bc1 {
-    type Texel = [u8; 3];
-    const BYTES: usize = 8;
-    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc1::decode(block);
+            fn decode_block(block: &[u8], out: &mut [$texel; TEXELS]) {
+                if let Some(block) = block.first_chunk() {
+                    *out = $decode(block);
+                }
+            }
         }
-    }
+    )+};
 }
 
-impl BlockFormat for Bc4 {
-    type Texel = u8;
-    const BYTES: usize = 8;
-    fn decode_block(block: &[u8], out: &mut [u8; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc4::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc5 {
-    type Texel = [u8; 2];
-    const BYTES: usize = 16;
-    fn decode_block(block: &[u8], out: &mut [[u8; 2]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc5::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc6h {
-    type Texel = [u16; 3];
-    const BYTES: usize = 16;
-    fn decode_block(block: &[u8], out: &mut [[u16; 3]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc6h::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc7 {
-    type Texel = [u8; 3];
-    const BYTES: usize = 16;
-    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc7::decode_rgb(block);
-        }
-    }
+formats! {
+    Bc1: [[u8; 3]; 8] by bc1::decode;
+    Bc4: [u8; 8] by bc4::decode;
+    Bc5: [[u8; 2]; 16] by bc5::decode;
+    Bc6h: [[u16; 3]; 16] by bc6h::decode;
+    Bc7: [[u8; 3]; 16] by bc7::decode_rgb;
 }
 
 /// Decodes an image of `width` x `height` pixels (formats/blocks.md 2).

@@ -107,7 +107,7 @@ fn stats_text(found: &TilePsnr, seconds: f64) -> String {
     for of in TileModel::ALL {
         let psnr = found.of(of);
         let quantiles = [0.05, 0.5, 0.95].map(|part| psnr.quantile_db(part));
-        let db = [psnr.mean_db(), psnr.min_db()].into_iter().chain(quantiles).map(|db| format!("{db:.2}"));
+        let db = [psnr.mean_db(), psnr.min_db].into_iter().chain(quantiles).map(|db| format!("{db:.2}"));
         let counts = [psnr.exact, psnr.unmodelled].map(|count| count.to_string());
         table.row(std::iter::once(title(of).to_owned()).chain(db).chain(counts));
     }

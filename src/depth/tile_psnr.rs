@@ -62,9 +62,10 @@ pub struct PsnrDistribution {
     pub exact: u64,
     /// Tiles that cannot be modelled, such as background mixed with a surface; their PSNR is 0.
     pub unmodelled: u64,
-    tiles: u64,
+    pub tiles: u64,
     sum_db: f64,
-    min_db: f64,
+    /// Infinite where all tiles are exact.
+    pub min_db: f64,
 }
 
 /// The PSNR of all functions over many tiles.
@@ -108,18 +109,9 @@ impl PsnrDistribution {
         self.min_db = self.min_db.min(other.min_db);
     }
 
-    pub fn tiles(&self) -> u64 {
-        self.tiles
-    }
-
     /// The mean in dB, in which exact tiles count for [`EXACT_DB`] and those that cannot be modelled for 0.
     pub fn mean_db(&self) -> f64 {
         self.sum_db / self.tiles.max(1) as f64
-    }
-
-    /// The lowest in dB; infinite where all tiles are exact.
-    pub fn min_db(&self) -> f64 {
-        self.min_db
     }
 
     /// The least PSNR in dB, rounded down to 1/100 dB, that at least `share` (0 to 1) of the tiles do not exceed;
@@ -177,7 +169,7 @@ impl TilePsnr {
     }
 
     pub fn tiles(&self) -> u64 {
-        self.of(TileModel::Bc4w).tiles()
+        self.of(TileModel::Bc4w).tiles
     }
 
     pub fn of(&self, model: TileModel) -> &PsnrDistribution {
@@ -207,7 +199,7 @@ mod tests {
         let flat = found.of(TileModel::Biquadratic);
         assert_eq!((flat.exact, flat.unmodelled), (6, 0));
         assert!((flat.mean_db() - EXACT_DB).abs() < 1e-9);
-        assert_eq!([flat.min_db(), flat.quantile_db(0.05), flat.quantile_db(0.95)], [f64::INFINITY; 3]);
+        assert_eq!([flat.min_db, flat.quantile_db(0.05), flat.quantile_db(0.95)], [f64::INFINITY; 3]);
         assert_eq!(flat.histogram(), [0; BIN_COUNT]);
     }
 
@@ -219,11 +211,11 @@ mod tests {
         let found = measure(&picture, 8);
         for model in [TileModel::Platelet, TileModel::Biquadratic, TileModel::PlateletOrBiquadratic] {
             let none = found.of(model);
-            assert_eq!((none.unmodelled, none.mean_db(), none.min_db()), (1, 0.0, 0.0), "{}", model.name());
+            assert_eq!((none.unmodelled, none.mean_db(), none.min_db), (1, 0.0, 0.0), "{}", model.name());
             assert_eq!(none.histogram()[0], 1);
         }
         assert_eq!(found.of(TileModel::BestOf), found.of(TileModel::Bc4w));
-        assert!(found.of(TileModel::Bc4w).min_db() > 40.0);
+        assert!(found.of(TileModel::Bc4w).min_db > 40.0);
     }
 
     #[test]

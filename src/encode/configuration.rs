@@ -1,9 +1,9 @@
 //! The configuration of an encode: everything that its bytes depend on, by name and value, so that an interrupted encode
 //! continues only with an equal one.
 
+use serde::Serialize;
+
 use crate::color::SearchSettings;
-use crate::container::fields::Fields;
-use crate::container::serialize::PutFields;
 use crate::depth::TemporalSettings;
 use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{DepthCodec, DepthSettings, EncodeSettings, MaterialSettings};
@@ -27,22 +27,9 @@ pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerp
     Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-pub(super) fn write(configuration: &Fingerprint) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    for (name, value) in configuration.fields() {
-        bytes.put_string("a setting's name", name)?;
-        bytes.put_string(name, value)?;
-    }
-    Ok(bytes)
-}
-
-pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
-    let mut fields = Fields::new(bytes, 0, "");
-    let mut found = Vec::new();
-    while fields.remaining() > 0 {
-        found.push((fields.string("a setting's name")?, fields.string("a setting")?));
-    }
-    Ok(Fingerprint::new(found))
+/// A part of the journal.
+pub(super) fn to_bytes<T: Serialize + ?Sized>(part: &T) -> Result<Vec<u8>> {
+    serde_json::to_vec(part).map_err(|error| Error::invalid(error.to_string()))
 }
 
 /// Settings by name. A new setting is named here, or left out with a reason.

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use crate::depth::DepthRange;
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
@@ -29,7 +31,7 @@ pub(super) struct ProbeDepth {
 }
 
 /// What the depth images of a probe hold.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scan {
     /// `None` without a surface.
     pub extent: Option<DepthExtent>,

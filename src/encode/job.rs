@@ -20,7 +20,7 @@ use crate::encode::budget::{self, ColorMemory};
 use crate::encode::depth_range::{self, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
 use crate::encode::order::Order;
-use crate::encode::resume::{Completed, FrameNote, ScanNote, Stamp, note_of_frames, stamps};
+use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::unit::{Batch, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
@@ -225,7 +225,7 @@ fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, sink: Sin
             Writer::go_on(out, name, fps, projection, (recovered, journal))
         }
         Sink::Resumable(Resumable { out, journal, recovered: None }) => {
-            let head = configuration::write(&configuration::of(source, settings))?;
+            let head = configuration::to_bytes(configuration::of(source, settings).fields())?;
             Writer::new(out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
         }
     };
@@ -306,7 +306,7 @@ impl<W: Write> Job<'_, W> {
         let depth_range::ProbeDepth { range, mut kept, reading, scanning, scan } = found;
         let note = scan.map(|scan| ScanNote { scan, files });
         if let Some(note) = &note {
-            self.writer.note(&note.write(probe));
+            self.writer.note(&note.to_bytes(probe)?);
             self.writer.checkpoint()?;
         }
         self.summary.reading += reading;
@@ -382,8 +382,8 @@ impl<W: Write> Job<'_, W> {
                 Ok((FrameNote { stamp, clipped }, picture))
             })?;
             let (notes, pictures): (Vec<_>, Vec<_>) = read.into_iter().unzip();
-            self.writer.note(&note_of_frames(part.at, frames[0], &notes));
             self.summary.clipped_pixels += notes.iter().map(|note| note.clipped).sum::<u64>();
+            self.writer.note(&configuration::to_bytes(&Note::Frames { group: part.at, first: frames[0], notes })?);
             let batch = Batch { first: frames[0] - group.frames.first, pictures };
             let packed = units
                 .par_iter_mut()

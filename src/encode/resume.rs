@@ -14,8 +14,8 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
-use crate::container::fields::Fields;
-use crate::container::serialize::PutFields;
+use serde::{Deserialize, Serialize};
+
 use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
 use crate::encode::depth_range::{self, Scan, given_range};
@@ -26,15 +26,9 @@ use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
 use crate::image::StreamKind;
 use crate::monitor::Monitor;
-use crate::streams::convert::DepthExtent;
-
-const FRAMES: u8 = 0;
-const SCAN: u8 = 1;
-const FRAME_NOTE_BYTES: usize = 24;
-const STAMP_BYTES: usize = 16;
 
 /// Size and time of a file, by which a change is noticed; zeros for frames in memory.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Stamp {
     bytes: u64,
     /// Nanoseconds since 1970; 0 where the system does not tell.
@@ -55,35 +49,23 @@ impl Stamp {
         };
         Ok(Stamp { bytes: metadata.len(), modified })
     }
-
-    fn write(self, out: &mut Vec<u8>) {
-        out.put_u64(self.bytes);
-        out.put_u64(self.modified as u64);
-    }
-
-    fn read(fields: &mut Fields<'_>) -> Result<Stamp> {
-        Ok(Stamp { bytes: fields.u64()?, modified: fields.u64()? as i64 })
-    }
 }
 
-#[derive(Debug, Clone, Copy)]
+/// A note of the journal.
+#[derive(Serialize, Deserialize)]
+pub(super) enum Note {
+    /// Frames of a group from `first` on.
+    Frames { group: usize, first: u32, notes: Vec<FrameNote> },
+    /// A scan of a probe, and the files that it read, by index of the group and frame.
+    Scan { probe: usize, scan: Scan, files: Vec<((usize, u32), Stamp)> },
+}
+
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct FrameNote {
     /// The file before it was read.
     pub stamp: Stamp,
     /// Colour pixels that did not fit 8 bits.
     pub clipped: u64,
-}
-
-/// The note of frames of group `group` from `first` on.
-pub(super) fn note_of_frames(group: usize, first: u32, frames: &[FrameNote]) -> Vec<u8> {
-    let mut note = vec![FRAMES];
-    note.put_u32(group as u32);
-    note.put_u32(first);
-    for frame in frames {
-        frame.stamp.write(&mut note);
-        note.put_u64(frame.clipped);
-    }
-    note
 }
 
 /// A scan of a probe's depth, and the files that it read.
@@ -95,18 +77,9 @@ pub(super) struct ScanNote {
 }
 
 impl ScanNote {
-    pub fn write(&self, probe: usize) -> Vec<u8> {
-        let mut note = vec![SCAN, u8::from(self.scan.extent.is_some()), u8::from(self.scan.has_invalid)];
-        note.put_u32(probe as u32);
-        let DepthExtent { near_m, far_m } = self.scan.extent.unwrap_or(DepthExtent { near_m: 0.0, far_m: 0.0 });
-        note.put_f32(near_m);
-        note.put_f32(far_m);
-        for (&(group, frame), stamp) in &self.files {
-            note.put_u32(group as u32);
-            note.put_u32(frame);
-            stamp.write(&mut note);
-        }
-        note
+    pub fn to_bytes(&self, probe: usize) -> Result<Vec<u8>> {
+        let files = self.files.iter().map(|(&file, &stamp)| (file, stamp)).collect();
+        configuration::to_bytes(&Note::Scan { probe, scan: self.scan, files })
     }
 }
 
@@ -131,13 +104,20 @@ pub(super) struct Completed {
 impl Completed {
     /// What was recovered of an encode with the same configuration.
     pub fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Completed> {
-        let begun = configuration::read(&recovered.head).map_err(|_| broken())?;
-        if let Some(difference) = begun.difference(now) {
+        let begun = serde_json::from_slice(&recovered.head).map_err(|_| broken())?;
+        if let Some(difference) = Fingerprint::new(begun).difference(now) {
             return Err(configuration::other(&difference));
         }
         let mut completed = Completed { chunks: recovered.chunks.len() as u64, ..Completed::default() };
         for note in &recovered.notes {
-            completed.read_note(note).map_err(|_| broken())?;
+            match serde_json::from_slice(note).map_err(|_| broken())? {
+                Note::Frames { group, first, notes } => {
+                    completed.frames.extend((first..).zip(notes).map(|(frame, note)| ((group, frame), note)));
+                }
+                Note::Scan { probe, scan, files } => {
+                    completed.scans.insert(probe, ScanNote { scan, files: files.into_iter().collect() });
+                }
+            }
         }
         for chunk in &recovered.chunks {
             let ChunkKey { stream, unit, first_frame, frame_count } = chunk.entry.key;
@@ -151,34 +131,6 @@ impl Completed {
             *last = chunk.last_frame.max(*last);
         }
         Ok(completed)
-    }
-
-    fn read_note(&mut self, note: &[u8]) -> Result<()> {
-        let mut fields = Fields::new(note, 0, "");
-        match fields.u8()? {
-            FRAMES => {
-                let (group, first) = (fields.u32()? as usize, fields.u32()?);
-                let count = (fields.remaining() / FRAME_NOTE_BYTES) as u32;
-                for frame in 0..count {
-                    let note = FrameNote { stamp: Stamp::read(&mut fields)?, clipped: fields.u64()? };
-                    self.frames.insert((group, first.saturating_add(frame)), note);
-                }
-            }
-            SCAN => {
-                let (has_extent, has_invalid) = (fields.u8()? != 0, fields.u8()? != 0);
-                let probe = fields.u32()? as usize;
-                let extent = DepthExtent { near_m: fields.f32()?, far_m: fields.f32()? };
-                let mut files = HashMap::new();
-                for _ in 0..fields.remaining() / (8 + STAMP_BYTES) {
-                    let file = (fields.u32()? as usize, fields.u32()?);
-                    files.insert(file, Stamp::read(&mut fields)?);
-                }
-                let scan = Scan { extent: has_extent.then_some(extent), has_invalid };
-                self.scans.insert(probe, ScanNote { scan, files });
-            }
-            kind => return Err(fields.error(format!("a note of kind {kind}"))),
-        }
-        fields.finish()
     }
 
     /// The first frame of a unit that is still to be encoded.

@@ -111,7 +111,7 @@ impl PsnrReport {
     fn new(psnr: &PsnrDistribution) -> PsnrReport {
         PsnrReport {
             mean: psnr.mean_db(),
-            min: Number(psnr.min_db()),
+            min: Number(psnr.min_db),
             p05: Number(psnr.quantile_db(0.05)),
             p50: Number(psnr.quantile_db(0.5)),
             p95: Number(psnr.quantile_db(0.95)),

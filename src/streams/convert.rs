@@ -80,6 +80,7 @@ pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
 
 /// Distances of the nearest and farthest surface of one or more images, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize))]
 pub struct DepthExtent {
     pub near_m: f32,
     pub far_m: f32,

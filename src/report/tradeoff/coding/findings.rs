@@ -340,7 +340,7 @@ fn shares(psnr: &PsnrDistribution) -> [f64; 2] {
     let bins = psnr.histogram();
     let bad: u64 = bins.iter().take(BAD_DB / BIN_DB).sum();
     let good: u64 = bins.iter().skip(PERFECT_DB / BIN_DB).sum();
-    [bad, good + psnr.exact].map(|count| count as f64 / psnr.tiles().max(1) as f64)
+    [bad, good + psnr.exact].map(|count| count as f64 / psnr.tiles.max(1) as f64)
 }
 
 /// The straight line of least squares through points: its slope, and R², the part of the variance that it explains. R² is

@@ -22,7 +22,7 @@ pub fn tile_psnr(found: &TilePsnr) -> Value {
     let model = |psnr: &PsnrDistribution| {
         json!({
             "mean_db": psnr.mean_db(),
-            "min_db": json_number(psnr.min_db()),
+            "min_db": json_number(psnr.min_db),
             "p05_db": json_number(psnr.quantile_db(0.05)),
             "p50_db": json_number(psnr.quantile_db(0.5)),
             "p95_db": json_number(psnr.quantile_db(0.95)),

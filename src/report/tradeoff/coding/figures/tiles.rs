@@ -18,7 +18,7 @@ pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
         return None;
     }
     let shares = |psnr: &PsnrDistribution| -> Vec<(f64, f64)> {
-        let percent = |count: u64| 100.0 * count as f64 / psnr.tiles().max(1) as f64;
+        let percent = |count: u64| 100.0 * count as f64 / psnr.tiles.max(1) as f64;
         let bins = psnr.histogram().into_iter().enumerate();
         let bins = bins.map(|(bin, count)| ((bin as f64 + 0.5) * BIN_DB as f64, percent(count)));
         bins.chain([(f64::INFINITY, percent(psnr.exact))]).collect()
