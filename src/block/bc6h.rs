@@ -6,12 +6,10 @@
 use super::TEXELS;
 use super::bptc::{Line, Partition, field, open, weight};
 
-/// How the bits of a block are dealt out in one of the fourteen modes.
 pub(super) struct Mode {
     /// Lowest bits of the block: two of them for the modes 0 and 1, five for the others.
     pub(super) code: u32,
     pub(super) subsets: u32,
-    /// Bits of the endpoints once they are put together.
     pub(super) precision: u32,
     /// Bits of the endpoints after the first of red, green and blue, where they are stored as differences from the first.
     pub(super) delta: Option<[u32; 3]>,
@@ -37,7 +35,6 @@ pub(super) const MODES: [Mode; 14] = [
     mode(15, 16, Some([4, 4, 4]), LAYOUTS[13]),
 ];
 
-/// Of each mode, the layout of its bits.
 const LAYOUTS: [&str; 14] = [
     "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
     "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
@@ -113,7 +110,6 @@ const fn parse(text: &[u8]) -> [u8; LAYOUT_BITS] {
     targets
 }
 
-/// The number that starts at a place of a text, and where it ends.
 const fn number(text: &[u8], mut at: usize) -> (u8, usize) {
     let mut value = 0;
     while at < text.len() && text[at].is_ascii_digit() {

@@ -6,7 +6,6 @@
 use super::TEXELS;
 use super::bptc::{Line, Partition, field, open, weight};
 
-/// How the bits of a block are dealt out in one of the eight modes.
 pub(super) struct Mode {
     pub(super) subsets: u32,
     pub(super) partition_bits: u32,
@@ -60,7 +59,6 @@ const fn mode(counts: [u32; 6], low_bits: LowBits, index_bits: [u32; 2]) -> Mode
 
 /// A one in each of four lanes of 16 bits.
 const ONES: u64 = 0x0001_0001_0001_0001;
-/// The low eight bits of each lane.
 const BYTES: u64 = 0xFF * ONES;
 /// Where red, green, blue and alpha begin in a number of four lanes.
 const LANES: [u32; 4] = [0, 16, 32, 48];
@@ -70,7 +68,6 @@ pub fn decode(block: &[u8; 16]) -> [[u8; 4]; TEXELS] {
     pixels(block, |pixel| LANES.map(|lane| (pixel >> lane) as u8))
 }
 
-/// The same without alpha.
 pub(super) fn decode_rgb(block: &[u8; 16]) -> [[u8; 3]; TEXELS] {
     pixels(block, |pixel| [pixel as u8, (pixel >> LANES[1]) as u8, (pixel >> LANES[2]) as u8])
 }
@@ -97,7 +94,6 @@ const fn endpoints_at(number: usize, mode: &Mode) -> u32 {
     number as u32 + 1 + mode.partition_bits + mode.rotation_bits + mode.selection_bits
 }
 
-/// Bits of endpoints, their lowest bits included.
 const fn endpoint_bits(mode: &Mode) -> u32 {
     let low = match mode.low_bits {
         LowBits::None => 0,

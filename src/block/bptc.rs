@@ -12,7 +12,6 @@ pub(super) struct Partition {
     anchors: u32,
 }
 
-/// Partitions in one, two and three subsets by their numbers.
 static PARTITIONS: [[Partition; 64]; 3] = {
     let mut partitions = [[Partition { map: 0, anchors: 1 }; 64]; 3];
     let mut number = 0;
@@ -36,7 +35,6 @@ impl Partition {
         PARTITIONS[subsets as usize - 1][number as usize & 63]
     }
 
-    /// Pixels that are anchors, ascending.
     pub(super) fn anchors(&self) -> impl Iterator<Item = u32> {
         let mut left = self.anchors;
         std::iter::from_fn(move || {
@@ -46,7 +44,6 @@ impl Partition {
         })
     }
 
-    /// Subset of a pixel, 0 to 2.
     pub(super) fn subset(&self, texel: usize) -> usize {
         (self.map >> (2 * texel)) as usize & 3
     }
@@ -84,7 +81,6 @@ pub(super) fn open(indices: u64, at: u32) -> u64 {
     (indices ^ below) << 1 | below
 }
 
-/// The weight of index `texel` of indices of 2, 3 or 4 bits.
 #[inline(always)]
 pub(super) fn weight(indices: u64, texel: usize, bits: u32) -> u64 {
     let index = (indices >> (texel as u32 * bits)) as usize & ((1 << bits) - 1);

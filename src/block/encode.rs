@@ -9,16 +9,12 @@ use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
 use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockFormat, SIDE, TEXELS, grid};
 use crate::effort::Effort;
 
-/// A search for the blocks of an image.
-///
 /// A block depends on its own pixels and the effort alone. `intel_tex_2` selects kernels by the processor's instruction
-/// set, so another family of processors may find other blocks: bytes of such files are the same on one machine only.
+/// set, so bytes are the same on one family of processors only.
 pub trait BlockEncoder: Sync {
     type Texel: Copy;
-    /// Blocks of [`grid`]`(width, height)`, row by row, for `width` x `height` pixels, row by row.
-    ///
-    /// Where blocks reach past the right or the bottom edge, the last column or row of pixels is repeated. Where `pixels` are
-    /// fewer than `width` x `height`, the last is repeated; where there are none, there are no blocks.
+    /// Blocks of [`grid`]`(width, height)`, row by row. Past the right or the bottom edge, and where `pixels` are
+    /// fewer, the last is repeated; without pixels there are no blocks.
     fn encode(&self, pixels: &[Self::Texel], width: usize, height: usize, effort: Effort) -> Vec<u8>;
 }
 
@@ -162,7 +158,6 @@ fn rgba_bands(pixels: &[[u8; 3]], width: usize, height: usize, encode: impl Fn(R
     })
 }
 
-/// Blocks by `dds`, on this thread.
 fn channels<T>(band: &Band<T>, bytes: &[u8], color: ColorFormat, format: Format, effort: Effort) -> Vec<u8> {
     let mut options = EncodeOptions::default();
     options.parallel = false;

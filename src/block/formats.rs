@@ -30,10 +30,8 @@ formats! {
     Bc7: [[u8; 3]; 16] by bc7::decode_rgb;
 }
 
-/// Decodes an image of `width` x `height` pixels (formats/blocks.md 2).
-///
-/// `blocks` holds the blocks of [`grid`] row by row, [`BlockFormat::BYTES`] each; `pixels` takes the pixels row by row.
-/// What of a block lies past the right or the bottom edge is dropped. Pixels whose block is missing stay as they are.
+/// Decodes an image of `width` x `height` pixels. What of a block lies past the right or the bottom edge is dropped;
+/// pixels whose block is missing stay as they are.
 pub fn decode_image<F: BlockFormat>(blocks: &[u8], width: usize, height: usize, pixels: &mut [F::Texel]) {
     let [columns, rows] = grid(width, height);
     if columns == 0 {

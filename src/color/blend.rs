@@ -7,12 +7,9 @@ use half::f16;
 pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     const BYTES: usize;
 
-    /// The value `weight`/255 of the way from `a` to `b`, rounded to nearest: (a·(255 − w) + b·w + 127) div 255.
-    ///
-    /// Weight 0 is `a` and weight 255 is `b`, exactly.
+    /// `weight`/255 of the way from `a` to `b`, to nearest: (a·(255 − w) + b·w + 127) div 255.
     fn lerp(a: Self, b: Self, weight: u8) -> Self;
 
-    /// The integer that is interpolated.
     fn key(self) -> i32;
 
     fn put(self, out: &mut Vec<u8>);
@@ -21,7 +18,6 @@ pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static 
     fn get_row(out: &mut [Self], bytes: &[u8]);
 }
 
-/// Writes what lies `weight`/255 of the way from each sample of `a` to that of `b`.
 pub fn lerp_all<S: Sample>(a: &[S], b: &[S], weight: u8, out: &mut [S]) {
     for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
         *out = S::lerp(a, b, weight);

@@ -21,7 +21,6 @@ const AS_SAMPLES: u32 = 1 << 31;
 /// What is wrong with a cell whose last chunk has a weight behind its last keyframe.
 pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
 
-/// What must be known of a cell to read its chunks.
 #[derive(Debug, Clone, Copy)]
 pub struct CellFormat<S> {
     pub size: [usize; 2],
@@ -70,9 +69,8 @@ pub struct CellChunk<S> {
 }
 
 impl<S: Sample> CellChunk<S> {
-    /// Checks a payload that stands at this place among those of its cell: as [`Self::parse`], and the last one must not lead
-    /// to a next one. It is refused as a whole, whatever frame is wanted and on whatever way: what of a chunk can be shown
-    /// does not depend on that.
+    /// As [`Self::parse`], and the last chunk of a cell must not lead to a next one: it is refused as a whole, whatever
+    /// frame is wanted, as what can be shown of a chunk does not depend on that.
     pub fn parse_at(
         payload: impl Into<Payload>,
         format: CellFormat<S>,
@@ -83,10 +81,8 @@ impl<S: Sample> CellChunk<S> {
         if place == ChunkPlace::Last && chunk.leads_on() { Err(Error::invalid(LEADS_NOWHERE)) } else { Ok(chunk) }
     }
 
-    /// Checks a payload for a cell of this format and `frame_count` frames, wherever it stands.
-    ///
-    /// Afterwards all keyframes lie inside the payload, their frames ascend from 0, and every weight that is not
-    /// zero stands between two keyframes of the chunk or is announced as closed by the next chunk.
+    /// Checks a payload: all keyframes lie inside, their frames ascend from 0, and every weight that is not zero stands
+    /// between two keyframes or is closed by the next chunk.
     pub fn parse(payload: impl Into<Payload>, format: CellFormat<S>, frame_count: u32) -> Result<Self> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
@@ -144,7 +140,6 @@ impl<S: Sample> CellChunk<S> {
         self.payload.into_spare()
     }
 
-    /// Frames of the keyframes, counted from the chunk's first.
     pub fn keyframes(&self) -> &[u32] {
         &self.keyframes
     }
@@ -166,7 +161,7 @@ impl<S: Sample> CellChunk<S> {
         self.places[keyframe].start
     }
 
-    /// Number of frames, from the first, that have a weight in the payload; all later ones have weight 0.
+    /// Frames from the first on that have a weight; later ones have weight 0.
     pub fn weight_count(&self) -> u32 {
         self.weights.len() as u32
     }
@@ -180,19 +175,16 @@ impl<S: Sample> CellChunk<S> {
         self.places[keyframe].in_blocks
     }
 
-    /// How a frame (counted from the chunk's first) is made.
     pub fn blend(&self, frame: u32) -> Blend {
         let keyframe = self.keyframes.partition_point(|&first| first <= frame) - 1;
         let weight = self.payload[self.weights.clone()].get(frame as usize).copied().unwrap_or(0);
         Blend { keyframe, weight }
     }
 
-    /// Whether `keyframe` is the chunk's last, so that a weight leads to the next chunk.
     pub fn is_last(&self, keyframe: usize) -> bool {
         keyframe + 1 == self.keyframes.len()
     }
 
-    /// Whether any weight leads to the next chunk.
     pub fn leads_on(&self) -> bool {
         let after_last = self.keyframes.last().map_or(0, |&frame| frame as usize + 1);
         self.weights().1.iter().skip(after_last).any(|&weight| weight != 0)

@@ -9,7 +9,6 @@ use crate::color::blend::Sample;
 use crate::color::quality::Quality;
 use crate::effort::Effort;
 
-/// The pictures that the search looks at: the current keyframe first, then what follows it.
 #[derive(Debug)]
 pub struct Candidates<'a, S, Q> {
     pictures: Vec<&'a [S]>,
@@ -20,7 +19,6 @@ pub struct Candidates<'a, S, Q> {
 }
 
 impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
-    /// Pictures of equal length, the keyframe at 0.
     pub fn new(pictures: Vec<&'a [S]>, quality: &'a Q, min_psnr_db: f64) -> Self {
         let samples = pictures.first().map_or(0, |picture| picture.len());
         let max_squared_error = quality.max_squared_error(min_psnr_db, samples);
@@ -28,7 +26,6 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         Candidates { pictures, quality, max_squared_error, energy }
     }
 
-    /// Whether the keyframe alone serves for all of them.
     pub fn keyframe_serves_all(&self) -> bool {
         let keyframe = self.pictures[0];
         self.pictures[1..].iter().all(|picture| {

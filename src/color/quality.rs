@@ -16,14 +16,12 @@ pub const PU_STEPS: f64 = 64.0;
 const BLOCK: usize = 2048;
 
 pub trait Quality<S: Sample>: Sync {
-    /// The peak that PSNR refers to, in the metric's steps.
     fn peak(&self) -> f64;
 
     /// Σ (shown − source)² of what the decoder shows for `weight` between `a` and `b`. May stop early, with any value
     /// above `limit`, once the sum has passed it.
     fn squared_error(&self, a: &[S], b: &[S], weight: u8, source: &[S], limit: u64) -> u64;
 
-    /// The largest squared error of `samples` samples that still reaches `db`.
     fn max_squared_error(&self, db: f64, samples: usize) -> u64 {
         psnr_to_max_sse(db, samples as u64, self.peak())
     }
@@ -91,7 +89,6 @@ impl Pu21 {
         self.steps[usize::from(HalfKey::from_bits(value.to_bits()).0)]
     }
 
-    /// Σ of squared differences, in squared steps, between two pictures.
     pub fn between(&self, a: &[f16], b: &[f16]) -> u64 {
         let step = |value: &f16| i32::from(self.steps(*value));
         a.iter().zip(b).map(|(a, b)| u64::from(step(a).abs_diff(step(b))).pow(2)).sum()

@@ -95,7 +95,6 @@ impl<S: Sample> CellEncoder<S> {
         if self.pending.len() > self.settings.lookahead as usize + 1 { self.place_keyframe(quality) } else { Ok(None) }
     }
 
-    /// Ends the cell; answers the chunks still open.
     pub fn finish<Q: Quality<S>>(&mut self, quality: &Q) -> Result<Vec<EncodedChunk>> {
         let mut chunks = Vec::new();
         while self.pending.len() > 1 {
@@ -112,7 +111,6 @@ impl<S: Sample> CellEncoder<S> {
         Ok(chunks)
     }
 
-    /// The PSNR that frames must reach as they are shown.
     fn shown_psnr_db(&self) -> f64 {
         self.blocks.map_or(self.settings.min_psnr_db, |stage| stage.final_psnr_db)
     }
@@ -152,7 +150,6 @@ impl<S: Sample> CellEncoder<S> {
         Keyframe::Samples
     }
 
-    /// Adds the first of the pending pictures to the open chunk.
     fn open_keyframe(&mut self, keyframe: Keyframe<S>) {
         match &keyframe {
             Keyframe::Blocks { stored, .. } => self.open.push_keyframe_in_blocks(stored),

@@ -35,7 +35,6 @@ impl ChunkKey {
     }
 }
 
-/// Whether a chunk is the last of its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChunkPlace {
     Inner,

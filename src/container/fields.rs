@@ -14,18 +14,15 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// Starts at the first of `bytes`, which lies at offset `base` of what errors count from; `section` of
-    /// `formats/` describes them.
+    /// `base` is the offset of `bytes` in what errors count from; `section` of `formats/` describes them.
     pub fn new(bytes: &'a [u8], base: u64, section: &'static str) -> Self {
         Fields { bytes, position: 0, base, section }
     }
 
-    /// Names the section that describes the fields from here on.
     pub fn enter(&mut self, section: &'static str) {
         self.section = section;
     }
 
-    /// Offset of the next field, from `base`.
     pub fn offset(&self) -> u64 {
         self.base + self.position as u64
     }
@@ -73,12 +70,10 @@ impl<'a> Fields<'a> {
         Ok(LittleEndian::read_u64(self.bytes(8)?))
     }
 
-    /// A 32-bit IEEE float, any bit pattern.
     pub fn f32(&mut self) -> Result<f32> {
         Ok(LittleEndian::read_f32(self.bytes(4)?))
     }
 
-    /// A finite 64-bit IEEE float.
     pub fn finite_f64(&mut self, what: &str) -> Result<f64> {
         let offset = self.offset();
         let value = LittleEndian::read_f64(self.bytes(8)?);
@@ -87,7 +82,6 @@ impl<'a> Fields<'a> {
         value.is_finite().then_some(value).ok_or_else(expected)
     }
 
-    /// Finite 64-bit IEEE floats.
     pub fn finite_f64s<const N: usize>(&mut self, what: &str) -> Result<[f64; N]> {
         let mut values = [0.0; N];
         for value in &mut values {

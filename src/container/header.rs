@@ -7,7 +7,6 @@ use crate::error::{Error, Result};
 
 /// First eight bytes: a byte above 127, the name, and line ends that a text-mode copy would change.
 pub const MAGIC: [u8; 8] = [0x89, b'L', b'F', b'L', b'D', 0x0d, 0x0a, 0x1a];
-/// Last four bytes.
 pub const FOOT_MAGIC: [u8; 4] = *b"LFND";
 /// Major version: readers refuse any other.
 pub const VERSION_MAJOR: u16 = 1;
@@ -44,9 +43,7 @@ pub struct Foot {
 }
 
 impl Foot {
-    /// Reads the foot of a file of `file_bytes` bytes.
-    ///
-    /// The index it names lies inside the file, ends where the foot starts, and starts behind the head.
+    /// Reads the foot of a file of `file_bytes` bytes, whose index lies between the chunks and the foot.
     pub fn read(bytes: &[u8], file_bytes: u64) -> Result<Foot> {
         const SECTION: &str = "container.md 7";
         let start = file_bytes.saturating_sub(FOOT_BYTES as u64);

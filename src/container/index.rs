@@ -30,7 +30,6 @@ pub struct ProbeEntry {
     pub intrinsics: [f64; 4],
 }
 
-/// A stream: one kind of image, of one face of one probe, over a range of frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamEntry {
     /// 0 colour, 1 depth, 2 material.
@@ -51,7 +50,6 @@ pub struct StreamEntry {
 }
 
 impl StreamEntry {
-    /// Columns and rows of units.
     pub fn grid(&self) -> [u32; 2] {
         [self.width.div_ceil(self.unit_width), self.height.div_ceil(self.unit_height)]
     }
@@ -68,7 +66,6 @@ impl StreamEntry {
         [x, y, self.unit_width.min(self.width - x), self.unit_height.min(self.height - y)]
     }
 
-    /// The frame after the last.
     pub fn end_frame(&self) -> u32 {
         self.first_frame + self.frame_count
     }
@@ -126,7 +123,6 @@ impl Index {
         Ok(index)
     }
 
-    /// The chunks of one unit of one stream, by frame.
     pub fn unit_chunks(&self, stream: u32, unit: u32) -> &[ChunkEntry] {
         let chunks = self.stream_chunks(stream);
         let start = chunks.partition_point(|chunk| chunk.key.unit < unit);
@@ -134,7 +130,6 @@ impl Index {
         &chunks[start..start + length]
     }
 
-    /// Whether another chunk of its unit comes after one.
     pub fn place(&self, chunk: &ChunkEntry) -> ChunkPlace {
         let last = self.unit_chunks(chunk.key.stream, chunk.key.unit).last();
         if last.is_some_and(|last| last.key == chunk.key) { ChunkPlace::Last } else { ChunkPlace::Inner }
@@ -154,7 +149,6 @@ impl Index {
         largest.map(held).fold(0, u64::saturating_add)
     }
 
-    /// No two probes of one name, no two streams of one kind, probe and face.
     fn check_unique(&self) -> Result<()> {
         let mut names = HashSet::new();
         if let Some(probe) = self.probes.iter().find(|probe| !names.insert(&probe.name)) {

@@ -71,7 +71,6 @@ impl fmt::Debug for Journal {
 }
 
 impl Journal {
-    /// A new journal; `head` is the configuration of the encode.
     pub fn start(out: Box<dyn Write + Send>, head: &[u8]) -> Journal {
         let safe = SafeChunks::default();
         let mut journal = Journal { out, gathered: MAGIC.to_vec(), pushed: safe, safe };
@@ -79,7 +78,6 @@ impl Journal {
         journal
     }
 
-    /// Continues a recovered journal; `out` appends to it.
     pub fn go_on(out: Box<dyn Write + Send>, recovered: &Recovered) -> Journal {
         let safe = recovered.safe();
         Journal { out, gathered: Vec::new(), pushed: safe, safe }
@@ -149,7 +147,6 @@ impl Recovered {
     }
 }
 
-/// [`recover`], until the user asks to stop.
 pub fn recover_watched(journal: &[u8], container: impl Read, monitor: &dyn Monitor) -> Result<Option<Recovered>> {
     let found = recover(journal, Watched { from: container, monitor });
     monitor.check()?;
@@ -171,8 +168,6 @@ impl<R: Read> Read for Watched<'_, R> {
 
 /// Reads a journal up to the first record that is torn, damaged, or speaks of a chunk that is not all in the container.
 /// `None` where not even its head and that of the container are sound.
-///
-/// Memory: the chunk that is checked, and the records.
 pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recovered>> {
     let mut records = Records { bytes: journal, position: MAGIC.len() };
     let Some((HEAD, head)) = journal.starts_with(&MAGIC).then(|| records.next()).flatten() else { return Ok(None) };
@@ -221,7 +216,6 @@ pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recove
     Ok(Some(found))
 }
 
-/// Reads the next `count` bytes; false at the end.
 fn read_some(from: &mut impl Read, count: usize, bytes: &mut Vec<u8>) -> Result<bool> {
     bytes.clear();
     from.by_ref().take(count as u64).read_to_end(bytes).map_err(|error| Error::io("", error))?;

@@ -37,12 +37,10 @@ impl OpenLimits {
     /// All streams together may take so many times what one may.
     const ALL_STREAMS: u64 = 4;
 
-    /// Bytes that decoding one stream of a file of `file_bytes` may take.
     pub fn stream_bytes(&self, file_bytes: u64) -> u64 {
         self.memory_floor_bytes.max(self.memory_ratio.saturating_mul(file_bytes))
     }
 
-    /// Bytes that decoding all streams of a file of `file_bytes` at once may take.
     pub fn all_streams_bytes(&self, file_bytes: u64) -> u64 {
         self.stream_bytes(file_bytes).saturating_mul(Self::ALL_STREAMS)
     }
@@ -70,8 +68,7 @@ fn least_bytes(index: &Index, at: u32) -> u64 {
     pixels.saturating_add(index.held_payload_bytes(at, |bytes| bytes))
 }
 
-/// Refuses an index whose images, payloads or frames are more than `limits` allow for a file of `file_bytes`. Decoders
-/// know more of a stream, and may refuse more.
+/// Refuses an index whose images, payloads or frames are more than `limits` allow. Decoders may refuse more.
 pub fn check(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
     let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
     for (at, stream) in (0..).zip(&index.streams) {

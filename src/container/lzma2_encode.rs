@@ -5,7 +5,6 @@ use std::io::Write;
 use crate::container::lzma2::dictionary_bytes;
 use crate::error::{Error, Result};
 
-/// The preset where none is asked for.
 pub const DEFAULT_LEVEL: u32 = 6;
 
 /// Compresses at a preset of 0 (fast) to 9 (small).

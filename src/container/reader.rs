@@ -73,8 +73,7 @@ impl Reader {
         Ok(reader)
     }
 
-    /// Reads the whole source into memory where it has at most `limit_bytes`, so that fetching chunks copies nothing;
-    /// answers whether it lies in memory now.
+    /// Reads a source of at most `limit_bytes` into memory; answers whether it lies there.
     pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
         if self.source.memory().is_none() && self.file_bytes <= limit_bytes {
             self.source = Box::new(Arc::new(self.read_at(0, self.file_bytes, Vec::new())?.into_vec()));
@@ -139,13 +138,10 @@ impl Reader {
         self.file_bytes
     }
 
-    /// Bytes of the file that lie in memory: all or none.
     pub fn bytes_in_memory(&self) -> u64 {
         if self.source.memory().is_some() { self.file_bytes } else { 0 }
     }
 
-    /// The minor version of the format that the file claims. A later one than [`header::VERSION_MINOR`] may have codecs
-    /// that are not known here.
     pub fn minor_version(&self) -> u16 {
         self.minor_version
     }
@@ -160,7 +156,6 @@ impl Reader {
         start..start + self.file_bytes - self.overhead_bytes()
     }
 
-    /// The stored bytes of a chunk, which match its CRC-32.
     pub fn fetch_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
         self.load_stored(chunk).map_err(|error| self.blame(chunk, error))
     }

@@ -16,7 +16,6 @@ use crate::error::{Error, Result};
 const CHECKPOINT_CHUNKS: u64 = 256;
 const CHECKPOINT_BYTES: u64 = 4 << 20;
 
-/// A compressed payload, ready for a writer.
 #[derive(Debug, Clone)]
 pub struct PackedChunk {
     /// Its row of the table, without the offset.
@@ -58,8 +57,6 @@ impl PackedChunk {
     }
 }
 
-/// Writes chunks as they come and the index at the end.
-///
 /// Chunks with equal bytes are stored once. The order in which chunks are pushed is the order of the file.
 #[derive(Debug)]
 pub struct Writer<W: Write> {
@@ -91,8 +88,7 @@ impl<W: Write> Writer<W> {
         Writer { journal: Some(journal), ..self }
     }
 
-    /// Goes on behind what was recovered: `out` appends there, and so does the journal. Probes and streams are declared
-    /// again.
+    /// Goes on behind what was recovered; `out` and the journal append. Probes and streams are declared again.
     pub fn go_on(out: W, name: &str, fps: f64, projection: u8, (recovered, journal): (Recovered, Journal)) -> Self {
         let Recovered { chunks, container_bytes: position, stored, .. } = recovered;
         let chunks = chunks.into_iter().map(|chunk| chunk.entry).collect();
@@ -100,14 +96,12 @@ impl<W: Write> Writer<W> {
         Writer { out, position, index, stored, journal: Some(journal), checkpoint: position }
     }
 
-    /// Declares a probe; its index is returned.
     pub fn add_probe(&mut self, probe: ProbeEntry) -> Result<u16> {
         self.index.probes.push(probe);
         u16::try_from(self.index.probes.len() - 1)
             .map_err(|_| Error::unsupported("a container holds at most 65536 probes: split the dataset"))
     }
 
-    /// Declares a stream; its index is returned.
     pub fn add_stream(&mut self, stream: StreamEntry) -> u32 {
         self.index.streams.push(stream);
         self.index.streams.len() as u32 - 1
@@ -155,12 +149,12 @@ impl<W: Write> Writer<W> {
         self.journal.as_ref().map(Journal::safe).unwrap_or_default()
     }
 
-    /// Writes index and foot, flushes, and gives back the sink and the file's size.
     pub fn finish(self) -> Result<(W, u64)> {
         self.finish_checked(|_, _| Ok(()))
     }
 
-    /// The same, unless `check` of the index and the file's size refuses.
+    /// Writes index and foot, unless `check` of the index and the file's size refuses; gives back the sink and the
+    /// size.
     pub fn finish_checked(mut self, check: impl FnOnce(&Index, u64) -> Result<()>) -> Result<(W, u64)> {
         self.index.chunks.sort_by_key(|chunk| chunk.key);
         let index = self.index.write()?;

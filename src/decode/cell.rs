@@ -8,8 +8,7 @@ use crate::container::ChunkEntry;
 use crate::decode::chunk_source::ChunkSource;
 use crate::error::{Error, Result};
 
-/// A colour cell: its samples, and the two keyframes that they lie between. Samples are blended again only where a keyframe
-/// or the weight changes.
+/// Samples of a cell, which are blended again only where a keyframe or the weight changes.
 #[derive(Debug)]
 pub(super) struct CellState<S> {
     format: CellFormat<S>,

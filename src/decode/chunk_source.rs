@@ -36,7 +36,6 @@ impl DecodeCost {
 #[derive(Debug)]
 pub(super) struct ChunkSource<'a> {
     pub reader: &'a Reader,
-    /// In order of their frames.
     pub chunks: &'a [ChunkEntry],
     pub cost: DecodeCost,
     /// Memory of the last chunk, reused for the next.
@@ -50,7 +49,6 @@ impl<'a> ChunkSource<'a> {
         ChunkSource { reader, chunks, cost: DecodeCost::default(), buffer, damaged: BTreeMap::new() }
     }
 
-    /// The chunk that holds `frame`, and its index.
     pub fn find(&self, frame: u32) -> Result<(usize, ChunkEntry)> {
         let at = self.chunks.partition_point(|chunk| chunk.key.first_frame <= frame);
         at.checked_sub(1)

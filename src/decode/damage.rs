@@ -11,14 +11,12 @@ use crate::image::sequence::FrameRange;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OnDamage {
-    /// The first one is an error.
     #[default]
     Stop,
     /// List them, and decode all images that need none of them.
     KeepGoing,
 }
 
-/// A chunk that cannot be decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DamagedChunk {
     pub chunk: ChunkEntry,
@@ -40,7 +38,6 @@ impl DamagedChunk {
     }
 }
 
-/// A set of frames, as ranges.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FrameRanges {
     /// In order; no two touch.
@@ -76,7 +73,6 @@ impl FrameRanges {
     }
 }
 
-/// Images of one stream that need damaged chunks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingImages {
     /// Index in the stream table.
@@ -86,7 +82,6 @@ pub struct MissingImages {
 }
 
 impl MissingImages {
-    /// `None` where there are no frames.
     pub fn new(stream: u32, frames: FrameRanges) -> Option<MissingImages> {
         (!frames.ranges.is_empty()).then_some(MissingImages { stream, frames: frames.ranges })
     }

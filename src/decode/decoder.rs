@@ -62,7 +62,6 @@ impl Decoder {
         Self::new(Reader::from_source(source, name, OpenLimits::default())?)
     }
 
-    /// Decodes from an open reader.
     #[doc(hidden)]
     pub fn new(reader: Reader) -> Result<Decoder> {
         let named = |error: Error| error.in_file(reader.path());
@@ -86,7 +85,6 @@ impl Decoder {
         &self.reader
     }
 
-    /// As [`Reader::load`].
     #[doc(hidden)]
     pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
         self.reader.load(limit_bytes)

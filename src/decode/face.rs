@@ -106,7 +106,6 @@ impl<'a> FaceDecoder<'a> {
         self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), DecodeCost::plus)
     }
 
-    /// Pixels of the selected units, over all frames so far.
     #[doc(hidden)]
     pub fn selected_pixels(&self) -> u64 {
         self.selected_pixels

@@ -30,7 +30,6 @@ const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
 pub enum Destination {
     /// A folder that becomes a dataset: `probe_NAME/face_FACE/KIND.0000.exr` and a manifest.
     Dataset(PathBuf),
-    /// Files of one stream, named by a pattern.
     Files(Pattern),
 }
 
@@ -69,8 +68,7 @@ impl Destination {
     }
 }
 
-/// Decodes into files. Units that the filter leaves out are background in depth and 0 elsewhere. The monitor advances by
-/// one for every image. Missing images have no file, and the manifest's `extra` lists them.
+/// Decodes into files. Missing images have no file, and the manifest's `extra` lists them.
 pub fn decode_to_files(
     source: &dyn ImageSource,
     decoder: &Decoder,
@@ -140,7 +138,6 @@ impl ImageWriter {
         ImageWriter { format, depth, light, codes }
     }
 
-    /// Writes a file, and its folder where there is none; returns its bytes.
     fn write_new(&self, path: &Path, picture: Picture) -> Result<u64> {
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;

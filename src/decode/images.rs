@@ -8,9 +8,7 @@ use crate::decode::unit_filter::UnitFilter;
 use crate::error::Result;
 use crate::streams::StreamInfo;
 
-/// Decodes the images of one stream.
 pub trait Images {
-    /// The image of a frame. Units that the filter leaves out are background in depth and 0 elsewhere.
     fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture>;
 
     /// As [`Self::decode_filtered`]; `None` where the image needs a chunk that [`Self::damaged`] lists.
@@ -22,15 +20,12 @@ pub trait Images {
         Vec::new()
     }
 
-    /// Pixels of the selected units, over all frames so far.
     fn selected_pixels(&self) -> u64;
 
     fn cost(&self) -> DecodeCost;
 }
 
-/// Opens decoders of images on one device.
 pub trait ImageSource: Sync {
-    /// A decoder of all units of a stream.
     fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>>;
 }
 

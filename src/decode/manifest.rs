@@ -33,9 +33,8 @@ pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileForm
     format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
 }
 
-/// The manifest that makes a folder of decoded images a dataset. Its `extra` holds the streams' coding, so that a later
-/// comparison can use the same codes. `None` where PNG files hold codes that a manifest cannot describe, where streams
-/// differ in size, or where cube faces are not square.
+/// Its `extra` holds the streams' coding, so that a later comparison can use the same codes. `None` where PNG files
+/// hold codes that a manifest cannot describe, where streams differ in size, or where cube faces are not square.
 pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], format: FileFormat) -> Option<Manifest> {
     let index = decoder.reader().index();
     let size = streams.first()?.stream.size();

@@ -24,7 +24,6 @@ fn reading_bytes(chunk: &ChunkEntry) -> u64 {
     }
 }
 
-/// Bytes for compressing a payload, the result included.
 pub fn compressing_bytes(raw_bytes: u64) -> u64 {
     let raw = u32::try_from(raw_bytes).unwrap_or(u32::MAX);
     LZMA2_ENCODER_RATIO * u64::from(lzma2::dictionary_bytes(raw)) + raw_bytes
@@ -45,7 +44,6 @@ fn most_reading_bytes(chunks: &[ChunkEntry]) -> u64 {
     chunks.iter().map(reading_bytes).max().unwrap_or(0)
 }
 
-/// Bytes for decoding images of a stream, one image included.
 pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
     let index = decoder.reader().index();
     // Each thread reads one chunk at a time.

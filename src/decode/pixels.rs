@@ -65,7 +65,6 @@ impl Conversion {
         Conversion { header, metres: None, light: None }
     }
 
-    /// Makes the tables that this kind of target needs.
     pub fn prepare(&mut self, target: &PixelsMut<'_>) {
         match (self.header, target) {
             (CodecHeader::Depth(header), PixelsMut::DepthMetres(_)) => {

@@ -14,7 +14,6 @@ pub struct DecodeTimes {
     pub reading_seconds: f64,
     /// Whether the runs read the container from memory.
     pub container_in_memory: bool,
-    /// Seconds of each run, if repeated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub runs_seconds: Option<Vec<f64>>,
     /// Name of the graphics device, or `cpu`.
@@ -32,7 +31,6 @@ pub struct DecodeReport<'a> {
     applying_thread_seconds: f64,
     #[serde(flatten)]
     times: &'a DecodeTimes,
-    /// Decoded megapixels per second.
     pub megapixels_per_second: f64,
     updated_megapixels_per_second: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,7 +61,6 @@ pub struct MissingImagesReport<'a> {
 }
 
 impl<'a> DecodeReport<'a> {
-    /// Of a decoding that stops at damage.
     pub fn new(decoded: &Decoded, times: &'a DecodeTimes) -> DecodeReport<'a> {
         let DecodeSummary { frames, pixels, bytes_out, cost } = decoded.summary;
         let per_second = |pixels: u64| pixels as f64 / 1e6 / times.seconds.max(1e-9);
@@ -83,7 +80,6 @@ impl<'a> DecodeReport<'a> {
         }
     }
 
-    /// Adds damaged chunks and missing images.
     #[must_use]
     pub fn with_damage(mut self, decoder: &'a Decoder, decoded: &'a Decoded) -> DecodeReport<'a> {
         self.damaged = Some(decoded.damaged.iter().map(|chunk| chunk.report(decoder)).collect());

@@ -24,7 +24,6 @@ pub struct StreamFrames<'a> {
 }
 
 impl Selection {
-    /// The streams that match, with those of their frames that do.
     pub fn choose<'a>(&self, decoder: &'a Decoder) -> Result<Vec<StreamFrames<'a>>> {
         let name = |stream: &StreamInfo| decoder.probe(stream).name.as_str();
         let has = |test: &dyn Fn(&StreamInfo) -> bool| decoder.streams().iter().any(test);
@@ -66,7 +65,6 @@ impl Selection {
     }
 }
 
-/// What to decode: streams with their frames, and which of their units.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
     pub streams: &'a [StreamFrames<'a>],
@@ -76,7 +74,6 @@ pub struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// All units of streams and frames, without a limit of memory.
     pub fn all(streams: &'a [StreamFrames<'a>]) -> Request<'a> {
         Request { streams, filter: &AllUnits, memory: Budget::UNLIMITED }
     }

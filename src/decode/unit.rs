@@ -37,7 +37,6 @@ enum State {
     ColorHalf(CellState<HalfKey>),
 }
 
-/// The same expression for the state of any codec.
 macro_rules! with_state {
     ($state:expr, $bound:ident => $body:expr) => {
         match $state {
@@ -101,7 +100,6 @@ impl<'a> UnitDecoder<'a> {
         self.source.damaged.values()
     }
 
-    /// The memory of its last chunk, for another unit.
     #[doc(hidden)]
     pub fn into_buffer(self) -> Vec<u8> {
         with_state!(self.state, state => state.chunk.map(|(_, chunk)| chunk.into_spare())).unwrap_or(self.source.buffer)
@@ -143,7 +141,6 @@ impl<'a> UnitDecoder<'a> {
     }
 }
 
-/// A tile: its picture, and the chunk that it came from.
 #[derive(Debug)]
 struct TemporalState<C: PictureChunk> {
     size: [u32; 2],

@@ -3,7 +3,6 @@
 use crate::streams::StreamInfo;
 
 pub trait UnitFilter: Sync {
-    /// Whether a unit of a stream is decoded in a frame.
     fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool;
 }
 

@@ -36,7 +36,6 @@ impl DecodeSummary {
     }
 }
 
-/// Bytes of a decoded pixel in the codec's domain.
 pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
     match header {
         CodecHeader::Depth(_) => 2,
@@ -62,11 +61,9 @@ pub struct Decoded {
     pub summary: DecodeSummary,
     /// Damaged chunks, by stream, unit and frame.
     pub damaged: Vec<DamagedChunk>,
-    /// Images that need them, by stream.
     pub missing: Vec<MissingImages>,
 }
 
-/// The part of one stream or unit in a [`Decoded`].
 pub(super) struct DecodedPart {
     pub stream: u32,
     pub summary: DecodeSummary,
@@ -94,7 +91,7 @@ impl Decoded {
     }
 }
 
-/// Decodes the selected units, frame by frame, and drops them. The monitor advances by one for every image.
+/// Decodes the selected units frame by frame. The monitor advances by one for every image.
 pub fn decode_units(
     decoder: &Decoder,
     Request { streams, filter, memory }: Request<'_>,
@@ -144,7 +141,6 @@ pub fn decode_units(
     Ok(decoded)
 }
 
-/// How many jobs of the size of the largest may run at once.
 pub(super) fn jobs_at_once(decoder: &Decoder, memory: Budget, largest: impl FnOnce() -> Option<u64>) -> Result<usize> {
     if memory.bytes().is_none() {
         return Ok(usize::MAX);

@@ -80,7 +80,6 @@ impl Bc4w {
         &self.0
     }
 
-    /// Endpoints and line: the last eight bytes, little endian.
     fn tail(&self) -> u64 {
         self.0[24..].iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte))
     }

@@ -18,7 +18,6 @@ pub struct Biquadratic {
 }
 
 impl Biquadratic {
-    /// The same everywhere, in Q14.
     pub fn constant(value: i32) -> Biquadratic {
         Biquadratic { coefficients: [0, 0, 0, 0, 0, value] }
     }
@@ -77,7 +76,6 @@ impl Biquadratic {
     }
 }
 
-/// Fills a row with the codes of a straight line.
 #[inline]
 pub(crate) fn straight(start: i32, slope: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
     let (chunks, rest) = row.as_chunks_mut::<LANES>();
@@ -92,7 +90,6 @@ pub(crate) fn straight(start: i32, slope: i32, row: &mut [u16], code: impl Fn(i3
     rest.iter_mut().zip(lanes).for_each(|(pixel, lane)| *pixel = code(lane));
 }
 
-/// The first values of a straight line.
 #[inline]
 pub(crate) fn ramp(start: i32, slope: i32) -> [i32; LANES] {
     std::array::from_fn(|x| start.wrapping_add(slope.wrapping_mul(x as i32)))

@@ -24,7 +24,6 @@ impl BitWriter {
         }
     }
 
-    /// The bytes; bits that were not taken are 0.
     pub fn finish(self) -> Vec<u8> {
         self.bytes
     }

@@ -12,7 +12,6 @@ pub const fn side_of(level: u8) -> usize {
     4 << level
 }
 
-/// Columns and rows of a block at pixel (`x`, `y`) that lie in a picture of `size` (columns, rows).
 fn inside(size: [usize; 2], level: u8, [x, y]: [usize; 2]) -> [usize; 2] {
     [side_of(level).min(size[0] - x), side_of(level).min(size[1] - y)]
 }
@@ -20,7 +19,6 @@ fn inside(size: [usize; 2], level: u8, [x, y]: [usize; 2]) -> [usize; 2] {
 /// Codes of a block, seen where they lie in a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'a> {
-    /// The picture from the block's top left pixel on.
     pixels: &'a [u16],
     stride: usize,
     pub width: usize,
@@ -38,8 +36,7 @@ pub struct BlockMut<'a> {
     pub level: u8,
 }
 
-/// How close a decoded block is to its source. There is none where the background is taken for a surface or the
-/// reverse: that is no approximation at all.
+/// There is none where the background is taken for a surface or the reverse.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Accuracy {
     /// Largest difference in codes (GDC, equation 1).

@@ -24,7 +24,6 @@ pub struct BlockChunk {
     grid: Grid,
 }
 
-/// Top left pixels of the blocks of a picture, row by row.
 fn corners(grid: Grid) -> impl Iterator<Item = [usize; 2]> {
     let columns = grid.width.div_ceil(8) as usize;
     (0..grid.height.div_ceil(8) as usize).flat_map(move |y| (0..columns).map(move |x| [8 * x, 8 * y]))
@@ -40,7 +39,6 @@ pub fn picture_bytes(grid: Grid) -> usize {
 }
 
 impl BlockChunk {
-    /// Checks a payload for a unit of `grid`'s size and `frame_count` frames.
     pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32) -> Result<BlockChunk> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
@@ -67,7 +65,6 @@ impl BlockChunk {
         statistics
     }
 
-    /// The blocks of all frames as nodes in the runtime form.
     pub fn runtime(&self) -> Runtime {
         let mut runtime = Runtime::new(self.grid);
         let blocks = |picture: &[u8]| -> Vec<Node> {

@@ -38,7 +38,6 @@ struct HeldBlock {
 }
 
 impl<T: EncodeTexel> TemporalEncoder<T> {
-    /// An encoder for a unit of `size` (width, height) pixels, whose boxes are written in block tiles.
     pub fn in_blocks(size: [u32; 2], settings: TemporalSettings, effort: Effort) -> Self {
         Self::with(Box::new(HeldBlocks::new(size, settings, effort)), settings.keyframe_interval)
     }
@@ -76,7 +75,6 @@ impl<T: EncodeTexel> HeldBlocks<T> {
         std::array::from_fn(|i| source[(y + i / SIDE).min(height - 1) * width + (x + i % SIDE).min(width - 1)])
     }
 
-    /// Whether a decoder may keep showing what is held.
     fn serves(&self, at: usize, source: &[T], epsilon: u16) -> bool {
         self.pixels(at).all(|(pixel, _)| T::within(self.picture[pixel], source[pixel], epsilon))
     }
@@ -106,7 +104,6 @@ impl<T: EncodeTexel> HeldBlocks<T> {
         encode::put([width, height], block, value, out);
     }
 
-    /// Boxes in pixels around the blocks of the mask.
     fn boxes(&self) -> Vec<PixelBox> {
         // One more box must save more blocks than it costs.
         let min_saving = (BOX_BYTES / T::Format::BYTES) as u32;

@@ -14,7 +14,6 @@ pub const TILE_SIDE: usize = 16;
 /// How the pixels of a rectangle, which is a unit or a box, are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
-    /// Values as they are, row by row.
     Values,
     /// Block tiles after a map of those in blocks.
     BlockTiles,
@@ -32,7 +31,6 @@ impl BlockTileCount {
         self.raw += other.raw;
     }
 
-    /// Counts the block tiles of a rectangle, whose stored bytes these start with.
     pub fn of_rectangle(bytes: &[u8], size: [usize; 2]) -> BlockTileCount {
         let tiles = tile_count(size);
         let blocks = bytes.iter().take(tiles.div_ceil(8)).map(|byte| u64::from(byte.count_ones())).sum();
@@ -44,7 +42,7 @@ fn tile_count([width, height]: [usize; 2]) -> usize {
     width.div_ceil(TILE_SIDE) * height.div_ceil(TILE_SIDE)
 }
 
-/// Left, top, width and height of the block tiles of a rectangle of this width and height, in the order of the format.
+/// Left, top, width and height of the block tiles of a rectangle, in the order of the format.
 pub fn tiles_of([width, height]: [usize; 2]) -> impl Iterator<Item = [usize; 4]> {
     (0..height).step_by(TILE_SIDE).flat_map(move |top| {
         let height = TILE_SIDE.min(height - top);
@@ -66,7 +64,6 @@ pub struct StoredTile {
     /// Left, top, width and height in its rectangle.
     pub rect: [usize; 4],
     pub in_blocks: bool,
-    /// Where its bytes start among those of the rectangle.
     pub start: usize,
     pub bytes: usize,
 }
@@ -80,7 +77,6 @@ impl Layout {
         }
     }
 
-    /// Takes the bytes of a rectangle of this width and height, and checks them.
     pub fn take<T: Texel>(self, fields: &mut Fields<'_>, size @ [width, height]: [usize; 2]) -> Result<()> {
         if self == Layout::Values {
             return fields.bytes(width.saturating_mul(height).saturating_mul(T::BYTES)).map(drop);
@@ -94,7 +90,7 @@ impl Layout {
         fields.bytes(bytes).map(drop)
     }
 
-    /// The parts of a rectangle of this width and height, each stored in one way, whose stored bytes these start with.
+    /// The parts of a rectangle, whose stored bytes these start with.
     pub fn parts<T: Texel>(self, bytes: &[u8], size: [usize; 2]) -> Vec<StoredTile> {
         if self == Layout::Values {
             let rect = [0, 0, size[0], size[1]];
@@ -110,8 +106,7 @@ impl Layout {
         tiles.collect()
     }
 
-    /// Writes the pixels of a rectangle (left, top, width, height) into a picture of `stride` columns; `bytes` start
-    /// with what [`Self::take`] took.
+    /// Writes a rectangle (left, top, width, height) into a picture of `stride` columns.
     pub fn draw<T: Texel>(self, bytes: &[u8], rect: [usize; 4], picture: &mut [T], stride: usize) {
         if self == Layout::Values {
             return draw_values(bytes, rect, picture, stride);

@@ -9,9 +9,7 @@ pub const MAX_BOXES: u16 = 256;
 pub struct PixelBox {
     pub x: u16,
     pub y: u16,
-    /// Width, at least 1.
     pub width: u16,
-    /// Height, at least 1.
     pub height: u16,
 }
 

@@ -6,7 +6,6 @@ use crate::depth::biquadratic::Biquadratic;
 use crate::depth::nodes::COEFFICIENT_BYTES;
 use crate::depth::platelet::{Plane, Platelet};
 
-/// Six numbers, and what follows them.
 pub(super) fn put(integers: [i32; 6], tail: [u8; 8]) -> [u8; COEFFICIENT_BYTES] {
     let mut out = [0; COEFFICIENT_BYTES];
     LittleEndian::write_i32_into(&integers, &mut out[..24]);

@@ -40,7 +40,6 @@ impl DomainKind {
     }
 }
 
-/// A domain as a stream's header has it (depth.md 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DomainParts {
     pub kind: DomainKind,
@@ -69,11 +68,8 @@ impl DomainParts {
 pub(crate) const VALUE_BITS: u32 = 14;
 /// What Horner evaluation yields for the first value beyond 65535.
 const BEYOND: i32 = 1 << (16 + VALUE_BITS);
-/// Values are made Q8 before their logarithm is taken.
 const LOG_VALUE_BITS: u32 = 8;
-/// The first Q8 value beyond 65535.
 const LOG_VALUE_END: i32 = 1 << (16 + LOG_VALUE_BITS);
-/// Logarithms are Q24.
 const LOG_BITS: u32 = 24;
 /// Logarithms of Q8 values of 24 bits lie below this.
 const MAX_LOG: u32 = 24 << LOG_BITS;

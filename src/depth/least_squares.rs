@@ -25,7 +25,6 @@ pub(crate) struct Frame {
     mean_square: [f64; 2],
 }
 
-/// A pixel that a function is fitted to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
     pub at: [f64; 2],
@@ -36,7 +35,6 @@ pub(crate) struct Sample {
 }
 
 impl Frame {
-    /// The frame of columns `xs[0]` to `xs[1]` and rows `ys[0]` to `ys[1]`, all included.
     pub fn new(xs: [usize; 2], ys: [usize; 2]) -> Frame {
         let counts = [xs, ys].map(|[first, last]| (last - first + 1) as f64);
         let scale = counts.map(|count| 2.0 / count);
@@ -51,14 +49,12 @@ impl Frame {
         [(x as f64 - self.centre[0]) * self.scale[0], (y as f64 - self.centre[1]) * self.scale[1]]
     }
 
-    /// The functions whose coefficients are [`Terms`].
     #[inline]
     pub fn basis(&self, [x, y]: [f64; 2]) -> Terms {
         [1.0, x, y, x * y, x * x - self.mean_square[0], y * y - self.mean_square[1]]
     }
 
-    /// Least squares over the whole rectangle, all pixels alike, and the sum of squared residuals. Products of the
-    /// basis vanish in sum, so that each coefficient is a quotient.
+    /// Least squares over the whole rectangle, and the sum of squared residuals. Products of the basis vanish in sum.
     pub fn project<'a>(&self, rows: impl Iterator<Item = &'a [u16]>, terms: usize) -> (Terms, f64) {
         let (mut products, mut squares, mut count, mut energy) = ([0.0; 6], [0.0; 3], [0.0; 2], 0.0);
         let mut offset = None;
@@ -111,9 +107,8 @@ impl Frame {
         (found, energy.max(0.0))
     }
 
-    /// Coefficients a0 to a5 rounded to multiples of the shifts, quadratic ones first. Each rounding error is made up
-    /// for by simpler terms as far as it can be, which the orthogonal basis does by itself. `None` where one is beyond
-    /// its format.
+    /// Coefficients a0 to a5 rounded to multiples of the shifts, quadratic ones first: the orthogonal basis lets
+    /// simpler terms make up for rounding. `None` where one is beyond its format.
     pub fn quantise(&self, terms: &Terms, shifts: Shifts) -> Option<[i32; 6]> {
         let ([cx, cy], [sx, sy]) = (self.centre, self.scale);
         let round = |value: f64, bits: u32, shift: u32| {
@@ -136,7 +131,6 @@ impl Frame {
         Some([a0, a1, a2, a3, a4, a5])
     }
 
-    /// The terms of integer coefficients: the reverse of [`Self::quantise`].
     pub fn terms_of(&self, coefficients: [i32; 6]) -> Terms {
         let ([cx, cy], [sx, sy]) = (self.centre, self.scale);
         let real = |value: i32, bits: u32| f64::from(value) / f64::from(1u32 << bits);
@@ -154,10 +148,8 @@ impl Frame {
         ]
     }
 
-    /// Fits the first `N` terms so that the largest error is within `bound` codes: least squares, then reweighting in
-    /// proportion to errors (Lawson). `accept` judges what looks good enough, by the decoder.
-    ///
-    /// Terms that the pixels cannot tell from simpler ones are left out.
+    /// Fits the first `N` terms within `bound` codes, by least squares and then reweighting in proportion to errors
+    /// (Lawson). `accept` judges by the decoder. Terms that the pixels cannot tell from simpler ones are left out.
     pub fn minimax<const N: usize, T>(
         &self,
         samples: &[Sample],
@@ -258,7 +250,6 @@ pub(crate) fn solve<const N: usize>(matrix: &[[f64; N]; N], right: &[f64; N]) ->
     solution
 }
 
-/// Collects which constants keep all pixels of a function within a bound.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Constants {
     low: f64,

@@ -44,7 +44,6 @@ pub trait NodeFunction: Copy {
 }
 
 impl Block<'_> {
-    /// How close `decoded`, row-major and of this block's width, is.
     pub fn accuracy(&self, decoded: &[u16]) -> Option<Accuracy> {
         let row = |y: usize, row: &mut [u16]| row.copy_from_slice(&decoded[y * self.width..][..self.width]);
         measure(self, Limit::on_max(u16::MAX), row)

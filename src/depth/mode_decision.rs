@@ -16,7 +16,6 @@ use crate::effort::Effort;
 pub const GOOD_PSNR_DB: f64 = 85.0;
 /// A platelet takes at least a head, two numbers and a line.
 const LEAST_PLATELET_BYTES: usize = 7;
-/// A BC4w block takes a head and its 32 bytes.
 const BC4W_BYTES: usize = 1 + COEFFICIENT_BYTES;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -33,14 +32,12 @@ pub enum Rounding {
     Exact,
     /// Until the squared error has grown by a tenth, and by what the rounding of codes itself adds.
     Slight,
-    /// Until the bound is used up.
     ToBound,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct Modelling<'a> {
     pub domain: &'a Domain,
-    /// Largest error in codes of a node that is kept.
     pub bound: u16,
     pub decide: Decide,
     pub rounding: Rounding,
@@ -103,7 +100,6 @@ impl Best<'_> {
         self.found.is_some_and(|f| psnr_db(f.accuracy.squared_error, block.pixel_count()) > GOOD_PSNR_DB)
     }
 
-    /// Takes a candidate where it is better than what was found; the earlier one wins a tie.
     fn offer(&mut self, coefficients: [u8; COEFFICIENT_BYTES], accuracy: Accuracy) {
         let new = Approximation { node: Node { place: self.place, coefficients }, accuracy };
         let rank = |a: &Approximation| match self.modelling.decide {
@@ -140,7 +136,6 @@ impl Best<'_> {
 }
 
 impl Modelling<'_> {
-    /// The coefficients of a function of this accuracy, rounded as far as they may be.
     fn rounded(
         &self,
         block: &Block<'_>,

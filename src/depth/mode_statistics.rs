@@ -4,7 +4,6 @@ use crate::depth::nodes::{Function, Grid, Node};
 use crate::depth::runtime::LEVELS;
 use crate::depth::storage::stored_bytes;
 
-/// How many nodes of one level and function there are, and what they take.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Share {
     pub nodes: u64,
@@ -32,7 +31,6 @@ impl ModeStatistics {
         self.add_share(node.place.level, node.function(), share);
     }
 
-    /// Adds nodes of a level, 0 to 8, and function.
     pub fn add_share(&mut self, level: u8, function: Function, share: Share) {
         self.shares[usize::from(level)][function as usize].add(share);
     }

@@ -23,7 +23,6 @@ pub struct NodeRecord {
     pub complete: bool,
 }
 
-/// What is read of a record.
 pub(super) struct RecordNodes {
     pub nodes: Vec<Node>,
     /// Functions besides the nodes.
@@ -34,15 +33,12 @@ pub(super) struct RecordNodes {
 #[derive(Debug, Clone)]
 pub struct NodeChunk {
     pub runtime: Runtime,
-    /// In order of their frames.
     pub records: Vec<NodeRecord>,
     domain: Domain,
     spare: Payload,
 }
 
 impl NodeChunk {
-    /// Checks a payload for a unit of `grid`'s size and `frame_count` frames.
-    ///
     /// Afterwards all nodes lie in the unit, those of a record do not overlap, frames ascend, and the first record
     /// covers the unit.
     pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32, domain: Domain) -> Result<NodeChunk> {
@@ -103,8 +99,8 @@ impl NodeChunk {
         statistics
     }
 
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
-    /// most `window` frames; answers how many pixels were written.
+    /// Brings `picture` from frame `at` of this chunk (`None`: nothing yet) to `target` in steps of at most `window`
+    /// frames; answers how many pixels were written.
     pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
         let frames = self.runtime.frames();
         record_table::steps(frames, |frame| frame.frame, at, target, window)
@@ -112,7 +108,6 @@ impl NodeChunk {
             .sum()
     }
 
-    /// Writes the nodes of one of the runtime form's frames into `picture`; answers how many pixels that were.
     pub fn apply(&self, picture: &mut [u16], frame: RuntimeFrame) -> u64 {
         self.runtime.apply(picture, frame, &self.domain)
     }

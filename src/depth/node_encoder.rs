@@ -26,9 +26,7 @@ pub struct NodeSettings {
     pub window: u8,
     /// How far the source may move away from what is held, in codes, on top of the bound, before it is sent again.
     pub epsilon: u16,
-    /// Frames from one keyframe to the next, at least 1.
     pub keyframe_interval: u32,
-    /// Largest error of a node in any of its pixels, in codes.
     pub bound: u16,
     pub decide: Decide,
     pub effort: Effort,
@@ -72,7 +70,6 @@ impl NodeSettings {
     }
 }
 
-/// A node that was sent within the last W frames.
 #[derive(Debug, Clone, Copy)]
 struct Recent {
     node: Node,
@@ -92,7 +89,6 @@ pub struct NodeEncoder {
 }
 
 impl NodeEncoder {
-    /// An encoder for a unit of `grid`'s size, at most 1024×1024.
     pub fn new(grid: Grid, domain: Domain, settings: NodeSettings) -> NodeEncoder {
         let [columns, rows] = grid.leaves();
         NodeEncoder {
@@ -106,8 +102,7 @@ impl NodeEncoder {
         }
     }
 
-    /// Takes the next frame. `known` is what was found for that frame at a larger bound. Answers
-    /// the chunk that it closes, if any.
+    /// `known` is what was found for this frame at a larger bound. Answers the chunk that is closed, if any.
     pub fn push(&mut self, source: &[u16], known: Option<&Known>) -> Result<Option<EncodedChunk>> {
         let finished = self.chunk.next()?;
         let frame = self.chunk.frame();
@@ -142,7 +137,6 @@ impl NodeEncoder {
         self.chunk.finish()
     }
 
-    /// Marks the leaves where what is held is too far from the source.
     fn mark_changes(&mut self, source: &[u16]) {
         let tolerance = self.settings.bound.saturating_add(self.settings.epsilon);
         let (width, [columns, _]) = (self.grid.width as usize, self.grid.leaves());

@@ -13,7 +13,6 @@ pub enum Function {
     Platelet,
     /// A constant, a plane or a biquadratic surface; level 1 and above.
     Biquadratic,
-    /// A BC4w block; level 1 only.
     Bc4w,
 }
 
@@ -51,7 +50,6 @@ impl Place {
         [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
     }
 
-    /// Whether `other` lies in this place or is it.
     pub fn holds(self, other: Place) -> bool {
         let Some(up) = self.level.checked_sub(other.level) else { return false };
         // The root of the largest tiles is eight levels up, as many as a byte has bits.
@@ -108,7 +106,6 @@ impl Grid {
         [self.width.div_ceil(4) as usize, self.height.div_ceil(4) as usize]
     }
 
-    /// Numbers of the leaves of a place that lie in the picture, row by row.
     pub fn leaf_rows(self, place: Place) -> impl Iterator<Item = std::ops::Range<usize>> {
         let ([columns, rows], side) = (self.leaves(), 1usize << place.level);
         let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
@@ -128,7 +125,6 @@ impl Node {
     }
 }
 
-/// The function of a node of `level` with these coefficients.
 pub fn function_of(level: u8, coefficients: &[u8; COEFFICIENT_BYTES]) -> Function {
     match (level, coefficients) {
         (0, _) => Function::Raw,

@@ -20,7 +20,6 @@ impl OpenChunk {
         OpenChunk { keyframe_interval, records: TableBuilder::default(), first_frame: 0, next_frame: 0 }
     }
 
-    /// Counts the next frame. Answers the chunk that it closes, if any.
     pub fn next(&mut self) -> Result<Option<EncodedChunk>> {
         let is_full = self.frame_count() >= self.keyframe_interval || self.records.bytes() >= CLOSE_AT_BYTES;
         let finished = if is_full { self.finish()? } else { None };
@@ -41,7 +40,6 @@ impl OpenChunk {
         &mut self.records
     }
 
-    /// Starts the record of the frame that was counted last.
     pub fn record(&mut self) -> &mut Vec<u8> {
         self.records.begin(self.next_frame - 1 - self.first_frame)
     }

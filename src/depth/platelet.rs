@@ -16,7 +16,6 @@ use crate::depth::domain::{Domain, DomainKind, log_code};
 pub struct Plane {
     pub a0: i32,
     pub a1: i32,
-    /// At the top left pixel.
     pub a5: i32,
 }
 
@@ -30,7 +29,6 @@ pub struct Platelet {
 /// The line's side test for the pixels of a node: B where the value is positive.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SideTest {
-    /// Value at the top left pixel.
     pub start: i32,
     pub across: i32,
     pub down: i32,
@@ -59,7 +57,6 @@ impl SideTest {
 }
 
 impl Plane {
-    /// The same everywhere, in Q14.
     pub fn constant(value: i32) -> Plane {
         Plane { a0: 0, a1: 0, a5: value }
     }

@@ -23,7 +23,6 @@ impl Precision {
         self.0
     }
 
-    /// All but 0, the coarsest first.
     pub fn from_coarsest() -> impl Iterator<Item = Precision> {
         (1..=Self::COARSEST).rev().map(Precision)
     }

@@ -20,7 +20,6 @@ pub enum Leaf {
     Held,
 }
 
-/// A picture, and which of its leaves are dirty.
 #[derive(Debug, Clone, Copy)]
 pub struct DirtyLeaves<'a> {
     pub picture: &'a [u16],
@@ -33,7 +32,6 @@ pub struct DirtyLeaves<'a> {
 /// are the picture's.
 pub type Tree = HashMap<Place, Approximation>;
 
-/// The tree of a frame at a larger bound.
 #[derive(Debug, Clone, Default)]
 pub struct Known {
     pub tree: Tree,
@@ -47,7 +45,6 @@ pub struct Build<'a> {
     pub modelling: Modelling<'a>,
     /// Children that must be dirty before their parent is tried, 1 to 4.
     pub min_children: u8,
-    /// Approximations that need not be searched for again.
     pub known: Option<&'a Known>,
 }
 
@@ -70,7 +67,6 @@ impl DirtyLeaves<'_> {
         self.grid.leaf_rows(place).any(|row| self.leaves[row].contains(&Leaf::Dirty))
     }
 
-    /// Whether all dirty leaves of a place are among some others.
     fn all_among(&self, place: Place, others: &[bool]) -> bool {
         self.grid.leaf_rows(place).all(|row| {
             let others = others.get(row.clone()).unwrap_or_default();
@@ -84,7 +80,6 @@ impl DirtyLeaves<'_> {
     }
 }
 
-/// Finds the functions of all places that are worth trying, the finest first.
 pub fn build(dirty: &DirtyLeaves<'_>, settings: &Build<'_>) -> Tree {
     let mut builder = Builder { dirty, settings, tree: Tree::new() };
     builder.visit(dirty.grid.root());

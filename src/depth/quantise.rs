@@ -46,10 +46,9 @@ impl DepthRange {
         ((far - near) / near).ln_1p()
     }
 
-    /// The code of a surface at `z_m` metres, as depth.md 2 defines it: round(65534 · ln(z/near) / ln(far/near)).
-    ///
-    /// `+inf` is the background; below near answers 0 and beyond far the far code; NaN answers 0. Where far is near,
-    /// every surface is code 0. The plain form; `Quantiser` is the fast one.
+    /// The code of a surface at `z_m` metres (depth.md 2): round(65534 · ln(z/near) / ln(far/near)). `+inf` is the
+    /// background; below near and NaN are 0, beyond far is the far code; where far is near, all are 0. `Quantiser` is
+    /// the fast form.
     pub fn code(self, z_m: f32) -> u16 {
         if z_m == f32::INFINITY {
             return BACKGROUND_CODE;
@@ -88,7 +87,6 @@ pub struct CodeTable {
 }
 
 impl CodeTable {
-    /// The table of a range, with `background` for code 65535.
     pub fn new(range: DepthRange, background: f32) -> CodeTable {
         let mut metres: Vec<f32> = (0..=u16::MAX).map(|code| range.metres(code)).collect();
         metres[usize::from(BACKGROUND_CODE)] = background;
@@ -120,7 +118,6 @@ pub struct Quantiser {
 }
 
 impl Quantiser {
-    /// Builds the tables (a few milliseconds).
     pub fn new(range: DepthRange) -> Quantiser {
         let (near_bits, far_bits) = (range.near_m.to_bits(), range.far_m.to_bits());
         let span = far_bits - near_bits;

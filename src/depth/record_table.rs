@@ -9,7 +9,6 @@ use crate::error::Result;
 
 pub const ROW_BYTES: usize = 8;
 
-/// A row: the frame, counted from the chunk's first, and where its record starts in the payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Row {
     pub frame: u32,
@@ -34,7 +33,6 @@ pub fn read(fields: &mut Fields<'_>, frame_count: u32) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Refuses a record that does not start where its row says.
 pub fn check_start(fields: &Fields<'_>, at: usize, row: Row) -> Result<()> {
     if u64::from(row.offset) == fields.offset() {
         return Ok(());
@@ -42,9 +40,8 @@ pub fn check_start(fields: &Fields<'_>, at: usize, row: Row) -> Result<()> {
     Err(fields.error(format!("record {at} was announced at offset {}", row.offset)))
 }
 
-/// The records that a decoder applies to come from frame `at` of a chunk (`None`: nothing shown yet) to frame `target`
-/// in steps of at most `window` frames: their indices, in order. `frames` ascend and start with 0. Going back starts
-/// over at the keyframe.
+/// Indices of the records that lead from frame `at` of a chunk (`None`: nothing shown yet) to `target` in steps of at
+/// most `window` frames. `frames` ascend from 0. Going back starts over at the keyframe.
 pub fn steps<'a, R>(
     records: &'a [R],
     frame_of: impl Fn(&R) -> u32 + Copy + 'a,

@@ -25,15 +25,11 @@ const SECTION: &str = "depth.md 4";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Body {
-    /// Every pixel, at this offset of the payload.
     Whole(usize),
-    /// Every pixel, the same value, at this offset.
     Constant(usize),
-    /// These of the chunk's boxes.
     Boxes { first: usize, count: usize },
 }
 
-/// A record: the frame, counted from the chunk's first, and what it changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Record {
     pub frame: u32,
@@ -54,10 +50,8 @@ pub struct TemporalChunk<T> {
 }
 
 impl<T: Texel> TemporalChunk<T> {
-    /// Checks a payload for a unit of `size` (width, height) pixels and `frame_count` frames.
-    ///
-    /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record
-    /// overlap, frames ascend, and the first record is a keyframe.
+    /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record overlap,
+    /// frames ascend, and the first record is a keyframe.
     pub fn parse(layout: Layout, payload: impl Into<Payload>, size: [u32; 2], frame_count: u32) -> Result<Self> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
@@ -173,17 +167,14 @@ impl<T: Texel> TemporalChunk<T> {
         whole.into_iter().chain(boxes).map(|(size, start)| (size, &self.payload[start..]))
     }
 
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
-    /// most `window` frames; answers how many pixels were written.
-    ///
-    /// Both frames count from the chunk's first. Going back starts over at the keyframe.
+    /// Brings `picture` from frame `at` of this chunk (`None`: nothing yet) to `target` in steps of at most `window`
+    /// frames; answers how many pixels were written. Going back starts over at the keyframe.
     pub fn advance(&self, picture: &mut [T], at: Option<u32>, target: u32, window: u8) -> u64 {
         record_table::steps(&self.records, |record| record.frame, at, target, window)
             .map(|found| self.apply(picture, self.records[found].body))
             .sum()
     }
 
-    /// Writes what one record holds into `picture`; answers how many pixels that were.
     pub fn apply(&self, picture: &mut [T], body: Body) -> u64 {
         let [width, height] = self.size.map(|side| side as usize);
         match body {

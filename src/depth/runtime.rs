@@ -40,18 +40,15 @@ impl Runtime {
         self.grid
     }
 
-    /// The buffer: what a GPU gets.
     pub fn buffer(&self) -> &[u8] {
         &self.buffer
     }
 
-    /// The frames that have nodes, ascending.
     pub fn frames(&self) -> &[RuntimeFrame] {
         &self.frames
     }
 
-    /// Appends the nodes of a frame: they do not overlap, come in the order of the walk, and lie in the picture. Answers
-    /// how many pixels they cover.
+    /// Nodes do not overlap, come in the order of the walk, and lie in the picture. Answers how many pixels they cover.
     pub fn push(&mut self, frame: u32, nodes: &[Node]) -> u64 {
         let offset = self.buffer.len();
         let mut counts = [0u32; LEVELS];
@@ -81,7 +78,6 @@ impl Runtime {
         levels.zip(places).zip(coefficients).map(|((level, &[x, y]), c)| (Place { level, x, y }, c))
     }
 
-    /// Writes the nodes of a frame into a picture of the grid's size; answers how many pixels that were.
     pub fn apply(&self, picture: &mut [u16], frame: RuntimeFrame, domain: &Domain) -> u64 {
         let width = self.grid.width as usize;
         for (place, coefficients) in self.nodes(frame) {

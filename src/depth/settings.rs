@@ -11,7 +11,6 @@ pub struct TemporalSettings {
     pub epsilon: u16,
     /// Most boxes in one frame of one unit. 1 to 256.
     pub max_aabbs: u16,
-    /// Frames from one keyframe to the next, at least 1.
     pub keyframe_interval: u32,
 }
 

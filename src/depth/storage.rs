@@ -39,7 +39,6 @@ fn coverage(grid: Grid, nodes: &[Node]) -> Coverage {
     if covered == grid.pixel_count() { Coverage::Complete } else { Coverage::Partial }
 }
 
-/// Appends the record of nodes that do not overlap, in the order of the walk.
 pub fn write_record(grid: Grid, nodes: &[Node], out: &mut Vec<u8>) {
     out.push(coverage(grid, nodes) as u8);
     write_nodes(grid, nodes, out);
@@ -52,7 +51,6 @@ fn write_nodes(grid: Grid, nodes: &[Node], out: &mut Vec<u8>) {
     write_functions(nodes, out);
 }
 
-/// Reads what [`write_nodes`] wrote.
 pub fn read_nodes(grid: Grid, coverage: Coverage, fields: &mut Fields<'_>) -> Result<Vec<Node>> {
     let mut places = Vec::new();
     let mut bits = BitReader::new(fields);
@@ -165,7 +163,6 @@ impl Sections {
     }
 }
 
-/// Numbers that a plane needs: 1 where it is constant, else 3.
 fn used_of_plane([_, a0, a1]: [i32; 3]) -> usize {
     if a0 == 0 && a1 == 0 { 1 } else { 3 }
 }

@@ -15,7 +15,6 @@ use crate::depth::settings::TemporalSettings;
 use crate::depth::texel::Texel;
 use crate::error::Result;
 
-/// The decoder's picture, and how boxes of it are written.
 pub trait Held<T: Texel>: std::fmt::Debug + Send {
     fn start(&mut self, source: &[T], chunk: &mut TableBuilder);
 
@@ -75,12 +74,10 @@ impl<T: Texel> TemporalEncoder<T> {
         Self::with(Box::new(held), settings.keyframe_interval)
     }
 
-    /// An encoder of what writes the picture, with at most `keyframe_interval` frames in a chunk.
     pub fn with(held: Box<dyn Held<T>>, keyframe_interval: u32) -> Self {
         TemporalEncoder { chunk: OpenChunk::new(keyframe_interval), held }
     }
 
-    /// Takes the next frame; all frames have the same number of pixels. Answers the chunk that it closes, if any.
     pub fn push(&mut self, source: &[T]) -> Result<Option<EncodedChunk>> {
         let finished = self.chunk.next()?;
         match self.chunk.frame() {

@@ -11,7 +11,6 @@ use crate::depth::mode_decision::psnr_db;
 use crate::depth::platelet::Platelet;
 use crate::effort::Effort;
 
-/// Level of the tiles: 8x8 pixels, the only one that all functions know.
 pub const TILE_LEVEL: u8 = 1;
 pub const TILE_SIDE: usize = 8;
 /// A tile without error counts for this in a mean, in dB: the PSNR of one pixel off by one code.
@@ -20,7 +19,6 @@ pub const EXACT_DB: f64 = 114.391_265_8;
 pub const BIN_DB: usize = 5;
 /// Bins from 0 dB on; the last ends above [`EXACT_DB`].
 pub const BIN_COUNT: usize = 23;
-/// Quantiles are found to this part of a dB.
 const STEPS_PER_DB: usize = 100;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,10 +66,8 @@ pub struct PsnrDistribution {
     pub min_db: f64,
 }
 
-/// The PSNR of all functions over many tiles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TilePsnr {
-    /// By [`TileModel`].
     models: [PsnrDistribution; 5],
     /// Largest error in codes of any pixel of the BC4w blocks.
     pub bc4w_max_error: u16,
@@ -85,7 +81,6 @@ impl Default for PsnrDistribution {
 }
 
 impl PsnrDistribution {
-    /// Counts a tile of some pixels; `None` where it could not be modelled.
     fn count(&mut self, accuracy: Option<Accuracy>, pixels: usize) {
         let db = accuracy.map_or(0.0, |accuracy| psnr_db(accuracy.squared_error, pixels).max(0.0));
         self.tiles += 1;
@@ -114,8 +109,7 @@ impl PsnrDistribution {
         self.sum_db / self.tiles.max(1) as f64
     }
 
-    /// The least PSNR in dB, rounded down to 1/100 dB, that at least `share` (0 to 1) of the tiles do not exceed;
-    /// infinite where that is among the exact tiles.
+    /// The least PSNR in dB, rounded down to 1/100 dB, that `share` (0 to 1) of the tiles do not exceed.
     pub fn quantile_db(&self, share: f64) -> f64 {
         let rank = ((self.tiles as f64 * share).ceil() as u64).max(1);
         let mut below = 0;
@@ -139,8 +133,7 @@ impl Default for TilePsnr {
 }
 
 impl TilePsnr {
-    /// Measures all functions on the row of tiles whose top row of pixels is `y`, a multiple of 8, of a picture of
-    /// `width` columns.
+    /// Measures the row of tiles from row `y` of pixels on, a multiple of 8.
     pub fn of_row(picture: &[u16], width: usize, y: usize, (domain, effort): (&Domain, Effort)) -> TilePsnr {
         let mut found = TilePsnr::default();
         for x in (0..width).step_by(TILE_SIDE) {
@@ -162,7 +155,6 @@ impl TilePsnr {
         self.bc4w_max_error = self.bc4w_max_error.max(bc4w.max_error);
     }
 
-    /// Adds what was measured elsewhere. Sums are added in the order of calls.
     pub fn add(&mut self, other: &TilePsnr) {
         self.models.iter_mut().zip(&other.models).for_each(|(model, other)| model.add(other));
         self.bc4w_max_error = self.bc4w_max_error.max(other.bc4w_max_error);

@@ -18,7 +18,6 @@ use crate::error::Result;
 
 const SECTION: &str = "depth.md 11";
 
-/// A function of a coarser place, and its largest error in codes.
 #[derive(Debug, Clone, Copy)]
 struct TreeFunction {
     node: Node,
@@ -33,7 +32,6 @@ pub struct TreeChunk {
 }
 
 impl TreeChunk {
-    /// Checks a payload for a unit of `grid`'s size and `frame_count` frames.
     pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32, domain: Domain) -> Result<TreeChunk> {
         let mut trees = Vec::new();
         let leaves = NodeChunk::parse_records(payload.into(), (grid, SECTION), frame_count, domain, |at, fields| {

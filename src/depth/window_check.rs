@@ -10,10 +10,8 @@ use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::error::{Error, Result};
 
-/// The records of a chunk, which replace rectangles of pixels.
 struct Updates<R, A> {
     size: [usize; 2],
-    /// Frames of the records, ascending from 0.
     frames: Vec<u32>,
     /// Left, top, width and height of the rectangles that a record replaces.
     rectangles: R,
@@ -38,7 +36,6 @@ impl<T: Texel> TemporalChunk<T> {
 }
 
 impl NodeChunk {
-    /// As [`TemporalChunk::check_window`].
     pub fn check_window(&self, window: u8, frame_count: u32) -> Result<()> {
         let (grid, rows) = (self.runtime.grid(), self.runtime.frames());
         let size = [grid.width as usize, grid.height as usize];

@@ -16,9 +16,7 @@ use crate::image::StreamKind;
 use crate::memory::Need;
 use crate::streams::CodecHeader;
 
-/// Most frames read and coded together.
 const BATCH_FRAMES: usize = 16;
-/// Most pixels of a batch.
 const BATCH_PIXELS: usize = 64 << 20;
 /// Most bytes of depth images that a scan keeps, so that they are read once.
 const KEEP_BYTES: u64 = 512 << 20;
@@ -32,10 +30,8 @@ const OPEN_BYTES: usize = 384 << 20;
 /// and as children while their parent is tried (3 times 4, and half of it again where they grow).
 const TILE_WORK_BYTES: u64 = 24;
 
-/// Limits of a scan for near and far.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScanLimits {
-    /// Bytes of images that are kept.
     pub keep_bytes: u64,
     pub frames_at_once: usize,
 }
@@ -50,7 +46,6 @@ impl Default for ScanLimits {
 pub(super) struct ColorMemory {
     /// With a shorter lookahead where more pictures would be pending.
     pub search: SearchSettings,
-    /// Size at which a cell's chunk is closed.
     pub close_at_bytes: usize,
 }
 
@@ -125,7 +120,6 @@ pub(super) fn batch_frames(source: &dyn FrameSource, settings: &EncodeSettings, 
     settings.memory.at_once(&GroupNeed::new(source, group, settings).need("encoding", group.kind), usual)
 }
 
-/// Limits of a scan of the groups of a probe.
 pub(super) fn scan_limits(
     source: &dyn FrameSource,
     settings: &EncodeSettings,

@@ -11,7 +11,6 @@ use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
 use crate::image::StreamKind;
 
-/// The configuration of an encode by this program on this machine.
 pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerprint {
     let mut fields = Fingerprint::of_program();
     fields.extend(of_settings(settings));
@@ -27,7 +26,6 @@ pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerp
     Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-/// A part of the journal.
 pub(super) fn to_bytes<T: Serialize + ?Sized>(part: &T) -> Result<Vec<u8>> {
     serde_json::to_vec(part).map_err(|error| Error::invalid(error.to_string()))
 }

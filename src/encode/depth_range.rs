@@ -30,7 +30,6 @@ pub(super) struct ProbeDepth {
     pub scan: Option<Scan>,
 }
 
-/// What the depth images of a probe hold.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scan {
     /// `None` without a surface.
@@ -92,7 +91,6 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: Scan) -> Result<Dept
     })
 }
 
-/// A scan with the images that it kept.
 #[derive(Debug)]
 pub(super) struct ScannedProbe {
     pub scan: Scan,
@@ -101,7 +99,6 @@ pub(super) struct ScannedProbe {
     scanning: Duration,
 }
 
-/// Reads all depth images of a probe.
 pub(super) fn scan_probe(
     source: &dyn FrameSource,
     groups: &[GroupRef<'_>],

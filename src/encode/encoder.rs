@@ -185,7 +185,6 @@ impl Encoder {
         Ok(())
     }
 
-    /// Size and frames of a stream.
     fn stream(&mut self, EncoderStream(at): EncoderStream) -> ([u32; 2], Option<&mut Frames>) {
         let size = self.source.groups.get(at).map_or([0; 2], |group| [group.width, group.height]);
         (size, self.source.frames.get_mut(at))
@@ -223,7 +222,6 @@ fn wrong_kind() -> Error {
     Error::Usage("a frame of another kind than its stream".into())
 }
 
-/// Frames of one stream.
 #[derive(Debug)]
 enum Frames {
     Depth(Vec<DepthPlane>),
@@ -249,7 +247,6 @@ impl Frames {
     }
 }
 
-/// Frames in memory; each group has one face.
 #[derive(Debug)]
 struct MemorySource {
     name: String,

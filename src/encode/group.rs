@@ -74,8 +74,7 @@ impl<'a> GroupCoder<'a> {
         Ok(GroupCoder { group, header, settings, quantiser: None, pu21, table })
     }
 
-    /// Reads a frame of all faces, unless a scan kept it, and converts it; also returns the number of pixels that did not fit
-    /// 8 bits.
+    /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of clipped pixels.
     pub fn read(
         &self,
         source: &dyn FrameSource,

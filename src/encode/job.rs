@@ -62,7 +62,6 @@ pub struct EncodeSummary {
     pub coding: Duration,
 }
 
-/// Figures of an encode in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EncodeReport {
     #[serde(flatten)]
@@ -79,7 +78,6 @@ impl EncodeReport {
     }
 }
 
-/// An encode that ended early.
 #[derive(Debug)]
 pub struct Stopped {
     pub error: Error,
@@ -89,7 +87,6 @@ pub struct Stopped {
 /// What an encode that ended early leaves to be continued.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kept {
-    /// Nothing worth keeping.
     Nothing,
     /// The work of an earlier run, as it was; this encode would not continue it.
     Unchanged,
@@ -97,9 +94,7 @@ pub enum Kept {
     Chunks(String),
 }
 
-/// Encodes the streams of `source` into `out`, front to back.
-///
-/// The monitor advances by one for every image of every stream.
+/// Encodes the streams of `source` into `out`, front to back. The monitor advances by one for every image.
 pub fn encode<W: Write>(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -109,7 +104,6 @@ pub fn encode<W: Write>(
     run(source, settings, Sink::Plain(out), monitor).map_err(|stopped| stopped.error)
 }
 
-/// Output of an encode that can be continued.
 pub struct Resumable<W> {
     /// The container: empty, or the sound part of what was recovered, which is appended to.
     pub out: W,
@@ -140,7 +134,6 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> 
     budget::check(source, settings, &groups)
 }
 
-/// Refuses to continue an encode with another configuration.
 pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
     let order = Order::of(source, settings);
     Completed::of(recovered, &configuration::of(source, settings), &order).map(|_| ())
@@ -252,7 +245,6 @@ struct Job<'a, W: Write> {
 
 /// The streams of a group, and where they are continued.
 struct Part {
-    /// Index of the group.
     at: usize,
     /// One for each face, with its number.
     streams: Vec<(u32, StreamEntry)>,

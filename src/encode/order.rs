@@ -40,7 +40,6 @@ impl<'a> Order<'a> {
         Some((group, *group.faces.get((stream - found.first_stream) as usize)?))
     }
 
-    /// Complete chunks in words; `None` where there are none.
     pub fn describe(&self, source: &dyn FrameSource, safe: SafeChunks) -> Option<String> {
         let SafeChunks { count, last } = safe;
         let last = last?;

@@ -51,7 +51,6 @@ impl Stamp {
     }
 }
 
-/// A note of the journal.
 #[derive(Serialize, Deserialize)]
 pub(super) enum Note {
     /// Frames of a group from `first` on.
@@ -68,7 +67,6 @@ pub(super) struct FrameNote {
     pub clipped: u64,
 }
 
-/// A scan of a probe's depth, and the files that it read.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ScanNote {
     pub scan: Scan,
@@ -83,7 +81,6 @@ impl ScanNote {
     }
 }
 
-/// Stamps of all frames of some groups, by index of the group and frame.
 pub(super) fn stamps(source: &dyn FrameSource, groups: &[GroupRef<'_>]) -> Result<HashMap<(usize, u32), Stamp>> {
     let frames = groups.iter().flat_map(|&group| group.group.frames.iter().map(move |frame| (group, frame)));
     frames.map(|(GroupRef { at, group }, frame)| Ok(((at, frame), Stamp::of(source, group, frame)?))).collect()
@@ -102,7 +99,6 @@ pub(super) struct Completed {
 }
 
 impl Completed {
-    /// What was recovered of an encode with the same configuration.
     pub fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Completed> {
         let begun = serde_json::from_slice(&recovered.head).map_err(|_| broken())?;
         if let Some(difference) = Fingerprint::new(begun).difference(now) {
@@ -211,7 +207,6 @@ impl Completed {
     }
 }
 
-/// Records that no encode of this version makes.
 fn broken() -> Error {
     configuration::other("its journal contradicts itself")
 }

@@ -108,7 +108,6 @@ pub struct MaterialSettings {
 }
 
 impl ErrorBound {
-    /// The bound in codes of a stream of this range; a proportion is rounded down.
     pub fn codes(self, range: DepthRange) -> u16 {
         match self {
             ErrorBound::Codes(codes) => codes,
@@ -230,7 +229,6 @@ impl EncodeSettings {
         MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
     }
 
-    /// Width and height of the tiles or cells of images of `size`.
     pub(super) fn unit_size(&self, kind: StreamKind, size: [u32; 2]) -> [u32; 2] {
         let boxes = matches!(self.depth.codec, DepthCodec::Boxes | DepthCodec::BoxesInBlocks);
         size.map(|side| match kind {
@@ -240,14 +238,12 @@ impl EncodeSettings {
         })
     }
 
-    /// Settings of nodes with a bound in codes.
     pub(super) fn nodes(&self, bound: u16) -> NodeSettings {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let DepthSettings { decide, effort, min_children, .. } = self.depth;
         NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
     }
 
-    /// Coding of a depth stream of this range.
     pub(super) fn depth_coding(&self, range: DepthRange) -> Result<DepthCoding> {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let nodes = || {

@@ -144,7 +144,6 @@ impl GroupRef<'_> {
     }
 }
 
-/// The groups of the kinds that the settings ask for.
 pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Vec<GroupRef<'a>> {
     let groups = source.groups().iter().enumerate().map(|(at, group)| GroupRef { at, group });
     groups.filter(|group| settings.kinds.contains(&group.group.kind)).collect()

@@ -26,8 +26,8 @@ pub fn images(source: &dyn FrameSource) -> u64 {
     depth_groups(source).iter().map(GroupRef::images).sum()
 }
 
-/// Models all tiles of all depth images with each function, without a bound. Of the settings, near, far, domain and effort
-/// count. The result does not depend on the number of threads.
+/// Models all tiles of all depth images with each function, without a bound. Of the settings, near, far, domain and
+/// effort count.
 pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<TilePsnr> {
     let mut found = TilePsnr::default();
     let all = depth_groups(source);
@@ -90,7 +90,6 @@ struct HistogramReport {
 }
 
 impl TileQualityReport {
-    /// Of a measurement that took `seconds`.
     pub fn new(found: &TilePsnr, seconds: f64) -> TileQualityReport {
         TileQualityReport {
             tiles: found.tiles(),

@@ -43,7 +43,6 @@ impl<'a> Pace<'a> {
         Pace { monitor, units: units.max(1) as u64, faces: faces as u64, done: AtomicU64::new(0) }
     }
 
-    /// Counts units of images.
     pub fn advance(&self, units: u64) {
         let before = self.done.fetch_add(units, Ordering::Relaxed);
         self.monitor.advance(self.images(before + units) - self.images(before));
@@ -55,7 +54,6 @@ impl<'a> Pace<'a> {
     }
 }
 
-/// Consecutive frames that are coded together.
 pub(super) struct Batch {
     /// The first frame, counted from the group's first.
     pub first: u32,
@@ -86,8 +84,8 @@ impl UnitJob {
         Ok(UnitJob { place, encoder: Unit::new(coder, [width, height], memory)? })
     }
 
-    /// Codes this unit of each picture; returns the chunks that were closed, each with the index of the picture that closed
-    /// it.
+    /// Codes this unit of each picture; returns the chunks that were closed, each with the index of the picture that
+    /// did.
     pub fn push(
         &mut self,
         batch: &Batch,
@@ -106,7 +104,6 @@ impl UnitJob {
         Ok(packed)
     }
 
-    /// Closes the open chunks.
     pub fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<PackedChunk>> {
         let chunks = self.encoder.finish(coder)?;
         chunks.into_iter().map(|chunk| self.pack(chunk, coder)).collect()
@@ -192,7 +189,6 @@ impl Unit {
     }
 }
 
-/// The encoder of a cell; with blocks, frames then reach `final_psnr_db`.
 fn cell_encoder<S: Sample>(
     memory: &ColorMemory,
     CellFormat { size, blocks }: CellFormat<S>,

@@ -18,15 +18,10 @@ use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHead
 pub struct FlattenSettings {
     /// Largest error of a node; at most what the tree was built for.
     pub error: ErrorBound,
-    /// W: a decoder may step over up to W − 1 frames. 1 to 255.
     pub window: u8,
-    /// Change of the source, in codes on top of the bound, below which a pixel is not updated.
     pub epsilon: u16,
-    /// Choice among the functions within the bound where the tree has none.
     pub decide: Decide,
-    /// Search effort of BC4w blocks where the tree has none.
     pub effort: Effort,
-    /// Children of a node that must have changed before a function is tried for the whole node, 1 to 4.
     pub min_children: u8,
 }
 
@@ -43,7 +38,6 @@ pub fn is_tree(entry: &StreamEntry) -> bool {
 }
 
 impl Flattener {
-    /// Prepares a stream of trees; a bound that the tree was not built for is refused.
     pub fn new(entry: &StreamEntry, settings: &FlattenSettings) -> Result<Flattener> {
         let header = CodecHeader::read(entry)?;
         let CodecHeader::Depth(depth @ DepthHeader { coding: DepthCoding::Tree(tree), .. }) = header else {

@@ -53,7 +53,6 @@ pub struct PackSummary {
     pub chunks: u64,
 }
 
-/// Figures of a pack that took `seconds`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct PackReport {
     #[serde(flatten)]
@@ -62,11 +61,8 @@ pub struct PackReport {
     pub seconds: f64,
 }
 
-/// Writes all streams of `inputs` into `out`; returns it with the figures.
-///
-/// Probes of one name must agree; streams of one kind, probe and face must not occur twice. All
-/// probes are kept, also those without streams. Name, frame rate and projection are the first input's; another frame
-/// rate or projection is an error. The monitor advances by one for each chunk of the inputs.
+/// Writes all streams of `inputs` into `out`. Probes of one name must agree; streams of one kind, probe and face must
+/// not occur twice. Name, frame rate and projection are the first input's. The monitor advances by one for each chunk.
 pub fn pack<W: Write>(
     inputs: &[Reader],
     settings: &PackSettings,
@@ -190,7 +186,6 @@ impl PackSummary {
     }
 }
 
-/// For each stream of a container a flattener, if it holds trees.
 fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Flattener>>> {
     let streams = reader.index().streams.iter().enumerate();
     let flatteners = streams.map(|(at, stream)| match &settings.flatten {
@@ -209,7 +204,6 @@ struct Copier<'a> {
 }
 
 impl Copier<'_> {
-    /// A chunk as it is, for a stream of the result.
     fn copy(&self, chunk: &ChunkEntry, stream: u32) -> Result<PackedChunk> {
         let key = ChunkKey { stream, ..chunk.key };
         match self.repack {
@@ -219,7 +213,6 @@ impl Copier<'_> {
         }
     }
 
-    /// The packed nodes of a chunk of trees, for a stream of the result.
     fn flatten(&self, chunk: &ChunkEntry, stream: u32, flattener: &Flattener) -> Result<Vec<PackedChunk>> {
         let level = match self.repack {
             Repack::Keep => (chunk.storage == Storage::Lzma2).then_some(lzma2_encode::DEFAULT_LEVEL),

@@ -8,7 +8,6 @@ use crate::image::transfer::{DecodeTable, EncodeTable};
 /// Range of the 8-bit index of refraction (CALF 7.1).
 pub const IOR_RANGE: [f32; 2] = [1.0, 3.0];
 
-/// Codes of a depth image.
 pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
     let mut outside = None;
     let codes = plane.data().iter().enumerate().map(|(at, &z)| {
@@ -45,7 +44,6 @@ pub fn color_light(codes: &Plane<[u8; 3]>, table: &DecodeTable) -> ColorPlane {
     codes.map(|pixel| pixel.map(|code| table.value(code)))
 }
 
-/// 8-bit reflection weight, refraction weight and index of refraction.
 pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     let [low, high] = IOR_RANGE;
     let mut outside = None;

@@ -41,18 +41,15 @@ pub enum DepthCoding {
     Nodes(NodeHeader),
     /// The quadtree itself, with all leaves as they are.
     Tree(NodeHeader),
-    /// BC4w blocks, each frame whole.
     Blocks,
 }
 
 /// Coding of nodes; decoders need the window and the domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeHeader {
-    /// W: longest step of a decoder, in frames.
     pub window: u8,
     /// Change of the source, in codes on top of the bound, below which a pixel is not updated.
     pub epsilon: u16,
-    /// Most frames in a chunk.
     pub keyframe_interval: u32,
     /// Largest error of a node in codes; of a tree, that of its functions.
     pub bound: u16,
@@ -61,14 +58,12 @@ pub struct NodeHeader {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialHeader {
-    /// Decoders need the window.
     pub temporal: TemporalSettings,
     pub in_blocks: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorFormat {
-    /// 8 bits a sample behind a transfer function.
     EightBit(ToneMap),
     Half {
         /// Luminance of 1.0 in cd/m², for the metric.
@@ -99,7 +94,6 @@ pub enum CodecHeader {
 }
 
 impl DepthHeader {
-    /// The longest step of a decoder, in frames.
     pub fn window(&self) -> u8 {
         match self.coding {
             DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => temporal.window,

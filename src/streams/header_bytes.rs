@@ -55,7 +55,6 @@ impl CodecHeader {
         out
     }
 
-    /// Reads the header of a stream.
     pub fn read(stream: &StreamEntry) -> Result<CodecHeader> {
         let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
         let mut fields = Fields::new(&stream.codec_header, 0, section);

@@ -71,7 +71,6 @@ impl StreamInfo {
     }
 }
 
-/// All streams of an index.
 pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
     let streams = index.streams.iter().zip(0..).map(|(entry, at)| {
         let named = |error: Error| error.context(format!("stream {at}"));

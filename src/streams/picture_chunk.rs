@@ -10,17 +10,14 @@ pub trait PictureChunk: Sized {
     type Pixel: Copy + Default;
     type Header;
 
-    /// Checks a payload for a unit of `size` (width, height) pixels and `frames` frames.
     fn parse(header: &Self::Header, payload: Payload, size: [u32; 2], frames: u32) -> Result<Self>;
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
     /// most `window` frames; returns the number of pixels written.
     fn advance(&self, picture: &mut [Self::Pixel], at: Option<u32>, target: u32, window: u8) -> u64;
 
-    /// Checks the window rule (depth.md 4), which takes the decoding of all `frames` of the chunk.
     fn check_window(&self, window: u8, frames: u32) -> Result<()>;
 
-    /// The payload's memory, for the next chunk.
     fn into_spare(self) -> Vec<u8>;
 }
 

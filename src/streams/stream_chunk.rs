@@ -18,7 +18,6 @@ pub enum StreamChunk {
 }
 
 impl StreamChunk {
-    /// Checks the payload of a chunk of `stream`.
     pub fn parse(stream: &StreamInfo, index: &Index, chunk: &ChunkEntry, payload: Payload) -> Result<StreamChunk> {
         let ([_, _, width, height], frames) = (stream.entry.unit_rect(chunk.key.unit), chunk.key.frame_count);
         let size = [width, height];
@@ -36,7 +35,6 @@ impl StreamChunk {
         })
     }
 
-    /// Refuses records of depth and material that break the window rule (depth.md 4).
     pub fn check_window(&self, stream: &StreamInfo, frames: u32) -> Result<()> {
         match (self, stream.header) {
             (StreamChunk::Depth(chunk), CodecHeader::Depth(header)) => chunk.check_window(header.window(), frames),

@@ -5,7 +5,6 @@ use crate::color::cells::{AS_SAMPLES, CLOSED_BY_NEXT, KEYFRAME_ROW_BYTES, MAX_WE
 use crate::container::serialize::PutFields;
 use crate::error::{Error, Result};
 
-/// Bytes before the table of keyframes.
 const FIXED_BYTES: usize = 8;
 
 #[derive(Debug, Default)]
@@ -16,7 +15,6 @@ pub struct CellBuilder {
 }
 
 impl CellBuilder {
-    /// Adds a keyframe at the next frame, as samples, in a codec without blocks.
     pub fn push_keyframe<S: Sample>(&mut self, samples: &[S]) {
         self.keyframes.push(self.weights.len() as u32);
         self.weights.push(0);
@@ -32,7 +30,6 @@ impl CellBuilder {
         }
     }
 
-    /// Adds a keyframe at the next frame, as blocks.
     pub fn push_keyframe_in_blocks(&mut self, blocks: &[u8]) {
         self.keyframes.push(self.weights.len() as u32);
         self.weights.push(0);

@@ -6,7 +6,6 @@ use crate::effort::Effort;
 
 #[derive(Debug, Clone, Copy)]
 pub struct KeyframeEncoder<S> {
-    /// Encodes the samples of an image of this width and height.
     pub encode: fn(&[S], [usize; 2], Effort) -> Vec<u8>,
     /// Efforts that [`Effort::Fast`] tries in turn before samples are stored.
     pub fast: &'static [Effort],
@@ -18,7 +17,6 @@ const ONE_HARDER: &[Effort] = &[Effort::Fast, Effort::Normal];
 const HARDEST: &[Effort] = &[Effort::Fast, Effort::Exhaustive];
 
 impl<S> KeyframeEncoder<S> {
-    /// Efforts that are tried in turn before samples are stored.
     pub fn tries(&self, effort: Effort) -> &'static [Effort] {
         match effort {
             Effort::Fast => self.fast,

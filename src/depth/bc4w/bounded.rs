@@ -23,9 +23,8 @@ const TRIALS: Trials = Trials { fitted: 16, polished: 8 };
 /// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
 const MOST_UNITS: u64 = 32_000;
 
-/// Where more squares than this are left, the search ends with what it knows, and the result is not proven to be that
-/// of the literal search. It happens where whole families of pairs are about as good as each other, on tiles whose
-/// codes lie far apart.
+/// Where more squares are left, the search ends with what it knows: on tiles whose codes lie far apart, where whole
+/// families of pairs are about as good as each other.
 const MOST_SQUARES: usize = 1 << 13;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +50,6 @@ impl Square {
     }
 }
 
-/// A solution of the lowest squared error within the tile's bound.
 pub fn search(tile: &Tile) -> Option<Solution> {
     let known = quick::best_of(tile, TRIALS);
     // Within the bound, no solution costs more.
@@ -69,19 +67,16 @@ struct Levels {
     background: [i16; LANES],
 }
 
-/// What each pixel costs at least over each of some squares.
 type Costs<T, const L: usize> = [[T; L]; 64];
 
 struct Search<'a> {
     tile: &'a Tile,
     known: Option<Solution>,
-    /// Its cost; solutions that are sought cost less.
     limit: u64,
     unit_limit: i16,
     shift: u32,
     first: u16,
     last: u16,
-    /// Places of the lines that are left.
     lines: Vec<usize>,
     plan: Plan,
     /// What sides A and B of these lines cost at least, if the line is to be better than the limit.
@@ -288,7 +283,6 @@ impl<'a> Search<'a> {
         costs
     }
 
-    /// The best solution below the limit with the lines that are left and these pairs.
     fn exact(&self, squares: &[Square]) -> Option<Solution> {
         const FEW: usize = 4;
         let mut best = vec![[(f64::MOST, Pair { e0: 0, e1: 0 }); 2]; self.lines.len()];

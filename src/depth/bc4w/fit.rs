@@ -99,7 +99,6 @@ impl Surfaces {
     }
 }
 
-/// How far endpoints are looked for around the least-squares fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polish {
     None,
@@ -107,8 +106,7 @@ pub enum Polish {
     Neighbours,
 }
 
-/// A good pair for a side, and about what it costs; polished, that is a local minimum or close to one. None where none
-/// was found within the bound.
+/// A good pair for a side within the bound, and about what it costs; polished, a local minimum or close to one.
 pub fn best_pair(tile: &Tile, side: u64, polish: Polish) -> Option<(f32, Pair)> {
     let (rounds, reach) = match polish {
         Polish::None => (1, 0),

@@ -22,7 +22,6 @@ impl Line {
         self.0
     }
 
-    /// Its two points, (x, y) each, 0 to 7.
     pub fn points(self) -> [[u8; 2]; 2] {
         let at = |shift: u32| (self.0 >> shift & 7) as u8;
         [[at(0), at(3)], [at(6), at(9)]]

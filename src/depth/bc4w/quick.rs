@@ -5,11 +5,9 @@ use crate::depth::bc4w::fit::{Polish, best_pair};
 use crate::depth::bc4w::sums::{Greatest, Plan, Quantity};
 use crate::depth::bc4w::tile::{Solution, Tile};
 
-/// How many lines are tried with a least-squares fit, and with how many of them the endpoints are polished.
 #[derive(Debug, Clone, Copy)]
 pub struct Trials {
     pub fitted: usize,
-    /// The best of these, that are polished.
     pub polished: usize,
 }
 
@@ -77,7 +75,6 @@ fn ranked(tile: &Tile, count: usize) -> Vec<usize> {
     chosen
 }
 
-/// The lines of the least scores, the earlier one of equals.
 struct Least {
     count: usize,
     best: Vec<(f32, usize)>,

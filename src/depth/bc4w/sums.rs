@@ -15,7 +15,6 @@ const LEAVES: usize = 8 * ROW_SUMS;
 /// What is summed. Sums grow with what they are made of, also where they are rounded or saturate.
 pub trait Quantity: Copy + PartialOrd {
     const ZERO: Self;
-    /// At least every sum that matters.
     const MOST: Self;
     fn plus(self, other: Self) -> Self;
 }
@@ -38,7 +37,6 @@ impl Quantity for f32 {
     }
 }
 
-/// The greatest of all takes the place of the sum.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Greatest(pub f32);
 
@@ -67,7 +65,6 @@ pub fn lesser<T: Quantity>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
-/// Which sums make up the sides of which lines.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The two sums that each sum after the leaves adds.
@@ -76,7 +73,6 @@ pub struct Plan {
     sides: Vec<[u16; 4]>,
 }
 
-/// The place among the leaves of a row's mask.
 fn leaf(y: usize, mask: u8) -> u16 {
     let count = mask.count_ones() as usize;
     let from_left = mask.trailing_ones() as usize == count;

@@ -14,14 +14,10 @@ pub const PAD: u16 = 8;
 /// The pixels of a block, bit 8y + x of a mask for pixel (x, y).
 #[derive(Debug, Clone)]
 pub struct Tile {
-    /// Codes; 0 outside the picture.
     pub codes: [u16; 64],
-    /// Pixels inside the picture that are surfaces.
     pub surfaces: u64,
-    /// Pixels inside the picture that are background.
     pub background: u64,
     pub bound: u16,
-    /// Smallest and largest surface; none where there is no surface.
     pub extremes: Option<[u16; 2]>,
 }
 
@@ -38,7 +34,6 @@ impl Solution {
 }
 
 impl Tile {
-    /// The tile of a block, to be coded without a difference above `bound`.
     pub fn new(block: &Block<'_>, bound: u16) -> Tile {
         let mut tile = Tile { codes: [0; 64], surfaces: 0, background: 0, bound, extremes: None };
         let (mut low, mut high) = (u16::MAX, 0);

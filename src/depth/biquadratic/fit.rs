@@ -14,7 +14,6 @@ use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Blocks with more pixels are reweighted on some of them; all are verified.
 const MAX_SAMPLES: usize = 1024;
-/// Coefficients as fine as their formats are.
 pub(crate) const EXACT: Shifts = Shifts { constant: 0, linear: 0, quadratic: 0 };
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -65,7 +64,6 @@ impl Biquadratic {
         }
     }
 
-    /// The constants that keep a function without one within the bound.
     fn constants(&self, block: &Block, domain: &Domain, max_error: u16) -> Option<Constants> {
         let mut constants = Constants::ANY;
         for (y, row) in block.rows().enumerate() {
@@ -133,7 +131,6 @@ fn frame_of(block: &Block) -> Frame {
     Frame::new([0, block.width - 1], [0, block.height - 1])
 }
 
-/// The mean code, or the middle between the least and the greatest.
 fn fit_constant(block: &Block, domain: &Domain, bound: u16) -> Option<(Biquadratic, Accuracy)> {
     let (mut low, mut high, mut sum) = (u16::MAX, 0, 0u64);
     for row in block.rows() {

@@ -29,12 +29,10 @@ pub struct BlockEncoder {
 }
 
 impl BlockEncoder {
-    /// An encoder for a unit of `grid`'s size; chunks hold at most `keyframe_interval` frames.
     pub fn new(grid: Grid, effort: Effort, keyframe_interval: u32) -> BlockEncoder {
         BlockEncoder { grid, effort, keyframe_interval, open: Vec::new(), chunk_first: 0, next_frame: 0 }
     }
 
-    /// Takes the next frame. Answers the chunk that it closes, if any.
     pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
         let full = self.next_frame - self.chunk_first >= self.keyframe_interval || self.open.len() >= CLOSE_AT_BYTES;
         let finished = if full { self.finish() } else { None };

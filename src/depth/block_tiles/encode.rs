@@ -23,8 +23,7 @@ impl EncodeTexel for [u8; 3] {
     }
 }
 
-/// Appends a rectangle: `block` answers the bytes of the block at a place in pixels, counted in the rectangle, or nothing
-/// where its pixels must be stored as values; `value` answers these.
+/// Appends a rectangle: `block` answers the block at a place in pixels, or nothing where `value`s are stored.
 pub fn put<'a, T: Texel>(
     size: [usize; 2],
     block: impl Fn(usize, usize) -> Option<&'a [u8]>,

@@ -13,12 +13,10 @@ pub struct Mask<'a> {
     pub width: usize,
 }
 
-/// How many boxes, and from which saving on one more is worth its bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoxBudget {
     /// At most this many boxes, 1 to [`MAX_BOXES`](crate::depth::boxes::MAX_BOXES).
     pub max_boxes: u16,
-    /// A split must save more pixels than this.
     pub min_saving: u32,
 }
 
@@ -88,7 +86,6 @@ impl Candidate {
     }
 }
 
-/// Spans of the set pixels of every column and of every row of the search.
 fn spans(mask: Mask<'_>, search: Half) -> (Spans, Spans) {
     let [left, right] = search.columns;
     let mut first = vec![u16::MAX; right - left];
@@ -113,7 +110,6 @@ fn spans(mask: Mask<'_>, search: Half) -> (Spans, Spans) {
     (first.into_iter().zip(last).map(|(first, last)| [first, last]).collect(), rows)
 }
 
-/// First and last line that holds anything.
 fn occupied(lines: &[[u16; 2]]) -> Option<[usize; 2]> {
     let holds = |span: &[u16; 2]| span[0] <= span[1];
     Some([lines.iter().position(holds)?, lines.iter().rposition(holds)?])

@@ -17,7 +17,6 @@ use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Nodes of higher levels are not searched for lines: edges are hardly straight that far.
 pub const MAX_PLATELET_LEVEL: u8 = 6;
-/// Lines of least squared error whose largest error is looked at.
 const CANDIDATES: usize = 4;
 
 impl Platelet {

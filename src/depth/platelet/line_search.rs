@@ -7,9 +7,7 @@ use crate::depth::block::{Block, side_of};
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::platelet::SideTest;
 
-/// Largest coordinate of a line's point.
 const END: i32 = 255;
-/// Length of the way around the square of points.
 const AROUND: i32 = 4 * END;
 /// Points on it between which lines are tried first.
 const POINTS: i32 = 32;
@@ -36,7 +34,6 @@ fn line_between(ways: [i32; 2]) -> [u8; 4] {
     [x0, y0, x1, y1]
 }
 
-/// Moments of a set of pixels: number, x, y, their products, values, and values times x and y.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moments {
     count: f64,
@@ -147,7 +144,6 @@ impl LineSearch {
         LineSearch { level: block.level, width, height, values, columns, all, energy }
     }
 
-    /// Sum of squared errors of the two best planes beside a line.
     fn squared_error(&self, line: [u8; 4]) -> f64 {
         let test = SideTest::new(line, self.level);
         let mut part = Moments::default();

@@ -7,7 +7,6 @@ use crate::depth::records::{BOXES, CONSTANT, WHOLE};
 use crate::depth::texel::Texel;
 
 impl TableBuilder {
-    /// Starts with the keyframe, as values.
     pub fn put_values<T: Texel>(&mut self, keyframe: &[T]) {
         self.put_keyframe(keyframe, |data| keyframe.iter().for_each(|value| value.put(data)));
     }
@@ -24,7 +23,7 @@ impl TableBuilder {
         }
     }
 
-    /// Adds the boxes that a frame updates, with their pixels from `picture` of `width` columns.
+    /// Pixels are those of `picture`, of `width` columns.
     pub fn put_boxes_of<T: Texel>(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
         self.put_boxes(frame, boxes, |b, data| {
             data.reserve(T::BYTES * b.area() as usize);
@@ -35,7 +34,6 @@ impl TableBuilder {
         });
     }
 
-    /// Adds the boxes that a frame updates; `put` writes the pixels of each.
     pub fn put_boxes(&mut self, frame: u32, boxes: &[PixelBox], mut put: impl FnMut(PixelBox, &mut Vec<u8>)) {
         let data = self.begin(frame);
         data.extend_from_slice(&[BOXES, 0]);

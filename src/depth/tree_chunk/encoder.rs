@@ -43,13 +43,12 @@ pub struct TreeEncoder {
 }
 
 impl TreeEncoder {
-    /// An encoder for a unit of `grid`'s size, at most 1024×1024. Of the settings, window and epsilon play no part.
+    /// Of the settings, window and epsilon play no part.
     pub fn new(grid: Grid, domain: Domain, settings: NodeSettings) -> TreeEncoder {
         let held = vec![0; grid.pixel_count() as usize];
         TreeEncoder { settings, domain, grid, held, chunk: OpenChunk::new(settings.keyframe_interval) }
     }
 
-    /// Takes the next frame. Answers the chunk that it closes, if any.
     pub fn push(&mut self, source: &[u16]) -> Result<Option<EncodedChunk>> {
         let finished = self.chunk.next()?;
         let keyframe = self.chunk.frame() == 0;
