@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::encode;
+use crate::cli::encode::{self, Encode};
 use crate::cli::options::{DepthUnitArgs, DomainArgs, SequenceInputArgs, StoreArgs, Target, Unfinished};
 use crate::cli::output;
 use crate::cli::progress::Progress;
@@ -70,10 +70,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let source = args.input.open(StreamKind::Depth, &options)?;
     let target = output.map(|path| Target { path, unfinished: Unfinished::Discard, json: args.store.json });
+    let encode = |target| Encode { source: &source, settings: &settings, target, global };
     match target {
-        Some(target) if !args.stats => encode::encode_to(&source, &settings, &target, global),
+        Some(target) if !args.stats => encode(target).run(),
         target => {
-            let encoded = target.map(|target| encode::encode_file(&source, &settings, &target, global)).transpose()?;
+            let encoded = target.map(|target| encode(target).encode()).transpose()?;
             measure(args, &source, &settings, encoded, global)
         }
     }
@@ -92,7 +93,8 @@ fn measure(
     drop(progress);
     let seconds = start.elapsed().as_secs_f64();
     if args.store.json {
-        output::print_report(&Document { quality: TileQualityReport::new(&found, seconds), encode: encoded })?;
+        let quality = TileQualityReport::new(&found, seconds);
+        output::print_json(&output::with_memory(Document { quality, encode: encoded }))?;
     } else {
         if let (Some(encoded), Some(path)) = (encoded, &args.output) {
             global.note(encode::text(path, &encoded));

@@ -6,7 +6,7 @@ mod options;
 use std::path::Path;
 use std::time::Instant;
 
-use crate::cli::output::{self, human_bytes};
+use crate::cli::output::human_bytes;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
@@ -40,11 +40,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let summary = work.capture(PartialFolder::open(&args.output, UNFINISHED)?)?;
     drop(progress);
     let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
-    if args.json {
-        output::print_report(&report)?;
-    } else {
-        global.note(text(&args.output, &plan, &summary, &report));
-    }
+    global.report(args.json, &report, || text(&args.output, &plan, &summary, &report))?;
     Ok(ExitStatus::Passed)
 }
 

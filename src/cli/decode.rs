@@ -316,7 +316,7 @@ impl Run<'_> {
         if args.json {
             let decoded = if args.keep_going { decoded.with_damage(self.decoder, self.decoded) } else { decoded };
             let (seen, verification) = (self.view.report(), self.verification);
-            return output::print_report(&Document { decoded, seen, verification });
+            return output::print_json(&output::with_memory(Document { decoded, seen, verification }));
         }
         let line = self.text(args, decoded.megapixels_per_second);
         match &args.output {

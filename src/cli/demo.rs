@@ -6,10 +6,11 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::cli::decode::Export;
+use crate::cli::encode::Encode;
 use crate::cli::options::{Target, Unfinished};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, encode};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
@@ -131,7 +132,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let captured = start.elapsed();
     let source = Source::open(&places.scene, &SourceOptions::default())?;
     let target = Target { path: &places.container, unfinished: Unfinished::Discard, json: false };
-    encode::encode_file(&source, &settings, &target, global)?;
+    Encode { source: &source, settings: &settings, target, global }.encode()?;
     let encoded = start.elapsed();
     let decoder = Decoder::open(&places.container)?;
     decode(&decoder, &places.decoded, global)?;
@@ -152,11 +153,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         seconds: Seconds { capture, encode, decode },
         commands: places.commands(&settings),
     };
-    if args.json {
-        output::print_json(&report)?;
-    } else {
-        output::print_text(&report.text(&places))?;
-    }
+    output::print_either(args.json, &report, || report.text(&places))?;
     let passed = report.keeps(&settings) && comparison.missing.is_empty();
     Ok(if passed { ExitStatus::Passed } else { ExitStatus::Failed })
 }

@@ -1,11 +1,11 @@
 //! Options of graphics devices, the list of devices, fallback to the CPU.
 
-use serde_json::json;
+use serde::Serialize;
 
 use crate::cli::options::choice::Choices;
 use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::{Error, Result};
-use crate::gpu::device::{self, DeviceChoice, Gpu, Pick};
+use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
 use crate::report::Table;
 
 /// Number or part of the name of a graphics device, without `--gpu-index`.
@@ -62,24 +62,25 @@ pub fn or_on_cpu<T>(
 }
 
 pub fn list(as_json: bool) -> Result<ExitStatus> {
-    let devices = device::list();
-    if as_json {
-        output::print_json(&json!({ "devices": devices }))?;
-        return Ok(ExitStatus::Passed);
+    #[derive(Serialize)]
+    struct Document {
+        devices: Vec<DeviceInfo>,
     }
-    let mut table = Table::new(">#|Device|Kind|Backend|Driver|>Buffer MiB|>Workgroup");
-    for info in &devices {
-        table.row([
-            info.index.to_string(),
-            info.name.clone(),
-            info.kind.to_owned(),
-            info.backend.clone(),
-            info.driver.clone(),
-            (info.max_binding_bytes >> 20).to_string(),
-            info.max_invocations.to_string(),
-        ]);
-    }
-    let none = "no graphics device was found\n".to_owned();
-    output::print_text(&if devices.is_empty() { none } else { table.to_string() })?;
+    let report = Document { devices: device::list() };
+    output::print_either(as_json, &report, || {
+        let mut table = Table::new(">#|Device|Kind|Backend|Driver|>Buffer MiB|>Workgroup");
+        for info in &report.devices {
+            table.row([
+                info.index.to_string(),
+                info.name.clone(),
+                info.kind.to_owned(),
+                info.backend.clone(),
+                info.driver.clone(),
+                (info.max_binding_bytes >> 20).to_string(),
+                info.max_invocations.to_string(),
+            ]);
+        }
+        if report.devices.is_empty() { "no graphics device was found\n".to_owned() } else { table.to_string() }
+    })?;
     Ok(ExitStatus::Passed)
 }

@@ -108,11 +108,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         exact: args.exact,
     };
     let judgement = bounds.judge(&comparison);
-    if args.json {
-        output::print_report(&comparison.report(&sides, &judgement))?;
-    } else {
-        let rows = if args.streams { usize::MAX } else { diff_text::FEW_ROWS };
-        output::print_text(&diff_text::report(&sides, &comparison, &judgement, rows))?;
-    }
+    let rows = if args.streams { usize::MAX } else { diff_text::FEW_ROWS };
+    let text = || diff_text::report(&sides, &comparison, &judgement, rows);
+    output::print_either(args.json, &output::with_memory(comparison.report(&sides, &judgement)), text)?;
     Ok(if judgement.failed { ExitStatus::Failed } else { ExitStatus::Passed })
 }

@@ -10,6 +10,7 @@ use crate::compare::{
 use crate::image::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
+use crate::metrics::depth_error::DepthErrors;
 use crate::report::coding_map::counted;
 use crate::streams::ColorFormat;
 
@@ -20,28 +21,22 @@ const MISSING_LINES: usize = 8;
 
 /// The whole report; streams have rows if there are at most `most_rows`.
 pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, most_rows: usize) -> String {
-    let mut lines = Vec::new();
-    for (at, side) in sides.iter().enumerate() {
+    let side = |(at, side): (usize, &Side)| {
         let streams = counted(side.streams.len() as u64, "stream");
-        lines.push(format!("{}  {} ({}, {streams})", side_name(at), side.path, side.form.name()));
-    }
-    lines.extend(domain_lines(comparison));
-    lines.push(String::new());
-    lines.push(summary(comparison));
-    if comparison.streams.len() <= most_rows {
-        lines.push(String::new());
-        lines.push(stream_table(comparison));
-    }
-    let worst = worst_table(comparison);
-    if !worst.is_empty() {
-        lines.push(String::new());
-        lines.push(worst);
-    }
-    lines.extend(notes(comparison));
-    lines.push(String::new());
-    lines.extend(verdict_lines(comparison, judgement));
-    lines.push(String::new());
-    lines.join("\n")
+        format!("{}  {} ({}, {streams})", side_name(at), side.path, side.form.name())
+    };
+    let heading: Vec<String> = sides.iter().enumerate().map(side).chain(domain_lines(comparison)).collect();
+    let has_rows = comparison.streams.len() <= most_rows;
+    let mut paragraphs = vec![
+        heading.join("\n"),
+        summary(comparison),
+        if has_rows { stream_table(comparison) } else { String::new() },
+        worst_table(comparison),
+        notes(comparison).join("\n"),
+        verdict_lines(comparison, judgement).join("\n"),
+    ];
+    paragraphs.retain(|paragraph| !paragraph.is_empty());
+    paragraphs.join("\n\n") + "\n"
 }
 
 /// A table; headings are separated by `|`.
@@ -149,31 +144,27 @@ fn stream_table(comparison: &Comparison) -> String {
 }
 
 fn worst_table(comparison: &Comparison) -> String {
-    let mut table = table("worst|stream|frame|x|y|error or PSNR");
-    let mut add = |what: &str, at: usize, place: [u32; 3], value: String| {
-        let [frame, mut x, mut y] = place.map(|number| number.to_string());
-        if what.ends_with("frame") {
-            (x, y) = ("-".into(), "-".into());
-        }
-        table.add_row(vec![what.to_owned(), comparison.streams[at].id.to_string(), frame, x, y, value]);
+    let pixel = |what: &'static str, at: Option<usize>| {
+        let stream = &comparison.streams[at?];
+        Some((what, stream, stream.worst()?.0, largest(stream)))
     };
-    let pixel = |at: usize| comparison.streams[at].worst().map(|(spot, _)| [spot.frame, spot.x, spot.y]);
-    if let Some(total) = comparison.color() {
-        if let Some((at, place)) = total.worst.and_then(|at| Some((at, pixel(at)?))) {
-            add("colour pixel", at, place, largest(&comparison.streams[at]));
-        }
-        for (what, lowest) in [("colour frame", total.lowest_frame), ("colour cell", total.lowest_cell)] {
-            if let Some((at, Lowest { psnr_db, spot })) = lowest.filter(|(_, lowest)| lowest.psnr_db.is_finite()) {
-                add(what, at, [spot.frame, spot.x, spot.y], db(psnr_db));
-            }
-        }
-    }
-    let depth = comparison.depth().and_then(|(_, at)| at);
-    let material = comparison.material().and_then(|total| total.worst);
-    for (what, at) in [("depth pixel", depth), ("material pixel", material)] {
-        if let Some((at, place)) = at.and_then(|at| Some((at, pixel(at)?))) {
-            add(what, at, place, largest(&comparison.streams[at]));
-        }
+    let lowest = |what: &'static str, found: Option<(usize, Lowest)>| {
+        let (at, Lowest { psnr_db, spot }) = found.filter(|(_, lowest)| lowest.psnr_db.is_finite())?;
+        Some((what, &comparison.streams[at], spot, db(psnr_db)))
+    };
+    let color = comparison.color();
+    let rows = [
+        pixel("colour pixel", color.as_ref().and_then(|total| total.worst)),
+        lowest("colour frame", color.as_ref().and_then(|total| total.lowest_frame)),
+        lowest("colour cell", color.as_ref().and_then(|total| total.lowest_cell)),
+        pixel("depth pixel", comparison.depth().and_then(|(_, at)| at)),
+        pixel("material pixel", comparison.material().and_then(|total| total.worst)),
+    ];
+    let mut table = table("worst|stream|frame|x|y|error or PSNR");
+    for (what, stream, spot, value) in rows.into_iter().flatten() {
+        let has_place = what != "colour frame";
+        let [x, y] = [spot.x, spot.y].map(|at| if has_place { at.to_string() } else { "-".to_owned() });
+        table.add_row([what.to_owned(), stream.id.to_string(), spot.frame.to_string(), x, y, value]);
     }
     if table.row_count() == 0 { String::new() } else { table.trim_fmt() }
 }
@@ -227,35 +218,22 @@ fn domain_text(domain: &Domain) -> String {
 }
 
 fn notes(comparison: &Comparison) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some((errors, _)) = comparison.depth() {
-        if errors.background_mismatches > 0 {
-            notes
-                .push(format!("background on one side only: {}", counted(errors.background_mismatches, "depth pixel")));
-        }
-        if errors.outside_pixels > 0 {
-            notes.push(format!("outside the range of the codes: {}", counted(errors.outside_pixels, "depth pixel")));
-        }
-    }
-    if let Some(total) = comparison.color() {
-        if total.clipped_pixels > 0 {
-            notes.push(format!(
-                "clipped to 8 bits before comparison: {}",
-                counted(total.clipped_pixels, "colour pixel")
-            ));
-        }
-        if total.ssim_frames > 0 {
-            notes.push(format!("SSIM is the mean of {}", counted(total.ssim_frames, "image")));
-        }
-    }
+    let (depth, color) = (comparison.depth().map(|(errors, _)| errors), comparison.color());
+    let of_depth = |count: fn(&DepthErrors) -> u64| depth.as_ref().map_or(0, count);
+    let of_color = |count: fn(&SampleTotal) -> u64| color.as_ref().map_or(0, count);
+    let counts = [
+        ("background on one side only:", of_depth(|errors| errors.background_mismatches), "depth pixel"),
+        ("outside the range of the codes:", of_depth(|errors| errors.outside_pixels), "depth pixel"),
+        ("clipped to 8 bits before comparison:", of_color(|total| total.clipped_pixels), "colour pixel"),
+        ("SSIM is the mean of", of_color(|total| total.ssim_frames), "image"),
+    ];
+    let counts = counts.into_iter().filter(|(_, count, _)| *count > 0);
+    let mut notes: Vec<String> = counts.map(|(of, count, what)| format!("{of} {}", counted(count, what))).collect();
     for missing in comparison.missing.iter().take(MISSING_LINES) {
         notes.push(format!("only in {}: {} frames {}", side_name(missing.only_in), missing.id, range(missing.frames)));
     }
     if comparison.missing.len() > MISSING_LINES {
         notes.push(format!("and {} more on one side only", comparison.missing.len() - MISSING_LINES));
-    }
-    if !notes.is_empty() {
-        notes.insert(0, String::new());
     }
     notes
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs, SequenceInputArgs, Target,
-    Unfinished, check_stdout, parse_kind,
+    ColorArgs, DepthArgs, EffortArgs, EncodeOutputArgs, FrameArgs, MaterialArgs, SequenceInputArgs, Target, Unfinished,
+    check_stdout, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -31,9 +31,7 @@ pub struct Args {
     #[arg(value_name = "MANIFEST")]
     pub input: PathBuf,
     #[command(flatten)]
-    pub output: OutputArgs,
-    #[command(flatten)]
-    pub resume: ResumeArgs,
+    pub output: EncodeOutputArgs,
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
@@ -76,9 +74,7 @@ pub trait SequenceCodec: clap::Args {
 #[derive(Debug, clap::Args)]
 pub struct EncodeSequence<C: SequenceCodec> {
     #[command(flatten)]
-    output: OutputArgs,
-    #[command(flatten)]
-    resume: ResumeArgs,
+    output: EncodeOutputArgs,
     #[command(flatten)]
     input: SequenceInputArgs,
     #[command(flatten)]
@@ -90,7 +86,7 @@ impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
         self.codec.apply(&mut options, &mut settings)?;
         self.input.apply(&mut options, &mut settings);
-        self.output.store.apply(&mut settings);
+        self.output.container.store.apply(&mut settings);
         Ok((options, settings))
     }
 
@@ -99,7 +95,7 @@ impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
     }
 
     fn target(&self) -> Target<'_> {
-        self.output.target(self.resume)
+        self.output.target()
     }
 }
 
@@ -114,7 +110,7 @@ impl Encodes for Args {
         options.channel = self.depth_channel.clone();
         options.color_channel = self.color_channel.clone();
         self.effort.apply(&mut settings);
-        self.output.store.apply(&mut settings);
+        self.output.container.store.apply(&mut settings);
         if !self.stream.is_empty() {
             settings.kinds = self.stream.clone();
         }
@@ -126,7 +122,7 @@ impl Encodes for Args {
     }
 
     fn target(&self) -> Target<'_> {
-        self.output.target(self.resume)
+        self.output.target()
     }
 }
 
@@ -139,10 +135,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             args.input.display()
         ));
     }
-    if args.output.path.exists()
-        && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.path.canonicalize().ok()
+    if args.output.container.path.exists()
+        && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.container.path.canonicalize().ok()
     {
-        return refuse(format!("{}: the input manifest would be overwritten", args.output.path.display()));
+        return refuse(format!("{}: the input manifest would be overwritten", args.output.container.path.display()));
     }
     let source = args.open(&options)?;
     let (asked, there) = (args.frames.frames, source.manifest().map(|manifest| manifest.frame_range()));
@@ -151,99 +147,93 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     {
         return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
     }
-    encode_to(&source, &settings, &args.target(), global)
+    Encode { source: &source, settings: &settings, target: args.target(), global }.run()
 }
 
 /// Runs a command that needs no further checks.
 pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = command.settings()?;
-    encode_to(&command.open(&options)?, &settings, &command.target(), global)
+    Encode { source: &command.open(&options)?, settings: &settings, target: command.target(), global }.run()
 }
 
-/// Encodes a source into a file and reports what came of it.
-pub fn encode_to(
-    source: &Source,
-    settings: &EncodeSettings,
-    target: &Target<'_>,
-    global: &GlobalArgs,
-) -> Result<ExitStatus> {
-    check_stdout(target.path, target.json)?;
-    if target.unfinished == Unfinished::Resume && target.path == Path::new("-") {
-        return refuse("--resume needs a file: an encode to standard output cannot be resumed");
-    }
-    let done = encode_file(source, settings, target, global)?;
-    if target.json {
-        output::print_report(&done)?;
-    } else {
-        global.note(text(target.path, &done));
-    }
-    Ok(ExitStatus::Passed)
+/// An encode of a source into a file.
+pub struct Encode<'a> {
+    pub source: &'a Source,
+    pub settings: &'a EncodeSettings,
+    pub target: Target<'a>,
+    pub global: &'a GlobalArgs,
 }
 
-pub fn encode_file(
-    source: &Source,
-    settings: &EncodeSettings,
-    target: &Target<'_>,
-    global: &GlobalArgs,
-) -> Result<EncodeReport> {
-    let Target { path, unfinished, .. } = *target;
-    if is_input(source, settings, path) {
-        return refuse(format!("{}: an input file would be overwritten", path.display()));
-    }
-    // Checked before an earlier encode is replaced.
-    encode::check(source, settings)?;
-    let start = Instant::now();
-    let images = encode::selected_groups(source, settings).iter().map(encode::GroupRef::images).sum();
-    let progress = Progress::start(global, "encoding", images)?;
-    let work = Work { source, settings, path, progress: &progress, global };
-    let summary = if unfinished == Unfinished::Discard {
-        work.encode(OutputFile::create(path)?)?
-    } else {
-        let file = OutputFile::open(path)?;
-        if file.is_resumable() {
-            work.encode_resumable(file, unfinished)?
-        } else {
-            if unfinished == Unfinished::Resume {
-                work.say("not a regular file, so there is nothing to resume");
-            }
-            work.encode(file)?
+impl Encode<'_> {
+    /// Encodes and reports.
+    pub fn run(&self) -> Result<ExitStatus> {
+        let Target { path, unfinished, json } = self.target;
+        check_stdout(path, json)?;
+        if unfinished == Unfinished::Resume && path == Path::new("-") {
+            return refuse("--resume needs a file: an encode to standard output cannot be resumed");
         }
-    };
-    Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
-}
+        let done = self.encode()?;
+        self.global.report(json, &done, || text(path, &done)).map(|()| ExitStatus::Passed)
+    }
 
-struct Work<'a> {
-    source: &'a Source,
-    settings: &'a EncodeSettings,
-    path: &'a Path,
-    progress: &'a Progress,
-    global: &'a GlobalArgs,
-}
+    pub fn encode(&self) -> Result<EncodeReport> {
+        let Target { path, unfinished, .. } = self.target;
+        if self.is_input(path) {
+            return refuse(format!("{}: an input file would be overwritten", path.display()));
+        }
+        // Checked before an earlier encode is replaced.
+        encode::check(self.source, self.settings)?;
+        let start = Instant::now();
+        let images = encode::selected_groups(self.source, self.settings).iter().map(encode::GroupRef::images).sum();
+        let progress = Progress::start(self.global, "encoding", images)?;
+        let summary = if unfinished == Unfinished::Discard {
+            self.encode_whole(OutputFile::create(path)?, &progress)?
+        } else {
+            let file = OutputFile::open(path)?;
+            if file.is_resumable() {
+                self.encode_resumable(file, &progress)?
+            } else {
+                if unfinished == Unfinished::Resume {
+                    self.say("not a regular file, so there is nothing to resume");
+                }
+                self.encode_whole(file, &progress)?
+            }
+        };
+        Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
+    }
 
-impl Work<'_> {
+    /// Whether the output is an input file.
+    fn is_input(&self, path: &Path) -> bool {
+        let Ok(output) = path.canonicalize() else { return false };
+        let same = |file: PathBuf| file.canonicalize().is_ok_and(|file| file == output);
+        encode::selected_groups(self.source, self.settings)
+            .iter()
+            .any(|of| of.group.frames.iter().any(|frame| self.source.file(of.group, frame).is_ok_and(same)))
+    }
+
     fn say(&self, words: &str) {
-        self.global.note(format_args!("{}: {words}", self.path.display()));
+        self.global.note(format_args!("{}: {words}", self.target.path.display()));
     }
 
     /// Encodes, and leaves nothing on failure.
-    fn encode(&self, file: OutputFile) -> Result<EncodeSummary> {
-        let done = encode::encode(self.source, self.settings, file, self.progress);
-        let (mut file, summary) = done.map_err(|error| output::name_output(error, self.path))?;
+    fn encode_whole(&self, file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
+        let done = encode::encode(self.source, self.settings, file, progress);
+        let (mut file, summary) = done.map_err(|error| output::name_output(error, self.target.path))?;
         file.commit().map(|()| summary)
     }
 
     /// Resumes if asked, and keeps complete chunks on failure.
-    fn encode_resumable(&self, mut file: OutputFile, unfinished: Unfinished) -> Result<EncodeSummary> {
+    fn encode_resumable(&self, mut file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
         if !file.is_locked() {
             self.say("the file system has no locks: do not encode to this file twice at the same time");
         }
         let begun = file
-            .recover(|records, bytes| journal::recover_watched(records, bytes, self.progress))
+            .recover(|records, bytes| journal::recover_watched(records, bytes, progress))
             .map_err(|error| stays(error, &file))?;
-        let recovered = match (begun, unfinished) {
+        let recovered = match (begun, self.target.unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
                 encode::check_recovered(self.source, self.settings, &begun)
-                    .map_err(|error| error.context(self.path.display()))?;
+                    .map_err(|error| error.context(self.target.path.display()))?;
                 let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
                 self.say(&format!("resuming after {words}"));
                 Some(begun)
@@ -266,7 +256,7 @@ impl Work<'_> {
             recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
-        let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);
+        let done = encode::encode_resumable(self.source, self.settings, resumable, progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,
             Ok(summary) => match file.commit() {
@@ -275,7 +265,7 @@ impl Work<'_> {
                 Err(error) => Stopped { error, kept: Kept::Chunks("all chunks".to_owned()) },
             },
         };
-        let error = output::name_output(stopped.error, self.path);
+        let error = output::name_output(stopped.error, self.target.path);
         match stopped.kept {
             Kept::Nothing => {
                 file.discard();
@@ -284,7 +274,7 @@ impl Work<'_> {
             Kept::Unchanged => {
                 // Nothing is promised of it.
                 let _ = file.keep();
-                Err(error.context(self.path.display()))
+                Err(error.context(self.target.path.display()))
             }
             Kept::Chunks(words) => {
                 let on_disk = file.keep();
@@ -308,15 +298,6 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
         Err(error) => format!("kept, possibly not on disk ({error}),"),
     };
     format!("{how} in {}: {chunks}; the same command with --resume continues", partial.display())
-}
-
-/// Whether the output is an input file.
-fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
-    let Ok(output) = path.canonicalize() else { return false };
-    let same = |file: &Path| file.canonicalize().is_ok_and(|file| file == output);
-    encode::selected_groups(source, settings)
-        .iter()
-        .any(|of| of.group.frames.iter().any(|frame| source.file(of.group, frame).is_ok_and(|file| same(&file))))
 }
 
 pub fn text(path: &Path, report: &EncodeReport) -> String {

@@ -1,5 +1,7 @@
 //! Options, exit codes and messages of every command.
 
+use serde::Serialize;
+
 use crate::cli::output;
 use crate::error::{Error, Result};
 
@@ -19,6 +21,15 @@ impl GlobalArgs {
         if !self.quiet {
             output::note(line);
         }
+    }
+
+    /// Prints what a command has done: on standard output as JSON, or as a note.
+    pub fn report(&self, as_json: bool, report: impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
+        if as_json {
+            return output::print_json(&output::with_memory(report));
+        }
+        self.note(text());
+        Ok(())
     }
 }
 

@@ -78,12 +78,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         _ => None,
     };
     if args.json {
-        output::print_report(&Document {
+        output::print_json(&output::with_memory(Document {
             container: inspection.report(&decoder),
             verify: args.verify.then(|| inspection.chunks_report(&decoder)),
             frame_rows: args.is_per_frame().then(|| inspection.frame_reports(&decoder)),
             plots: plots.as_deref(),
-        })?;
+        }))?;
     } else if args.csv {
         output::print_text(&if args.is_per_frame() {
             report::csv::of_rows(&inspection.frame_reports(&decoder))?

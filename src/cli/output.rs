@@ -24,16 +24,22 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print_text(&json::pretty(value)?)
 }
 
-/// Prints a report as JSON on standard output, with the peak memory of this process where the system reports it.
-pub fn print_report(report: &impl Serialize) -> Result<()> {
-    #[derive(Serialize)]
-    struct WithMemory<'a, T> {
-        #[serde(flatten)]
-        report: &'a T,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        peak_memory_bytes: Option<u64>,
-    }
-    print_json(&WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() })
+/// Prints a report on standard output as JSON, or as text.
+pub fn print_either(as_json: bool, report: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
+    if as_json { print_json(report) } else { print_text(&text()) }
+}
+
+/// A report with the peak memory of this process, where the system tells it.
+#[derive(Serialize)]
+pub struct WithMemory<T> {
+    #[serde(flatten)]
+    report: T,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peak_memory_bytes: Option<u64>,
+}
+
+pub fn with_memory<T: Serialize>(report: T) -> WithMemory<T> {
+    WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() }
 }
 
 pub fn note(line: impl std::fmt::Display) {

@@ -70,11 +70,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     file.commit()?;
     drop(progress);
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
-    if args.output.store.json {
-        output::print_report(&PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() })?;
-    } else {
+    let report = PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() };
+    global.report(args.output.store.json, &report, || {
         let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));
-        global.note(format_args!("{}: {} streams, {from} became {to}", path.display(), summary.streams));
-    }
+        format!("{}: {} streams, {from} became {to}", path.display(), summary.streams)
+    })?;
     Ok(ExitStatus::Passed)
 }

@@ -79,11 +79,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         all.push(test_device(&Gpu::open(pick)?, args, &inputs, global)?);
     }
     let failed = all.iter().any(Tested::failed) || cases.iter().any(|case| !case.passed());
-    if args.json {
-        output::print_json(&Document::new(&all, &cases, failed))?
-    } else {
-        output::print_text(&text(&all, &cases))?
-    }
+    output::print_either(args.json, &Document::new(&all, &cases, failed), || text(&all, &cases))?;
     Ok(if failed { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 

@@ -51,16 +51,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut report = convention::check(&source, &choice, &progress)?;
     drop(progress);
     report.findings.iter_mut().for_each(|finding| finding.says = with_option_names(&finding.says));
-    if args.json {
-        output::print_json(&Document {
-            name: source.name(),
-            suspect: report.suspects(),
-            report: &report,
-            seconds: start.elapsed().as_secs_f64(),
-        })?;
-    } else {
-        output::print_text(&text(source.name(), &report))?;
-    }
+    let document = Document {
+        name: source.name(),
+        suspect: report.suspects(),
+        report: &report,
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    output::print_either(args.json, &document, || text(source.name(), &report))?;
     Ok(if report.suspects() { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 

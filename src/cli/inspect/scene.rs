@@ -28,11 +28,10 @@ pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let (scene, notes) = Scene::open(name, Play::First)?;
     let document = Document { scene: name, summary: scene.summary(), notes };
-    if args.json {
-        return output::print_json(&document).map(|()| ExitStatus::Passed);
+    if !args.json {
+        document.notes.iter().for_each(|note| global.note(note));
     }
-    document.notes.iter().for_each(|note| global.note(note));
-    output::print_text(&text(name, &document.summary)).map(|()| ExitStatus::Passed)
+    output::print_either(args.json, &document, || text(name, &document.summary)).map(|()| ExitStatus::Passed)
 }
 
 fn text(name: &str, summary: &SceneSummary) -> String {

@@ -45,8 +45,10 @@ impl MemoryArgs {
     }
 }
 
-#[derive(Debug, Clone, Copy, Args)]
-pub struct ResumeArgs {
+#[derive(Debug, Clone, Args)]
+pub struct EncodeOutputArgs {
+    #[command(flatten)]
+    pub container: OutputArgs,
     /// Resume a stopped encode of this output behind its last complete chunk, with the same options; start anew if there is
     /// none
     #[arg(long)]
@@ -60,11 +62,10 @@ impl StoreArgs {
     }
 }
 
-impl OutputArgs {
-    /// The output of an encode that may be resumed.
-    pub fn target(&self, resume: ResumeArgs) -> Target<'_> {
-        let unfinished = if resume.resume { Unfinished::Resume } else { Unfinished::Keep };
-        Target { path: &self.path, unfinished, json: self.store.json }
+impl EncodeOutputArgs {
+    pub fn target(&self) -> Target<'_> {
+        let unfinished = if self.resume { Unfinished::Resume } else { Unfinished::Keep };
+        Target { path: &self.container.path, unfinished, json: self.container.store.json }
     }
 }
 

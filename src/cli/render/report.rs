@@ -120,7 +120,7 @@ impl Report<'_> {
     /// requested figures.
     pub fn print(&self, global: &GlobalArgs) -> Result<()> {
         if self.args.json {
-            return output::print_report(&self.document());
+            return output::print_json(&output::with_memory(self.document()));
         }
         let mut lines = if global.quiet && self.args.output.is_some() { Vec::new() } else { self.lines() };
         if self.args.cameras.stats {

@@ -36,11 +36,7 @@ pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatu
     if advised.advice.is_empty() {
         return refuse(advised.text().trim_end());
     }
-    if args.json {
-        output::print_json(&json!({ "recommended": advised.json() }))?;
-    } else {
-        output::print_text(&advised.text())?;
-    }
+    output::print_either(args.json, &json!({ "recommended": advised.json() }), || advised.text())?;
     Ok(advised.status())
 }
 

@@ -151,11 +151,8 @@ impl Finished<'_> {
             more.into_iter().for_each(|(key, value)| all[key] = value);
         }
         output::write_file(&folder.report(), &json::pretty(&all)?)?;
-        if args.json {
-            output::print_json(&all)?;
-        } else {
-            output::print_text(&format!("{}{words}", text::report(&self.results, &extras.findings, &files)))?;
-        }
+        let text = || format!("{}{words}", text::report(&self.results, &extras.findings, &files));
+        output::print_either(args.json, &all, text)?;
         self.results.left_out.iter().for_each(|note| self.global.note(note));
         match self.failed.first() {
             None => Ok(()),
