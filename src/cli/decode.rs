@@ -115,30 +115,25 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let write = |source: &dyn ImageSource, output: &Path| {
         Export { source, decoder: &decoder, request, format: args.format, progress: &progress }.write(output)
     };
+    let on_gpu = |gpu: &Gpu| {
+        if let Some(output) = &args.output {
+            return Ok((write(gpu, output)?, None));
+        }
+        let (summary, found) = match args.verify {
+            true => verify::verify(gpu, &decoder, request, &progress).map(|(summary, found)| (summary, Some(found)))?,
+            false => (verify::decode_to_nothing(gpu, &decoder, request, &progress)?, None),
+        };
+        Ok((Decoded { summary, ..Decoded::default() }, found))
+    };
+    let on_damage = if args.keep_going { OnDamage::KeepGoing } else { OnDamage::Stop };
+    let on_cpu = || match &args.output {
+        Some(output) => Ok((write(&OnCpu(on_damage), output)?, None)),
+        None => Ok((decode::decode_units(&decoder, request, on_damage, &progress)?, None)),
+    };
+    let choice = args.device.filter(|_| !args.verify);
     let mut once = || {
         let start = Instant::now();
-        let done = device::or_on_cpu(
-            (gpu.as_ref(), args.device.filter(|_| !args.verify)),
-            global,
-            |gpu| match &args.output {
-                Some(output) => Ok((write(gpu, output)?, None)),
-                None if args.verify => {
-                    let (summary, found) = verify::verify(gpu, &decoder, request, &progress)?;
-                    Ok((Decoded { summary, ..Decoded::default() }, Some(found)))
-                }
-                None => {
-                    let summary = verify::decode_to_nothing(gpu, &decoder, request, &progress)?;
-                    Ok((Decoded { summary, ..Decoded::default() }, None))
-                }
-            },
-            || {
-                let on_damage = if args.keep_going { OnDamage::KeepGoing } else { OnDamage::Stop };
-                match &args.output {
-                    Some(output) => Ok((write(&OnCpu(on_damage), output)?, None)),
-                    None => Ok((decode::decode_units(&decoder, request, on_damage, &progress)?, None)),
-                }
-            },
-        )?;
+        let done = device::or_on_cpu((gpu.as_ref(), choice), global, on_gpu, on_cpu)?;
         runs.push(start.elapsed().as_secs_f64());
         Ok(done)
     };
@@ -251,10 +246,8 @@ impl Export<'_> {
                 streams.len()
             ));
         }
-        let format = match output.extension().and_then(|extension| extension.to_str()) {
-            Some("png") => FileFormat::Png,
-            Some("exr") => FileFormat::Exr,
-            _ => return refuse(format!("{}: file names ending in .exr or .png were expected", output.display())),
+        let Some(format) = FileFormat::of(output) else {
+            return refuse(format!("{}: file names ending in .exr or .png were expected", output.display()));
         };
         let files = |folder: &Path| Destination::Files(pattern.clone().below(folder));
         Export { format, ..*self }.write_into(parent_of(output), files)
@@ -284,7 +277,7 @@ impl Export<'_> {
 /// The pattern of an output path; none if it names a folder.
 fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let image = output.extension().is_some_and(|extension| extension == "exr" || extension == "png");
+    let image = FileFormat::of(output).is_some();
     if !image && !name.contains('%') {
         return Ok(None);
     }

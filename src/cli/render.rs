@@ -73,16 +73,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let beside_bytes = args.bytes_beside_views(&jobs, &decoder)?;
     playback = playback.with_memory(args.memory.get(), beside_bytes);
     let coding = playback.player().field().coding;
-    let mut pictures = Pictures::open(
-        &pictures::PictureOptions {
-            output: args.output.as_deref(),
-            contact_sheet: args.contact_sheet.as_deref(),
-            names: jobs.iter().flat_map(|job| &job.names).collect(),
-            stereo: args.stereo.is_some(),
-            holes: args.march.holes,
-        },
-        coding.tone(),
-    )?;
+    let mut pictures = Pictures::open(args, &jobs, coding.tone())?;
     args.check_outputs(&jobs, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
@@ -152,27 +143,22 @@ enum MethodRenderer<'g> {
 
 impl MethodRenderer<'_> {
     fn prepare(&mut self, job: &Job, truth: &mut Option<TruthRun>) -> Result<&mut dyn Renderer> {
-        match self {
-            MethodRenderer::March(renderer) => {
-                renderer.options.size = job.size;
-                Ok(renderer)
-            }
-            MethodRenderer::Device(renderer) => {
-                renderer.options.size = job.size;
-                Ok(renderer.as_mut())
-            }
-            MethodRenderer::Splat(renderer) => {
-                renderer.options.size = job.size;
-                Ok(renderer)
-            }
-            MethodRenderer::Reproject(renderer) => {
-                renderer.options.size = job.size;
-                if let Some(truth) = truth {
-                    renderer.distances_m = truth.distances(job)?;
-                }
-                Ok(renderer)
-            }
+        let options = match self {
+            MethodRenderer::March(renderer) => &mut renderer.options,
+            MethodRenderer::Device(renderer) => &mut renderer.options,
+            MethodRenderer::Splat(renderer) => &mut renderer.options,
+            MethodRenderer::Reproject(renderer) => &mut renderer.options,
+        };
+        options.size = job.size;
+        if let (MethodRenderer::Reproject(renderer), Some(truth)) = (&mut *self, truth) {
+            renderer.distances_m = truth.distances(job)?;
         }
+        Ok(match self {
+            MethodRenderer::March(renderer) => renderer,
+            MethodRenderer::Device(renderer) => renderer.as_mut(),
+            MethodRenderer::Splat(renderer) => renderer,
+            MethodRenderer::Reproject(renderer) => renderer,
+        })
     }
 
     /// Where depth and colour were decoded.

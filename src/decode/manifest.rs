@@ -1,5 +1,7 @@
 //! The manifest of a decoded dataset.
 
+use std::path::Path;
+
 use serde_json::json;
 
 use crate::dataset::manifest::{self, Manifest};
@@ -20,6 +22,12 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
+    /// The format that a file name's extension tells.
+    pub fn of(path: &Path) -> Option<FileFormat> {
+        let extension = path.extension()?;
+        [FileFormat::Exr, FileFormat::Png].into_iter().find(|format| extension == format.extension())
+    }
+
     fn extension(self) -> &'static str {
         match self {
             FileFormat::Exr => "exr",

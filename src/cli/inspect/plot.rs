@@ -45,13 +45,10 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
     let (args, decoder) = (report.args, report.decoder);
     let selection = args.selection.with(args.frame.map(|frame| FrameRange { first: frame, last: frame }));
     let streams: Vec<&StreamInfo> = selection.choose(decoder)?.into_iter().map(|part| part.stream).collect();
-    let sides = match &args.source {
-        Some(source) => {
-            let input = args.input.to_string_lossy();
-            Some(compare::open_both([&input, source], &args.reading.options(args.selection.with(None))?)?)
-        }
-        None => None,
-    };
+    let input = args.input.to_string_lossy();
+    let options = args.reading.options(args.selection.with(None))?;
+    let open = |source: &String| compare::open_both([&input, source], &options);
+    let sides = args.source.as_ref().map(open).transpose()?;
     let pairing = sides.as_ref().map(|sides| Pairing::new(sides, Coverage::Common)).transpose()?;
     let source = sides.as_ref().zip(pairing.as_ref());
     let request = Request { decoder, streams: &streams, frame: args.frame, source };
@@ -74,15 +71,13 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
 }
 
 pub fn text(args: &Args, folder: &Path, plots: &[PlotOut<'_>]) -> String {
-    let mut out = String::new();
-    if plots.len() <= MAX_LINES {
-        let _ = writeln!(out, "Pictures");
-        plots.iter().for_each(|plot| {
-            let _ = writeln!(out, "{}", plot.path);
-        });
-    } else {
-        let _ = writeln!(out, "{} pictures in {}", plots.len(), folder.display());
-    }
+    let mut out = match plots.len() {
+        0..=MAX_LINES => {
+            let paths: String = plots.iter().map(|plot| format!("{}\n", plot.path)).collect();
+            format!("Pictures\n{paths}")
+        }
+        many => format!("{many} pictures in {}\n", folder.display()),
+    };
     let errors = plots.iter().filter(|plot| plot.what == What::Error.name()).count();
     match &args.source {
         None => out.push_str("Error maps need --source, the encoded footage.\n"),

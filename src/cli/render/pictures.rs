@@ -5,7 +5,9 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::args::Args;
 use crate::cli::refuse;
+use crate::decode::FileFormat;
 use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
@@ -48,29 +50,13 @@ pub struct Job {
     pub references: Vec<usize>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Png,
-    Exr,
-}
-
-impl Format {
-    fn of(path: &Path) -> Option<Format> {
-        match path.extension()?.to_str()? {
-            "png" => Some(Format::Png),
-            "exr" => Some(Format::Exr),
-            _ => None,
-        }
-    }
-}
-
 enum Destination {
     Nowhere,
     StandardOutput,
     /// `text` is what lies below the folder: a pattern, in further folders where the eye has one of its own.
     Files {
         text: String,
-        format: Format,
+        format: FileFormat,
         folder: OutputFolder,
     },
     Folder(OutputFolder),
@@ -86,21 +72,13 @@ pub struct Pictures {
     pub bytes: u64,
 }
 
-pub struct PictureOptions<'a> {
-    pub output: Option<&'a Path>,
-    pub contact_sheet: Option<&'a Path>,
-    /// Names of the images; stereo pairs have one.
-    pub names: Vec<&'a PictureName>,
-    pub stereo: bool,
-    pub holes: HoleFill,
-}
-
 impl Pictures {
     /// Opens the outputs, before anything is rendered.
-    pub fn open(options: &PictureOptions<'_>, tone: ToneMap) -> Result<Pictures> {
-        let destination = match options.output {
+    pub fn open(args: &Args, jobs: &[Job], tone: ToneMap) -> Result<Pictures> {
+        let numbers: Vec<u32> = jobs.iter().flat_map(|job| &job.names).map(|name| name.number).collect();
+        let destination = match &args.output {
             None => Destination::Nowhere,
-            Some(path) if path == Path::new("-") => match options.names.len() {
+            Some(path) if path == Path::new("-") => match numbers.len() {
                 1 => Destination::StandardOutput,
                 count => {
                     return refuse(format!(
@@ -109,22 +87,22 @@ impl Pictures {
                     ));
                 }
             },
-            Some(path) => Self::files(path, options)?,
+            Some(path) => Self::files(path, &numbers, args.stereo.is_some())?,
         };
-        if let Some(sheet) = options.contact_sheet
+        if let Some(sheet) = &args.contact_sheet
             && sheet != Path::new("-")
-            && Format::of(sheet) != Some(Format::Png)
+            && FileFormat::of(sheet) != Some(FileFormat::Png)
         {
             return refuse(format!("{}: a contact sheet is a file ending in .png", sheet.display()));
         }
-        let sheet = options.contact_sheet.map(|path| (path.to_path_buf(), ContactSheet::default()));
-        Ok(Pictures { destination, tone, holes: options.holes, sheet, bytes: 0 })
+        let sheet = args.contact_sheet.clone().map(|path| (path, ContactSheet::default()));
+        Ok(Pictures { destination, tone, holes: args.march.holes, sheet, bytes: 0 })
     }
 
-    fn files(path: &Path, options: &PictureOptions<'_>) -> Result<Destination> {
+    fn files(path: &Path, numbers: &[u32], is_stereo: bool) -> Result<Destination> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let has_eyes = path.iter().any(has_eye_field);
-        let Some(format) = Format::of(path) else {
+        let Some(format) = FileFormat::of(path) else {
             let file =
                 name.contains('%') || path.extension().is_some_and(|ending| !ending.is_empty() && !path.is_dir());
             if file || has_eyes {
@@ -136,14 +114,14 @@ impl Pictures {
             return Ok(Destination::Folder(OutputFolder::create(path)?));
         };
         let pattern = Pattern::parse(&name.replace(EYE_FIELD, "")).map_err(|error| error.in_file(path))?;
-        let count = options.names.len();
+        let count = numbers.len();
         if !pattern.has_field() && count != 1 {
             return refuse(format!(
                 "{}: one file, and {count} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
                 path.display(),
             ));
         }
-        let numbers = options.names.iter().map(|name| name.number).collect::<BTreeSet<_>>().len();
+        let numbers = numbers.iter().collect::<BTreeSet<_>>().len();
         if numbers != count {
             return refuse(format!(
                 "{}: {count} pictures are asked for, and their frames tell {numbers} of them apart; name a folder, where \
@@ -151,7 +129,7 @@ impl Pictures {
                 path.display(),
             ));
         }
-        if has_eyes && !options.stereo {
+        if has_eyes && !is_stereo {
             return refuse(format!(
                 "{}: {EYE_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
                 path.display()
@@ -201,7 +179,7 @@ impl Pictures {
         let (work, format) = match &self.destination {
             Destination::Nowhere => return Ok(()),
             Destination::StandardOutput => return self.print(&joined),
-            Destination::Folder(folder) => (folder.work_path(), Format::Png),
+            Destination::Folder(folder) => (folder.work_path(), FileFormat::Png),
             Destination::Files { format, folder, .. } => (folder.work_path(), *format),
         };
         let pictures = if files.len() > 1 { eyes } else { std::slice::from_ref(&joined) };
@@ -211,8 +189,8 @@ impl Pictures {
                 std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             }
             match format {
-                Format::Png => png::write_rgba8(&path, &picture.rgba_codes(self.tone))?,
-                Format::Exr => exr::write_rgba(&path, &picture.rgba_light(self.holes))?,
+                FileFormat::Png => png::write_rgba8(&path, &picture.rgba_codes(self.tone))?,
+                FileFormat::Exr => exr::write_rgba(&path, &picture.rgba_light(self.holes))?,
             }
             self.bytes += std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
         }

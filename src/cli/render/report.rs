@@ -155,11 +155,10 @@ impl Report<'_> {
             hole_rays: counters.hole_rays,
             megapixels_per_second: self.megapixels_per_second(),
             pacing,
-            target: self
-                .args
-                .views
-                .target_ms
-                .map(|target_ms| Target { target_ms, frames_within_target: self.frames.within(target_ms) }),
+            target: self.args.views.target_ms.map(|target_ms| {
+                let frames_within_target = self.frames.within(target_ms);
+                Target { target_ms, frames_within_target }
+            }),
             statistics: has_statistics.then(|| Statistics {
                 counters,
                 counts,
