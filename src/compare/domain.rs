@@ -14,7 +14,6 @@ use crate::streams::{ColorFormat, convert};
 /// Width of cells where neither side states it.
 const DEFAULT_CELL: u32 = 64;
 
-/// Where the codes of a comparison come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// The streams of the container on side 0 or 1.
@@ -69,7 +68,6 @@ pub enum Values {
     Weights(MaterialPlane),
 }
 
-/// An image in the domain, with the number of its pixels that 8 bits clipped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConvertedImage {
     pub image: Converted,

@@ -114,7 +114,6 @@ fn is_selected(id: &StreamId, selection: &Selection) -> bool {
         && (selection.faces.is_empty() || selection.faces.contains(&id.face))
 }
 
-/// Refuses names that neither side has.
 fn check_selection(sides: &[Side; 2], selection: &Selection) -> Result<()> {
     if sides.iter().any(|side| side.form == SideForm::Sequence) {
         return Ok(());

@@ -122,7 +122,6 @@ impl<'a> Pairing<'a> {
     }
 }
 
-/// The parts of a range before and after another.
 fn frames_outside(all: FrameRange, inner: Option<FrameRange>) -> Vec<FrameRange> {
     let Some(inner) = inner else { return vec![all] };
     let before = (all.first < inner.first).then(|| FrameRange { first: all.first, last: inner.first - 1 });
@@ -136,7 +135,6 @@ impl Pair<'_> {
         self.streams.iter().zip(next.streams).any(|(one, next)| one.shares_files(next))
     }
 
-    /// The frame's number on the second side.
     pub fn other_frame(&self, frame: u32) -> u32 {
         u32::try_from(i64::from(frame) + self.shift).unwrap_or(frame)
     }

@@ -39,7 +39,6 @@ pub struct ComparisonReport<'a> {
     exact: Option<BitsTotal<'a>>,
 }
 
-/// A stream, and a pixel of it where one is known.
 #[derive(Debug, Serialize)]
 struct Place<'a> {
     #[serde(flatten)]
@@ -118,7 +117,6 @@ enum Errors {
     Material(LevelErrors),
 }
 
-/// Errors of samples of 8 bits, or of half floats in the PU21 encoding.
 #[derive(Debug, Serialize)]
 struct LevelErrors {
     psnr_db: Number,

@@ -106,7 +106,6 @@ pub(super) enum Content {
 
 #[derive(Debug, Serialize)]
 pub struct Side {
-    /// As the user gave it.
     pub path: String,
     pub form: SideForm,
     /// The selected streams, in the side's own order.
@@ -138,7 +137,6 @@ impl Side {
         }
     }
 
-    /// Bytes of memory while the side is open.
     pub fn open_bytes(&self) -> u64 {
         match &self.content {
             Content::Container(decoder) => memory::container_bytes(decoder.reader()),

@@ -29,7 +29,7 @@ pub struct CameraSet {
     pub extra: Option<serde_json::Value>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedCamera {
     /// Name of the probe; its index in two digits or more when absent.
@@ -56,15 +56,7 @@ pub struct PlacedCamera {
 
 impl PlacedCamera {
     pub fn at(position: [f64; 3]) -> PlacedCamera {
-        PlacedCamera {
-            name: None,
-            position,
-            orientation: None,
-            fov_y_deg: None,
-            frames: None,
-            gain: None,
-            coverage: None,
-        }
+        PlacedCamera { position, ..PlacedCamera::default() }
     }
 }
 
@@ -125,13 +117,11 @@ impl CameraSet {
         Self::new(probes.iter().map(camera).collect())
     }
 
-    /// The text of the file, indented, with a newline at its end.
     pub fn to_json(&self) -> Result<String> {
         self.validate()?;
         json::pretty(self)
     }
 
-    /// Name of a camera's probe.
     pub fn name_of(&self, camera: usize) -> String {
         let digits = (self.cameras.len().saturating_sub(1)).to_string().len().max(2);
         let name = self.cameras.get(camera).and_then(|camera| camera.name.clone());

@@ -41,7 +41,6 @@ pub struct Manifest {
     pub depth: Option<DepthInfo>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorInfo>,
-    /// Channel names of material files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialInfo>,
     pub files: Files,
@@ -154,7 +153,6 @@ impl Background {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColorInfo {
-    /// `linear-rec709` or `srgb`.
     pub space: ColorSpace,
 }
 
@@ -167,9 +165,7 @@ pub struct MaterialInfo {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialChannels {
-    /// Weight of mirror reflection.
     pub reflection: String,
-    /// Weight of refraction.
     pub refraction: String,
     pub ior: String,
 }
@@ -193,7 +189,6 @@ pub struct Files {
 }
 
 impl Files {
-    /// The pattern of a kind of stream, if the dataset has it.
     pub fn get(&self, kind: StreamKind) -> Option<&str> {
         match kind {
             StreamKind::Color => self.color.as_deref(),
@@ -241,7 +236,6 @@ pub fn intrinsics_of(fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
     [focal, focal, width / 2.0, height / 2.0]
 }
 
-/// Whether a path names a dataset: a manifest, or a folder that holds one.
 pub fn is_dataset(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "json") || path.join(MANIFEST_NAME).is_file()
 }
@@ -271,13 +265,11 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// The text of the manifest, indented, with a newline at its end.
     pub fn to_json(&self) -> Result<String> {
         self.validate()?;
         json::pretty(self)
     }
 
-    /// First and last frame of the dataset.
     pub fn frame_range(&self) -> FrameRange {
         FrameRange { first: self.frames[0], last: self.frames[1] }
     }
@@ -309,7 +301,6 @@ impl Manifest {
         Pattern::parse(&text).map(Some)
     }
 
-    /// Checks constraints that the types do not express.
     pub fn validate(&self) -> Result<()> {
         let wrong = |message: String| Err(Error::invalid(message));
         if self.lightfield != MANIFEST_VERSION {

@@ -38,7 +38,6 @@ pub struct SourceOptions {
     /// Default linear for EXR, sRGB for PNG.
     pub color_space: Option<ColorSpace>,
     pub invalid_depth: InvalidDepth,
-    /// Of colour and material.
     pub invalid_color: InvalidColor,
     pub frames: Option<FrameRange>,
     /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
@@ -391,7 +390,6 @@ impl Source {
         self.projection
     }
 
-    /// All probes, also those without a frame in range.
     pub fn probes(&self) -> &[ProbeInfo] {
         &self.probes
     }

@@ -8,9 +8,7 @@ use super::partial_file::{IntactBytes, PartialFile};
 use crate::error::{Error, Result};
 
 enum Sink {
-    /// A file beside the final one.
     Partial(PartialFile),
-    /// A device, a pipe, or standard output.
     Direct(Box<dyn Write + Send>),
 }
 
@@ -49,18 +47,17 @@ impl OutputFile {
 
     /// Whether a later process could resume the file: false for pipes and devices, and once it is committed.
     pub fn is_resumable(&self) -> bool {
-        matches!(&self.sink, Sink::Partial(partial) if !partial.is_committed())
+        matches!(&self.sink, Sink::Partial(partial) if !partial.is_committed)
     }
 
-    /// Whether other processes are kept from writing the same output.
     pub fn is_locked(&self) -> bool {
-        matches!(&self.sink, Sink::Partial(partial) if partial.is_locked())
+        matches!(&self.sink, Sink::Partial(partial) if partial.is_locked)
     }
 
     /// Where the bytes are until [`Self::commit`].
     pub fn work_path(&self) -> &Path {
         match &self.sink {
-            Sink::Partial(partial) => partial.path(),
+            Sink::Partial(partial) => &partial.path,
             Sink::Direct(_) => &self.path,
         }
     }
@@ -90,7 +87,6 @@ impl OutputFile {
         }
     }
 
-    /// Lets dropping remove the unfinished file and its journal.
     pub fn discard(&mut self) {
         if let Sink::Partial(partial) = &mut self.sink {
             partial.discard();

@@ -33,17 +33,18 @@ struct JournalFile {
 #[derive(Debug)]
 pub struct PartialFile {
     output: PathBuf,
-    path: PathBuf,
+    /// Of the unfinished file.
+    pub path: PathBuf,
     writer: BufWriter<File>,
     journal: JournalFile,
-    is_locked: bool,
+    /// False where the file system has no locks.
+    pub is_locked: bool,
     /// Why a part of it may not have reached the disk. The system reports this only once.
     sync_error: Option<String>,
     keep: bool,
-    committed: bool,
+    pub is_committed: bool,
 }
 
-/// The name of a file beside an output.
 fn beside(output: &Path, end: &str) -> Result<PathBuf> {
     let mut name = OsString::from(".");
     name.push(output.file_name().ok_or_else(|| Error::Usage(format!("{}: no file name", output.display())))?);
@@ -88,22 +89,8 @@ impl PartialFile {
             journal,
             is_locked,
             sync_error: None,
-            committed: false,
+            is_committed: false,
         })
-    }
-
-    /// False where the file system has no locks.
-    pub fn is_locked(&self) -> bool {
-        self.is_locked
-    }
-
-    /// Whether the file has the name of the output.
-    pub fn is_committed(&self) -> bool {
-        self.committed
-    }
-
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Calls `check` with the journal's bytes and the file; `None` without a journal. Both files stay.
@@ -178,12 +165,11 @@ impl PartialFile {
         done
     }
 
-    /// Renames the file to the output after its bytes have reached the disk.
     pub fn commit(&mut self) -> std::io::Result<()> {
         self.writer.flush()?;
         self.sync()?;
         std::fs::rename(&self.path, &self.output)?;
-        (self.keep, self.committed) = (true, true);
+        (self.keep, self.is_committed) = (true, true);
         // Before the journal is removed: should the disk lose the rename, the journal belongs to the old name.
         sync_folder(&self.output)?;
         self.remove_journal();
@@ -316,7 +302,7 @@ mod tests {
         // The system has no such thing as bringing this one to the disk.
         let file = std::mem::replace(&mut partial.writer, BufWriter::new(null()));
         assert!(partial.commit().is_err());
-        assert!(!partial.is_committed() && !output.exists());
+        assert!(!partial.is_committed && !output.exists());
         // What it said once, it does not say again.
         partial.writer = file;
         assert!(partial.keep().is_err());

@@ -106,7 +106,6 @@ impl PartialFolder {
         self.keep = true;
     }
 
-    /// Replaces the unfinished folder by the output in an error's path.
     pub fn present(&self, error: Error) -> Error {
         name_final_path(error, &self.path, &self.output)
     }

@@ -85,7 +85,6 @@ pub struct Measured {
     pub inputs: Inputs,
 }
 
-/// Streams and pictures of a case, for graphics devices.
 #[derive(Debug, Clone, Default)]
 pub struct Inputs {
     pub clips: Vec<Clip>,

@@ -140,7 +140,6 @@ impl Clip {
         u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(self.frame_count)
     }
 
-    /// Decodes all frames in order.
     pub(super) fn show(&self, mut see: impl FnMut(usize, &Picture) -> Result<()>) -> Result<()> {
         let decoder = open(std::slice::from_ref(self))?;
         let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
@@ -174,7 +173,6 @@ impl<T> Sequence<T> {
     }
 }
 
-/// The largest error of what a clip shows, as `see` finds it in a frame.
 fn largest_error(clip: Clip, mut see: impl FnMut(&mut Measured, usize, &Picture) -> Result<()>) -> Result<Measured> {
     let mut worst = Measured { place: Some("everywhere alike".to_owned()), ..Measured::count(0) };
     clip.show(|frame, picture| see(&mut worst, frame, picture))?;

@@ -23,7 +23,6 @@ pub struct DeviceFigures {
     pub mismatched_words: u64,
     pub first: Option<String>,
     pub pictures: u64,
-    /// Those of them that were rendered.
     pub rendered: u64,
 }
 
@@ -74,7 +73,6 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
     Ok(figures)
 }
 
-/// Groups clips of one kernel and one length.
 fn groups<'a>(clips: impl Iterator<Item = Numbered<'a>>) -> Vec<Vec<Numbered<'a>>> {
     let keyed = clips.map(|(case, clip)| {
         let pixels = clip.pixels() / u64::from(clip.frame_count.max(1));

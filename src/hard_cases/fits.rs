@@ -13,9 +13,7 @@ use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::report::CONDITION;
 use crate::math::random::Random;
 
-/// Bounds that every picture is held to, in codes.
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
-/// Sides of nodes, in pixels, whose arithmetic is looked at.
 const SIDES: [usize; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
 /// Samples along a side that encoders solve for at most.
 const SAMPLES_ACROSS: usize = 32;
@@ -220,7 +218,6 @@ impl ExactFit {
         [1, x, y, x * y, 3 * x * x - w * w + 1, 3 * y * y - h * h + 1]
     }
 
-    /// The function in a pixel: six quotients of exact numbers.
     fn value(&self, place: [usize; 2]) -> f64 {
         let part = |([product, squares], value): (&[i128; 2], i128)| (product * value) as f64 / *squares as f64;
         self.sums.iter().zip(self.basis(place)).map(part).sum()
@@ -246,7 +243,6 @@ fn difference(frame: &Frame, terms: &Terms, (size, codes): ([usize; 2], &[u16]))
     worst
 }
 
-/// Random functions that stay in range, evaluated in integers and in binary64.
 fn horner_error(side: usize) -> Measured {
     let mut random = Random::new(side as u64);
     let (mut worst, mut tried) = (Measured::nothing(), 0u32);

@@ -129,7 +129,6 @@ fn furnished(positions: &[DVec3], eye: DVec3) -> Setup {
     at_size(positions, eye, 1.0, DVec3::ZERO)
 }
 
-/// The room times a size, and somewhere else.
 fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
     let view = |&position: &DVec3| {
         let sight =
@@ -141,7 +140,6 @@ fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
     Setup { field, eye: eye * size + away, range_m: [0.0625, 16.0].map(|metres| metres * size as f32) }
 }
 
-/// One probe of the room alone, and the eye in it.
 fn own_room(side: u32) -> Setup {
     let position = POSITIONS[1];
     alone(position, side, &|direction| room(position, direction, ROOM, 0.1))
@@ -202,7 +200,6 @@ impl Setup {
         }
     }
 
-    /// The picture that a device makes of it.
     pub(super) fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
         // Devices identify images by their probes.
         self.field.views.iter_mut().enumerate().for_each(|(at, view)| view.probe = at);
@@ -224,13 +221,8 @@ impl Measured {
 
 pub(super) fn camera(eye: DVec3, forward: DVec3) -> Result<Camera> {
     let up = if forward.y == 0.0 { DVec3::Y } else { DVec3::X };
-    Camera::oriented(eye, turn_to(forward, up), Lens::new(90.0))
-}
-
-/// The quaternion of a camera that looks along one axis with another up.
-fn turn_to(forward: DVec3, up: DVec3) -> [f64; 4] {
     let axes = glam::DMat3::from_cols(forward.cross(up), up, -forward);
-    glam::DQuat::from_mat3(&axes).normalize().to_array()
+    Camera::oriented(eye, glam::DQuat::from_mat3(&axes).normalize().to_array(), Lens::new(90.0))
 }
 
 /// Directions everywhere, every tenth along an axis, an edge or a corner of a cube.

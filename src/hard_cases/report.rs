@@ -64,7 +64,6 @@ pub struct CaseRow<'a> {
 }
 
 impl<'a> CaseRow<'a> {
-    /// `mismatched_words` are those of `device`.
     pub fn new(case: &'a CaseReport, device: Option<&'a str>, mismatched_words: Option<u64>) -> CaseRow<'a> {
         let passed = case.passed() && mismatched_words.is_none_or(|words| words == 0);
         CaseRow { case, device, mismatched_words, passed }
@@ -106,7 +105,6 @@ impl<'a> FamilyRow<'a> {
     }
 }
 
-/// One row for each family, pipeline and unit, in the order of the reports.
 pub fn family_rows(reports: &[CaseReport]) -> Vec<FamilyRow<'_>> {
     let mut rows: Vec<FamilyRow<'_>> = Vec::new();
     for report in reports {

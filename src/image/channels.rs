@@ -54,7 +54,6 @@ pub const COLOR_COMPONENTS: &[[&str; 3]] = &[["R", "G", "B"], ["r", "g", "b"], [
 /// Names of a channel that is read as gray where there is no RGB.
 pub const GRAY_CHANNELS: &[&str] = &["Y", "L", "luminance", "gray"];
 
-/// Channels of a file to read.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum ChannelSelect {
     /// [`DEPTH_CHANNELS`] for depth, [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
@@ -111,8 +110,12 @@ enum By {
 type Same = fn(&str, &str) -> bool;
 
 /// Order of comparison: full before plain names, as written before ignoring case.
-const TRIES: [(By, Same); 4] =
-    [(By::Full, exact), (By::Full, ignoring_case), (By::Plain, exact), (By::Plain, ignoring_case)];
+const TRIES: [(By, Same); 4] = [
+    (By::Full, str::eq),
+    (By::Full, str::eq_ignore_ascii_case),
+    (By::Plain, str::eq),
+    (By::Plain, str::eq_ignore_ascii_case),
+];
 
 /// Index of the channel of that name; `None` when there is none, an error when several layers have it.
 fn lookup(names: &[ChannelName], wanted: &str, by: By, same: Same) -> Result<Option<usize>> {
@@ -130,18 +133,9 @@ fn lookup(names: &[ChannelName], wanted: &str, by: By, same: Same) -> Result<Opt
     }
 }
 
-fn exact(a: &str, b: &str) -> bool {
-    a == b
-}
-
-fn ignoring_case(a: &str, b: &str) -> bool {
-    a.eq_ignore_ascii_case(b)
-}
-
-/// Index of the channel that has exactly this name.
 pub(crate) fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
-    let found = match lookup(names, wanted, By::Full, exact)? {
-        None => lookup(names, wanted, By::Plain, exact)?,
+    let found = match lookup(names, wanted, By::Full, str::eq)? {
+        None => lookup(names, wanted, By::Plain, str::eq)?,
         found => found,
     };
     found.ok_or_else(|| Error::invalid(format!("there is no channel {wanted}; the channels are: {}", list(names))))
@@ -186,7 +180,6 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
     }
 }
 
-/// Indices of the three colour channels of one layer, if they are there.
 fn find_layer(names: &[ChannelName], layer: &str, by: By, same: Same) -> Result<Option<[usize; 3]>> {
     for components in COLOR_COMPONENTS {
         let mut found = [None; 3];
@@ -207,8 +200,8 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
         if let [r, g, b] = wanted.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
             return Ok([find_named(names, r)?, find_named(names, g)?, find_named(names, b)?]);
         }
-        let layer = match find_layer(names, wanted, By::Full, exact)? {
-            None => find_layer(names, wanted, By::Plain, exact)?,
+        let layer = match find_layer(names, wanted, By::Full, str::eq)? {
+            None => find_layer(names, wanted, By::Plain, str::eq)?,
             found => found,
         };
         return match layer {
@@ -229,7 +222,7 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
         .collect();
     let mut found = Vec::new();
     for layer in &layers {
-        found.extend(find_layer(names, layer, By::Full, exact)?);
+        found.extend(find_layer(names, layer, By::Full, str::eq)?);
     }
     if let [one] = found.as_slice() {
         return Ok(*one);
@@ -241,7 +234,7 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
             ));
         }
         for wanted in GRAY_CHANNELS {
-            if let Some(gray) = lookup(names, wanted, By::Plain, ignoring_case)? {
+            if let Some(gray) = lookup(names, wanted, By::Plain, str::eq_ignore_ascii_case)? {
                 return Ok([gray; 3]);
             }
         }

@@ -60,7 +60,6 @@ struct FilterRow {
 }
 
 impl FaceMap {
-    /// A face of `size`×`size` pixels of images of `width`×`height`.
     pub fn new(face: Face, size: u32, width: u32, height: u32) -> Result<FaceMap> {
         if size == 0 || width == 0 || height == 0 {
             return Err(Error::invalid("an image without pixels cannot be resampled"));

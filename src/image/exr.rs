@@ -29,7 +29,6 @@ use crate::error::{Error, Result};
 const PIXEL_FLOOR: u64 = 16 << 20;
 /// A display window may be larger than its data (an autocropped render), so it may claim more.
 const DISPLAY_FLOOR: u64 = 64 << 20;
-/// First bytes of every OpenEXR file.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Longer attributes of a header are not passed over in search of its windows.
 const MAX_ATTRIBUTE_BYTES: u64 = 16 << 20;
@@ -56,7 +55,6 @@ pub fn read_material(path: &Path, names: [&str; 3], limits: &ReadLimits) -> Resu
     })
 }
 
-/// Width and height of a file's display window, in pixels.
 pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     let (reader, file_len) = open(path)?;
     guard(reader.headers(), 1, limits, file_len).map_err(|error| error.in_file(path))?;
@@ -166,7 +164,6 @@ fn text(file: &mut impl BufRead) -> Option<Vec<u8>> {
     (text.pop() == Some(0)).then_some(text)
 }
 
-/// Puts an error of the `exr` crate into our words.
 fn translate(error: exr::error::Error) -> Error {
     match error {
         exr::error::Error::NotSupported(what) => Error::unsupported(format!("the EXR file cannot be read: {what}")),
@@ -190,13 +187,10 @@ fn guard(headers: &[Header], wanted_bytes: u64, limits: &ReadLimits, file_len: u
         }
         let tile = header.max_block_pixel_size();
         let display = header.shared_attributes.display_window.size;
-        for side in [header.layer_size, tile, display] {
-            if side.width() > MAX_SIDE || side.height() > MAX_SIDE {
-                return Err(Error::invalid(format!(
-                    "the header claims a window or tile of {}x{} pixels",
-                    side.width(),
-                    side.height()
-                )));
+        for Vec2(width, height) in [header.layer_size, tile, display] {
+            if width > MAX_SIDE || height > MAX_SIDE {
+                let message = format!("the header claims a window or tile of {width}x{height} pixels");
+                return Err(Error::invalid(message));
             }
         }
         if header.layer_size.area() == 0 || display.area() == 0 || tile.area() == 0 {
@@ -207,10 +201,9 @@ fn guard(headers: &[Header], wanted_bytes: u64, limits: &ReadLimits, file_len: u
             BlockDescription::Tiles(tiles) if tiles.level_mode != LevelMode::Singular => 4,
             _ => 1,
         };
-        let bytes = (header.layer_size.area() as u64)
-            .saturating_mul(header.channels.bytes_per_pixel as u64)
-            .saturating_mul(levels);
-        total = total.saturating_add(bytes);
+        let pixel_bytes = header.channels.bytes_per_pixel as u64;
+        let pixels = header.layer_size.area() as u64;
+        total = total.saturating_add(pixels.saturating_mul(pixel_bytes).saturating_mul(levels));
     }
     if total > limits.believable(file_len, PIXEL_FLOOR) {
         return Err(refuse(total));
@@ -223,7 +216,6 @@ fn guard(headers: &[Header], wanted_bytes: u64, limits: &ReadLimits, file_len: u
     Ok(())
 }
 
-/// One channel that is read, and which component of the result it fills.
 struct Wanted {
     part: usize,
     sample_type: SampleType,
@@ -279,10 +271,8 @@ fn decode<T: Sample, const N: usize>(
             .filter(|_| is_wanted(index.layer) && index.level == Vec2(0, 0))
             .ok_or_else(|| Error::invalid("the EXR file is damaged: a chunk belongs to another layer"))?;
         seen.push((index.layer, index.pixel_position.0, index.pixel_position.1));
-        let origin = [
-            i64::from(header.own_attributes.layer_position.x()) - i64::from(display.position.x()),
-            i64::from(header.own_attributes.layer_position.y()) - i64::from(display.position.y()),
-        ];
+        let (own, shown) = (header.own_attributes.layer_position, display.position);
+        let origin = [i64::from(own.x()) - i64::from(shown.x()), i64::from(own.y()) - i64::from(shown.y())];
         for channel in wanted.iter().filter(|channel| channel.part == index.layer) {
             paste(&block, header, channel, origin, &mut plane)?;
         }
@@ -363,43 +353,37 @@ fn paste<T: Sample, const N: usize>(
 
 /// Converts samples, native-endian as the `exr` crate hands them over, into one component of the pixels.
 fn convert<T: Sample, const N: usize>(bytes: &[u8], channel: &Wanted, target: &mut [[T; N]]) {
-    let slot = channel.slot;
     match channel.sample_type {
-        SampleType::F16 => {
-            for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
-                pixel[slot] = T::from_half(f16::from_ne_bytes(sample));
-            }
-        }
-        SampleType::F32 => {
-            for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
-                pixel[slot] = T::from_float(f32::from_ne_bytes(sample));
-            }
-        }
-        SampleType::U32 => {
-            for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
-                pixel[slot] = T::from_uint(u32::from_ne_bytes(sample));
-            }
-        }
+        SampleType::F16 => fill(bytes, channel.slot, target, |sample| T::from_half(f16::from_ne_bytes(sample))),
+        SampleType::F32 => fill(bytes, channel.slot, target, |sample| T::from_float(f32::from_ne_bytes(sample))),
+        SampleType::U32 => fill(bytes, channel.slot, target, |sample| T::from_uint(u32::from_ne_bytes(sample))),
+    }
+}
+
+fn fill<T, const N: usize, const B: usize>(
+    bytes: &[u8],
+    slot: usize,
+    target: &mut [[T; N]],
+    convert: impl Fn([u8; B]) -> T,
+) {
+    for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
+        pixel[slot] = convert(sample);
     }
 }
 
 /// Writes channels R, G, B as halves, ZIP compressed. The bytes depend on the pixels alone.
 pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
-    let component = |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| pixel[index]).collect());
-    write(path, plane.width(), plane.height(), vec![("R", component(0)), ("G", component(1)), ("B", component(2))])
+    write_halves(path, plane, ["R", "G", "B"], |value| value)
 }
 
 /// Writes channels R, G, B and A as halves, ZIP compressed; colour is multiplied by alpha already, as the format has it.
-/// The bytes depend on the pixels alone.
 pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
-    let component = |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| pixel[index]).collect());
-    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(|(index, name)| (name, component(index)));
-    write(path, plane.width(), plane.height(), channels.collect())
+    write_halves(path, plane, ["R", "G", "B", "A"], |value| value)
 }
 
-/// Writes channel Z as 32-bit floats, ZIP compressed. The bytes depend on the pixels alone.
+/// Writes channel Z as 32-bit floats, ZIP compressed.
 pub fn write_depth(path: &Path, plane: &DepthPlane) -> Result<()> {
-    write(path, plane.width(), plane.height(), vec![("Z", FlatSamples::F32(plane.data().to_vec()))])
+    write(path, plane, vec![("Z", FlatSamples::F32(plane.data().to_vec()))])
 }
 
 /// Writes three channels of the given names as halves (rounded to nearest), ZIP compressed.
@@ -408,23 +392,28 @@ pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> R
     if a == b || a == c || b == c || names.contains(&"") {
         return Err(Error::Usage(format!("material channels need three different names, not {}", names.join(", "))));
     }
-    let component =
-        |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| f16::from_f32(pixel[index])).collect());
-    write(path, plane.width(), plane.height(), vec![(a, component(0)), (b, component(1)), (c, component(2))])
+    write_halves(path, plane, names, f16::from_f32)
 }
 
-fn write(path: &Path, width: u32, height: u32, channels: Vec<(&str, FlatSamples)>) -> Result<()> {
-    if width == 0 || height == 0 {
+fn write_halves<T: Copy, const N: usize>(
+    path: &Path,
+    plane: &Plane<[T; N]>,
+    names: [&str; N],
+    half: fn(T) -> f16,
+) -> Result<()> {
+    let samples = |at: usize| FlatSamples::F16(plane.data().iter().map(|pixel| half(pixel[at])).collect());
+    write(path, plane, names.into_iter().enumerate().map(|(at, name)| (name, samples(at))).collect())
+}
+
+fn write<T>(path: &Path, plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -> Result<()> {
+    let size = [plane.width() as usize, plane.height() as usize];
+    if size.contains(&0) {
         return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
     }
     let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
-    let encoding = Encoding {
-        compression: Compression::ZIP16,
-        blocks: exr::image::Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
-    let layer =
-        Layer::new((width as usize, height as usize), LayerAttributes::default(), encoding, AnyChannels::sort(list));
+    let (blocks, line_order) = (exr::image::Blocks::ScanLines, LineOrder::Increasing);
+    let encoding = Encoding { compression: Compression::ZIP16, blocks, line_order };
+    let layer = Layer::new((size[0], size[1]), LayerAttributes::default(), encoding, AnyChannels::sort(list));
     let file = File::create(path).map_err(|error| Error::io(path, error))?;
     let mut writer = BufWriter::new(file);
     Image::from_layer(layer).write().non_parallel().to_buffered(&mut writer).map_err(|error| match error {

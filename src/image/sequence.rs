@@ -168,7 +168,6 @@ impl Pattern {
         self.directory.join(name)
     }
 
-    /// The same pattern below another folder.
     #[must_use]
     pub fn below(mut self, folder: &Path) -> Pattern {
         self.directory = folder.join(&self.directory);
@@ -226,7 +225,6 @@ fn percent_field(text: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// A pattern and a contiguous range of its files on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sequence {
     pattern: Pattern,
@@ -340,7 +338,6 @@ fn split_number(name: &str) -> Option<(&str, &str, &str)> {
     Some((&name[..start], &name[start..end], &name[end..]))
 }
 
-/// The pattern of the only image sequence in a folder.
 fn only_sequence(folder: &Path) -> Result<Pattern> {
     let mut found: BTreeMap<(String, String), Option<usize>> = BTreeMap::new();
     for name in file_names(folder)? {

@@ -60,7 +60,6 @@ impl TexelMap {
 pub struct PlanarPoint {
     /// Number of the face ([`Face`]).
     pub face: usize,
-    /// u and v.
     pub plane: [f32; 2],
     /// Depth along the axis of the face, in units of the point.
     pub planar: f32,

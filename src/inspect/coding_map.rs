@@ -15,7 +15,6 @@ use crate::streams::StreamChunk;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Extent {
-    /// Nodes, boxes or units with such pixels.
     pub parts: u64,
     pub pixels: u64,
 }

@@ -93,13 +93,15 @@ pub struct StreamReport<'a> {
     updated_percent: f64,
     #[serde(flatten)]
     coding: CodingReport,
+    #[serde(flatten)]
+    depth: Option<DepthReport>,
 }
 
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum CodingReport {
-    Depth(DepthReport),
-    Material(BoxesReport),
+    Boxes(BoxesReport),
+    Nodes(NodesReport),
     Color(ColorReport),
 }
 
@@ -124,19 +126,10 @@ struct PiecesReport {
 
 #[derive(Debug, Serialize)]
 struct DepthReport {
-    #[serde(flatten)]
-    coding: DepthCodingReport,
     near_m: Number,
     far_m: Number,
     background: Number,
     depth_kind: DepthKind,
-}
-
-#[derive(Debug, Serialize)]
-#[serde(untagged)]
-enum DepthCodingReport {
-    Boxes(BoxesReport),
-    Nodes(NodesReport),
 }
 
 /// Modelling functions. Keys of the maps are their names.
@@ -301,11 +294,26 @@ impl<'a> StreamReport<'a> {
             updated_pixels: stats.updated_pixels,
             updated_percent: percent(stats.updated_pixels, stats.pixels()),
             coding: match &info.header {
-                CodecHeader::Depth(header) => CodingReport::Depth(DepthReport::new(stats, header)),
+                CodecHeader::Depth(header) => match &header.coding {
+                    DepthCoding::Boxes(temporal) => CodingReport::Boxes(BoxesReport::new(stats, temporal, false)),
+                    DepthCoding::BoxesInBlocks(temporal) => {
+                        CodingReport::Boxes(BoxesReport::new(stats, temporal, true))
+                    }
+                    _ => CodingReport::Nodes(NodesReport::new(stats, header)),
+                },
                 CodecHeader::Material(MaterialHeader { temporal, in_blocks }) => {
-                    CodingReport::Material(BoxesReport::new(stats, temporal, *in_blocks))
+                    CodingReport::Boxes(BoxesReport::new(stats, temporal, *in_blocks))
                 }
                 CodecHeader::Color(header) => CodingReport::Color(ColorReport::new(stats, header)),
+            },
+            depth: match &info.header {
+                CodecHeader::Depth(header) => Some(DepthReport {
+                    near_m: Number::shortest(header.range.near_m()),
+                    far_m: Number::shortest(header.range.far_m()),
+                    background: Number::shortest(header.background),
+                    depth_kind: header.kind,
+                }),
+                _ => None,
             },
         }
     }
@@ -323,24 +331,6 @@ impl BoxesReport {
             keyframe_interval: temporal.keyframe_interval,
             pieces: in_blocks
                 .then_some(PiecesReport { blocks: stats.blocks.pieces.blocks, raw: stats.blocks.pieces.raw }),
-        }
-    }
-}
-
-impl DepthReport {
-    fn new(stats: &StreamStats<'_>, header: &DepthHeader) -> DepthReport {
-        DepthReport {
-            coding: match &header.coding {
-                DepthCoding::Boxes(temporal) => DepthCodingReport::Boxes(BoxesReport::new(stats, temporal, false)),
-                DepthCoding::BoxesInBlocks(temporal) => {
-                    DepthCodingReport::Boxes(BoxesReport::new(stats, temporal, true))
-                }
-                _ => DepthCodingReport::Nodes(NodesReport::new(stats, header)),
-            },
-            near_m: Number::shortest(header.range.near_m()),
-            far_m: Number::shortest(header.range.far_m()),
-            background: Number::shortest(header.background),
-            depth_kind: header.kind,
         }
     }
 }

@@ -38,7 +38,6 @@ pub struct InspectSettings {
 /// streams' `bytes` add up.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct StorageStats {
-    /// Rows of the chunk table.
     pub chunks: u64,
     pub lzma2_chunks: u64,
     /// Bytes in the file, each counted once.
@@ -74,7 +73,6 @@ pub struct StreamStats<'a> {
     pub blocks: BlockCount,
     /// Pixels written, keyframes included, when all frames are shown in order.
     pub updated_pixels: u64,
-    /// Units whose picture never changes.
     pub static_units: u64,
     /// Units with one value in each frame, such as empty space; without colour cells.
     pub constant_units: u64,

@@ -12,7 +12,6 @@ use crate::depth::{Texel, block_chunk};
 use crate::inspect::patch::{Patch, Writing};
 use crate::streams::{DepthChunk, StreamChunk};
 
-/// The rectangles that a unit's record of a frame writes.
 #[derive(Debug, Default)]
 pub(super) struct UnitMap {
     pub patches: Vec<Patch>,

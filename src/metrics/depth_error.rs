@@ -51,7 +51,6 @@ pub struct DepthErrors {
     #[serde(skip)]
     pub worst: Option<Spot>,
     pub differing_pixels: u64,
-    /// Pixels that are background on one side only.
     pub background_mismatches: u64,
     /// Pixels that the range of the codes leaves out, on either side.
     pub outside_pixels: u64,

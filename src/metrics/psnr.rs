@@ -29,10 +29,8 @@ impl SquaredError {
 
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         if self.peak != other.peak {
-            return Err(Error::invalid(format!(
-                "squared errors of peak {} and {} cannot be merged",
-                self.peak, other.peak
-            )));
+            let message = format!("squared errors of peak {} and {} cannot be merged", self.peak, other.peak);
+            return Err(Error::invalid(message));
         }
         self.sum += other.sum;
         self.samples += other.samples;
@@ -45,7 +43,10 @@ impl SquaredError {
     }
 
     pub fn of_u8(a: &[u8], b: &[u8]) -> Result<SquaredError> {
-        check_lengths(a.len(), b.len())?;
+        if a.len() != b.len() {
+            let message = format!("two images of different size were compared: {} and {} samples", a.len(), b.len());
+            return Err(Error::invalid(message));
+        }
         let runs = a.chunks(U8_RUN).zip(b.chunks(U8_RUN));
         let sum = runs.map(|(a, b)| u128::from(sum_u8(a, b))).sum();
         Ok(SquaredError { sum, samples: a.len() as u64, peak: U8_PEAK })
@@ -92,14 +93,6 @@ fn psnr_of_sum(sum: f64, samples: u64, peak: f64) -> f64 {
         return f64::INFINITY;
     }
     10.0 * (peak * peak / (sum / samples as f64)).log10()
-}
-
-fn check_lengths(a: usize, b: usize) -> Result<()> {
-    if a == b {
-        Ok(())
-    } else {
-        Err(Error::invalid(format!("two images of different size were compared: {a} and {b} samples")))
-    }
 }
 
 /// At most [`U8_RUN`] samples. Differences in i16 and sums in i32, because processors have one instruction for that.
