@@ -50,14 +50,14 @@ impl Camera {
         }
         let forward = (target - eye).try_normalize().ok_or_else(|| {
             let (eye, target) = (eye.to_array(), target.to_array());
-            usage(format!(
+            Error::Usage(format!(
                 "the camera at {eye:?} looks at {target:?}, where its eye is or too far off: move one of them"
             ))
         })?;
         let up_unit = up.try_normalize().unwrap_or(DVec3::ZERO);
         let right = forward.cross(up_unit);
         if right.length() < MIN_UP_SINE {
-            return Err(usage(format!(
+            return Err(Error::Usage(format!(
                 "the camera looks along {forward}, and its up direction {up} gives no horizon to that: name another up"
             )));
         }
@@ -69,7 +69,7 @@ impl Camera {
     pub fn oriented(eye: DVec3, orientation: [f64; 4], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = rotation(orientation).ok_or_else(|| {
-            usage(format!("a camera's orientation must be a quaternion of length 1, not {orientation:?}"))
+            Error::Usage(format!("a camera's orientation must be a quaternion of length 1, not {orientation:?}"))
         })?;
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
@@ -81,7 +81,7 @@ impl Camera {
         let turn = DMat3::from_cols(axes[0], axes[1], axes[2]);
         let deviation = (turn * turn.transpose() - DMat3::IDENTITY).to_cols_array();
         if !deviation.iter().all(|part| part.abs() <= UNIT_TOLERANCE) {
-            return Err(usage(format!(
+            return Err(Error::Usage(format!(
                 "a camera's axes must have length 1 and be at right angles to each other, not {axes:?}"
             )));
         }
@@ -91,15 +91,17 @@ impl Camera {
     fn new(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         let Lens { fov_y_deg, aspect, near_m, far_m } = lens;
         if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
-            return Err(usage(format!("a field of view of {fov_y_deg} degrees must lie between 0 and 180")));
+            return Err(Error::Usage(format!("a field of view of {fov_y_deg} degrees must lie between 0 and 180")));
         }
         let tangent = (fov_y_deg.to_radians() / 2.0).tan();
         let half = [tangent * aspect, tangent];
         if !(aspect > 0.0 && half.iter().all(|half| half.is_finite() && *half > 0.0)) {
-            return Err(usage(format!("an image {aspect} times as wide as high: a number above 0 was expected")));
+            return Err(Error::Usage(format!(
+                "an image {aspect} times as wide as high: a number above 0 was expected"
+            )));
         }
         if !(near_m >= 0.0 && near_m < far_m) {
-            return Err(usage(format!(
+            return Err(Error::Usage(format!(
                 "a camera that sees from {near_m} m to {far_m} m: 0 <= near < far was expected"
             )));
         }
@@ -128,7 +130,7 @@ impl Camera {
     pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
         match middle.iter().all(|at| at.is_finite()) {
             true => Ok(Camera { middle, ..self }),
-            false => Err(usage(format!("the middle of a camera's image must be finite, not {middle:?}"))),
+            false => Err(Error::Usage(format!("the middle of a camera's image must be finite, not {middle:?}"))),
         }
     }
 
@@ -198,11 +200,11 @@ pub fn rotation(orientation: [f64; 4]) -> Option<DQuat> {
 }
 
 fn check_finite(what: &str, value: DVec3) -> Result<()> {
-    if value.is_finite() { Ok(()) } else { Err(usage(format!("the camera's {what} must be finite, not {value}"))) }
-}
-
-fn usage(message: String) -> Error {
-    Error::Usage(message)
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::Usage(format!("the camera's {what} must be finite, not {value}")))
+    }
 }
 
 #[cfg(test)]

@@ -83,22 +83,13 @@ fn inside(name: &str) -> Result<PathBuf> {
 
 /// Percent decoding (RFC 3986, 2.1). What is then not UTF-8 is left as it was.
 pub fn percent_decoded(uri: &str) -> String {
-    let bytes = uri.as_bytes();
-    let mut out = Vec::with_capacity(bytes.len());
-    let mut at = 0;
-    while at < bytes.len() {
-        let hex = bytes.get(at + 1..at + 3).and_then(|hex| std::str::from_utf8(hex).ok());
-        let code = hex.filter(|hex| !hex.starts_with('+')).and_then(|hex| u8::from_str_radix(hex, 16).ok());
-        match (bytes[at], code) {
-            (b'%', Some(code)) => {
-                out.push(code);
-                at += 3;
-            }
-            (byte, _) => {
-                out.push(byte);
-                at += 1;
-            }
-        }
+    let mut parts = uri.as_bytes().split(|&byte| byte == b'%');
+    let mut out = parts.next().unwrap_or_default().to_vec();
+    for part in parts {
+        let hex = part.get(..2).and_then(|hex| std::str::from_utf8(hex).ok()).filter(|hex| !hex.starts_with('+'));
+        let code = hex.and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        out.push(code.unwrap_or(b'%'));
+        out.extend_from_slice(&part[if code.is_some() { 2 } else { 0 }..]);
     }
     String::from_utf8(out).unwrap_or_else(|_| uri.to_string())
 }

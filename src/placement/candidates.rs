@@ -3,9 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::objective::{State, VisibleSet};
 use super::region::{Region, Volume};
-use super::sampled_scene::{SampledScene, Surfels};
+use super::sampled_scene::SampledScene;
 use super::sequence;
 use crate::error::{Error, Result};
 
@@ -106,47 +105,10 @@ impl FreeSpace<'_> {
     }
 
     /// Mean spacing of candidates, metres.
-    fn spacing_m(&self, candidates: usize) -> f64 {
+    pub fn spacing_m(&self, candidates: usize) -> f64 {
         let volume: f64 = self.region.volumes.iter().map(|volume| size(volume, self.region).element_product()).sum();
         (volume / candidates.max(1) as f64).cbrt()
     }
-
-    /// Coordinate search for a larger gain: in each of `steps` steps the best of six positions along the axes, at
-    /// half the distance of the step before. Adds the number of gains computed to `calls`.
-    pub fn refine(&self, search: &Refinement<'_>, from: ScoredSet, calls: &mut u64) -> ScoredSet {
-        let mut best = from;
-        let mut reach = 0.5 * self.spacing_m(search.candidates);
-        for _ in 0..search.steps {
-            let around = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-            let around = around.map(|axis| best.visible.position + reach * axis);
-            for position in around.into_iter().filter(|position| self.admits(*position)) {
-                let visible = self.sampled.visible_set(search.surfels, position);
-                *calls += 1;
-                let gain = search.state.gain(&visible);
-                if gain > best.gain {
-                    best = ScoredSet { visible, gain };
-                }
-            }
-            reach *= 0.5;
-        }
-        best
-    }
-}
-
-#[derive(Debug, Clone)]
-pub struct ScoredSet {
-    pub visible: VisibleSet,
-    pub gain: f64,
-}
-
-/// Objective and extent of [`FreeSpace::refine`].
-#[derive(Debug, Clone, Copy)]
-pub struct Refinement<'a> {
-    pub state: &'a State<'a>,
-    pub surfels: &'a Surfels,
-    /// Number of candidates, which sets their spacing.
-    pub candidates: usize,
-    pub steps: usize,
 }
 
 /// Size of a volume, metres, not 0 for flat ones.

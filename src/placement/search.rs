@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::candidates::{CandidateKind, FreeSpace, Refinement, ScoredSet};
+use super::candidates::{CandidateKind, FreeSpace};
 use super::coverage::{Coverage, Figures};
-use super::greedy::{self, Calls, Lazy};
+use super::greedy::{self, Calls, Choice, Lazy};
 use super::objective::{Lighting, Problem, State, VisibleSet};
 use super::region::Region;
 use super::sampled_scene::{SampledScene, Surfels};
@@ -116,6 +116,12 @@ pub struct Placement {
     pub reachable: Figures,
 }
 
+/// The visible set of a position, and its gain.
+struct ScoredSet {
+    visible: VisibleSet,
+    gain: f64,
+}
+
 /// Candidates and their visible sets; places cameras for any lighting.
 #[derive(Debug)]
 pub struct Search<'a> {
@@ -187,6 +193,28 @@ impl<'a> Search<'a> {
         FreeSpace { sampled: &self.sampled, region: self.region, clearance_m: self.clearance_m }
     }
 
+    /// Coordinate search for a larger gain: in each step the best of six positions along the axes, at half the distance
+    /// of the step before. Adds the number of gains computed to `calls`.
+    fn refine(&self, state: &State<'_>, from: Choice, calls: &mut u64) -> ScoredSet {
+        let free_space = self.free_space();
+        let mut best = ScoredSet { visible: self.visible_sets[from.candidate].clone(), gain: from.gain };
+        let mut reach = 0.5 * free_space.spacing_m(self.visible_sets.len());
+        for _ in 0..self.steps {
+            let around = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+            let around = around.map(|axis| best.visible.position + reach * axis);
+            for position in around.into_iter().filter(|position| free_space.admits(*position)) {
+                let visible = self.visible_set(position);
+                *calls += 1;
+                let gain = state.gain(&visible);
+                if gain > best.gain {
+                    best = ScoredSet { visible, gain };
+                }
+            }
+            reach *= 0.5;
+        }
+        best
+    }
+
     /// Places cameras in addition to the given ones.
     pub fn place(&self, lighting: Lighting, start: &[DVec3], stop: Stop, monitor: &dyn Monitor) -> Result<Placement> {
         let mut state = State::new(&self.problem, lighting);
@@ -219,14 +247,7 @@ impl<'a> Search<'a> {
                 Effort::Fast | Effort::Normal => lazy.best(&state, &self.visible_sets, &mut calls),
             };
             let Some(choice) = best else { break };
-            let around = Refinement {
-                state: &state,
-                surfels: &self.surfels,
-                candidates: self.visible_sets.len(),
-                steps: self.steps,
-            };
-            let from = ScoredSet { visible: self.visible_sets[choice.candidate].clone(), gain: choice.gain };
-            let ScoredSet { visible, gain } = self.free_space().refine(&around, from, &mut refinement_calls);
+            let ScoredSet { visible, gain } = self.refine(&state, choice, &mut refinement_calls);
             if gain <= stop.until {
                 break;
             }

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use super::model::{Model, Play};
-use super::procedural::{DemoKind, DemoScene};
-use super::raycast::SceneAtTime;
+use super::{DemoKind, DemoScene, Model, Play, SceneAtTime};
 use crate::error::{Error, Result};
 
 const ENDINGS: [&str; 3] = ["glb", "gltf", "obj"];

@@ -10,8 +10,7 @@ use super::procedural::{DemoKind, DemoScene};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
-use crate::image::FrameRange;
-use crate::image::{DepthKind, Projection};
+use crate::image::{DepthKind, FrameRange, Projection};
 use crate::monitor::Monitor;
 
 pub const FPS: f64 = 24.0;
@@ -77,7 +76,8 @@ mod tests {
     use crate::dataset::source::{Source, SourceOptions};
     use crate::image::StreamKind;
     use crate::monitor::Silent;
-    use crate::scene::capture::{MAX_FACE_SIZE, capture_face};
+    use crate::scene::capture::MAX_FACE_SIZE;
+    use crate::scene::capture_face;
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 

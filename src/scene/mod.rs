@@ -21,7 +21,9 @@ mod surface;
 pub mod trace;
 
 pub use animated::Scene;
-pub use capture::{CapturePlan, CaptureSummary, ExistingImages, MAX_FACE_SIZE, Pass, capture_face};
+#[cfg(test)]
+pub(crate) use capture::tests::capture_face;
+pub use capture::{CapturePlan, CaptureSummary, ExistingImages, MAX_FACE_SIZE, Pass};
 pub use footage::FootagePlan;
 pub use light::{Cone, Lamp, Light, Sky, Sun, Window};
 pub use material::{Material, Texture};

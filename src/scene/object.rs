@@ -2,9 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::material::Material;
-use super::mesh::Optics;
-use super::primitive::Shape;
+use super::{Material, Optics, Shape};
 use crate::mesh::AxisBox;
 
 #[derive(Debug, Clone, Copy)]

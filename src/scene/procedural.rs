@@ -11,8 +11,7 @@ mod turning;
 use glam::DVec3;
 
 use self::parts::Definition;
-use super::object::Object;
-use super::raycast::SceneAtTime;
+use super::{Object, SceneAtTime};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DemoKind {

@@ -7,10 +7,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::light::Light;
-use super::mesh::SceneMesh;
-use super::object::Object;
 use super::shadow_grid::ShadowGrid;
+use super::{Light, Object, SceneMesh};
 use crate::mesh::{AxisBox, Intersection, Ray, TriangleHit};
 
 /// Offset of ray origins from the surface that they leave, in metres, for a scene that is `size` metres across: a

@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::mesh::{MeshMaterial, Optics, Phong, SceneMesh};
-use super::object::Object;
-use super::raycast::{FirstHit, HitSurface, SceneAtTime};
+use super::{FirstHit, HitSurface, MeshMaterial, Object, Optics, Phong, SceneAtTime, SceneMesh};
 use crate::mesh::{ImageTexture, Intersection, Ray, TriangleHit};
 
 #[derive(Debug, Clone, Copy)]

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use lightfold::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
-use lightfold::dataset::manifest::{Background, Probe};
+use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
+use lightfold::dataset::manifest::Background;
 use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
 use lightfold::image::ImageProjection;
 use lightfold::image::{DepthPlane, Face, Plane, exr};
 use lightfold::monitor::Silent;
-use lightfold::scene::{DemoKind, FootagePlan};
+use lightfold::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
 use tempfile::TempDir;
 
 const SIDE: u32 = 64;
@@ -23,24 +24,13 @@ impl Set {
     fn new() -> Set {
         let folder = TempDir::new().unwrap();
         let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: SIDE, probes: 1 };
-        let mut manifest = plan.capture().unwrap().manifest().unwrap();
-        let scene = lightfold::scene::DemoScene::new(DemoKind::Courtyard).at(0.0);
+        let mut plan = plan.capture().unwrap();
         let positions = [[0.0, 1.5, 0.0], [-0.3, 1.3, 0.2], [0.25, 1.65, 0.3], [-0.1, 1.7, -0.3]];
-        manifest.probes = positions
-            .iter()
-            .enumerate()
-            .map(|(at, position)| Probe { name: format!("{at:02}"), position: *position, ..manifest.probes[0].clone() })
-            .collect();
-        for probe in &manifest.probes {
-            for face in Face::CUBE {
-                let parent = folder.path().join(format!("probe_{}/face_{}", probe.name, face.name()));
-                std::fs::create_dir_all(&parent).unwrap();
-                let (color, depth) = lightfold::scene::capture_face(&scene, probe.position.into(), face, SIDE).unwrap();
-                exr::write_color(&parent.join("color.0000.exr"), &color).unwrap();
-                exr::write_depth(&parent.join("depth.0000.exr"), &depth).unwrap();
-            }
-        }
-        let set = Set { folder, manifest };
+        let camera = |(at, position)| PlacedCamera { name: Some(format!("{at:02}")), ..PlacedCamera::at(position) };
+        plan.cameras = CameraSet::new(positions.into_iter().enumerate().map(camera).collect());
+        let scene = Scene::Procedural(DemoScene::new(DemoKind::Courtyard));
+        plan.write(&scene, folder.path(), ExistingImages::Overwrite, &Silent).unwrap();
+        let set = Set { folder, manifest: plan.manifest().unwrap() };
         set.write(&set.manifest);
         set
     }

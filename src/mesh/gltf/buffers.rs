@@ -13,7 +13,7 @@ use crate::mesh::folder::{Folder, percent_decoded};
 
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    root: &'a Root,
+    pub root: &'a Root,
     blob: Option<Vec<u8>>,
     loaded: Vec<Option<Arc<Vec<u8>>>>,
     pub folder: Folder,
@@ -79,10 +79,6 @@ impl<'a> Buffers<'a> {
             ))
         })?;
         Ok((bytes, start as usize..end as usize))
-    }
-
-    pub fn image(&self, number: usize) -> Option<&'a gltf::json::Image> {
-        self.root.images.get(number)
     }
 
     /// Copies `count` elements of `size` bytes out of a view.

@@ -61,7 +61,7 @@ impl Textures {
 }
 
 fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<ImageTexture> {
-    let image = buffers.image(texture.source().index()).ok_or_else(|| Error::invalid("it is not there"))?;
+    let image = buffers.root.images.get(texture.source().index()).ok_or_else(|| Error::invalid("it is not there"))?;
     match (image.buffer_view, &image.uri) {
         (Some(view), _) => {
             let (bytes, range) = buffers.view(view.value())?;

@@ -15,9 +15,7 @@ use crate::dataset::manifest::{
 };
 use crate::error::{Error, Result};
 use crate::fingerprint::digest;
-use crate::image::ImageProjection;
-use crate::image::{ColorSpace, Face, FrameRange, Pattern};
-use crate::image::{DepthKind, Projection};
+use crate::image::{ColorSpace, DepthKind, Face, FrameRange, ImageProjection, Pattern, Projection, StreamKind};
 use crate::math::camera::rotation;
 
 /// Channels of files of normals, half floats.
@@ -208,12 +206,8 @@ impl CapturePlan {
     pub fn check_replaces(&self, old: &Manifest) -> Result<()> {
         let new = self.manifest()?;
         let normals = |manifest: &Manifest| manifest.extra.as_ref().and_then(|extra| extra.get("normal")).is_some();
-        let same_files = [
-            (&old.files.color, &new.files.color),
-            (&old.files.depth, &new.files.depth),
-            (&old.files.material, &new.files.material),
-        ];
-        let is_within = same_files.into_iter().all(|(old, new)| old.is_none() || old == new)
+        let has_files = |kind| old.files.get(kind).is_none() || old.files.get(kind) == new.files.get(kind);
+        let is_within = StreamKind::ALL.into_iter().all(has_files)
             && (!normals(old) || normals(&new))
             && old.faces().iter().all(|face| new.faces().contains(face))
             && old.probes.iter().all(|probe| {

@@ -15,9 +15,7 @@ use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::{DepthKind, ImageProjection};
 use crate::mesh::{AxisBox, Ray};
 use crate::monitor::Monitor;
-use crate::scene::raycast::SceneAtTime;
-use crate::scene::shading::OPAQUE;
-use crate::scene::trace::Hit;
+use crate::scene::{Hit, OPAQUE, SceneAtTime};
 
 /// Longest side of an image: a face of 16,384² pixels is 2.5 GiB of colour and depth.
 pub const MAX_FACE_SIZE: u32 = 16_384;

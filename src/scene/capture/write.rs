@@ -12,8 +12,7 @@ use crate::files::{FolderKind, write_whole};
 use crate::image::{ChannelSelect, DepthPlane, Plane, ReadLimits, exr};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
-use crate::scene::animated::Scene;
-use crate::scene::raycast::SceneAtTime;
+use crate::scene::{Scene, SceneAtTime};
 
 /// The unfinished folder of a capture.
 pub const UNFINISHED: FolderKind =

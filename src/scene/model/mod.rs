@@ -10,9 +10,7 @@ use std::sync::Arc;
 pub use self::options::Play;
 use self::options::printable;
 use self::stage::{Moves, Stage, Which};
-use super::light::Light;
-use super::mesh::SceneMesh;
-use super::raycast::SceneAtTime;
+use super::{Light, SceneAtTime, SceneMesh};
 use crate::error::{Error, Result};
 use crate::mesh::folder;
 use crate::mesh::gltf::document;
@@ -29,7 +27,7 @@ mod stage;
 
 const MAX_NOTES: usize = 40;
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Model {
     still: Vec<Arc<SceneMesh>>,
     light: Light,
@@ -82,11 +80,7 @@ impl Model {
         if mesh.mesh.triangles.is_empty() {
             return Err(nothing());
         }
-        Ok(Model { contents, ..Model::of_parts(vec![Arc::new(mesh)], Light::default(), None) })
-    }
-
-    fn of_parts(still: Vec<Arc<SceneMesh>>, light: Light, motion: Option<Motion>) -> Model {
-        Model { still, light, motion, animations: Vec::new(), durations_s: Vec::new(), contents: String::new() }
+        Ok(Model { still: vec![Arc::new(mesh)], contents, ..Model::default() })
     }
 
     fn of_stage(stage: Stage, notes: &mut Vec<String>) -> Result<Model> {
@@ -102,7 +96,7 @@ impl Model {
         }
         let still = stage.scene_mesh(fixed.mesh).into_iter().collect();
         let motion = moves.anything().then_some(Motion { stage, moves });
-        Ok(Model::of_parts(still, fixed.light, motion))
+        Ok(Model { still, light: fixed.light, motion, ..Model::default() })
     }
 
     /// Whether the file has no light, so that it is lit by [`Light::default`].

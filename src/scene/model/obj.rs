@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
-use crate::scene::mesh::{MeshMaterial, SceneMesh};
+use crate::scene::{MeshMaterial, SceneMesh};
 
 /// Most bytes that the parser takes for each byte of text.
 const PARSED: u64 = 32;

@@ -11,8 +11,7 @@ use crate::mesh::Mesh;
 use crate::mesh::assembly::{Assembly, Channels, LeftOut, Part};
 use crate::mesh::gltf::nodes::{Local, Nodes};
 use crate::mesh::gltf::primitives::Geometry;
-use crate::scene::light::Light;
-use crate::scene::mesh::{MeshMaterial, SceneMesh};
+use crate::scene::{Light, MeshMaterial, SceneMesh};
 
 /// A primitive on a node.
 #[derive(Debug)]

@@ -6,11 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec2, DVec3};
 
 use super::parts::{Definition, ball, block, bulb, lamp, rgb};
-use crate::scene::light::{Lamp, Light};
-use crate::scene::material::{Material, Texture};
-use crate::scene::object::{CastsShadow, Object};
-use crate::scene::primitive::{Fence, Quad, Shape, TurnedBox};
-use crate::scene::raycast::SceneAtTime;
+use crate::scene::{CastsShadow, Fence, Lamp, Light, Material, Object, Quad, SceneAtTime, Shape, Texture, TurnedBox};
 
 pub(super) const SCENE: Definition =
     Definition { name: "courtyard", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)), fixed, at };

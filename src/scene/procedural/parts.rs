@@ -3,11 +3,9 @@
 use glam::DVec3;
 
 use crate::mesh::AxisBox;
-use crate::scene::light::{Lamp, Light, Sky, Window};
-use crate::scene::material::{Material, Texture};
-use crate::scene::object::{CastsShadow, Object};
-use crate::scene::primitive::{Quad, Shape, Sphere};
-use crate::scene::raycast::SceneAtTime;
+use crate::scene::{
+    CastsShadow, Lamp, Light, Material, Object, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window,
+};
 
 pub(super) struct Definition {
     pub name: &'static str,
