@@ -121,7 +121,6 @@ fn stats_text(found: &TilePsnr, seconds: f64) -> String {
     )
 }
 
-/// Share of the tiles in each bin, with a bar for each function.
 fn histogram_text(found: &TilePsnr) -> String {
     let all = TileModel::ALL.map(|of| {
         let mut bins = found.of(of).histogram();

@@ -55,7 +55,6 @@ fn check_cameras_stay(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a folder with a dataset of other images.
 fn check_output(plan: &CapturePlan, output: &Path) -> Result<()> {
     if !output.join(MANIFEST_NAME).is_file() {
         return Ok(());
@@ -131,7 +130,6 @@ impl Work<'_> {
         self.global.note(format_args!("{}: {words}", self.args.output.display()));
     }
 
-    /// Everything that the images depend on.
     fn fingerprint(&self) -> Fingerprint {
         let mut fields = Fingerprint::of_program();
         fields.extend(self.plan.options());

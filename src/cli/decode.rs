@@ -7,8 +7,7 @@ use serde::Serialize;
 
 use crate::cli::damage;
 use crate::cli::device::{self, DEVICES, GpuArgs};
-use crate::cli::options::choice::{Choices, one_of};
-use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, SelectionArgs, View};
+use crate::cli::options::{CameraArgs, Choices, FrameArgs, MemoryArgs, SelectionArgs, View, one_of};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
@@ -165,7 +164,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
 }
 
-/// The error of a container with damaged chunks.
 fn verdict(decoded: &Decoded, images: u64) -> Error {
     let (missing, chunks) = (decoded.missing_images(), counted(decoded.damaged.len() as u64, "damaged chunk"));
     Error::invalid(if missing == images {

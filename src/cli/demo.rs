@@ -64,7 +64,6 @@ impl Places {
         Places { scene: at("scene"), container: at("demo.lfold"), decoded: at("decoded") }
     }
 
-    /// Equivalent commands for the steps after the capture.
     fn commands(&self, settings: &EncodeSettings) -> [String; 4] {
         let word = |path: &PathBuf| shell_word(&path.display().to_string());
         let [scene, container, decoded] = [&self.scene, &self.container, &self.decoded].map(word);
@@ -213,7 +212,6 @@ fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<Vec<KindReport>> {
 }
 
 impl Report {
-    /// Whether errors are within the bounds of the encoder.
     fn keeps(&self, settings: &EncodeSettings) -> bool {
         let depth = self.depth.max_error_codes.is_none_or(|codes| codes <= depth_bound(settings));
         // The encoder and diff may differ in the last digit.
@@ -251,7 +249,6 @@ impl Report {
     }
 }
 
-/// Error bound of depth in codes.
 fn depth_bound(settings: &EncodeSettings) -> u16 {
     match settings.depth.error {
         ErrorBound::Codes(codes) => codes.saturating_add(settings.temporal.epsilon),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::cli::options::choice::Choices;
+use crate::cli::options::Choices;
 use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};

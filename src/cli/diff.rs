@@ -1,7 +1,6 @@
 //! `lightfold diff A B`: compares two containers, datasets or image sequences.
 
-use crate::cli::options::choice::{Choices, one_of};
-use crate::cli::options::{self, FrameArgs, MemoryArgs, SideArgs};
+use crate::cli::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};

@@ -56,9 +56,7 @@ pub struct Args {
     pub effort: EffortArgs,
 }
 
-/// A command that encodes footage into a container.
 pub trait Encodes {
-    /// Settings of the source and of the encoder.
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
     fn open(&self, options: &SourceOptions) -> Result<Source>;
     fn target(&self) -> Target<'_>;
@@ -70,7 +68,6 @@ pub trait SequenceCodec: clap::Args {
     fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()>;
 }
 
-/// A command that encodes one image sequence.
 #[derive(Debug, clap::Args)]
 pub struct EncodeSequence<C: SequenceCodec> {
     #[command(flatten)]
@@ -156,7 +153,6 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     Encode { source: &command.open(&options)?, settings: &settings, target: command.target(), global }.run()
 }
 
-/// An encode of a source into a file.
 pub struct Encode<'a> {
     pub source: &'a Source,
     pub settings: &'a EncodeSettings,
@@ -165,7 +161,6 @@ pub struct Encode<'a> {
 }
 
 impl Encode<'_> {
-    /// Encodes and reports.
     pub fn run(&self) -> Result<ExitStatus> {
         let Target { path, unfinished, json } = self.target;
         check_stdout(path, json)?;

@@ -1,8 +1,7 @@
 //! `lightfold encode-color SEQ -o OUT`: one colour sequence.
 
 use crate::cli::encode::SequenceCodec;
-use crate::cli::options::choice::one_of;
-use crate::cli::options::{COLOR_SPACES, ColorArgs};
+use crate::cli::options::{COLOR_SPACES, ColorArgs, one_of};
 use crate::dataset::source::SourceOptions;
 use crate::encode::EncodeSettings;
 use crate::error::Result;

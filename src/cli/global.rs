@@ -40,15 +40,12 @@ pub fn refuse<T>(message: impl Into<String>) -> Result<T> {
 
 /// Exit code of a command whose check failed ([`ExitStatus::Failed`]).
 pub const EXIT_FAILED: u8 = 1;
-/// Exit code for bad input, bad usage and I/O errors.
 pub const EXIT_BAD_INPUT: u8 = 2;
 /// Exit code after SIGINT, as shells expect it (128 + 2).
 pub const EXIT_INTERRUPTED: u8 = 130;
 
-/// Result of a command that ran to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitStatus {
-    /// Everything checked is within its bounds.
     Passed,
     /// A bound is exceeded, devices disagree, or a manifest is suspect.
     Failed,

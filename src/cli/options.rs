@@ -1,7 +1,7 @@
 //! Options that several commands share.
 
 mod camera;
-pub mod choice;
+mod choice;
 mod color;
 mod depth;
 mod effort;
@@ -13,6 +13,7 @@ mod sequence;
 mod side;
 
 pub use camera::{CameraArgs, View, parse_point};
+pub use choice::{Choices, one_of, word_of};
 pub use color::ColorArgs;
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,

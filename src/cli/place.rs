@@ -8,8 +8,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::cli::options::EFFORTS;
-use crate::cli::options::choice::word_of;
+use crate::cli::options::{EFFORTS, word_of};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
@@ -73,7 +72,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     search.problem.rate_per_m = rate_per_m;
     drop(progress);
     let seconds = begun.elapsed().as_secs_f64();
-    let set = camera_set(args, start, &placement, &search)?;
+    let set = camera_set(args, start, &placement, &search);
     let report =
         Report { args, search: &search, placement: &placement, comparison, decays, set: &set, range, frames, seconds };
     report.notes().iter().for_each(|note| global.note(note));
@@ -87,8 +86,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Cameras of `--start`, followed by the new ones.
-fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, search: &Search<'_>) -> Result<CameraSet> {
+fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, search: &Search<'_>) -> CameraSet {
     let mut cameras: Vec<PlacedCamera> = start.as_ref().map_or(Vec::new(), |set| set.cameras.clone());
     let mut taken: Vec<String> =
         start.iter().flat_map(|set| (0..set.cameras.len()).map(|at| set.name_of(at))).collect();
@@ -124,7 +122,7 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
             "surface_samples": search.sampled.point_count(),
         }
     }));
-    Ok(set)
+    set
 }
 
 /// Writes all files, the cameras last, and returns their paths.

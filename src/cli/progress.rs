@@ -18,7 +18,6 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Starts a bar of `steps` steps of `what`.
     pub fn start(global: &GlobalArgs, what: &'static str, steps: u64) -> Result<Progress> {
         // Set once per process.
         match ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::cli::options::choice::word_of;
+use crate::cli::options::word_of;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, device, refuse};
 use crate::decode::Decoder;
@@ -161,7 +161,6 @@ impl MethodRenderer<'_> {
         })
     }
 
-    /// Where depth and colour were decoded.
     fn decoded_on(&self) -> &'static str {
         match self {
             MethodRenderer::Device(renderer) if renderer.decodes() => "device",
@@ -169,7 +168,6 @@ impl MethodRenderer<'_> {
         }
     }
 
-    /// Cost of the graphics device, if one renders.
     fn gpu_cost(&self) -> Option<RenderCost> {
         match self {
             MethodRenderer::Device(renderer) => Some(renderer.cost()),
@@ -205,7 +203,6 @@ impl Args {
         Ok(())
     }
 
-    /// Largest memory of images and references, in addition to the views; at most the memory limit.
     fn bytes_beside_views(&self, jobs: &[Job], decoder: &Decoder) -> Result<u64> {
         let pixels_of = |job: &Job| pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
         let most_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
@@ -279,7 +276,6 @@ impl Args {
         }
     }
 
-    /// Options of images; each job sets the size.
     fn picture_options(&self) -> PictureOptions {
         let march = &self.march;
         PictureOptions {
@@ -310,7 +306,6 @@ impl Args {
         }
     }
 
-    /// Notes frames that are not rendered.
     fn note_skipped_frames(&self, cameras: &[TimedCamera], available: FrameRange, global: &GlobalArgs) {
         let asked = self.frames.frames;
         if asked.is_none() && available.count() > 1 && cameras.iter().all(|timed| timed.frames.is_none()) {
@@ -323,7 +318,6 @@ impl Args {
         }
     }
 
-    /// A job for each frame request of the cameras.
     fn jobs(&self, playback: &Playback<'_>, global: &GlobalArgs) -> Result<Vec<Job>> {
         let cameras = self.cameras.cameras()?;
         let available = playback.player().frames();
@@ -349,7 +343,6 @@ impl Args {
     }
 }
 
-/// Size of a camera's image, and the camera with its aspect.
 fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>) -> Result<([u32; 2], Camera)> {
     let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
     match asked.unwrap_or((DEFAULT_SIZE, None)) {

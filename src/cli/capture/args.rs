@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::cli::options::choice::{Choices, one_of};
-use crate::cli::options::{self, FrameArgs, parse_point};
+use crate::cli::options::{self, Choices, FrameArgs, one_of, parse_point};
 use crate::image::{DepthKind, Projection};
 use crate::scene::Pass;
 

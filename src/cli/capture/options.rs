@@ -103,7 +103,6 @@ impl Args {
         })
     }
 
-    /// The scene's name without folders and extension.
     fn name(&self) -> String {
         let stem = Path::new(&self.scene).file_stem().unwrap_or_default().to_string_lossy();
         let plain: String = stem.chars().filter(|c| !c.is_control()).collect();

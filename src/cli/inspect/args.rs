@@ -70,12 +70,10 @@ pub struct Args {
 }
 
 impl Args {
-    /// Whether every frame has a row.
     pub fn is_per_frame(&self) -> bool {
         self.per_frame || matches!(self.frames, Some(None))
     }
 
-    /// Frames that have rows, if not all.
     pub fn frame_range(&self) -> Option<FrameRange> {
         self.frames.flatten().or(self.range)
     }

@@ -29,7 +29,6 @@ pub struct PlotOut<'a> {
     what: &'static str,
 }
 
-/// Refuses what makes no sense together.
 pub fn check(args: &Args) -> Result<()> {
     if args.source.is_none() && !args.reading.is_usual() {
         return refuse("options for reading files need --source");
@@ -40,7 +39,6 @@ pub fn check(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Draws and writes the images of all streams.
 pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Result<Vec<PlotOut<'a>>> {
     let (args, decoder) = (report.args, report.decoder);
     let selection = args.selection.with(args.frame.map(|frame| FrameRange { first: frame, last: frame }));

@@ -18,7 +18,6 @@ struct Document<'a> {
     notes: Vec<String>,
 }
 
-/// Summarizes a scene at its beginning.
 pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let selection = &args.selection;
     let is_selective = !selection.probe.is_empty() || !selection.face.is_empty() || !selection.stream.is_empty();

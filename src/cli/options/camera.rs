@@ -61,7 +61,6 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// All cameras; none to decode everything.
     pub fn cameras(&self) -> Result<Vec<TimedCamera>> {
         let mut cameras = Vec::new();
         for path in &self.camera {
@@ -92,7 +91,6 @@ impl CameraArgs {
     }
 }
 
-/// The part of a container that is decoded.
 #[derive(Debug)]
 pub struct View {
     seen: Option<CameraUnits>,
@@ -102,7 +100,6 @@ pub struct View {
 }
 
 impl View {
-    /// The tiles and cells to decode.
     pub fn filter(&self) -> &dyn UnitFilter {
         match &self.seen {
             Some(seen) => seen,

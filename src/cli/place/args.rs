@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::choice::{Choices, one_of};
-use crate::cli::options::{self, EFFORTS, check_stdout, parse_not_negative, parse_positive};
+use crate::cli::options::{self, Choices, EFFORTS, check_stdout, one_of, parse_not_negative, parse_positive};
 use crate::cli::refuse;
 use crate::effort::Effort;
 use crate::error::Result;
@@ -125,7 +124,6 @@ impl Args {
         }
     }
 
-    /// The other lighting, for comparison.
     pub(super) fn other_lighting(&self) -> Lighting {
         if self.lighting == Lighting::Diffuse { SPECULAR } else { Lighting::Diffuse }
     }
@@ -154,7 +152,6 @@ impl Args {
         Stop { cameras: Some(self.cameras.map_or(DEFAULT_MOST_CAMERAS, |count| count as usize)), until }
     }
 
-    /// Refuses contradicting options.
     pub(super) fn check(&self) -> Result<()> {
         check_stdout(&self.output, self.json)?;
         if self.theta.is_some() && self.lighting == Lighting::Diffuse {
@@ -179,7 +176,6 @@ impl Args {
         self.fps.unwrap_or(FPS)
     }
 
-    /// First and last frame to cover.
     pub(super) fn frames(&self, scene: &Scene) -> Result<[u32; 2]> {
         let range = self.frames.map_or_else(|| frames_of_animation(scene.duration_s(), self.fps()), Ok)?;
         Ok([range.first, range.last])

@@ -97,7 +97,6 @@ impl Report<'_> {
         }
     }
 
-    /// Surprises, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let (found, bounds, region) = (self.placement, self.search.sampled.bounds(), self.search.region.bounds());
         let mut notes = Vec::new();
@@ -128,7 +127,6 @@ impl Report<'_> {
         notes
     }
 
-    /// One row for each camera of each lighting.
     pub fn csv(&self) -> Result<String> {
         let rate_per_m = self.search.problem.rate_per_m;
         let asked = self.placements().flat_map(|placement| placement.rows(rate_per_m));
@@ -187,7 +185,6 @@ impl Report<'_> {
         )
     }
 
-    /// Whether a placement is the one that is written.
     fn is_written(&self, placement: &Placement) -> bool {
         std::ptr::eq(placement, self.placement)
     }
@@ -211,7 +208,6 @@ impl Report<'_> {
         table
     }
 
-    /// The report in JSON, of a run that wrote `files`.
     pub fn json<'b>(&'b self, files: &'b [PathBuf]) -> Document<'b> {
         let placement = PlacementReport::new(self.search, self.placement, self.set, self.range);
         let mut placement = placement.compared(&self.placements().collect::<Vec<_>>(), &self.decays);

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::options::{MarchArgs, TruthArgs, ViewArgs, parse_size};
 use crate::cli::device::{DEVICES, GpuArgs};
-use crate::cli::options::choice::one_of;
-use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
+use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, one_of, parse_positive};
 use crate::gpu::device::DeviceChoice;
 
 #[derive(Debug, clap::Args)]

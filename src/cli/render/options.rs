@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use crate::cli::options::choice::{Choices, one_of};
-use crate::cli::options::{parse_not_negative, parse_number_where, parse_point, parse_positive};
+use crate::cli::options::{Choices, one_of, parse_not_negative, parse_number_where, parse_point, parse_positive};
 use crate::evaluate::rendered_image::HoleFill;
 use crate::march::playback::frames::DecodeScope;
 use crate::march::playback::selection::ViewPriority;

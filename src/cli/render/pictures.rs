@@ -62,13 +62,11 @@ enum Destination {
     Folder(OutputFolder),
 }
 
-/// Writes images; files appear at [`Self::commit`].
 pub struct Pictures {
     destination: Destination,
     tone: ToneMap,
     holes: HoleFill,
     sheet: Option<(PathBuf, ContactSheet)>,
-    /// Bytes of files that were written.
     pub bytes: u64,
 }
 
@@ -222,7 +220,6 @@ fn has_eye_field(part: &OsStr) -> bool {
     part.to_string_lossy().contains(EYE_FIELD)
 }
 
-/// Pictures of one height, beside each other.
 fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {
     let [first, rest @ ..] = eyes else { return Err(Error::invalid("a picture of no eye")) };
     if rest.is_empty() {

@@ -16,7 +16,6 @@ use crate::march::playback::trace::FrameTrace;
 use crate::report::coding_map::counted;
 use crate::views::player::ShowCounts;
 
-/// Active probes and times by frame.
 #[derive(Debug, Default)]
 pub struct Frames {
     views: Vec<usize>,
@@ -29,7 +28,6 @@ impl Frames {
         self.milliseconds.push(trace.update_ms + trace.render_ms);
     }
 
-    /// Number of frames within this time.
     fn within(&self, target_ms: f64) -> usize {
         self.milliseconds.iter().filter(|&&ms| ms <= target_ms).count()
     }
@@ -46,18 +44,14 @@ impl Frames {
 pub struct Report<'a> {
     pub args: &'a Args,
     pub summary: PlaybackSummary,
-    /// Pixels of all images.
     pub pixels: u64,
     pub pictures: u64,
     pub frames: &'a Frames,
     /// Whether near or far distances clip surfaces.
     pub is_cut_off: bool,
-    /// Time for all frames, with writing.
     pub seconds: f64,
-    /// Bytes of written images.
     pub bytes_out: u64,
     pub device: String,
-    /// Cost of the graphics device, if used.
     pub gpu_cost: Option<RenderCost>,
     /// Decoder of depth and colour: `device` or `cpu`.
     pub decoded_on: &'static str,
@@ -93,7 +87,6 @@ struct Target {
     frames_within_target: usize,
 }
 
-/// What `--stats` adds.
 #[derive(Serialize)]
 struct Statistics {
     #[serde(flatten)]

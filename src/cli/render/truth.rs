@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::options::{METHODS, Method, TruthArgs};
 use super::pictures::{Job, PictureName};
-use crate::cli::options::choice::word_of;
+use crate::cli::options::word_of;
 use crate::cli::{GlobalArgs, refuse};
 use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
@@ -22,14 +22,12 @@ use crate::image::transfer::ToneMap;
 use crate::json::Number;
 use crate::report::picture::error_picture;
 
-/// A reference, and the similarity of the images so far.
 pub struct TruthRun {
     pub path: PathBuf,
     reference: Reference,
     probes: Vec<String>,
     maps: Option<OutputFolder>,
     method: Method,
-    /// Of all images.
     pub all: Similarity,
     images: Vec<ImageReport>,
 }
@@ -53,7 +51,6 @@ pub struct TruthReport<'a> {
 }
 
 impl TruthRun {
-    /// Opens the reference, if there is one.
     pub fn open(args: &TruthArgs, method: Method) -> Result<Option<TruthRun>> {
         let Some(path) = &args.reference else {
             return match method {
@@ -79,7 +76,6 @@ impl TruthRun {
         }))
     }
 
-    /// A job for each probe and frame.
     pub fn jobs(&self, frames: Option<FrameRange>, available: FrameRange, global: &GlobalArgs) -> Result<Vec<Job>> {
         let mut jobs: Vec<Job> = Vec::new();
         if let Some(asked) = frames.filter(|&frames| frames.intersect(available) != Some(frames)) {
@@ -123,7 +119,6 @@ impl TruthRun {
         Ok(jobs)
     }
 
-    /// True distances of a job's images.
     pub fn distances(&mut self, job: &Job) -> Result<VecDeque<DepthPlane>> {
         let of = |&image: &usize| {
             let distance_m = self.reference.distance_m(image, job.request.frame)?;

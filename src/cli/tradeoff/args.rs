@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::choice::{Choices, one_of};
-use crate::cli::options::{self, parse_positive};
+use crate::cli::options::{self, Choices, one_of, parse_positive};
 use crate::cli::refuse;
 use crate::error::Result;
 use crate::image::StreamKind;
@@ -164,7 +163,6 @@ impl RecommendArgs {
     }
 }
 
-/// Refuses options that only sweeps of coding have.
 pub fn refuse_options_of_coding(args: &Args, what: &str) -> Result<()> {
     let given = [
         ("--preset", args.preset.is_some()),

@@ -12,7 +12,7 @@ use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::report::tradeoff::coding::bench::CodingBench;
-use crate::report::tradeoff::coding::recommend::{Advice, Demands, recommend};
+use crate::report::tradeoff::coding::recommend::{Demands, recommend};
 use crate::report::tradeoff::coding::{CODING, figures, findings, json as report};
 use crate::report::tradeoff::kind::Setting;
 use crate::report::tradeoff::page::Extras;
@@ -33,44 +33,35 @@ pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatu
         ));
     }
     let advised = Advised::new(&rows, demands);
-    if advised.advice.is_empty() {
-        return refuse(advised.text().trim_end());
+    if advised.json.is_empty() {
+        return refuse(advised.text.trim_end());
     }
-    output::print_either(args.json, &json!({ "recommended": advised.json() }), || advised.text())?;
-    Ok(advised.status())
+    output::print_either(args.json, &json!({ "recommended": advised.json }), || advised.text)?;
+    Ok(advised.status)
 }
 
-struct Advised<'a> {
-    advice: Vec<Advice<'a>>,
-    /// Kinds of streams that were measured and have no demands.
-    unasked: Vec<StreamKind>,
+struct Advised {
+    json: Vec<Value>,
+    text: String,
+    status: ExitStatus,
 }
 
-impl<'a> Advised<'a> {
-    fn new(rows: &[&'a StoredPoint], demands: &Demands) -> Advised<'a> {
-        let measured = |stream: &StreamKind| rows.iter().any(|row| row.measured.point.stream == Some(*stream));
-        let unasked =
-            StreamKind::ALL.into_iter().filter(measured).filter(|stream| demands.aim(*stream).is_none()).collect();
-        Advised { advice: recommend(rows, demands), unasked }
-    }
-
-    fn json(&self) -> Vec<Value> {
-        self.advice.iter().map(report::advice).collect()
-    }
-
-    fn text(&self) -> String {
-        text::advice(&self.advice, &self.unasked)
-    }
-
-    fn status(&self) -> ExitStatus {
-        match self.advice.iter().all(|advice| advice.misses.is_empty()) {
-            true => ExitStatus::Passed,
-            false => ExitStatus::Failed,
+impl Advised {
+    fn new(rows: &[&StoredPoint], demands: &Demands) -> Advised {
+        let is_unasked = |stream: &StreamKind| {
+            demands.aim(*stream).is_none() && rows.iter().any(|row| row.measured.point.stream == Some(*stream))
+        };
+        let unasked: Vec<StreamKind> = StreamKind::ALL.into_iter().filter(is_unasked).collect();
+        let advice = recommend(rows, demands);
+        let is_met = advice.iter().all(|advice| advice.misses.is_empty());
+        Advised {
+            json: advice.iter().map(report::advice).collect(),
+            text: text::advice(&advice, &unasked),
+            status: if is_met { ExitStatus::Passed } else { ExitStatus::Failed },
         }
     }
 }
 
-/// Measures footage; recommends where there are demands.
 pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let footage = input::open(path, &args.stream, &args.fixed, global)?;
@@ -118,11 +109,11 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let at_hand: Vec<&StoredPoint> = opened.store.rows.iter().filter(is_of_input).collect();
     let advised = demands.map(|demands| Advised::new(&at_hand, &demands));
     if let Some(advised) = &advised {
-        more["recommended"] = advised.json().into();
+        more["recommended"] = json!(advised.json);
     }
-    let words = advised.as_ref().map_or_else(String::new, |advised| format!("\n{}", advised.text()));
+    let words = advised.as_ref().map_or_else(String::new, |advised| format!("\n{}", advised.text));
     finished.tell(&opened, &extras, more, &words)?;
-    Ok(advised.map_or(ExitStatus::Passed, |advised| advised.status()))
+    Ok(advised.map_or(ExitStatus::Passed, |advised| advised.status))
 }
 
 /// Settings that knobs require and that were not given, a sentence each.

@@ -11,14 +11,11 @@ use crate::report::tradeoff::study::Axis;
 
 #[derive(Debug, PartialEq)]
 pub struct FixedOption {
-    /// The option without its dashes.
     pub name: String,
-    /// The value of each occurrence; empty for a switch.
     pub values: Vec<String>,
 }
 
 impl FixedOption {
-    /// As words of a command line.
     pub fn words(&self) -> Vec<String> {
         match self.values.is_empty() {
             true => vec![format!("--{}", self.name)],
@@ -93,7 +90,6 @@ impl OptionsOf<'_> {
     }
 }
 
-/// Parses a command line of this program.
 pub fn parse(words: &[OsString]) -> Result<Cli> {
     let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
     Cli::try_parse_from(words).map_err(|error| refused(&error))

@@ -36,18 +36,14 @@ struct Fixed {
 
 /// The footage, opened, with the settings that all points share.
 pub struct Footage {
-    /// What commands are made from.
     pub input: Input,
     pub source: Source,
     /// How tiles of depth are modelled on their own: as the options of all points say, fast where they do not.
     pub tiles: EncodeSettings,
-    /// The same in words.
     pub tiles_how: String,
-    /// Options of all points that are knobs.
     pub knobs: Vec<Setting>,
 }
 
-/// The subcommand that encodes footage of a form.
 fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str> {
     match (form, kinds) {
         (Form::Dataset, _) => Ok("encode"),
@@ -141,7 +137,6 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
     Ok(fixed)
 }
 
-/// Refuses points whose values the commands would refuse.
 pub fn check(input: &Input, points: &[Point]) -> Result<()> {
     let output = Path::new("point.lfold");
     let judge = |words: Vec<OsString>| match parse(&words)?.command.as_encoder() {
@@ -193,7 +188,6 @@ pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
     Ok(hasher.finalize())
 }
 
-/// CRC-32 of the bytes of a file.
 fn crc_of(path: &Path) -> Result<u32> {
     let io = |error| Error::io(path, error);
     let mut file = std::fs::File::open(path).map_err(io)?;

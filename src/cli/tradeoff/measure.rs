@@ -22,14 +22,12 @@ use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
 use crate::report::tradeoff::store::{Store, StoredPoint};
 use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points};
 
-/// The locked folder of a sweep, and its points so far.
 pub struct Opened {
     pub folder: Folder,
     pub store: Store,
 }
 
 impl Opened {
-    /// Opens the folder of a sweep.
     pub fn new(args: &Args, kind: &'static SweepKind, store: impl FnOnce(&Path) -> Result<Store>) -> Result<Opened> {
         let folder = Folder::open(&args.output, kind)?;
         if let Some(path) = folder.in_the_way().filter(|_| !args.overwrite) {

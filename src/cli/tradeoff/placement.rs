@@ -41,7 +41,6 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStat
     })
 }
 
-/// Options of `place` that all points have, one word each.
 #[derive(Debug, Default)]
 struct Fixed {
     all: Vec<String>,

@@ -39,7 +39,6 @@ pub fn is_asked(args: &Args) -> bool {
     args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render)
 }
 
-/// Options of `render` that all points have.
 #[derive(Debug, Default, PartialEq)]
 struct Fixed {
     words: Vec<String>,

@@ -89,6 +89,11 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
 }
 
 #[derive(Serialize)]
+struct KnobList {
+    knobs: Vec<KnobReport>,
+}
+
+#[derive(Serialize)]
 struct KnobReport {
     name: &'static str,
     label: &'static str,
@@ -98,41 +103,29 @@ struct KnobReport {
     usual: &'static [&'static str],
 }
 
-/// Prints the table of knobs.
 pub fn list_knobs(as_json: bool) -> Result<()> {
-    let kinds = |kinds: &[StreamKind]| kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>();
-    let all = KINDS.iter().flat_map(|kind| kind.knobs);
-    if as_json {
-        #[derive(Serialize)]
-        struct Document {
-            knobs: Vec<KnobReport>,
+    let kinds = |knob: &Knob| knob.streams.iter().map(|kind| kind.name()).collect::<Vec<_>>();
+    let all: Vec<&Knob> = KINDS.iter().flat_map(|kind| kind.knobs).collect();
+    let report = |knob: &&Knob| KnobReport {
+        name: knob.name,
+        label: knob.label,
+        kinds: kinds(knob),
+        stage: knob.stage.name(),
+        default: knob.default,
+        usual: knob.usual,
+    };
+    output::print_either(as_json, &KnobList { knobs: all.iter().map(report).collect() }, || {
+        let mut table = Table::new("Knob|What|Kinds|Option of|Default|Swept where no values are given");
+        for knob in &all {
+            let of = match knob.stage {
+                Stage::Place => "cameras".to_owned(),
+                Stage::Render => "pictures".to_owned(),
+                _ if knob.is_general() => "all".to_owned(),
+                _ => kinds(knob).join(", "),
+            };
+            let cells = [knob.name, knob.label, &of, knob.stage.name(), knob.default, &knob.usual.join(",")];
+            table.row(cells.map(str::to_owned));
         }
-        let report = |knob: &Knob| KnobReport {
-            name: knob.name,
-            label: knob.label,
-            kinds: kinds(knob.streams),
-            stage: knob.stage.name(),
-            default: knob.default,
-            usual: knob.usual,
-        };
-        return output::print_json(&Document { knobs: all.map(report).collect() });
-    }
-    let mut table = Table::new("Knob|What|Kinds|Option of|Default|Swept where no values are given");
-    for knob in all {
-        let of = match knob.stage {
-            Stage::Place => "cameras".to_owned(),
-            Stage::Render => "pictures".to_owned(),
-            _ if knob.is_general() => "all".to_owned(),
-            _ => kinds(knob.streams).join(", "),
-        };
-        table.row([
-            knob.name.to_owned(),
-            knob.label.to_owned(),
-            of,
-            knob.stage.name().to_owned(),
-            knob.default.to_owned(),
-            knob.usual.join(","),
-        ]);
-    }
-    output::print_text(&table.to_string())
+        table.to_string()
+    })
 }
