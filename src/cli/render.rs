@@ -64,7 +64,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut playback = Playback::new(&decoder, args.playback_options()).map_err(named)?;
     let mut truth = TruthRun::open(&args.truth, args.march.method)?;
     let jobs = match &truth {
-        Some(truth) => truth.jobs(args.frames.frames, playback.player().frames(), global)?,
+        Some(truth) => truth.jobs(args.frames.frames, playback.player.frames(), global)?,
         None => args.jobs(&playback, global)?,
     };
     if args.has_ignored_options() {
@@ -72,7 +72,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let beside_bytes = args.bytes_beside_views(&jobs, &decoder)?;
     playback = playback.with_memory(args.memory.get(), beside_bytes);
-    let coding = playback.player().field().coding;
+    let coding = playback.player.field.coding;
     let mut pictures = Pictures::open(args, &jobs, coding.tone())?;
     args.check_outputs(&jobs, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
@@ -252,7 +252,7 @@ impl Args {
         let (Some(far_m), None, Some(camera)) = (self.march.far, self.march.near, job.request.cameras.first()) else {
             return Ok(());
         };
-        let field = playback.player().field();
+        let field = &playback.player.field;
         let all: Vec<usize> = (0..field.views.len()).collect();
         let near_m = ActiveViews::new(field, &all, camera.eye()).near_m() / 10.0;
         if f64::from(near_m) < far_m {
@@ -320,7 +320,7 @@ impl Args {
 
     fn jobs(&self, playback: &Playback<'_>, global: &GlobalArgs) -> Result<Vec<Job>> {
         let cameras = self.cameras.cameras()?;
-        let available = playback.player().frames();
+        let available = playback.player.frames();
         let requests = frame_requests::frame_requests(&cameras, self.frames.frames, available)?;
         self.note_skipped_frames(&cameras, available, global);
         let mut frames: Vec<u32> = requests.iter().map(|request| request.frame).collect();

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use crate::container::{ChunkEntry, ChunkKey, Payload, Reader};
 use crate::decode::damage::DamagedChunk;
 use crate::error::{Error, Result};
+use crate::math::add_members;
 
 /// Work done by a decoder.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -20,18 +21,7 @@ pub struct DecodeCost {
     pub applying: Duration,
 }
 
-impl DecodeCost {
-    /// The sum of two costs.
-    #[must_use]
-    pub fn plus(self, other: DecodeCost) -> DecodeCost {
-        DecodeCost {
-            updated_pixels: self.updated_pixels + other.updated_pixels,
-            bytes_read: self.bytes_read + other.bytes_read,
-            fetching: self.fetching + other.fetching,
-            applying: self.applying + other.applying,
-        }
-    }
-}
+add_members!(DecodeCost: updated_pixels, bytes_read, fetching, applying);
 
 #[derive(Debug)]
 pub(super) struct ChunkSource<'a> {

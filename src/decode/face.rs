@@ -103,7 +103,7 @@ impl<'a> FaceDecoder<'a> {
 
     /// Cost of all calls so far.
     pub fn cost(&self) -> DecodeCost {
-        self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), DecodeCost::plus)
+        self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), |sum, cost| sum + cost)
     }
 
     #[doc(hidden)]

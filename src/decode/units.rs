@@ -9,6 +9,7 @@ use crate::decode::memory;
 use crate::decode::selection::{Request, StreamFrames};
 use crate::error::Result;
 use crate::image::sequence::FrameRange;
+use crate::math::add_members;
 use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once_with;
@@ -24,17 +25,7 @@ pub struct DecodeSummary {
     pub cost: DecodeCost,
 }
 
-impl DecodeSummary {
-    #[must_use]
-    pub fn plus(self, other: DecodeSummary) -> DecodeSummary {
-        DecodeSummary {
-            frames: self.frames + other.frames,
-            pixels: self.pixels + other.pixels,
-            bytes_out: self.bytes_out + other.bytes_out,
-            cost: self.cost.plus(other.cost),
-        }
-    }
-}
+add_members!(DecodeSummary: frames, pixels, bytes_out, cost);
 
 pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
     match header {
@@ -76,7 +67,7 @@ impl Decoded {
         let mut decoded = Decoded::default();
         let mut frames: BTreeMap<u32, FrameRanges> = BTreeMap::new();
         for part in parts {
-            decoded.summary = decoded.summary.plus(part.summary);
+            decoded.summary = decoded.summary + part.summary;
             decoded.damaged.extend(part.damaged);
             frames.entry(part.stream).or_default().join(part.missing);
         }

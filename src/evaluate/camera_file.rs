@@ -27,31 +27,23 @@ pub struct CameraFile {
 pub struct CameraEntry {
     pub eye: [f64; 3],
     /// A point that it looks at; this or `orientation`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f64; 3]>,
     /// Unit quaternion x, y, z, w that turns a camera that looks along −Z with +Y up; this or `look_at`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
     /// Up direction, with `look_at`; +Y when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees, above 0 and below 180.
     pub fov_y_deg: f64,
     /// Width of its picture over the height; 1 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
     /// Near plane in metres along its axis; 0 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near_m: Option<f64>,
     /// Far plane in metres along its axis; none when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far_m: Option<f64>,
     /// First and last frame in which it looks; all when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
     /// Key frame of a moving camera, instead of `frames`: all entries have one, in increasing order. Between them position is
     /// interpolated linearly, orientation by slerp.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
 }
 
@@ -74,9 +66,7 @@ impl CameraFile {
     /// The cameras of a file's bytes as perspective probes, to capture their reference images; and their common aspect, if any
     /// states one. Near and far are ignored.
     pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
-        let cameras = Self::parse(text)?;
-        let file: CameraFile =
-            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))?;
+        let (cameras, file) = (Self::parse(text)?, Self::entries(text)?);
         if file.cameras.iter().any(|entry| entry.frame.is_some()) {
             return Err(Error::invalid("key poses (\"frame\") describe a moving camera, and a probe stands still"));
         }
@@ -89,18 +79,21 @@ impl CameraFile {
         let set = CameraSet::new(cameras.iter().zip(&file.cameras).map(probe).collect());
         let mut aspects: Vec<f64> = file.cameras.iter().filter_map(|entry| entry.aspect).collect();
         aspects.dedup();
-        match aspects[..] {
-            [] | [_] => Ok((set, aspects.first().copied())),
+        match aspects.len() {
+            0 | 1 => Ok((set, aspects.first().copied())),
             _ => {
                 Err(Error::invalid("cameras of different \"aspect\" cannot be captured together: use a file for each"))
             }
         }
     }
 
+    fn entries(text: &[u8]) -> Result<CameraFile> {
+        serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))
+    }
+
     /// The cameras of a file's bytes.
     pub fn parse(text: &[u8]) -> Result<Vec<TimedCamera>> {
-        let file: CameraFile =
-            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))?;
+        let file = Self::entries(text)?;
         if file.cameras.is_empty() {
             return Err(Error::invalid("\"cameras\" is empty: at least one was expected"));
         }

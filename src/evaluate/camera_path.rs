@@ -6,7 +6,6 @@ use crate::error::{Error, Result};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 
-/// Limit of frames of a path.
 pub const MAX_PATH_FRAMES: u32 = 100_000;
 
 /// A camera, and the frames in which it looks.
@@ -17,7 +16,6 @@ pub struct TimedCamera {
     pub frames: Option<FrameRange>,
 }
 
-/// A camera of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyPose {
     pub frame: u32,

@@ -7,8 +7,7 @@ use glam::DVec3;
 use crate::dataset::source::{ProbeInfo, Source, SourceGroup, SourceOptions};
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
-use crate::image::{Face, FrameRange};
-use crate::image::{Projection, StreamKind};
+use crate::image::{Face, FrameRange, Projection, StreamKind};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 
@@ -28,7 +27,6 @@ pub struct ReferenceImage {
     groups: [Option<[usize; 2]>; 3],
 }
 
-/// A reference image in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     pub color: ColorPlane,
@@ -39,11 +37,11 @@ pub struct Truth {
 /// The faces of one group of files in one frame.
 type Cached<T> = Option<(usize, u32, Vec<T>)>;
 
-/// An open dataset.
 #[derive(Debug)]
 pub struct Reference {
     source: Source,
-    images: Vec<ReferenceImage>,
+    /// By probe and then by face.
+    pub images: Vec<ReferenceImage>,
     /// Files read last: those that hold all faces are read once for all of them.
     color: Cached<ColorPlane>,
     depth: Cached<DepthPlane>,
@@ -56,7 +54,6 @@ impl Reference {
         Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
     }
 
-    /// The images of a source.
     pub fn new(source: Source) -> Result<Reference> {
         let mut images = Vec::new();
         for (at, group) in source.groups().iter().enumerate().filter(|(_, group)| group.kind == StreamKind::Color) {
@@ -80,29 +77,23 @@ impl Reference {
         Ok(Reference { source, images, color: None, depth: None, material: None })
     }
 
-    /// Its images, by probe and then by face.
-    pub fn images(&self) -> &[ReferenceImage] {
-        &self.images
-    }
-
     /// Distances of an image in a frame, in metres, `+inf` for the background; none where the dataset has no depth.
     pub fn distance_m(&mut self, image: usize, frame: u32) -> Result<Option<DepthPlane>> {
-        let Some(ReferenceImage { groups: [_, depth, _], .. }) = self.images.get(image) else {
-            return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
-        };
-        cached(&self.source, &mut self.depth, (*depth, frame), Source::read_depth)
+        let [_, depth, _] = self.groups(image)?;
+        cached(&self.source, &mut self.depth, (depth, frame), Source::read_depth)
     }
 
-    /// An image in a frame.
     pub fn truth(&mut self, image: usize, frame: u32) -> Result<Truth> {
-        let Some(ReferenceImage { groups, .. }) = self.images.get(image) else {
-            return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
-        };
-        let (source, groups) = (&self.source, *groups);
-        let [color, _, material] = groups;
+        let [color, _, material] = self.groups(image)?;
+        let source = &self.source;
         let color = cached(source, &mut self.color, (color, frame), Source::read_color)?;
         let color = color.ok_or_else(|| Error::Usage(format!("image {image} has no colour")))?;
         Ok(Truth { color, material: cached(source, &mut self.material, (material, frame), Source::read_material)? })
+    }
+
+    fn groups(&self, image: usize) -> Result<[Option<[usize; 2]>; 3]> {
+        let found = self.images.get(image).map(|image| image.groups);
+        found.ok_or_else(|| Error::Usage(format!("there is no image {image} of {}", self.images.len())))
     }
 }
 
@@ -115,7 +106,6 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
     })
 }
 
-/// The camera of an image.
 fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {
     let named = |error: Error| error.context(format!("probe {}", probe.name));
     let turn = rotation(probe.orientation)
@@ -165,9 +155,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         PLAN.write(folder.path(), &Silent).unwrap();
         let mut reference = Reference::open(folder.path()).unwrap();
-        assert_eq!(reference.images().len(), 2 * 6);
+        assert_eq!(reference.images.len(), 2 * 6);
         let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
-        for (at, image) in reference.images().to_vec().iter().enumerate() {
+        for (at, image) in reference.images.to_vec().iter().enumerate() {
             assert_eq!(image.camera.eye(), PLAN.positions()[at / 6]);
             for (column, row) in [(0, 0), (7, 0), (3, 6)] {
                 let seen = image.camera.direction([column, row].map(|at| (f64::from(at) + 0.5) / 8.0));
@@ -206,7 +196,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         perspective(folder.path());
         let mut reference = Reference::open(folder.path()).unwrap();
-        let [image] = reference.images() else { panic!("one image") };
+        let [image] = &reference.images[..] else { panic!("one image") };
         // A quarter turn to the left about +Y looks along −X.
         let tangent = 20f64.to_radians().tan();
         let corner = DVec3::new(-1.0, -tangent, -1.5 * tangent).normalize();
@@ -229,7 +219,7 @@ mod tests {
         std::fs::write(folder.path().join("lightfield.json"), json.to_string()).unwrap();
         let reference = Reference::open(folder.path()).unwrap();
         let model = ImageProjection::Pinhole { size: [12, 8], intrinsics: [11.0, 12.0, 5.0, 4.5] };
-        let camera = &reference.images()[0].camera;
+        let camera = &reference.images[0].camera;
         for at in [[0.0, 0.0], [12.0, 8.0], [5.0, 4.5], [3.5, 7.5]] {
             let seen = camera.direction([at[0] / 12.0, at[1] / 8.0]);
             assert!((seen - model.unproject(at).normalize()).length() < 1e-12, "{seen}");

@@ -18,7 +18,6 @@ pub enum HoleFill {
     Nearest,
 }
 
-/// A rendered picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
     /// Linear light; the mean of those rays of a pixel that have a colour.
@@ -41,23 +40,19 @@ impl RenderedImage {
 
     /// 8-bit codes and alpha; colour is not multiplied by alpha.
     pub fn rgba_codes(&self, tone: ToneMap) -> Plane<[u8; 4]> {
-        let alpha = self.alpha.data();
-        let mut at = 0;
-        self.codes(tone).map(|&[r, g, b]| {
-            at += 1;
-            [r, g, b, (alpha[at - 1] * 255.0).round() as u8]
+        let codes = self.codes(tone);
+        Plane::from_fn(codes.width(), codes.height(), |x, y| {
+            let [r, g, b] = codes.get(x, y);
+            [r, g, b, (self.alpha.get(x, y) * 255.0).round() as u8]
         })
     }
 
     /// Light multiplied by alpha, and alpha. Where holes are filled, light is not multiplied: it would be gone.
     pub fn rgba_light(&self, holes: HoleFill) -> Plane<[f16; 4]> {
-        let alpha = self.alpha.data();
-        let mut at = 0;
-        self.color.map(|&light| {
-            let alpha = alpha[at];
-            at += 1;
+        Plane::from_fn(self.color.width(), self.color.height(), |x, y| {
+            let alpha = self.alpha.get(x, y);
             let factor = if holes == HoleFill::Blank { alpha } else { 1.0 };
-            let [r, g, b] = light.map(|light| finite(light * factor));
+            let [r, g, b] = self.color.get(x, y).map(|light| finite(light * factor));
             [r, g, b, f16::from_f32(alpha)]
         })
     }

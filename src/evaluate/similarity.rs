@@ -68,8 +68,8 @@ impl Similarity {
             hole_percent: self.hole_percent(),
             psnr_hvs_m_db: self.psnr_hvs_m_db().map(Number),
             psnr_db_effects: some_psnr(&self.effects).map(Number),
-            psnr_db_mirrors: self.mirrors_psnr_db().map(Number),
-            psnr_db_glass: self.glass_psnr_db().map(Number),
+            psnr_db_mirrors: some_psnr(&self.mirrors).map(Number),
+            psnr_db_glass: some_psnr(&self.glass).map(Number),
         }
     }
 
@@ -182,18 +182,10 @@ impl Similarity {
     pub fn hole_percent(&self) -> f64 {
         100.0 * self.hole_pixels as f64 / (self.all.samples / 3).max(1) as f64
     }
-
-    /// PSNR in dB; none without such pixels.
-    pub fn mirrors_psnr_db(&self) -> Option<f64> {
-        some_psnr(&self.mirrors)
-    }
-
-    pub fn glass_psnr_db(&self) -> Option<f64> {
-        some_psnr(&self.glass)
-    }
 }
 
-fn some_psnr(error: &SquaredError) -> Option<f64> {
+/// PSNR in dB; none of no pixels.
+pub fn some_psnr(error: &SquaredError) -> Option<f64> {
     (error.samples > 0).then(|| error.psnr_db())
 }
 
@@ -252,7 +244,7 @@ mod tests {
         let (exact, same) = pair(12, 12, 0, &[]);
         let other = Similarity::of(&exact, &same, LINEAR).unwrap();
         assert_eq!((other.all.psnr_db(), other.ssim()), (f64::INFINITY, Some(1.0)));
-        assert_eq!((other.glass_psnr_db(), other.has_material), (None, false));
+        assert_eq!((some_psnr(&other.effects), other.has_material), (None, false));
         assert_eq!(other.psnr_hvs_m_db(), Some(f64::INFINITY));
         let mut both = one;
         both.merge(&other).unwrap();

@@ -32,13 +32,11 @@ const FETCH_BYTES: u64 = 64 << 20;
 /// Most rounds of a unit. Only entering a stream far behind its keyframe with a narrow window takes many; each is two
 /// dispatches, and a file of a few bytes could cause hours of them.
 const MAX_ROUNDS: u32 = 1 << 14;
-/// Rounds that are submitted together.
 const ROUNDS_TOGETHER: u32 = 64;
 /// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there
 /// are pixels.
 const MOST_WORK: u64 = 1 << 31;
 
-/// A unit and the frame to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitFrame {
     /// Position of its stream among those that the decoder was made for.
@@ -57,7 +55,6 @@ struct Shown {
     timeline: Arc<Timeline>,
 }
 
-/// Decodes streams of one family.
 pub struct GpuDecoder<'a> {
     gpu: &'a Gpu,
     decoder: &'a Decoder,
@@ -89,12 +86,10 @@ struct Buffers {
     units: wgpu::Buffer,
     states: wgpu::Buffer,
     pictures: wgpu::Buffer,
-    picture_words: usize,
     log2_table: wgpu::Buffer,
     dispatch: wgpu::Buffer,
     items: Growing,
     jobs: wgpu::Buffer,
-    job_words: usize,
 }
 
 /// A list of units whose chunks are resident.
@@ -165,12 +160,10 @@ impl<'a> GpuDecoder<'a> {
             units: gpu.filled("units", &words_of(&units))?,
             states: gpu.buffer("states", units.len() * State::WORDS, none)?,
             pictures,
-            picture_words,
             log2_table: gpu.filled("log2_table", &crate::depth::domain::LOG2_TABLE)?,
             dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
             items: Growing::new(gpu, "items")?,
             jobs: gpu.buffer("jobs", 4, none)?,
-            job_words: 4,
         };
         Ok(GpuDecoder {
             gpu,
@@ -323,17 +316,14 @@ impl<'a> GpuDecoder<'a> {
         &self.units[self.first_units[stream] + unit as usize]
     }
 
-    /// Pictures of all units.
     pub fn pictures(&self) -> &wgpu::Buffer {
         &self.buffers.pictures
     }
 
-    /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
         self.resident.bytes_sent() + self.buffers.items.bytes_sent
     }
 
-    /// Bytes of the device that it takes.
     pub fn bytes(&self) -> u64 {
         let Buffers { units, states, pictures, log2_table, dispatch, items, jobs, .. } = &self.buffers;
         let buffers = [units, states, pictures, log2_table, dispatch, &items.buffer, jobs];
@@ -359,7 +349,6 @@ impl<'a> GpuDecoder<'a> {
         Ok((after as u32, entry))
     }
 
-    /// The chunk after one of a unit.
     fn chunk_after(&self, key: u32, entry: &ChunkEntry) -> Result<ChunkEntry> {
         let reader = self.decoder.reader();
         let next = reader.index().chunks.get(key as usize);
@@ -468,7 +457,7 @@ impl<'a> GpuDecoder<'a> {
             return (1, if same { 0 } else { pixels });
         }
         let Ok(window @ 1..) = u8::try_from(self.units[unit].window) else { return (1, pixels) };
-        let records = timeline.records();
+        let records = &timeline.records;
         let steps = record_table::steps(records, |record| record.0, at, frame, window);
         let (rounds, pixels) = steps.fold((0, 0), |(rounds, sum), step| (rounds + 1, sum + records[step].1));
         (rounds.max(1), pixels)
@@ -515,21 +504,19 @@ impl<'a> GpuDecoder<'a> {
     fn bind(&self, pipeline: &Pipeline) -> wgpu::BindGroup {
         let buffer_of = |name: &str| match name {
             "units" => &self.buffers.units,
-            "chunks" => &self.resident.chunks.buffer,
-            "records" => &self.resident.records.buffer,
-            "boxes" => &self.resident.boxes.buffer,
-            "stream" => &self.resident.stream.buffer,
             "items" => &self.buffers.items.buffer,
             "states" => &self.buffers.states,
             "jobs" => &self.buffers.jobs,
             "dispatch" => &self.buffers.dispatch,
             "log2_table" => &self.buffers.log2_table,
-            _ => &self.buffers.pictures,
+            name => {
+                let table = self.resident.tables.iter().find(|table| table.label == name);
+                table.map_or(&self.buffers.pictures, |table| &table.buffer)
+            }
         };
         self.gpu.bind(pipeline, |name| Some(buffer_of(name).as_entire_binding()))
     }
 
-    /// Waits for the device.
     pub fn wait(&mut self) -> Result<()> {
         let start = Instant::now();
         self.gpu.wait()?;
@@ -545,9 +532,8 @@ impl Buffers {
         self.items.push(list_of([items.len() as u32, 0], items));
         self.items.flush(gpu)?;
         let job_words = LIST_HEAD_WORDS + items.len() * Job::WORDS;
-        if job_words > self.job_words {
+        if 4 * job_words as u64 > self.jobs.size() {
             self.jobs = gpu.buffer("jobs", job_words, wgpu::BufferUsages::empty())?;
-            self.job_words = job_words;
         }
         Ok(())
     }

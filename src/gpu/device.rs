@@ -9,7 +9,6 @@ use crate::gpu::kernels::{Binding, BindingKind, Kernel};
 /// Largest buffer of a kernel in bytes, on any device: byte offsets must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;
 
-/// Which device decodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeviceChoice {
     /// A graphics device where there is one that is not software, else the CPU.
@@ -19,7 +18,6 @@ pub enum DeviceChoice {
     Cpu,
 }
 
-/// Which graphics device, where there are several.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Pick {
     /// The fastest kind: discrete, integrated, virtual, software.
@@ -41,7 +39,6 @@ impl Pick {
     }
 }
 
-/// Properties of a graphics device.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct DeviceInfo {
     /// Its position in [`list`].
@@ -80,7 +77,6 @@ impl DeviceInfo {
         }
     }
 
-    /// Whether it is a software device.
     pub fn is_software(&self) -> bool {
         self.kind == "software"
     }
@@ -154,7 +150,6 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens a device.
     pub fn open(pick: &Pick) -> Result<Gpu> {
         let mut found: Vec<_> = adapters().into_iter().enumerate().collect();
         found.sort_by_key(|(index, adapter)| DeviceInfo::of(*index, adapter).rank());
@@ -221,7 +216,6 @@ impl Gpu {
         }
     }
 
-    /// An error of this device.
     pub fn failed(&self, what: &str, why: &str) -> Error {
         Error::unsupported(format!("{}: {what}: {why}; the CPU does without it", self.info.name))
     }
@@ -252,19 +246,16 @@ impl Gpu {
         self.guard(label, || self.device.create_buffer(&descriptor))
     }
 
-    /// A storage buffer that begins with these words.
     pub fn filled(&self, label: &str, words: &[u32]) -> Result<wgpu::Buffer> {
         let buffer = self.buffer(label, words.len(), wgpu::BufferUsages::empty())?;
         self.write(label, &buffer, words)?;
         Ok(buffer)
     }
 
-    /// Writes the first words of a buffer.
     pub fn write(&self, label: &str, buffer: &wgpu::Buffer, words: &[u32]) -> Result<()> {
         self.guard(label, || self.queue.write_buffer(buffer, 0, bytemuck::cast_slice(words)))
     }
 
-    /// Submits commands.
     pub fn submit(&self, what: &str, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<()> {
         self.guard(what, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -273,7 +264,6 @@ impl Gpu {
         })
     }
 
-    /// Submits a compute pass.
     pub fn compute(&self, what: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) -> Result<()> {
         self.submit(what, |encoder| record(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default())))
     }

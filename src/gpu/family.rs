@@ -6,7 +6,6 @@ use crate::gpu::pictures::code_stride;
 use crate::image::StreamKind;
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
 
-/// What the words of a picture are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelWords {
     /// Two codes in a word.
@@ -50,7 +49,6 @@ impl Family {
         Family { kernel, words, is_color: header.kind() == StreamKind::Color }
     }
 
-    /// The kernel that plans its work.
     pub fn plan(self) -> &'static Kernel {
         if self.is_color { &kernels::PLAN_CELLS } else { &kernels::PLAN_RECORDS }
     }

@@ -20,11 +20,9 @@ pub struct Case {
     pub expected: Vec<(&'static str, Vec<u32>)>,
     /// Inputs that it stands for: nodes, boxes, cells, blocks.
     pub inputs: u64,
-    /// Pixels that it writes.
     pub pixels: u64,
 }
 
-/// The result of a kernel.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct KernelReport {
     pub name: &'static str,
@@ -45,7 +43,6 @@ pub fn groups(count: u32) -> [u32; 2] {
     [x, count.div_ceil(x).max(1)]
 }
 
-/// Most dispatches that are timed together.
 const MOST_REPEATS: f64 = 100.0;
 
 impl KernelReport {

@@ -10,9 +10,7 @@ pub struct ShaderFile {
 /// How a kernel accesses a binding; the names are those of WebGPU's bind group layouts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
-    /// A storage buffer that is only read.
     ReadOnlyStorage,
-    /// A storage buffer that is read and written.
     Storage,
     /// A texture array of words.
     Uint,
@@ -28,11 +26,6 @@ pub struct Binding {
 }
 
 impl Binding {
-    pub fn is_texture(self) -> bool {
-        matches!(self.kind, BindingKind::Uint | BindingKind::UnfilterableFloat)
-    }
-
-    /// Whether the kernel writes it.
     pub fn is_written(self) -> bool {
         self.kind == BindingKind::Storage
     }
@@ -44,7 +37,6 @@ pub struct Kernel {
     pub entry: &'static str,
     /// Files that are concatenated to its source.
     pub files: &'static [ShaderFile],
-    /// Bindings of group 0.
     pub bindings: &'static [Binding],
     /// Invocations per workgroup, at most 256.
     pub workgroup: u32,
@@ -58,7 +50,6 @@ impl PartialEq for Kernel {
 }
 
 impl Kernel {
-    /// The whole WGSL source.
     pub fn source(&self) -> String {
         self.files.iter().map(|file| file.text).collect::<Vec<_>>().join("\n")
     }

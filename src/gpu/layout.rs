@@ -3,7 +3,6 @@
 
 /// A value that is stored as 32-bit words.
 pub trait Words {
-    /// Appends its words.
     fn put(&self, out: &mut Vec<u32>);
 }
 
@@ -90,7 +89,7 @@ mod tests {
     use super::*;
     use crate::depth::domain::DomainKind;
     use crate::depth::runtime;
-    use crate::gpu::kernels::{KERNELS, Kernel};
+    use crate::gpu::kernels::{BindingKind, KERNELS, Kernel};
 
     fn module(kernel: &Kernel) -> naga::Module {
         naga::front::wgsl::parse_str(&kernel.source())
@@ -151,7 +150,11 @@ mod tests {
             let entry = module.entry_points.iter().find(|entry| entry.name == kernel.entry);
             let entry = entry.unwrap_or_else(|| panic!("{} has no {}", kernel.name, kernel.entry));
             assert_eq!(entry.workgroup_size.iter().product::<u32>(), kernel.workgroup, "{}", kernel.name);
-            let buffers = kernel.bindings.iter().filter(|binding| !binding.is_texture()).count();
+            let buffers = kernel
+                .bindings
+                .iter()
+                .filter(|b| matches!(b.kind, BindingKind::ReadOnlyStorage | BindingKind::Storage))
+                .count();
             assert!(kernel.workgroup <= 256 && buffers <= 8, "{}", kernel.name);
             let mut bound: Vec<_> = module
                 .global_variables

@@ -9,7 +9,6 @@ use crate::decode::Picture;
 use crate::depth::BACKGROUND_CODE;
 use crate::image::plane::Plane;
 
-/// Words of a row of codes.
 pub fn code_stride(width: u32) -> u32 {
     width.div_ceil(2)
 }
@@ -20,7 +19,6 @@ pub fn pack_codes(codes: &[u16], width: usize) -> Vec<u32> {
     codes.chunks(width.max(1)).flat_map(|row| row.chunks(2).map(pair)).collect()
 }
 
-/// The codes of a row of words.
 pub fn unpack_codes(words: &[u32], out: &mut [u16]) {
     for (pair, word) in out.chunks_mut(2).zip(words) {
         for (half, code) in pair.iter_mut().enumerate() {
@@ -29,53 +27,41 @@ pub fn unpack_codes(words: &[u32], out: &mut [u16]) {
     }
 }
 
-/// Three bytes as a word.
 pub fn pack_bytes([r, g, b]: [u8; 3]) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-/// The three bytes of a word.
 pub fn unpack_bytes(word: u32) -> [u8; 3] {
     let [r, g, b, _] = word.to_le_bytes();
     [r, g, b]
 }
 
-/// Three patterns of half floats as two words.
 pub fn pack_halves([r, g, b]: [u16; 3]) -> [u32; 2] {
     [u32::from(r) | u32::from(g) << 16, u32::from(b)]
 }
 
-/// The three patterns of two words.
 pub fn unpack_halves([low, high]: [u32; 2]) -> [u16; 3] {
     [low as u16, (low >> 16) as u16, high as u16]
 }
 
+fn words_of(picture: &Picture) -> Vec<u32> {
+    match picture {
+        Picture::Depth(plane) => pack_codes(plane.data(), plane.width() as usize),
+        Picture::Color8(plane) | Picture::Material(plane) => plane.data().iter().map(|&rgb| pack_bytes(rgb)).collect(),
+        Picture::ColorHalf(plane) => plane.data().iter().flat_map(|rgb| pack_halves(rgb.map(f16::to_bits))).collect(),
+    }
+}
+
 /// Words in which two pictures differ; all of the first one's where they are not of one kind and size.
 pub fn mismatched_words(one: &Picture, other: &Picture) -> u64 {
-    fn differing<T: Copy, const N: usize>(
-        one: &Plane<T>,
-        other: &Plane<T>,
-        words: impl Fn(&[T]) -> Vec<[u32; N]>,
-    ) -> u64 {
-        let of =
-            |plane: &Plane<T>| -> Vec<[u32; N]> { (0..plane.height()).flat_map(|y| words(plane.row(y))).collect() };
-        let (one, other) = (of(one), of(other));
-        if one.len() != other.len() {
-            return (N * one.len()) as u64;
-        }
-        one.iter().flatten().zip(other.iter().flatten()).filter(|(one, other)| one != other).count() as u64
+    if std::mem::discriminant(one) != std::mem::discriminant(other) {
+        return 1;
     }
-    let codes = |row: &[u16]| pack_codes(row, row.len()).into_iter().map(|word| [word]).collect();
-    let bytes = |row: &[[u8; 3]]| row.iter().map(|&pixel| [pack_bytes(pixel)]).collect();
-    let halves = |row: &[[f16; 3]]| row.iter().map(|pixel| pack_halves(pixel.map(f16::to_bits))).collect();
-    match (one, other) {
-        (Picture::Depth(one), Picture::Depth(other)) => differing(one, other, codes),
-        (Picture::Color8(one), Picture::Color8(other)) | (Picture::Material(one), Picture::Material(other)) => {
-            differing(one, other, bytes)
-        }
-        (Picture::ColorHalf(one), Picture::ColorHalf(other)) => differing(one, other, halves),
-        _ => 1,
+    let (one, other) = (words_of(one), words_of(other));
+    if one.len() != other.len() {
+        return one.len() as u64;
     }
+    one.iter().zip(&other).filter(|(one, other)| one != other).count() as u64
 }
 
 /// Fills a rectangle (left, top, width, height) with background or 0.

@@ -16,36 +16,22 @@ use crate::gpu::pictures::code_stride;
 use crate::streams::{CodecHeader, ColorFormat, DepthChunk, PictureChunk};
 
 /// What the host keeps of a resident chunk.
-#[derive(Debug, Clone)]
-pub enum Timeline {
-    /// Frames that have a record, with the pixels that it writes.
-    Records(Vec<(u32, u64)>),
-    /// Frames of keyframes, and the weights.
-    Blends {
-        /// Frames of keyframes.
-        keyframes: Vec<u32>,
-        /// Weights of the first frames; those of all later ones are 0.
-        weights: Vec<u8>,
-    },
+#[derive(Debug, Clone, Default)]
+pub struct Timeline {
+    /// Frames that have a record, with the pixels that it writes; none of colour.
+    pub records: Vec<(u32, u64)>,
+    /// Frames of keyframes of colour.
+    keyframes: Vec<u32>,
+    /// Weights of the first frames; those of all later ones are 0.
+    weights: Vec<u8>,
 }
 
 impl Timeline {
     /// How a frame of a colour chunk is made, and whether that takes the cell's next chunk.
     pub fn blend(&self, frame: u32) -> (Blend, bool) {
-        let Timeline::Blends { keyframes, weights } = self else {
-            return (Blend { keyframe: 0, weight: 0 }, false);
-        };
-        let keyframe = keyframes.partition_point(|&first| first <= frame).saturating_sub(1);
-        let weight = weights.get(frame as usize).copied().unwrap_or(0);
-        (Blend { keyframe, weight }, weight > 0 && keyframe + 1 == keyframes.len())
-    }
-
-    /// The frames that have a record, with the pixels that it writes; none of colour.
-    pub fn records(&self) -> &[(u32, u64)] {
-        match self {
-            Timeline::Records(records) => records,
-            Timeline::Blends { .. } => &[],
-        }
+        let keyframe = self.keyframes.partition_point(|&first| first <= frame).saturating_sub(1);
+        let weight = self.weights.get(frame as usize).copied().unwrap_or(0);
+        (Blend { keyframe, weight }, weight > 0 && keyframe + 1 == self.keyframes.len())
     }
 }
 
@@ -54,7 +40,6 @@ impl Timeline {
 pub struct Prepared {
     /// Bytes of the stream, as words.
     pub stream: Vec<u32>,
-    /// Its rows of the table of records.
     pub records: Vec<Record>,
     pub boxes: Vec<BoxRow>,
     /// Byte at which the weights start, and their number.
@@ -65,7 +50,7 @@ pub struct Prepared {
 impl Prepared {
     /// Whether its records are nodes, which are found by words; all else is found by bytes.
     pub fn is_nodes(&self) -> bool {
-        self.boxes.is_empty() && matches!(self.timeline, Timeline::Records(_))
+        self.boxes.is_empty() && self.timeline.keyframes.is_empty()
     }
 }
 
@@ -105,44 +90,46 @@ pub fn words_from(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks(4).map(word).collect()
 }
 
-/// Nodes in the runtime form.
 pub fn of_nodes(runtime: &Runtime) -> Prepared {
     let records = runtime.frames().iter().map(|&frame| {
         let parts = runtime.nodes(frame).map(|(place, _)| 1u32 << (2 * place.level)).sum();
         Record { frame: frame.frame, at: frame.offset as u32 / 4, work: parts, ..Record::default() }
     });
+    let pixels = runtime.frames().iter().map(|frame| (frame.frame, frame.updated_pixels));
     Prepared {
         records: records.collect(),
         stream: words_from(runtime.buffer()),
         boxes: Vec::new(),
         weights: [0; 2],
-        timeline: Timeline::Records(runtime.frames().iter().map(|frame| (frame.frame, frame.updated_pixels)).collect()),
+        timeline: Timeline { records: pixels.collect(), ..Timeline::default() },
     }
 }
 
-/// Boxes of codes or of material, part by part.
 pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -> Prepared {
     let mut boxes = Vec::new();
     let mut records = Vec::new();
     for record in &chunk.records {
         let (first, mut work) = (boxes.len(), 0);
-        let mut push = |[x, y, width, height]: [u32; 4], coding: u32, at: usize| {
+        let mut push = |row: BoxRow| {
             // As many as the kernel writes words of each row.
-            let columns = if T::BYTES == 2 { code_stride(x + width) - x / 2 } else { width };
-            work += columns * height;
-            boxes.push(BoxRow { x, y, width, height, at: at as u32, coding, end: work });
+            let columns = if T::BYTES == 2 { code_stride(row.x + row.width) - row.x / 2 } else { row.width };
+            work += columns * row.height;
+            boxes.push(BoxRow { end: work, ..row });
         };
         let mut parts = |[left, top, width, height]: [u32; 4], at: usize| {
             let size = [width as usize, height as usize];
             for part in chunk.layout.parts::<T>(&chunk.payload()[at..], size) {
                 let [x, y, width, height] = part.rect.map(|side| side as u32);
                 let coding = if part.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
-                push([left + x, top + y, width, height], coding, at + part.start);
+                let at = (at + part.start) as u32;
+                push(BoxRow { x: left + x, y: top + y, width, height, coding, at, end: 0 });
             }
         };
         match record.body {
             Body::Whole(at) => parts([0, 0, width, height], at),
-            Body::Constant(at) => push([0, 0, width, height], BOX_CONSTANT, at),
+            Body::Constant(at) => {
+                push(BoxRow { width, height, at: at as u32, coding: BOX_CONSTANT, ..BoxRow::default() });
+            }
             Body::Boxes { .. } => {
                 for &(b, at) in chunk.boxes(record.body) {
                     parts([b.x, b.y, b.width, b.height].map(u32::from), at);
@@ -152,12 +139,15 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
         let count = (boxes.len() - first) as u32;
         records.push(Record { frame: record.frame, first: first as u32, count, work, ..Record::default() });
     }
-    let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
-    let timeline = Timeline::Records(pixels.collect());
+            let size = [width as usize, height as usize];
+            for part in chunk.layout.parts::<T>(&chunk.payload()[at..], size) {
+                let [x, y, width, height] = part.rect.map(|side| side as u32);
+                let coding = if part.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
+                let at = (at + part.start) as u32;
+                push(BoxRow { x: left + x, y: top + y, width, height, coding, at, end: 0 });
     Prepared { stream: words_from(chunk.payload()), records, boxes, weights: [0; 2], timeline }
 }
 
-/// Keyframes and weights of a cell.
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     let format = chunk.format();
     let [columns, rows] = block::grid(format.size[0], format.size[1]);
@@ -174,7 +164,7 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
         stream: words_from(chunk.payload()),
         boxes: Vec::new(),
         weights: [weights_at as u32, weights.len() as u32],
-        timeline: Timeline::Blends { keyframes: chunk.keyframes().to_vec(), weights: weights.to_vec() },
+        timeline: Timeline { records: Vec::new(), keyframes: chunk.keyframes().to_vec(), weights: weights.to_vec() },
     }
 }
 
@@ -200,7 +190,7 @@ mod tests {
             [(0, 0, 1, 6), (3, 1, 2, 5)]
         );
         assert_eq!(prepared.boxes.iter().map(|row| row.end).collect::<Vec<_>>(), [6, 4, 5]);
-        assert_eq!(prepared.timeline.records(), [(0, 10), (3, 5)]);
+        assert_eq!(prepared.timeline.records, [(0, 10), (3, 5)]);
         assert!(!prepared.is_nodes());
     }
 

@@ -41,7 +41,6 @@ use crate::views::light_field::{ColorCoding, FaceTexels};
 const TILE: u32 = 8;
 type Counter = fn(&mut Counters) -> &mut u64;
 
-/// Counters of a workgroup.
 const COUNTERS: usize = COUNTED.len();
 /// The counters, by their names in `shaders/march/counters.wgsl`.
 const COUNTED: [(&str, Counter); 8] = [
@@ -62,16 +61,13 @@ const WORK_OF_SOFTWARE: u64 = 1 << 25;
 /// After a dispatch that took less, the next one may have twice the rows.
 const SHORT: Duration = Duration::from_millis(50);
 
-/// Cost of rendering so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RenderCost {
-    /// Time for sending texels.
     pub sending: Duration,
     /// Bytes of these texels, and of all that is decoded on the device.
     pub bytes_sent: u64,
     /// Bytes of texels that were decoded on the device, and copied there.
     pub bytes_copied: u64,
-    /// Cost of decoding on the device.
     pub units: UnitCost,
     /// CPU time for refractive proxies.
     pub proxies: Duration,
@@ -81,7 +77,6 @@ pub struct RenderCost {
     pub reading: Duration,
 }
 
-/// Renders on a device.
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     pub texels: DeviceTexels,
@@ -92,7 +87,6 @@ pub struct GpuRenderer<'a> {
     cost: RenderCost,
 }
 
-/// Buffers of a picture.
 struct Target {
     scene: wgpu::Buffer,
     pixels: wgpu::Buffer,
@@ -107,13 +101,11 @@ impl<'a> GpuRenderer<'a> {
         GpuRenderer { gpu, texels, backend: None, buffers: HashMap::new(), cost }
     }
 
-    /// Cost so far.
     pub fn cost(&self) -> RenderCost {
         let units = self.backend.as_ref().map(GpuBackend::cost).unwrap_or_default();
         RenderCost { units, bytes_sent: self.cost.bytes_sent + units.bytes_sent, ..self.cost }
     }
 
-    /// The kernel that renders with these settings.
     pub fn kernel(views: &ActiveViews<'_>, settings: &RenderSettings) -> &'static Kernel {
         match settings.acceleration {
             _ if has_secondary_rays(views, settings.specular) => &kernels::RENDER_EFFECTS,

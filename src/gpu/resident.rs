@@ -12,16 +12,13 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
 use crate::gpu::prepare::{Prepared, Timeline};
 
-/// Initial words of a buffer.
 const FIRST_WORDS: usize = 1 << 14;
 
-/// A buffer that grows.
 #[derive(Debug)]
 pub struct Growing {
-    label: &'static str,
+    pub label: &'static str,
     /// With all words once they were flushed.
     pub buffer: wgpu::Buffer,
-    words: usize,
     /// Words up to the last that is taken.
     len: usize,
     gaps: Gaps,
@@ -68,11 +65,9 @@ impl Gaps {
 }
 
 impl Growing {
-    /// An empty one.
     pub fn new(gpu: &Gpu, label: &'static str) -> Result<Growing> {
         let buffer = gpu.buffer(label, FIRST_WORDS, wgpu::BufferUsages::empty())?;
-        let (words, gaps) = (FIRST_WORDS, Gaps::default());
-        Ok(Growing { label, buffer, words, len: 0, gaps, pending: Vec::new(), bytes_sent: 0 })
+        Ok(Growing { label, buffer, len: 0, gaps: Gaps::default(), pending: Vec::new(), bytes_sent: 0 })
     }
 
     /// Words in it, gaps apart.
@@ -85,21 +80,19 @@ impl Growing {
         self.gaps.find(words).is_some() || self.len + words <= most
     }
 
-    /// Allocates words; answers the first.
-    fn place(&mut self, words: usize) -> usize {
-        match self.gaps.find(words) {
+    /// Allocates words.
+    fn place(&mut self, words: usize) -> Range<usize> {
+        let at = match self.gaps.find(words) {
             Some(at) => {
                 self.gaps.take(at, words);
                 at
             }
-            None => {
-                self.len += words;
-                self.len - words
-            }
-        }
+            None => self.len,
+        };
+        self.len = self.len.max(at + words);
+        at..at + words
     }
 
-    /// Writes allocated words.
     fn put(&mut self, at: usize, words: Vec<u32>) {
         match self.pending.last_mut() {
             Some((start, pending)) if *start + pending.len() == at => pending.extend(words),
@@ -107,7 +100,6 @@ impl Growing {
         }
     }
 
-    /// Appends words.
     pub fn push(&mut self, words: Vec<u32>) {
         let at = self.len;
         self.len += words.len();
@@ -130,16 +122,15 @@ impl Growing {
         self.pending.clear();
     }
 
-    /// Sends pending words.
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {
         let (needed, most) = (self.len, gpu.info.max_binding_bytes as usize / 4);
-        if needed > self.words {
+        if 4 * needed as u64 > self.buffer.size() {
             let words = needed.next_power_of_two().min(most).max(needed);
             let larger = gpu.buffer(self.label, words, wgpu::BufferUsages::empty())?;
             gpu.submit(self.label, |encoder| {
                 encoder.copy_buffer_to_buffer(&self.buffer, 0, &larger, 0, self.buffer.size());
             })?;
-            (self.buffer, self.words) = (larger, words);
+            self.buffer = larger;
         }
         if !self.pending.is_empty() {
             gpu.guard(self.label, || {
@@ -154,14 +145,12 @@ impl Growing {
     }
 }
 
-/// A resident chunk.
 #[derive(Debug)]
 pub struct ResidentChunk {
     /// Its row of the table of chunks.
     pub row: u32,
     /// Invocations that the largest of its records takes.
     pub most_work: u32,
-    /// What the host knows of it.
     pub timeline: Arc<Timeline>,
     /// The call that needed it last.
     last_used: u64,
@@ -169,14 +158,10 @@ pub struct ResidentChunk {
     places: [Range<usize>; 4],
 }
 
-/// The resident chunks of a decoder.
 #[derive(Debug)]
 pub struct Resident {
-    /// Bytes of chunks.
-    pub stream: Growing,
-    pub records: Growing,
-    pub boxes: Growing,
-    pub chunks: Growing,
+    /// The bytes of chunks, then the rows of records, boxes and chunks.
+    pub tables: [Growing; 4],
     resident: HashMap<u32, ResidentChunk>,
     most_words: usize,
 }
@@ -184,17 +169,11 @@ pub struct Resident {
 impl Resident {
     /// Nothing yet; buffers grow up to `most_words` words.
     pub fn new(gpu: &Gpu, most_words: usize) -> Result<Resident> {
-        Ok(Resident {
-            stream: Growing::new(gpu, "stream")?,
-            records: Growing::new(gpu, "records")?,
-            boxes: Growing::new(gpu, "boxes")?,
-            chunks: Growing::new(gpu, "chunks")?,
-            resident: HashMap::new(),
-            most_words,
-        })
+        let table = |label| Growing::new(gpu, label);
+        let tables = [table("stream")?, table("records")?, table("boxes")?, table("chunks")?];
+        Ok(Resident { tables, resident: HashMap::new(), most_words })
     }
 
-    /// The chunk of a key, where it is there.
     pub fn chunk(&self, key: u32) -> Option<&ResidentChunk> {
         self.resident.get(&key)
     }
@@ -208,30 +187,19 @@ impl Resident {
 
     /// Words of the chunks, tables apart.
     pub fn stream_words(&self) -> usize {
-        self.stream.taken()
+        self.tables[0].taken()
     }
 
-    /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
-        self.all().map(|growing| growing.bytes_sent).sum()
+        self.tables.iter().map(|table| table.bytes_sent).sum()
     }
 
-    /// Bytes of the device that the buffers take.
     pub fn bytes(&self) -> u64 {
-        self.all().map(|growing| growing.buffer.size()).sum()
+        self.tables.iter().map(|table| table.buffer.size()).sum()
     }
 
-    fn all(&self) -> impl Iterator<Item = &Growing> {
-        [&self.stream, &self.records, &self.boxes, &self.chunks].into_iter()
-    }
-
-    fn all_mut(&mut self) -> [&mut Growing; 4] {
-        [&mut self.stream, &mut self.records, &mut self.boxes, &mut self.chunks]
-    }
-
-    /// Whether a chunk would find room.
     pub fn has_room(&self, chunk: &Prepared) -> bool {
-        self.all().zip(words_taken(chunk)).all(|(growing, words)| growing.has_room(words, self.most_words))
+        self.tables.iter().zip(words_taken(chunk)).all(|(table, words)| table.has_room(words, self.most_words))
     }
 
     /// Drops chunks that a call does not need, the least recently needed first, until at most `words` words of chunks are left.
@@ -245,28 +213,22 @@ impl Resident {
                 break;
             }
             let Some(chunk) = self.resident.remove(&key) else { continue };
-            for (growing, place) in self.all_mut().into_iter().zip(chunk.places) {
-                growing.free(place);
-            }
+            self.tables.iter_mut().zip(chunk.places).for_each(|(table, place)| table.free(place));
         }
     }
 
-    /// Drops all chunks.
     pub fn clear(&mut self) {
-        self.all_mut().into_iter().for_each(Growing::clear);
+        self.tables.iter_mut().for_each(Growing::clear);
         self.resident.clear();
     }
 
     /// Allocates and writes a chunk for a call that needs it.
     pub fn place(&mut self, key: u32, chunk: Prepared, call: u64) {
         let words = words_taken(&chunk);
-        let mut sizes = words.into_iter();
-        let starts = self.all_mut().map(|growing| growing.place(sizes.next().unwrap_or(0)));
-        let [word, records_at, boxes_at, chunk_at] = starts;
-        let first_record = (records_at / Record::WORDS) as u32;
-        let first_box = (boxes_at / BoxRow::WORDS) as u32;
-        let number = (chunk_at / Chunk::WORDS) as u32;
-        let at = word as u32;
+        let places = [0, 1, 2, 3].map(|table| self.tables[table].place(words[table]));
+        let [at, first_record, first_box, number] =
+            [(0, 1), (1, Record::WORDS), (2, BoxRow::WORDS), (3, Chunk::WORDS)]
+                .map(|(table, row_words): (usize, usize)| (places[table].start / row_words) as u32);
         // Nodes are found by words, all else by bytes.
         let start = if chunk.is_nodes() { at } else { 4 * at };
         let records = chunk.records.iter();
@@ -274,22 +236,20 @@ impl Resident {
         let boxes = chunk.boxes.iter().map(|row| BoxRow { at: row.at + 4 * at, ..*row });
         let [weights_at, weight_count] = chunk.weights;
         let record_count = chunk.records.len() as u32;
-        let most_work = chunk.records.iter().map(|row| row.work).max().unwrap_or(0);
         let row = Chunk { first_record, record_count, weights_at: weights_at + 4 * at, weight_count };
-        self.records.put(records_at, words_of(&records.collect::<Vec<_>>()));
-        self.boxes.put(boxes_at, words_of(&boxes.collect::<Vec<_>>()));
-        self.chunks.put(chunk_at, words_of(&[row]));
+        let rows = [words_of(&records.collect::<Vec<_>>()), words_of(&boxes.collect::<Vec<_>>()), words_of(&[row])];
+        let most_work = chunk.records.iter().map(|row| row.work).max().unwrap_or(0);
         let mut stream = chunk.stream;
         stream.resize(words[0], 0);
-        self.stream.put(word, stream);
-        let places = [0, 1, 2, 3].map(|table| starts[table]..starts[table] + words[table]);
+        for ((table, place), words) in self.tables.iter_mut().zip(&places).zip([stream].into_iter().chain(rows)) {
+            table.put(place.start, words);
+        }
         let timeline = Arc::new(chunk.timeline);
         self.resident.insert(key, ResidentChunk { row: number, most_work, timeline, last_used: call, places });
     }
 
-    /// Sends pending chunks.
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {
-        self.all_mut().into_iter().try_for_each(|growing| growing.flush(gpu))
+        self.tables.iter_mut().try_for_each(|table| table.flush(gpu))
     }
 }
 

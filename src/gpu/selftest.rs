@@ -21,9 +21,7 @@ use crate::gpu::kernels::{self, Kernel};
 
 use Inputs::Words;
 
-/// Default seed of the inputs.
 pub const SEED: u64 = 1;
-/// Time for measuring the speed of a kernel.
 const CLOCK: Duration = Duration::from_millis(200);
 
 #[derive(Debug)]
@@ -65,7 +63,6 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },
 ];
 
-/// Runs all cases of a kernel.
 pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
     let cases = match row.inputs {
         Words(cases) => cases(seed),

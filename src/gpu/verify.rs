@@ -15,7 +15,6 @@ use crate::monitor::Monitor;
 /// Differences between two decoders.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Verification {
-    /// Words that differ.
     pub mismatched_words: u64,
     #[serde(rename = "first_mismatch")]
     pub first: Option<String>,
@@ -37,7 +36,7 @@ pub fn decode_to_nothing(
     let mut summary = DecodeSummary::default();
     for group in groups(gpu, request.streams) {
         let part = Request { streams: &group, ..request };
-        summary = summary.plus(decode_group(gpu, decoder, part, monitor, |_, _, _| Ok(()))?);
+        summary = summary + decode_group(gpu, decoder, part, monitor, |_, _, _| Ok(()))?;
     }
     Ok(summary)
 }
@@ -64,7 +63,7 @@ pub fn verify(
             Ok(())
         };
         let part = Request { streams: &group, ..request };
-        summary = summary.plus(decode_group(gpu, decoder, part, monitor, compare)?);
+        summary = summary + decode_group(gpu, decoder, part, monitor, compare)?;
     }
     Ok((summary, verification))
 }

@@ -33,9 +33,7 @@ pub enum Occupancy {
 /// A view relative to the eye.
 #[derive(Debug, Clone)]
 pub struct ActiveView<'a> {
-    /// Its texels.
     pub view: &'a View,
-    /// Its centre.
     pub from_eye: Vec3,
     /// Rotates directions of the world into its axes.
     pub probe_from_world: Mat3,
@@ -95,9 +93,7 @@ impl<'a> ActiveView<'a> {
 /// The active views, by priority.
 #[derive(Debug, Clone)]
 pub struct ActiveViews<'a> {
-    /// The views.
     pub views: Vec<ActiveView<'a>>,
-    /// Coding of their colours.
     pub coding: ColorCoding,
 }
 

@@ -19,7 +19,6 @@ use crate::views::light_field::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 /// ε of the weight of depth: a difference of two per cent halves the weight.
 pub const DEPTH_EPSILON: f32 = 0.02;
 
-/// A colour interpolated from texels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interpolated {
     /// As it is coded ([`crate::views::light_field::ColorCoding`]): codes over 255, or light.

@@ -33,7 +33,6 @@ pub fn intersect_from(
     }
 }
 
-/// Tests every point.
 fn every_point(
     views: &ActiveViews<'_>,
     ray: &Ray,

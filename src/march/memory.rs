@@ -55,7 +55,6 @@ pub fn picture_bytes(pixels: u64, has_reference: bool) -> u64 {
     pixels.saturating_mul(PICTURE_BYTES + if has_reference { REFERENCE_BYTES } else { 0 })
 }
 
-/// Bytes that splatting takes.
 pub fn splat_bytes(decoder: &Decoder) -> u64 {
     decoder.streams().iter().map(pixels).max().unwrap_or(0) * POINT_BYTES
 }

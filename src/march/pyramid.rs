@@ -20,29 +20,19 @@ pub const LEAST_M: f32 = 1e-18;
 /// An empty one proves nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DepthPyramid {
-    levels: Vec<Level>,
+    /// Squares of level `at` have 2^(`at` + 1) texels a side, the last ones perhaps fewer.
+    pub levels: Vec<Level>,
 }
 
-/// Squares of one size.
+/// Squares of one size, row by row.
 #[derive(Debug, Clone, PartialEq)]
-struct Level {
+pub struct Level {
     /// Columns and rows of squares.
-    size: [u32; 2],
-    greatest: Vec<f32>,
+    pub size: [u32; 2],
+    pub greatest: Vec<f32>,
 }
 
 impl DepthPyramid {
-    /// Number of levels above the texels.
-    pub fn levels(&self) -> usize {
-        self.levels.len()
-    }
-
-    /// Columns and rows of squares, and their values row by row, of a level: squares of level `at` have 2^(`at` + 1)
-    /// texels a side, the last ones perhaps fewer. None where there is no such level.
-    pub fn level(&self, at: usize) -> Option<([u32; 2], &[f32])> {
-        self.levels.get(at).map(|level| (level.size, &level.greatest[..]))
-    }
-
     /// The greatest inverse depth of all texels; [`UNKNOWN`] of an empty pyramid.
     pub fn greatest(&self) -> f32 {
         match self.levels.last() {
@@ -105,8 +95,8 @@ impl DepthPyramid {
         let level = (right - left).max(bottom - top).checked_ilog2().unwrap_or(0);
         let (size, values) = match level.checked_sub(1) {
             None => (texels.size, &texels.inverse_depth[..]),
-            Some(above) => match self.level(above as usize) {
-                Some(level) => level,
+            Some(above) => match self.levels.get(above as usize) {
+                Some(level) => (level.size, &level.greatest[..]),
                 None => return UNKNOWN,
             },
         };
@@ -124,7 +114,7 @@ impl DepthPyramid {
 /// The pyramids of a view's faces, by the number of the face.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ViewPyramids {
-    faces: [DepthPyramid; 7],
+    pub faces: [DepthPyramid; 7],
 }
 
 impl ViewPyramids {
@@ -137,11 +127,6 @@ impl ViewPyramids {
             }
         }
         pyramids
-    }
-
-    /// The pyramid of a face.
-    pub fn face(&self, face: usize) -> &DepthPyramid {
-        &self.faces[face]
     }
 
     /// The greatest inverse depth of any texel, where there is one in every direction; else [`UNKNOWN`].
@@ -160,11 +145,6 @@ pub struct Pyramids {
 }
 
 impl Pyramids {
-    /// Built from all texels of a light field.
-    pub fn of(field: &LightField) -> Pyramids {
-        Pyramids { views: field.views.par_iter().map(|view| Arc::new(ViewPyramids::of(view))).collect() }
-    }
-
     /// The pyramids of a view; empty ones where nothing is known of it.
     pub fn view(&self, at: usize) -> Arc<ViewPyramids> {
         self.views.get(at).cloned().unwrap_or_default()

@@ -25,7 +25,6 @@ impl Ray {
     }
 }
 
-/// The distances at which rays are sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Steps {
     /// Metres, never falling; at least one.
@@ -37,7 +36,6 @@ pub struct Steps {
 /// Steps of which those before the first are skipped.
 #[derive(Debug, Clone, Copy)]
 pub struct StepsFrom<'s> {
-    /// All steps.
     pub steps: &'s Steps,
     /// Number of the first.
     pub first: usize,

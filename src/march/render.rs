@@ -22,12 +22,9 @@ use crate::march::specular::sphere_fit::SphereFit;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
-/// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// Its pixels.
     pub image: RenderedImage,
-    /// Counts over its rays.
     pub counters: Counters,
 }
 
@@ -36,9 +33,6 @@ pub struct Rendered {
 pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
 /// Renders. The monitor advances by one for each row.
-///
-/// # Errors
-/// When the monitor says to stop.
 pub fn render(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -55,9 +49,6 @@ pub fn render(
 }
 
 /// Renders ray by ray, in the plainest form: the reference for [`render`].
-///
-/// # Errors
-/// When the monitor says to stop.
 pub fn render_plainly(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -93,7 +84,6 @@ fn primary_hit(
     PrimaryHit { distance_m, result }
 }
 
-/// Whether a picture of these views has secondary rays.
 pub fn has_secondary_rays(views: &ActiveViews<'_>, specular: SpecularMode) -> bool {
     match specular {
         SpecularMode::None => false,
@@ -154,7 +144,7 @@ impl<'a> Picture<'a> {
         };
         let in_row = (width as usize).max(1);
         let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
-        let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum.plus(of_row)))?;
+        let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum + of_row))?;
         let image =
             RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? };
         Ok(Rendered { image, counters })

@@ -65,7 +65,7 @@ pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) ->
         }
         (from[axis], to[axis]) = ((low as u32).min(size - 1), (high as u32).min(size - 1));
     }
-    view.pyramids.face(face).greatest_between(texels, from, to) * farthest_m < SURELY_BELOW_ONE
+    view.pyramids.faces[face].greatest_between(texels, from, to) * farthest_m < SURELY_BELOW_ONE
 }
 
 /// Position on a ray.
@@ -86,7 +86,6 @@ pub(crate) enum Next {
     Hit(usize),
     /// The segment from the first to the last point, both included; they may be one.
     Test(usize, usize),
-    /// No more points.
     End,
 }
 

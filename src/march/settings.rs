@@ -18,28 +18,22 @@ pub enum SpecularMode {
 /// How points of a ray are skipped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Acceleration {
-    /// Every point is tested.
     None,
     /// Segments that a view proves empty are skipped; the hits are the same.
     #[default]
     Pyramid,
 }
 
-/// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderSettings {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Where rays are sampled.
     pub steps: Steps,
     /// Rays in each row and column of a pixel, at least 1.
     pub samples: u32,
-    /// Fill for disoccluded pixels.
     pub holes: HoleFill,
-    /// Whether surfaces reflect and refract.
     pub specular: SpecularMode,
     /// Reflections and refractions of a ray at most.
     pub max_bounces: u32,
-    /// How rays are marched.
     pub acceleration: Acceleration,
 }

@@ -11,7 +11,6 @@ use crate::views::light_field::ColorCoding;
 /// the uncertainty of the steps.
 pub const HOLE_DIFFERENCE: f32 = 0.1;
 
-/// Result of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayResult {
     /// Linear light of a surface or of the background.
@@ -50,7 +49,6 @@ pub fn background(views: &ActiveViews<'_>, direction: Vec3) -> RayResult {
         .map_or(RayResult::Disoccluded(None), |found| RayResult::Light(light_of(views.coding, found.color)))
 }
 
-/// Linear light of a coded colour.
 pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
     match coding {
         ColorCoding::Light => color,

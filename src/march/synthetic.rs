@@ -11,7 +11,6 @@ use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels
 /// Distance in metres and colour in a direction of the world, of length 1. None is background.
 pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
 
-/// A synthetic probe.
 #[derive(Debug, Clone, Copy)]
 pub struct SyntheticProbe {
     /// Where it stands, in metres.
@@ -30,7 +29,6 @@ impl SyntheticProbe {
         SyntheticProbe { position, turn: DQuat::IDENTITY, size: [side; 2], range_m: [0.1, 100.0] }
     }
 
-    /// Its cube map.
     pub fn cube(&self, coding: ColorCoding, sight: Sight<'_>) -> View {
         let mut view = self.view();
         for face in Face::CUBE {
@@ -39,7 +37,6 @@ impl SyntheticProbe {
         view
     }
 
-    /// A perspective image.
     pub fn perspective(&self, map: TexelMap, coding: ColorCoding, sight: Sight<'_>) -> View {
         let mut view = self.view();
         view.faces[Face::View as usize] = Some(self.face(Face::View, map, coding, sight));
@@ -49,12 +46,11 @@ impl SyntheticProbe {
     fn view(&self) -> View {
         View {
             name: "made".into(),
-            probe: 0,
             position: self.position,
             probe_from_world: DMat3::from_quat(self.turn.inverse()),
             near_m: self.range_m[0],
             far_m: self.range_m[1],
-            faces: Default::default(),
+            ..View::default()
         }
     }
 
@@ -81,7 +77,6 @@ impl SyntheticProbe {
     }
 }
 
-/// A light field of views.
 pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
     LightField { views, coding }
 }

@@ -7,7 +7,9 @@ pub mod frustum;
 pub mod random;
 mod separation;
 pub mod sight;
+mod sums;
 
 pub use camera::{Camera, Lens};
 pub use frustum::{Frustum, Window};
 pub use sight::{Sight, Viewer};
+pub(crate) use sums::add_members;

@@ -22,7 +22,6 @@ pub struct NewFace<'f> {
     /// Index of its colour stream.
     pub color: u32,
     pub texels: &'f FaceTexels,
-    /// Inverse depths of its codes.
     pub inverse: &'f Arc<InverseDepth>,
 }
 
@@ -41,33 +40,6 @@ pub struct FaceUpdate<'f, 'a> {
 /// Decodes units of depth and colour, and keeps the texels of probes.
 pub trait TexelBackend {
     /// Whether depth and colour texels are kept here; else they are in the light field.
-    fn keeps_texels(&self) -> bool;
-
-    fn load(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()>;
-
-    /// Bytes kept here of a probe; 0 for one that is not loaded.
-    fn bytes(&self, probe: usize) -> u64;
-
-    fn unload(&mut self, probe: usize);
-
-    /// Decodes a frame of units of loaded probes.
-    fn decode(&mut self, frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()>;
-
-    /// Whether a unit is known to show a frame.
-    fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool;
-
-    /// Brings texels to what the units show; answers what changed in each face, in the same order.
-    fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>>;
-
-    /// Stored bytes that were read here so far; units count what they read themselves.
-    fn bytes_read(&self) -> u64;
-}
-
-/// Decodes on the processor, in parallel, into the texels of the light field.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct CpuBackend;
-
-impl TexelBackend for CpuBackend {
     fn keeps_texels(&self) -> bool {
         false
     }
@@ -76,12 +48,32 @@ impl TexelBackend for CpuBackend {
         Ok(())
     }
 
+    /// Bytes kept here of a probe; 0 for one that is not loaded.
     fn bytes(&self, _probe: usize) -> u64 {
         0
     }
 
     fn unload(&mut self, _probe: usize) {}
 
+    /// Decodes a frame of units of loaded probes.
+    fn decode(&mut self, frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()>;
+
+    fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool;
+
+    /// Brings texels to what the units show; answers what changed in each face, in the same order.
+    fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>>;
+
+    /// Stored bytes that were read here so far; units count what they read themselves.
+    fn bytes_read(&self) -> u64 {
+        0
+    }
+}
+
+/// Decodes on the processor, in parallel, into the texels of the light field.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CpuBackend;
+
+impl TexelBackend for CpuBackend {
     fn decode(&mut self, frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()> {
         try_map_ordered(units, |unit: &mut CachedUnit<'_>| unit.decode(frame)).map(|_| ())
     }
@@ -92,9 +84,5 @@ impl TexelBackend for CpuBackend {
 
     fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>> {
         Ok(faces.into_par_iter().map(|face| face.cache.update(face.texels)).collect())
-    }
-
-    fn bytes_read(&self) -> u64 {
-        0
     }
 }

@@ -13,12 +13,11 @@ use crate::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
 use crate::evaluate::camera_path::TimedCamera;
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
-use crate::math::Viewer;
+use crate::math::{Viewer, add_members};
 use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull};
 
-/// Counts of units and tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CameraUnitCounts {
     pub cameras: u64,
@@ -49,6 +48,8 @@ struct FrustumTests {
     hierarchical: u64,
 }
 
+add_members!(CameraUnitCounts: cameras, units, visible_units, regular_tests, hierarchical_tests);
+
 impl CameraUnitCounts {
     /// The report; all units have `bytes_total` stored bytes.
     pub fn report(&self, bytes_total: u64) -> CameraUnitsReport {
@@ -68,7 +69,7 @@ impl CameraUnitCounts {
 pub struct CameraUnits {
     /// Of streams by their number, for each unit the frames in which it is seen: ranges in order, with gaps between.
     streams: HashMap<u32, Vec<Vec<FrameRange>>>,
-    counts: CameraUnitCounts,
+    pub counts: CameraUnitCounts,
 }
 
 impl CameraUnits {
@@ -113,18 +114,10 @@ impl CameraUnits {
         let mut all = CameraUnits::default();
         all.counts.cameras = cameras.len() as u64;
         for (stream, seen, counts) in chosen.par_iter().map(of_stream).collect::<Vec<_>>() {
-            all.counts.units += counts.units;
-            all.counts.visible_units += counts.visible_units;
-            all.counts.regular_tests += counts.regular_tests;
-            all.counts.hierarchical_tests += counts.hierarchical_tests;
+            all.counts = all.counts + counts;
             all.streams.insert(stream, seen);
         }
         all
-    }
-
-    /// Counts of units and tests.
-    pub fn counts(&self) -> CameraUnitCounts {
-        self.counts
     }
 }
 

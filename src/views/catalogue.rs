@@ -18,7 +18,6 @@ pub struct ProbeChoice {
 }
 
 impl ProbeChoice {
-    /// Whether a probe is chosen.
     pub fn takes(&self, name: &str) -> bool {
         let named = |names: &[String]| names.iter().any(|other| other == name);
         !named(&self.without) && (self.only.is_empty() || named(&self.only))
@@ -57,7 +56,6 @@ pub struct Catalogue<'a> {
 }
 
 impl<'a> Catalogue<'a> {
-    /// The chosen probes of a container.
     pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Catalogue<'a>> {
         probes.check(decoder)?;
         let all = decoder.streams();

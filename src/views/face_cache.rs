@@ -44,9 +44,7 @@ impl<'a> FaceStreams<'a> {
 /// A depth tile or colour cell of a container.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct UnitId {
-    /// Index of its probe.
     pub probe: usize,
-    /// Index of its stream.
     pub stream: u32,
     pub unit: u32,
 }
@@ -64,7 +62,7 @@ pub struct DepthPart {
 /// A unit, and whether its texels are valid.
 #[derive(Debug)]
 pub struct CachedUnit<'a> {
-    id: UnitId,
+    pub id: UnitId,
     /// Knows the unit, and decodes it unless a backend does.
     decoder: UnitDecoder<'a>,
     is_valid: bool,
@@ -87,10 +85,6 @@ impl CachedUnit<'_> {
             self.is_specular = pixels.iter().any(has_specular_weight);
         }
         Ok(())
-    }
-
-    pub fn id(&self) -> UnitId {
-        self.id
     }
 
     /// Whether its own decoder is known to show a frame.
@@ -138,7 +132,6 @@ impl<'a> StreamUnits<'a> {
         self.units[unit].decoder.rect()
     }
 
-    /// See [`FaceCache::begin_frame`].
     fn begin_frame(
         &mut self,
         frame: u32,
@@ -185,17 +178,15 @@ pub struct FaceChanges {
     pub unseen: u64,
 }
 
-/// The units of a face.
 #[derive(Debug)]
 pub struct FaceCache<'a> {
-    inverse: Arc<InverseDepth>,
+    pub inverse: Arc<InverseDepth>,
     depth: StreamUnits<'a>,
     color: StreamUnits<'a>,
     material: Option<StreamUnits<'a>>,
 }
 
 impl<'a> FaceCache<'a> {
-    /// A face of which nothing was decoded yet.
     pub fn new(decoder: &'a Decoder, streams: &FaceStreams<'a>, inverse: Arc<InverseDepth>) -> FaceCache<'a> {
         FaceCache {
             inverse,
@@ -203,11 +194,6 @@ impl<'a> FaceCache<'a> {
             color: StreamUnits::new(decoder, streams.color),
             material: streams.material.map(|stream| StreamUnits::new(decoder, stream)),
         }
-    }
-
-    /// Inverse depths of its codes.
-    pub fn inverse(&self) -> &Arc<InverseDepth> {
-        &self.inverse
     }
 
     fn all(&self) -> impl Iterator<Item = &StreamUnits<'a>> {
@@ -232,7 +218,6 @@ impl<'a> FaceCache<'a> {
         units.flat_map(|units| units.begin_frame(frame, filter, &|unit| unit.shows(frame))).collect()
     }
 
-    /// Whether a weight of its materials is above 0.
     pub fn is_specular(&self) -> bool {
         self.material.iter().flat_map(|units| &units.units).any(|unit| unit.is_valid && unit.is_specular)
     }
@@ -331,7 +316,10 @@ impl<'a> FaceCache<'a> {
         }
         // A cell and a material that turn together cover the same texels.
         if self.material.is_some() {
-            stale.values_mut().for_each(sort_and_dedup);
+            for parts in stale.values_mut() {
+                parts.sort_unstable();
+                parts.dedup();
+            }
         }
         let mut all = Vec::new();
         for (tile, parts) in stale {
@@ -372,11 +360,6 @@ impl<'a> FaceCache<'a> {
         }
         changed
     }
-}
-
-fn sort_and_dedup(parts: &mut Vec<DepthPart>) {
-    parts.sort_unstable();
-    parts.dedup();
 }
 
 /// Makes texels unknown; answers the first and the last that were known.

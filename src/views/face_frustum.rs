@@ -6,8 +6,7 @@
 use glam::DVec3;
 
 use crate::container::index::ProbeEntry;
-use crate::image::DepthKind;
-use crate::image::{Face, ImageProjection};
+use crate::image::{DepthKind, Face, ImageProjection};
 use crate::math::camera::rotation;
 use crate::math::{Frustum, Window};
 
@@ -23,7 +22,6 @@ pub struct DepthSpan {
 }
 
 impl DepthSpan {
-    /// The span of an image whose depth is not known.
     pub fn unknown() -> DepthSpan {
         DepthSpan { near_m: 0.0, far_m: f64::INFINITY, kind: DepthKind::Planar }
     }

@@ -6,10 +6,9 @@ use crate::container::ProbeEntry;
 use crate::dataset::{Source, SourceGroup};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::TexelMap;
 use crate::image::cube::Face;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
-use crate::image::{DepthKind, StreamKind};
+use crate::image::{DepthKind, StreamKind, TexelMap};
 use crate::streams::convert::material_codes;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
@@ -21,7 +20,6 @@ pub struct FaceImages {
     pub color: ColorPlane,
     /// Metres; +inf for background.
     pub depth: DepthPlane,
-    /// Planar depth or distance.
     pub kind: DepthKind,
     /// Weights of reflection and refraction, and index of refraction.
     pub material: Option<MaterialPlane>,

@@ -6,37 +6,21 @@ use crate::depth::quantise::DepthRange;
 use crate::image::DepthKind;
 use crate::views::light_field::FaceTexels;
 
-/// Inverse depths of the codes of a stream.
 #[derive(Debug, Clone)]
 pub struct InverseDepth {
     /// By code, in 1/m.
-    of_code: Vec<f32>,
-    range: DepthRange,
-    kind: DepthKind,
+    pub of_code: Vec<f32>,
+    pub range: DepthRange,
+    pub kind: DepthKind,
 }
 
 impl InverseDepth {
-    /// The table of a stream's range.
     pub fn new(range: DepthRange, kind: DepthKind) -> InverseDepth {
         let codes = (0..=u16::MAX).into_par_iter();
         InverseDepth { of_code: codes.map(|code| 1.0 / range.metres(code)).collect(), range, kind }
     }
 
     /// By code, in 1/m.
-    pub fn of_codes(&self) -> &[f32] {
-        &self.of_code
-    }
-
-    /// The range of its stream.
-    pub fn range(&self) -> DepthRange {
-        self.range
-    }
-
-    /// Whether codes stand for planar depth or distance.
-    pub fn kind(&self) -> DepthKind {
-        self.kind
-    }
-
     /// Inverse planar depth of a texel that shows `code`.
     pub fn of(&self, code: u16, face: &FaceTexels, column: u32, row: u32) -> f32 {
         let inverse = self.of_code[usize::from(code)];

@@ -38,7 +38,6 @@ impl ColorCoding {
     }
 }
 
-/// The colours of a face.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColorTexels {
     /// 8-bit codes; the fourth byte is 0.
@@ -102,7 +101,6 @@ impl FaceTexels {
         FaceTexels { size, ..nothing }
     }
 
-    /// Whether a backend keeps depths and colours.
     pub fn is_in_backend(&self) -> bool {
         self.inverse_depth.is_empty() && self.size != [0; 2]
     }
@@ -125,7 +123,6 @@ pub(crate) fn has_specular_weight<const N: usize>(material: &[u8; N]) -> bool {
     material.iter().take(2).any(|&weight| weight > 0)
 }
 
-/// The projection of a point into an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projected {
     /// Number of the face ([`Face`]).
@@ -136,8 +133,7 @@ pub struct Projected {
     pub inverse_depth: f32,
 }
 
-/// One probe.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct View {
     pub name: String,
     /// Its index in the container's table of probes.
@@ -155,7 +151,6 @@ pub struct View {
 }
 
 impl View {
-    /// A probe without images.
     pub fn new(probe: usize, entry: &ProbeEntry, range: DepthRange) -> Result<View> {
         let turn = rotation(entry.orientation)
             .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is no rotation", entry.name)))?;
@@ -166,16 +161,14 @@ impl View {
             probe_from_world: DMat3::from_quat(turn.inverse()),
             near_m: range.near_m(),
             far_m: range.far_m(),
-            faces: Default::default(),
+            ..View::default()
         })
     }
 
-    /// Whether it has a stream of materials.
     pub fn has_material(&self) -> bool {
         self.faces.iter().flatten().any(|face| face.material.is_some())
     }
 
-    /// Whether a weight of its materials is above 0.
     pub fn is_specular(&self) -> bool {
         self.faces.iter().flatten().any(|face| face.is_specular)
     }
@@ -206,13 +199,5 @@ impl View {
 pub struct LightField {
     /// Its probes, in the order of the container.
     pub views: Vec<View>,
-    /// What its colours are coded in.
     pub coding: ColorCoding,
-}
-
-impl LightField {
-    /// Whether a view has a stream of materials: without one, no effect is called for.
-    pub fn has_material(&self) -> bool {
-        self.views.iter().any(View::has_material)
-    }
 }

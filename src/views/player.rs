@@ -9,9 +9,8 @@ use glam::DVec3;
 
 use crate::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use crate::error::{Error, Result};
-use crate::image::FrameRange;
-use crate::image::StreamKind;
-use crate::image::TexelMap;
+use crate::image::{FrameRange, StreamKind, TexelMap};
+use crate::math::add_members;
 use crate::memory::{Budget, Need};
 use crate::ordered::try_map_ordered;
 use crate::streams::DepthHeader;
@@ -31,13 +30,11 @@ pub struct Change {
     /// Index of the view in the light field.
     pub view: usize,
     pub face: usize,
-    /// Which of its texels.
     pub kind: StreamKind,
     /// Left, top, width and height in texels.
     pub rect: Rect,
 }
 
-/// A view that has a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
     /// Its number in the light field.
@@ -46,7 +43,6 @@ pub struct Candidate {
     pub position: DVec3,
 }
 
-/// The work for a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct ShowCounts {
     /// Tiles and cells whose pixels were written.
@@ -69,20 +65,9 @@ impl ShowCounts {
     pub fn cells_skipped(&self) -> u64 {
         self.cells_unchanged + self.cells_unseen
     }
-
-    /// The sum of two.
-    #[must_use]
-    pub fn plus(self, other: ShowCounts) -> ShowCounts {
-        ShowCounts {
-            cells_decoded: self.cells_decoded + other.cells_decoded,
-            cells_unchanged: self.cells_unchanged + other.cells_unchanged,
-            cells_unseen: self.cells_unseen + other.cells_unseen,
-            texels_updated: self.texels_updated + other.texels_updated,
-            bytes_read: self.bytes_read + other.bytes_read,
-            bytes_all: self.bytes_all + other.bytes_all,
-        }
-    }
 }
+
+add_members!(ShowCounts: cells_decoded, cells_unchanged, cells_unseen, texels_updated, bytes_read, bytes_all);
 
 /// Which units of a frame are needed.
 #[derive(Clone, Copy)]
@@ -92,14 +77,14 @@ pub struct UnitRequest<'f> {
     pub secondary_rays: bool,
 }
 
-/// Shows frames of a container.
 #[derive(Debug)]
 pub struct Player<'a> {
     decoder: &'a Decoder,
     /// By the index of the view in the light field.
     streams: Vec<ViewStreams<'a>>,
     loaded: Vec<Option<LoadedView<'a>>>,
-    field: LightField,
+    /// In the last frame. Views that are not loaded have no faces.
+    pub field: LightField,
     changes: Vec<Change>,
     budget: Budget,
     /// Bytes of the budget that others take.
@@ -145,12 +130,6 @@ impl<'a> Player<'a> {
         Player { budget, reserved_bytes, ..self }
     }
 
-    /// The light field in the last frame. Views that are not loaded have no faces.
-    pub fn field(&self) -> &LightField {
-        &self.field
-    }
-
-    /// Whether probes have material streams.
     pub fn has_material(&self) -> bool {
         self.streams.iter().flat_map(|view| &view.faces).any(|face| face.material.is_some())
     }
@@ -162,7 +141,6 @@ impl<'a> Player<'a> {
         FrameRange { first, last: frames().map(|frames| frames.last).max().unwrap_or(first) }
     }
 
-    /// The views that have a frame.
     pub fn candidates(&self, frame: u32) -> Vec<Candidate> {
         let has_it = |view: usize| self.streams[view].faces.iter().any(|face| face.have(frame));
         let views = self.field.views.iter().enumerate().filter(|(view, _)| has_it(*view));
@@ -300,7 +278,6 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    /// Loaded views that are not active.
     fn idle(&self, active: &[usize]) -> Vec<usize> {
         (0..self.loaded.len()).filter(|at| self.loaded[*at].is_some() && !active.contains(at)).collect()
     }
@@ -317,7 +294,6 @@ impl<'a> Player<'a> {
         (0..self.loaded.len()).for_each(|at| self.unload(at, backend));
     }
 
-    /// Loads views that are not loaded yet.
     fn load(&mut self, views: &[usize], backend: &mut dyn TexelBackend) -> Result<()> {
         let count = self.streams.len();
         for at in views.iter().copied().filter(|at| *at < count) {
@@ -345,7 +321,7 @@ impl<'a> Player<'a> {
         let view = &self.field.views[at];
         let new = self.streams[at].faces.iter().zip(faces).filter_map(|(streams, cache)| {
             let face = streams.depth.face as usize;
-            let (texels, inverse) = (view.faces[face].as_ref()?, cache.inverse());
+            let (texels, inverse) = (view.faces[face].as_ref()?, &cache.inverse);
             Some(NewFace { face, depth: streams.depth.index, color: streams.color.index, texels, inverse })
         });
         backend.load(view.probe, &new.collect::<Vec<_>>())
@@ -373,7 +349,7 @@ impl<'a> Player<'a> {
     /// The table of a stream, shared by streams of the same range and kind.
     fn inverse_of(&mut self, header: &DepthHeader) -> Arc<InverseDepth> {
         let (range, kind) = (header.range, header.kind);
-        if let Some(table) = self.tables.iter().find(|table| (table.range(), table.kind()) == (range, kind)) {
+        if let Some(table) = self.tables.iter().find(|table| (table.range, table.kind) == (range, kind)) {
             return Arc::clone(table);
         }
         self.tables.retain(|table| Arc::strong_count(table) > 1);

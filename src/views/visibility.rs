@@ -28,7 +28,6 @@ impl UnitGrid {
     }
 }
 
-/// Units of an image that cameras see.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Culled {
     /// For each unit, the first camera that sees it, if one does.
@@ -38,11 +37,6 @@ pub struct Culled {
 }
 
 impl Culled {
-    /// Units that a camera sees.
-    pub fn visible(&self) -> u64 {
-        self.seen_by.iter().flatten().count() as u64
-    }
-
     /// Tests that [`cull_all`] makes for the same result with so many cameras.
     pub fn regular_tests(&self, cameras: usize) -> u64 {
         self.seen_by.iter().map(|first| first.map_or(cameras as u64, |first| u64::from(first) + 1)).sum()

@@ -21,7 +21,6 @@ const MARGIN_PIXELS: f64 = 1.0;
 /// Part of near at which frusta begin, as rays compute distances in single precision.
 const NEAR_PART: f64 = 0.99;
 
-/// Units that cameras may look up.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct VisibleSet {
     /// By stream index: whether each unit is visible.
@@ -46,7 +45,6 @@ pub struct VisibleSets<'a> {
 }
 
 impl<'a> VisibleSets<'a> {
-    /// For the streams of a container.
     pub fn new(decoder: &'a Decoder) -> VisibleSets<'a> {
         let mut near_m = HashMap::new();
         for stream in decoder.streams() {

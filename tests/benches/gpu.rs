@@ -239,7 +239,7 @@ fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
     let (mut sends, mut decodes) = (DeviceRenderer::new(gpu, options.clone()), DeviceRenderer::new(gpu, options));
     let mut playbacks =
         [Playback::new(decoder, PlaybackOptions::default())?, Playback::new(decoder, PlaybackOptions::default())?];
-    let field = playbacks[0].player().field();
+    let field = &playbacks[0].player.field;
     let eye = field.views.iter().map(|view| view.position).sum::<glam::DVec3>() / field.views.len() as f64;
     decodes = decodes.decoding(decoder, field.coding);
     match decodes.gpu_backend() {
@@ -247,7 +247,7 @@ fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
         None => return Err(Error::Usage("the device does not decode this container".into())),
     }
     let camera = Camera::look_at(eye, eye + glam::DVec3::NEG_Z, glam::DVec3::Y, Lens::new(90.0))?;
-    let frames = playbacks[0].player().frames();
+    let frames = playbacks[0].player.frames();
     let mut updates = [Updates::default(), Updates::default()];
     for (at, frame) in (frames.first..=frames.last).cycle().take(1 + TURNS).enumerate() {
         let request = FrameRequest { frame, cameras: vec![camera] };
@@ -275,13 +275,13 @@ fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
     );
     for (side, steps) in PICTURES {
         let mut playback = Playback::new(&decoder, PlaybackOptions::default())?;
-        let views = &playback.player().field().views;
+        let views = &playback.player.field.views;
         let eye = views.iter().map(|view| view.position).sum::<glam::DVec3>() / views.len() as f64;
         let camera = Camera::look_at(eye, eye + glam::DVec3::NEG_Z, glam::DVec3::Y, Lens::new(90.0))?;
         let options = PictureOptions { size: [side, side], steps, ..PictureOptions::default() };
-        let mut renderer = DeviceRenderer::new(gpu, options).decoding(&decoder, playback.player().field().coding);
+        let mut renderer = DeviceRenderer::new(gpu, options).decoding(&decoder, playback.player.field.coding);
         let (mut update, mut sent, mut march, mut marched) = (Vec::new(), Vec::new(), Vec::new(), 0);
-        let frames = playback.player().frames();
+        let frames = playback.player.frames();
         for (at, frame) in (frames.first..=frames.last).cycle().take(FRAMES).enumerate() {
             let before = renderer.cost();
             let shown = playback.show(&FrameRequest { frame, cameras: vec![camera] }, &mut renderer, &Silent)?;

@@ -58,9 +58,9 @@ fn main() -> Result<()> {
         let decoder = Decoder::open(&file)?;
         let first = decoder.streams().iter().map(|stream| stream.entry.first_frame).min().unwrap_or(0);
         let mut player = Player::new(&decoder, &ProbeChoice::default())?;
-        let all: Vec<usize> = (0..player.field().views.len()).collect();
+        let all: Vec<usize> = (0..player.field.views.len()).collect();
         player.show(first, &all, &AllUnits)?;
-        measure(&file, player.field(), plot.as_deref())?;
+        measure(&file, &player.field, plot.as_deref())?;
     }
     Ok(())
 }
@@ -170,7 +170,7 @@ impl Measurement {
                 let Ok(camera) = Camera::look_at(eye, eye + forward, -down, Lens::new(90.0)) else { continue };
                 let picture = if self.plain { render_plainly } else { render }(&views, &camera, &settings, &Silent);
                 if let (0, Ok(picture)) = (turn, black_box(picture)) {
-                    counters = counters.plus(picture.counters);
+                    counters = counters + picture.counters;
                 }
             }
             seconds.push(start.seconds());

@@ -14,7 +14,7 @@ use lightfold::gpu::render::texels::{DeviceTexels, Textures};
 use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
 use lightfold::march::playback::selection::SelectionSettings;
-use lightfold::march::pyramid::{DepthPyramid, ViewPyramids};
+use lightfold::march::pyramid::{DepthPyramid, Level, ViewPyramids};
 use lightfold::march::settings::SpecularMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
@@ -79,12 +79,11 @@ fn differing(
     if let Some(material) = &face.material {
         planes.push(("material".to_owned(), read(gpu, materials, image, face.size)?, packed(material)));
     }
-    for level in 0..pyramid.levels() {
-        let Some((size, values)) = pyramid.level(level) else { continue };
+    for (level, Level { size, greatest: values }) in pyramid.levels.iter().enumerate() {
         let [column, row] = origin.pyramid;
         let rows = texels.pyramid_rows();
         let place = [column, row + rows - (rows >> level), origin.layer];
-        planes.push((format!("pyramid {level}"), read(gpu, pyramids, place, size)?, bits(values)));
+        planes.push((format!("pyramid {level}"), read(gpu, pyramids, place, *size)?, bits(values)));
     }
     let wrong = |(what, found, expected): (String, Vec<u32>, Vec<u32>)| {
         let at = (0..expected.len()).find(|&at| found.get(at) != Some(&expected[at]))?;
@@ -95,9 +94,9 @@ fn differing(
 
 /// Where a walk goes on: from a place, in a direction, in a frame.
 fn walk(playback: &Playback<'_>, count: u32) -> Result<Vec<FrameRequest>> {
-    let views = &playback.player().field().views;
+    let views = &playback.player.field.views;
     let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
-    let frames = playback.player().frames();
+    let frames = playback.player.frames();
     let request = |at: u32| {
         let (turn, part) = (1.1 * f64::from(at), f64::from(at) / f64::from(count) - 0.5);
         let eye = middle + part * DVec3::new(0.6, 0.2, 0.4);
@@ -126,7 +125,7 @@ fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes:
         for (number, face) in view.faces.iter().enumerate() {
             let Some(face) = face else { continue };
             let origin = texels.origin(ImageId { probe: view.probe, face: number });
-            if let Some(wrong) = differing(gpu, texels, origin, face, pyramids.face(number)).map_err(said)? {
+            if let Some(wrong) = differing(gpu, texels, origin, face, &pyramids.faces[number]).map_err(said)? {
                 return Err(format!("{}, face {number}: {wrong}", view.name).into());
             }
             walked.images += 1;
@@ -153,7 +152,7 @@ fn compare_walk(
     for _ in 0..3 {
         playbacks.push(Playback::new(&decoder, settings.clone()).map_err(said)?);
     }
-    let coding = playbacks[0].player().field().coding;
+    let coding = playbacks[0].player.field.coding;
     let mut decodes = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
     if !decodes.decodes() {
         return Err("the device does not decode it".into());
@@ -169,7 +168,7 @@ fn compare_walk(
         let on_device = first.show(request, &mut decodes, &Silent).map_err(said)?;
         let sent = second.show(request, &mut is_sent, &Silent).map_err(said)?;
         let shown = third.show(request, &mut on_cpu, &Silent).map_err(said)?;
-        let field = third.player().field();
+        let field = &third.player.field;
         let names: Vec<&String> = shown.trace.active.iter().map(|active| &active.probe).collect();
         let active: Vec<usize> =
             field.views.iter().filter(|view| names.contains(&&view.name)).map(|view| view.probe).collect();
@@ -255,7 +254,7 @@ fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]
     let decoder = Decoder::open(container).map_err(said)?;
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
     let picture = PictureOptions { size: [16, 16], steps: 16, ..PictureOptions::default() };
-    let mut renderer = DeviceRenderer::new(gpu, picture).decoding(&decoder, playback.player().field().coding);
+    let mut renderer = DeviceRenderer::new(gpu, picture).decoding(&decoder, playback.player.field.coding);
     let requests = walk(&playback, 1).map_err(said)?;
     let shown = playback.show(&requests[0], &mut renderer, &Silent).map_err(said)?;
     match renderer.decodes() || shown.pictures[0].image.color.data().iter().all(|color| *color == [0.0; 3]) {
@@ -281,7 +280,7 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
             let mut backend = GpuBackend::new(gpu, &decoder);
             backend.kept_words = kept_words;
             let mut player = Player::new(&decoder, &ProbeChoice::default()).map_err(said)?;
-            let views: Vec<usize> = (0..player.field().views.len()).collect();
+            let views: Vec<usize> = (0..player.field.views.len()).collect();
             let request = UnitRequest { visible: &AllUnits, secondary_rays: false };
             let mut bytes = Vec::new();
             for frame in (0..12).flat_map(|frame| [frame, frame]) {
@@ -322,7 +321,7 @@ pub fn buffers_of_any_size() -> Result<(), Failed> {
             gpu.info.max_binding_bytes = most;
             let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
             let options = PictureOptions { size: [24, 24], steps: 32, ..PictureOptions::default() };
-            let coding = playback.player().field().coding;
+            let coding = playback.player.field.coding;
             let mut renderer = DeviceRenderer::new(&gpu, options).decoding(&decoder, coding);
             if renderer.decodes() != decodes {
                 return Err(format!("{size}, cells of {cell}: {needed} bytes needed, {most} allowed").into());
@@ -348,7 +347,7 @@ pub fn after_errors() -> Result<(), Failed> {
         let options = PictureOptions { size: [24, 24], steps: 32, ..PictureOptions::default() };
         let settings = PlaybackOptions { probes: ProbeChoice::default(), ..PlaybackOptions::default() };
         let mut playback = Playback::new(&decoder, settings.clone()).map_err(said)?;
-        let coding = playback.player().field().coding;
+        let coding = playback.player.field.coding;
         let mut renderer = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
         let requests = walk(&playback, 3).map_err(said)?;
         playback.show(&requests[0], &mut renderer, &Silent).map_err(said)?;

@@ -50,9 +50,9 @@ impl Renderer for Both<'_> {
 
 /// A walk from the middle of the probes along a diagonal while the camera turns, one frame after the other.
 fn walk(playback: &Playback<'_>, requests: u32, stride_m: f64) -> Result<Vec<FrameRequest>> {
-    let views = &playback.player().field().views;
+    let views = &playback.player.field.views;
     let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
-    let frames = playback.player().frames();
+    let frames = playback.player.frames();
     let request = |at: u32| {
         let (turn, part) = (0.9 * f64::from(at), f64::from(at) / f64::from(requests) - 0.5);
         let eye = middle + part * stride_m * DVec3::new(1.0, 0.3, 0.7);

@@ -115,7 +115,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
         let decoder = courtyard(folder.path(), options);
         let views = [0, 1, 2];
         let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
-        let (mut mirror, mut pyramids) = (player.field().clone(), Pyramids::default());
+        let (mut mirror, mut pyramids) = (player.field.clone(), Pyramids::default());
         let (mut visible_sets, mut ever_known) = (VisibleSets::new(&decoder), 0);
         let looks = [[2.0, 1.5, 0.0], [2.0, 1.0, 1.0], [-3.0, 1.5, 1.0]];
         for (at, frame) in [0, 1, 1, 2, 4, 5, 5, 3, 0, 1, 2].into_iter().enumerate() {
@@ -127,19 +127,19 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
                 player.show(frame, &views, visible_sets.find(&streams, &[camera])).unwrap()
             };
             let changes = player.take_changes();
-            copy(&changes, player.field(), &mut mirror);
-            for (copied, shown) in faces(&mirror).zip(faces(player.field())) {
+            copy(&changes, &player.field, &mut mirror);
+            for (copied, shown) in faces(&mirror).zip(faces(&player.field)) {
                 assert!(copied.inverse_depth == shown.inverse_depth, "frame {frame}");
                 assert!(copied.color == shown.color && copied.material == shown.material, "frame {frame}");
             }
-            pyramids.update(player.field(), &changes);
-            for (at, view) in player.field().views.iter().enumerate() {
+            pyramids.update(&player.field, &changes);
+            for (at, view) in player.field.views.iter().enumerate() {
                 assert!(*pyramids.view(at) == ViewPyramids::of(view), "frame {frame}");
             }
             let mut whole = Player::new(&decoder, &ProbeChoice::default()).unwrap();
             let all = whole.show(frame, &views, &AllUnits).unwrap();
-            let known = compare(player.field(), whole.field());
-            assert_eq!(compare(whole.field(), whole.field()), [known[1]; 2]);
+            let known = compare(&player.field, &whole.field);
+            assert_eq!(compare(&whole.field, &whole.field), [known[1]; 2]);
             assert!(known[0] < known[1] && known[0] > 0, "{known:?}");
             ever_known += known[0];
             assert_eq!((all.cells_unchanged, all.cells_unseen), (0, 0));
@@ -306,7 +306,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let options = PlaybackOptions { decode: DecodeScope::All, ..PlaybackOptions::default() };
     let mut playback = Playback::new(&decoder, options).unwrap();
-    assert_eq!((playback.player().frames().first, playback.player().frames().last), (0, 5));
+    assert_eq!((playback.player.frames().first, playback.player.frames().last), (0, 5));
     let mut renderer = little(SpecularMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
     for (frame, probes) in [(0, "a"), (1, "ab"), (2, "b"), (5, "c"), (1, "ab")] {
@@ -314,7 +314,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
         let mut active: Vec<&str> = shown.trace.active.iter().map(|active| active.probe.as_str()).collect();
         active.sort_unstable();
         assert_eq!(active.concat(), probes, "frame {frame}");
-        for view in &playback.player().field().views {
+        for view in &playback.player.field.views {
             let texels = || view.faces.iter().flatten().flat_map(|face| &face.inverse_depth);
             let known = texels().filter(|texel| **texel != UNKNOWN).count();
             assert_eq!(known, if probes.contains(&view.name) { 384 } else { 0 }, "frame {frame}, probe {}", view.name);
@@ -345,11 +345,11 @@ fn a_damaged_chunk_is_an_error_and_leaves_nothing_that_could_be_taken_for_the_fr
     player.take_changes();
     let said = player.show(bad, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
     assert!(said.contains("b.lfold"), "{said}");
-    assert!(faces(player.field()).next().is_none() && player.take_changes().is_empty());
+    assert!(faces(&player.field).next().is_none() && player.take_changes().is_empty());
     player.show(good, &[0, 1, 2], &AllUnits).unwrap();
     let mut fresh = Player::new(&whole, &ProbeChoice::default()).unwrap();
     fresh.show(good, &[0, 1, 2], &AllUnits).unwrap();
-    assert_eq!(player.field(), fresh.field());
+    assert_eq!(&player.field, &fresh.field);
 }
 
 #[test]
@@ -367,7 +367,7 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
     let limited = |bytes| limited_beside(bytes, 0);
     let mut player = limited(one * 5 / 2);
     let shown = |player: &Player<'_>| -> Vec<bool> {
-        player.field().views.iter().map(|view| view.faces.iter().any(Option::is_some)).collect()
+        player.field.views.iter().map(|view| view.faces.iter().any(Option::is_some)).collect()
     };
     player.show(0, &[0], &AllUnits).unwrap();
     player.show(0, &[1], &AllUnits).unwrap();
@@ -466,7 +466,7 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     };
     let names = |choice: &ProbeChoice| -> Vec<String> {
         let player = Player::new(&decoder, choice).unwrap();
-        player.field().views.iter().map(|view| view.name.clone()).collect()
+        player.field.views.iter().map(|view| view.name.clone()).collect()
     };
     assert_eq!(names(&choice(&[], &[])), ["00", "01", "02"]);
     assert_eq!(names(&choice(&["02", "00"], &[])), ["00", "02"]);
@@ -495,7 +495,7 @@ fn views_of_a_container_are_those_of_the_dataset_that_it_decodes_to() {
         let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
         for frame in [0, 4] {
             player.show(frame, &[0, 1, 2], &AllUnits).unwrap();
-            let field = player.field();
+            let field = &player.field;
             let loaded = from_dataset(&source, frame, field.coding).unwrap();
             assert_eq!(loaded.views.len(), 3);
             for (view, expected) in loaded.views.iter().zip(&field.views) {

@@ -93,12 +93,12 @@ fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, renderer: &mut d
 fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
     let decoder = encoded(folder);
     let mut reference = Reference::open(folder).unwrap();
-    let images = reference.images().to_vec();
+    let images = reference.images.to_vec();
     let mut rows = Vec::new();
     for (name, method) in METHODS {
         let probes = ProbeChoice { without: vec![probe.into()], ..ProbeChoice::default() };
         let mut playback = Playback::new(&decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
-        let tone = playback.player().field().coding.tone();
+        let tone = playback.player.field.coding.tone();
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let truth = reference.truth(at, 0).unwrap();
@@ -207,11 +207,11 @@ fn pictures_of_real_footage_are_no_worse_and_good_enough() {
 /// What effects gain in mirrors and in glass of the set that has them, in dB: a probe is rendered from the others.
 fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
     let mut reference = Reference::open(&footage("glass")).unwrap();
-    let images = reference.images().to_vec();
+    let images = reference.images.to_vec();
     let [with, without] = [SpecularMode::Auto, SpecularMode::None].map(|specular| {
         let probes = ProbeChoice { without: vec![probe.into()], ..ProbeChoice::default() };
         let mut playback = Playback::new(decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
-        let tone = playback.player().field().coding.tone();
+        let tone = playback.player.field.coding.tone();
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let options = PictureOptions { size: image.size, specular, ..PictureOptions::default() };
@@ -277,14 +277,14 @@ fn a_probe_that_takes_part_comes_back_code_by_code() {
     capture(DemoKind::Courtyard, 24, folder.path());
     let decoder = encoded(folder.path());
     let mut reference = Reference::open(folder.path()).unwrap();
-    let images = reference.images().to_vec();
+    let images = reference.images.to_vec();
     let probes = ProbeChoice { only: vec!["03".into()], ..ProbeChoice::default() };
     let mut playback = Playback::new(&decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
     for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == "03") {
         for (name, method) in METHODS {
             let distance_m = reference.distance_m(at, 0).unwrap();
             let rendered = picture(&mut playback, image, renderer(method, image.size, distance_m).as_mut());
-            let field = playback.player().field();
+            let field = &playback.player.field;
             let ColorCoding::Codes(tone) = field.coding else { panic!("8-bit colour was asked for") };
             let Some(ColorTexels::Codes(texels)) = field.views[0].faces[image.face as usize].as_ref().map(|f| &f.color)
             else {

@@ -132,7 +132,7 @@ fn units_are_seen_in_the_frames_of_their_cameras() {
     }
     // 60 degrees see 5 columns of pixels of 8 on each side of the middle: all tiles of a face, and all of its 16 cells
     // but the two outermost columns and rows.
-    let counts = seen.counts();
+    let counts = seen.counts;
     assert_eq!((counts.cameras, counts.units), (2, 6 * (4 + 16 + 4)));
     assert_eq!(counts.visible_units, 2 * (4 + 16 + 4));
     assert_eq!(counts.regular_tests, 2 * counts.units);

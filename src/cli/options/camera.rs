@@ -80,7 +80,7 @@ impl CameraArgs {
         let seen = (!cameras.is_empty()).then(|| CameraUnits::find(decoder, chosen, &cameras));
         let units = chosen.iter().map(|part| u64::from(part.stream.entry.unit_count())).sum();
         let counts = match &seen {
-            Some(seen) => seen.counts(),
+            Some(seen) => seen.counts,
             None => CameraUnitCounts { units, visible_units: units, ..Default::default() },
         };
         if let (Some(_), 0) = (&seen, counts.visible_units) {

@@ -8,6 +8,7 @@ use crate::cli::GlobalArgs;
 use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
+use crate::evaluate::similarity::some_psnr;
 use crate::gpu::render::RenderCost;
 use crate::march::counters::Counters;
 use crate::march::playback::frames::PlaybackSummary;
@@ -266,7 +267,7 @@ fn similarity(truth: &TruthRun) -> String {
         all.hole_percent(),
         all.seen.psnr_db(),
     );
-    for (what, value) in [("mirrors", all.mirrors_psnr_db()), ("glass", all.glass_psnr_db())] {
+    for (what, value) in [("mirrors", some_psnr(&all.mirrors)), ("glass", some_psnr(&all.glass))] {
         if let Some(value) = value {
             parts.push_str(&format!("; {what} {value:.2} dB"));
         }

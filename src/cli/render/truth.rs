@@ -60,7 +60,7 @@ impl TruthRun {
         };
         let reference = Reference::open(path)?;
         for name in &args.reference_probe {
-            if !reference.images().iter().any(|image| image.probe == *name) {
+            if !reference.images.iter().any(|image| image.probe == *name) {
                 return refuse(format!("{}: no probe is named {name}", path.display()));
             }
         }
@@ -82,7 +82,7 @@ impl TruthRun {
             global.note(format_args!("of frames {asked} only {available} exist"));
         }
         let frames = frames.map_or(Some(available), |frames| frames.intersect(available));
-        for (at, image) in self.reference.images().iter().enumerate() {
+        for (at, image) in self.reference.images.iter().enumerate() {
             if !self.probes.is_empty() && !self.probes.contains(&image.probe) {
                 continue;
             }
@@ -90,7 +90,7 @@ impl TruthRun {
             {
                 let name = PictureName { number: frame, subject: format!("{}_{}", image.probe, image.face.name()) };
                 let same = |job: &&mut Job| {
-                    let other = job.references.first().and_then(|&other| self.reference.images().get(other));
+                    let other = job.references.first().and_then(|&other| self.reference.images.get(other));
                     job.request.frame == frame
                         && job.size == image.size
                         && other.is_some_and(|o| o.probe == image.probe)
@@ -134,7 +134,7 @@ impl TruthRun {
             let truth = self.reference.truth(image, job.request.frame)?;
             let similarity = Similarity::of(rendered, &truth, tone)?;
             self.all.merge(&similarity)?;
-            let about = &self.reference.images()[image];
+            let about = &self.reference.images[image];
             self.images.push(ImageReport {
                 similarity: similarity.report(),
                 probe: about.probe.clone(),

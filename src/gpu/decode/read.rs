@@ -10,10 +10,9 @@ use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves}
 use crate::image::plane::Plane;
 
 impl GpuDecoder<'_> {
-    /// Reads back the pictures of all streams.
     pub fn read(&mut self) -> Result<Vec<Picture>> {
         self.wait()?;
-        let words = self.gpu.read(&self.buffers.pictures, self.buffers.picture_words)?;
+        let words = self.gpu.read(&self.buffers.pictures, self.buffers.pictures.size() as usize / 4)?;
         Ok(self
             .streams
             .iter()

@@ -38,7 +38,6 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares.
     pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
         let [found, expected] = [on_device, on_cpu].map(|picture| picture.image.codes(ToneMap::default()));
         let error = SquaredError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;

@@ -6,6 +6,7 @@
 //! Each loaded probe has its own decoders, one per family of its streams, so that it is loaded and unloaded as one.
 
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Add;
 use std::time::{Duration, Instant};
 
 use crate::decode::{Decoder, StreamInfo};
@@ -15,9 +16,10 @@ use crate::gpu::device::Gpu;
 use crate::gpu::family::{self, Family, PixelWords};
 use crate::gpu::kernels;
 use crate::gpu::layout::Unit;
-use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TilePart, TileParts};
+use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TexelWords, TilePart, TileParts};
 use crate::gpu::render::scene::ImageId;
 use crate::image::{DepthKind, StreamKind};
+use crate::math::add_members;
 use crate::streams::CodecHeader;
 use crate::views::backend::{FaceUpdate, NewFace, TexelBackend};
 use crate::views::face_cache::{CachedUnit, DepthPart, FaceChanges, UnitId, units_under};
@@ -33,31 +35,15 @@ const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
 pub struct UnitCost {
     /// Stored bytes that were read.
     pub bytes_read: u64,
-    /// Bytes that went to the device.
     pub bytes_sent: u64,
     /// Time for reading, unpacking and checking chunks, and for sending them.
     pub fetching: Duration,
-    /// Time for decoding.
     pub decoding: Duration,
     /// Time for writing inverse depths.
     pub texels: Duration,
-    /// Time for pyramids.
     pub pyramids: Duration,
 }
 
-/// A rectangle of a cell in a buffer of pictures.
-#[derive(Debug)]
-pub struct CellPart<'p> {
-    pub pictures: &'p wgpu::Buffer,
-    /// Word of the first texel.
-    pub at: u32,
-    /// Words from row to row.
-    pub pitch: u32,
-    /// Left, top, width and height in the face.
-    pub rect: Rect,
-}
-
-/// Units of all loaded probes.
 pub struct GpuBackend<'a> {
     gpu: &'a Gpu,
     decoder: &'a Decoder,
@@ -163,18 +149,16 @@ impl<'a> GpuBackend<'a> {
         GpuBackend { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
     }
 
-    /// Cost so far.
     pub fn cost(&self) -> UnitCost {
-        self.probes.values().map(ProbeUnits::cost).fold(self.cost, UnitCost::plus)
+        self.probes.values().map(ProbeUnits::cost).fold(self.cost, UnitCost::add)
     }
 
-    /// Planes of a loaded probe.
     pub fn planes(&self, probe: usize) -> Option<&DepthPlanes> {
         self.probes.get(&probe).map(|units| &units.planes)
     }
 
     /// The cells that overlap a rectangle of a face, each cut to the overlap.
-    pub fn cells(&self, ImageId { probe, face }: ImageId, rect: Rect) -> Vec<CellPart<'_>> {
+    pub fn cells(&self, ImageId { probe, face }: ImageId, rect: Rect) -> Vec<TexelWords<'_>> {
         let Some(units) = self.probes.get(&probe) else { return Vec::new() };
         let Some([_, color]) = units.streams.get(&face) else { return Vec::new() };
         let entry = &self.decoder.streams()[*color as usize].entry;
@@ -183,7 +167,7 @@ impl<'a> GpuBackend<'a> {
             let [cell_left, cell_top, ..] = stream.entry.unit_rect(number as u32);
             let rect = overlap(rect, stream.entry.unit_rect(number as u32))?;
             let at = unit.picture + (rect[1] - cell_top) * unit.stride + rect[0] - cell_left;
-            Some(CellPart { pictures: decoder.pictures(), at, pitch: unit.stride, rect })
+            Some(TexelWords { buffer: decoder.pictures(), at, pitch: unit.stride, rect })
         };
         units_under(entry, rect).filter_map(part).collect()
     }
@@ -196,19 +180,7 @@ impl<'a> GpuBackend<'a> {
     }
 }
 
-impl UnitCost {
-    #[must_use]
-    pub fn plus(self, other: UnitCost) -> UnitCost {
-        UnitCost {
-            bytes_read: self.bytes_read + other.bytes_read,
-            bytes_sent: self.bytes_sent + other.bytes_sent,
-            fetching: self.fetching + other.fetching,
-            decoding: self.decoding + other.decoding,
-            texels: self.texels + other.texels,
-            pyramids: self.pyramids + other.pyramids,
-        }
-    }
-}
+add_members!(UnitCost: bytes_read, bytes_sent, fetching, decoding, texels, pyramids);
 
 impl<'a> GpuBackend<'a> {
     /// The units of a probe that is loaded, and the bytes that were sent for them.
@@ -254,15 +226,15 @@ impl TexelBackend for GpuBackend<'_> {
 
     fn unload(&mut self, probe: usize) {
         if let Some(units) = self.probes.remove(&probe) {
-            self.cost = self.cost.plus(units.cost());
+            self.cost = self.cost + units.cost();
         }
     }
 
     fn decode(&mut self, frame: u32, mut units: Vec<&mut CachedUnit<'_>>) -> Result<()> {
         let mut calls: BTreeMap<(usize, usize), Vec<(usize, UnitFrame)>> = BTreeMap::new();
         for (at, unit) in units.iter().enumerate() {
-            let probe = unit.id().probe;
-            let found = self.probes.get(&probe).and_then(|probe| probe.find(unit.id(), frame));
+            let probe = unit.id.probe;
+            let found = self.probes.get(&probe).and_then(|probe| probe.find(unit.id, frame));
             let (decoder, wanted) = found.ok_or_else(|| Error::invalid("a unit of a probe that is not loaded"))?;
             calls.entry((probe, decoder)).or_default().push((at, wanted));
         }
@@ -280,8 +252,8 @@ impl TexelBackend for GpuBackend<'_> {
     }
 
     fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool {
-        let Some(probe) = self.probes.get(&unit.id().probe) else { return false };
-        probe.find(unit.id(), frame).is_some_and(|(decoder, wanted)| probe.decoders[decoder].shows(wanted))
+        let Some(probe) = self.probes.get(&unit.id.probe) else { return false };
+        probe.find(unit.id, frame).is_some_and(|(decoder, wanted)| probe.decoders[decoder].shows(wanted))
     }
 
     fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>> {

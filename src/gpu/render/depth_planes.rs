@@ -39,8 +39,19 @@ pub struct Plane {
     pub at: u32,
     /// Words from row to row.
     pub pitch: u32,
-    /// Columns and rows.
     pub size: [u32; 2],
+}
+
+/// A rectangle of an image in a buffer of words, one for each texel.
+#[derive(Debug, Clone, Copy)]
+pub struct TexelWords<'p> {
+    pub buffer: &'p wgpu::Buffer,
+    /// First word.
+    pub at: u32,
+    /// Words from row to row.
+    pub pitch: u32,
+    /// Where it lies in the image.
+    pub rect: Rect,
 }
 
 /// Planes and tables of a face.
@@ -71,7 +82,6 @@ pub struct TilePart {
     pub corner: [u32; 2],
 }
 
-/// Planes of a probe.
 #[derive(Debug)]
 pub struct DepthPlanes {
     pub planes: wgpu::Buffer,
@@ -138,7 +148,7 @@ impl<'f> Tables<'f> {
             return *at;
         }
         let at = self.words.len() as u32;
-        self.words.extend(table.of_codes().iter().map(|inverse| inverse.to_bits()));
+        self.words.extend(table.of_code.iter().map(|inverse| inverse.to_bits()));
         self.inverse.push((table, at));
         at
     }
@@ -172,7 +182,7 @@ impl DepthPlanes {
                 top.at = new.face as u32;
             }
             let table = tables.inverse(new.inverse);
-            let ray_lengths = (new.inverse.kind() == DepthKind::Distance).then(|| tables.ray_lengths(new.texels));
+            let ray_lengths = (new.inverse.kind == DepthKind::Distance).then(|| tables.ray_lengths(new.texels));
             known.insert(new.face, FacePlanes { levels, table, ray_lengths });
         }
         // The error of a buffer that is too large names both sizes.
@@ -186,7 +196,6 @@ impl DepthPlanes {
         Ok((DepthPlanes { planes, tables, jobs: None, faces: known }, sent))
     }
 
-    /// Bytes of the device that they take.
     pub fn bytes(&self) -> u64 {
         self.planes.size() + self.tables.size() + self.jobs.as_ref().map_or(0, wgpu::Buffer::size)
     }
@@ -194,6 +203,12 @@ impl DepthPlanes {
     /// The texels of a face, and the levels of its pyramid.
     pub fn levels(&self, face: usize) -> &[Plane] {
         self.faces.get(&face).map_or(&[], |face| &face.levels)
+    }
+
+    /// A rectangle of a plane.
+    pub fn texels(&self, plane: &Plane, rect: Rect) -> TexelWords<'_> {
+        let [left, top, ..] = rect;
+        TexelWords { buffer: &self.planes, at: plane.at + top * plane.pitch + left, pitch: plane.pitch, rect }
     }
 
     /// Whether there is [`GREATEST_WORD`]: a face in every direction.

@@ -21,7 +21,6 @@ use crate::views::backend::TexelBackend;
 use crate::views::light_field::ColorCoding;
 use crate::views::player::Change;
 
-/// Makes the pictures of a playback on a device.
 pub struct DeviceRenderer<'a> {
     pub options: PictureOptions,
     gpu: &'a Gpu,
@@ -31,7 +30,6 @@ pub struct DeviceRenderer<'a> {
 }
 
 impl<'a> DeviceRenderer<'a> {
-    /// A renderer without texels.
     pub fn new(gpu: &'a Gpu, options: PictureOptions) -> DeviceRenderer<'a> {
         DeviceRenderer { options, gpu, pyramids: Pyramids::default(), renderer: None }
     }
@@ -48,7 +46,6 @@ impl<'a> DeviceRenderer<'a> {
         DeviceRenderer { renderer, ..self }
     }
 
-    /// Whether the device decodes depth and colour.
     pub fn decodes(&self) -> bool {
         self.renderer.as_ref().is_some_and(|renderer| renderer.backend.is_some())
     }
@@ -58,7 +55,6 @@ impl<'a> DeviceRenderer<'a> {
         self.renderer.as_mut()?.backend.as_mut()
     }
 
-    /// Cost so far.
     pub fn cost(&self) -> RenderCost {
         self.renderer.as_ref().map(GpuRenderer::cost).unwrap_or_default()
     }

@@ -14,7 +14,6 @@ use crate::march::specular::secondary_rays::MAX_BOUNCES;
 use crate::math::{Camera, Window};
 use crate::views::light_field::{ColorCoding, FaceTexels};
 
-/// An image of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ImageId {
     /// Index of its probe in the container.
@@ -39,11 +38,8 @@ pub const NO_BOUND: f32 = 1e30;
 const NO_FACE: u32 = u32::MAX;
 /// Images of a view in its row.
 const FACES_OF_VIEW: usize = 8;
-/// Colours are linear light.
 const CODING_LIGHT: u32 = 0;
-/// Colours are codes of sRGB.
 const CODING_SRGB: u32 = 1;
-/// Colours are codes of light.
 const CODING_LINEAR: u32 = 2;
 /// Word of a scene with the first row of a dispatch.
 pub const FIRST_ROW_WORD: usize = offset_of!(Scene, first_row) / 4;
@@ -89,12 +85,10 @@ impl SceneRows {
                 // A device that decodes has all levels, and the CPU none.
                 let levels = match texels.is_in_backend() {
                     true => DepthPyramid::sizes(texels.size).len(),
-                    false => active.pyramids.face(number).levels(),
+                    false => active.pyramids.faces[number].levels.len(),
                 } as u32;
-                rows.faces.push(Face {
-                    levels,
-                    ..face(number, texels, origin(ImageId { probe: active.view.probe, face: number }))
-                });
+                let id = ImageId { probe: active.view.probe, face: number };
+                rows.faces.push(Face { levels, ..face(number, texels, origin(id)) });
             }
             let turn = active.probe_from_world;
             rows.views.push(View {

@@ -11,11 +11,11 @@ use crate::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::render::backend::GpuBackend;
-use crate::gpu::render::depth_planes::{Plane, above};
+use crate::gpu::render::depth_planes::{TexelWords, above};
 use crate::gpu::render::scene::{ImageId, Origin};
 use crate::image::StreamKind;
 use crate::march::active_views::ActiveViews;
-use crate::march::pyramid::DepthPyramid;
+use crate::march::pyramid::{DepthPyramid, Level};
 use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels};
 use crate::views::rects::{Rect, bounds, overlap};
 
@@ -47,14 +47,12 @@ pub struct Textures {
     pub materials: wgpu::Texture,
 }
 
-/// An image that has a tile.
 #[derive(Debug)]
 struct Resident {
     tile: Allocation,
     stale: Vec<Stale>,
 }
 
-/// An image that is needed on the device.
 #[derive(Clone, Copy)]
 struct Image<'v> {
     id: ImageId,
@@ -63,7 +61,7 @@ struct Image<'v> {
 }
 
 /// A place in a texture array: column, row and layer.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 struct Place<'t> {
     texture: &'t wgpu::Texture,
     origin: [u32; 3],
@@ -82,7 +80,6 @@ impl Place<'_> {
     }
 }
 
-/// Bytes that went into textures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Transferred {
     pub bytes_sent: u64,
@@ -91,12 +88,10 @@ pub struct Transferred {
 }
 
 impl DeviceTexels {
-    /// No image yet; colours are coded like this.
     pub fn new(coding: ColorCoding) -> DeviceTexels {
         DeviceTexels { tile: [1, 1], coding, has_material: false, textures: None, resident: HashMap::new() }
     }
 
-    /// Marks texels of an image as changed.
     pub fn change(&mut self, id: ImageId, kind: StreamKind, rect: Rect) {
         if let Some(resident) = self.resident.get_mut(&id) {
             resident.stale.push((kind, rect));
@@ -121,7 +116,7 @@ impl DeviceTexels {
             let faces = active.view.faces.iter().enumerate();
             faces.filter_map(|(face, texels)| {
                 let id = ImageId { probe: active.view.probe, face };
-                Some(Image { id, texels: texels.as_ref()?, pyramid: active.pyramids.face(face) })
+                Some(Image { id, texels: texels.as_ref()?, pyramid: &active.pyramids.faces[face] })
             })
         });
         let images: Vec<Image<'_>> = images.collect();
@@ -142,7 +137,8 @@ impl DeviceTexels {
         for (backend, id) in in_backend().filter_map(|id| Some((backend?, id))) {
             self.list_copies(id, backend, &mut copies);
         }
-        let bytes_copied = copies.iter().map(|copy| 4 * u64::from(copy.rect[2]) * u64::from(copy.rect[3])).sum();
+        let texels = copies.iter().map(|copy| copy.words.rect);
+        let bytes_copied = texels.map(|[_, _, width, height]| 4 * u64::from(width) * u64::from(height)).sum();
         if !copies.is_empty() {
             gpu.submit("texels", |encoder| copies.iter().for_each(|copy| copy.encode(encoder)))?;
         }
@@ -242,7 +238,6 @@ impl DeviceTexels {
         self.tile[0].max(self.tile[1]).next_power_of_two()
     }
 
-    /// Where an image begins.
     pub fn origin(&self, id: ImageId) -> Origin {
         let Some(Resident { tile, .. }) = self.resident.get(&id) else { return Origin::default() };
         let [column, row] = [0, 1].map(|axis| tile.corner[axis] / self.tile[axis]);
@@ -285,10 +280,12 @@ impl DeviceTexels {
                     let place = Place { texture, origin: [x, y, origin.layer] };
                     sent += write(gpu, place, bytes, texels.size, rect);
                 }
-                for level in (0..image.pyramid.levels()).filter(|_| kind == StreamKind::Depth) {
-                    let Some((size, values)) = image.pyramid.level(level) else { continue };
+                for (level, Level { size, greatest }) in image.pyramid.levels.iter().enumerate() {
+                    if kind != StreamKind::Depth {
+                        break;
+                    }
                     let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
-                    sent += write(gpu, place, bytemuck::cast_slice(values), size, above(rect, level));
+                    sent += write(gpu, place, bytemuck::cast_slice(greatest), *size, above(rect, level));
                 }
             }
             sent
@@ -309,22 +306,16 @@ impl DeviceTexels {
             if kind == StreamKind::Depth {
                 changed = Some(bounds(changed, rect));
                 let place = Place { texture: &textures.inverse_depths, origin: origin_of_texels };
-                copies.push(TexelCopy::of_plane(&planes.planes, texels, place, rect));
+                copies.push(TexelCopy { words: planes.texels(texels, rect), place });
             } else {
                 let place = Place { texture: &textures.colors, origin: origin_of_texels };
-                copies.extend(backend.cells(id, rect).into_iter().map(|cell| TexelCopy {
-                    buffer: cell.pictures,
-                    at: cell.at,
-                    pitch: cell.pitch,
-                    place,
-                    rect: cell.rect,
-                }));
+                copies.extend(backend.cells(id, rect).into_iter().map(|words| TexelCopy { words, place }));
             }
         }
         let Some(changed) = changed else { return };
         for (level, plane) in levels.iter().enumerate() {
             let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
-            copies.push(TexelCopy::of_plane(&planes.planes, plane, place, above(changed, level)));
+            copies.push(TexelCopy { words: planes.texels(plane, above(changed, level)), place });
         }
     }
 
@@ -343,37 +334,25 @@ impl DeviceTexels {
     }
 }
 
-/// Words of a buffer that become texels of four bytes.
-#[derive(Debug)]
+/// Words that become texels of four bytes.
 struct TexelCopy<'u> {
-    buffer: &'u wgpu::Buffer,
-    /// First word.
-    at: u32,
-    /// Words from row to row.
-    pitch: u32,
+    words: TexelWords<'u>,
     place: Place<'u>,
-    /// Rectangle of the image at the place.
-    rect: Rect,
 }
 
-impl<'u> TexelCopy<'u> {
-    /// A rectangle of a plane, to the same rectangle of an image.
-    fn of_plane(buffer: &'u wgpu::Buffer, plane: &Plane, place: Place<'u>, rect: Rect) -> TexelCopy<'u> {
-        let [left, top, ..] = rect;
-        TexelCopy { buffer, at: plane.at + top * plane.pitch + left, pitch: plane.pitch, place, rect }
-    }
-
+impl TexelCopy<'_> {
     fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
-        let [_, _, width, height] = self.rect;
+        let TexelWords { buffer, at, pitch, rect } = self.words;
+        let [_, _, width, height] = rect;
         let layout = wgpu::TexelCopyBufferLayout {
-            offset: 4 * u64::from(self.at),
+            offset: 4 * u64::from(at),
             // A single row may be the last of its buffer, with no whole pitch behind it.
-            bytes_per_row: (height > 1).then_some(4 * self.pitch),
+            bytes_per_row: (height > 1).then_some(4 * pitch),
             rows_per_image: None,
         };
         encoder.copy_buffer_to_texture(
-            wgpu::TexelCopyBufferInfo { buffer: self.buffer, layout },
-            self.place.copy_target(self.rect),
+            wgpu::TexelCopyBufferInfo { buffer, layout },
+            self.place.copy_target(rect),
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         );
     }

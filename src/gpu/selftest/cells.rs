@@ -12,12 +12,10 @@ use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
-/// A sample that cells hold.
 pub trait CellSample: Sample {
     /// A random one, often an edge.
     fn random(random: &mut Random) -> Self;
 
-    /// Pixels as words.
     fn pack(samples: &[Self]) -> Vec<u32>;
 }
 
@@ -77,7 +75,6 @@ impl<S: CellSample> Keyframe<S> {
     }
 }
 
-/// Adds a random keyframe of a cell of this format.
 pub fn push_random_keyframe<S: CellSample>(format: &CellFormat<S>, builder: &mut CellBuilder, random: &mut Random) {
     Keyframe::random(format, random).push(format, builder);
 }

@@ -40,7 +40,6 @@ impl Gathered {
         self.records.push(record);
     }
 
-    /// The sum of the work of all jobs.
     pub fn work(&self) -> u32 {
         self.jobs.last().map_or(0, |job| job.end)
     }

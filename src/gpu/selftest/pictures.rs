@@ -12,10 +12,9 @@ use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
-use crate::image::DepthKind;
-use crate::image::ImageProjection;
 use crate::image::cube::Face;
 use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::{DepthKind, ImageProjection};
 use crate::march::active_views::ActiveViews;
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render};
@@ -33,7 +32,6 @@ const FACE: u32 = 48;
 /// Pixels along a side of a picture.
 const SIZE: u32 = 96;
 
-/// A picture rendered on both devices.
 #[derive(Debug, Clone)]
 pub struct PictureCase {
     pub label: &'static str,
@@ -44,7 +42,6 @@ pub struct PictureCase {
 }
 
 impl PictureCase {
-    /// The views as the camera has them.
     pub fn active(&self) -> ActiveViews<'_> {
         ActiveViews::new(&self.field, &self.views, self.camera.eye())
     }
@@ -102,16 +99,13 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     Ok(cases)
 }
 
-/// The result of a case.
 #[derive(Debug, Clone)]
 pub struct PictureResult {
-    /// How far the pictures are from each other.
     pub agreement: Agreement,
     pub on_device: Rendered,
     pub on_cpu: Rendered,
 }
 
-/// Renders a case on a device and on the CPU.
 pub fn run(gpu: &Gpu, case: &PictureCase) -> Result<PictureResult> {
     let views = case.active();
     let mut renderer = GpuRenderer::new(gpu, case.field.coding);
@@ -151,7 +145,6 @@ pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
     Ok(report)
 }
 
-/// A scene that is captured.
 struct Captured {
     scene: SceneAtTime,
     middle: DVec3,

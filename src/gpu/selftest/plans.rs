@@ -22,7 +22,6 @@ struct Planned {
 }
 
 impl Planned {
-    /// Adds an item with its job.
     fn push(&mut self, item: Item, states: [State; 2], job: Job, work: u32) {
         self.all.push_job(job, work);
         self.items.push(item);
@@ -167,12 +166,10 @@ fn cases(seed: u64, push: fn(&mut Planned, &mut Random)) -> Vec<Case> {
     [1, 255, 256, 257, 3000].map(case).into()
 }
 
-/// Items of depth and material.
 pub(super) fn records(seed: u64) -> Vec<Case> {
     cases(seed, Planned::push_records)
 }
 
-/// Items of colour.
 pub(super) fn cells(seed: u64) -> Vec<Case> {
     cases(seed, Planned::push_cell)
 }

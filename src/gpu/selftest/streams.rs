@@ -55,10 +55,8 @@ static DECODING: [&Kernel; 10] = [
     &kernels::CELLS_BC6H,
 ];
 
-/// The result for all streams.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct StreamsReport {
-    /// Streams that were decoded.
     pub streams: u64,
     pub images: u64,
     /// Words that differ, and where the first of them is.
@@ -132,12 +130,6 @@ fn compare(
     Ok(())
 }
 
-/// A stream with its coded chunks.
-struct Made {
-    entry: StreamEntry,
-    chunks: Vec<(u32, EncodedChunk)>,
-}
-
 fn random_container(random: &mut Random) -> Result<Vec<u8>> {
     let mut writer = Writer::new(Vec::new(), "random", 24.0, 0)?;
     let probe = ProbeEntry {
@@ -151,15 +143,7 @@ fn random_container(random: &mut Random) -> Result<Vec<u8>> {
     let mut chunks = Vec::new();
     for face in 0..FACES {
         for header in [depth_header(random)?, color_header(random), material_header(random)] {
-            let Made { entry, chunks: of_stream } = random_stream(face, &header, random)?;
-            let stream = writer.add_stream(entry.clone());
-            let key = |unit: u32, chunk: &EncodedChunk| ChunkKey {
-                stream,
-                unit,
-                first_frame: entry.first_frame + chunk.first_frame,
-                frame_count: chunk.frame_count,
-            };
-            chunks.extend(of_stream.into_iter().map(|(unit, chunk)| (key(unit, &chunk), chunk.payload)));
+            add_stream(&mut writer, face, &header, &mut chunks, random)?;
         }
     }
     for (key, payload) in chunks {
@@ -215,7 +199,14 @@ fn random_window(random: &mut Random) -> u8 {
     random.pick(&[1, 2, 3, 5, 255]).unwrap_or(1)
 }
 
-fn random_stream(face: u8, header: &CodecHeader, random: &mut Random) -> Result<Made> {
+/// Adds a random stream, and its coded chunks.
+fn add_stream(
+    writer: &mut Writer<Vec<u8>>,
+    face: u8,
+    header: &CodecHeader,
+    chunks: &mut Vec<(ChunkKey, Vec<u8>)>,
+    random: &mut Random,
+) -> Result<()> {
     let side = |random: &mut Random| if random.one_in(4) { 1 + random.below(90) } else { 1 + random.below(24) };
     let (width, height) = (side(random), side(random));
     // At least a few units, at most a few dozen.
@@ -239,13 +230,17 @@ fn random_stream(face: u8, header: &CodecHeader, random: &mut Random) -> Result<
         unit_height,
         codec_header: header.write(),
     };
-    let mut chunks = Vec::new();
+    let stream = writer.add_stream(entry.clone());
     for unit in 0..entry.unit_count() {
         let [_, _, width, height] = entry.unit_rect(unit);
-        let of_unit = unit_chunks(header, [width, height], frame_count, random)?;
-        chunks.extend(of_unit.into_iter().map(|chunk| (unit, chunk)));
+        for EncodedChunk { first_frame, frame_count, payload } in
+            unit_chunks(header, [width, height], frame_count, random)?
+        {
+            let first_frame = entry.first_frame + first_frame;
+            chunks.push((ChunkKey { stream, unit, first_frame, frame_count }, payload));
+        }
     }
-    Ok(Made { entry, chunks })
+    Ok(())
 }
 
 /// Chunks that cover the frames of a unit.

@@ -4,10 +4,9 @@ use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, list_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
-use crate::image::DepthKind;
-use crate::image::TexelMap;
 use crate::image::transfer::ToneMap;
-use crate::march::pyramid::DepthPyramid;
+use crate::image::{DepthKind, TexelMap};
+use crate::march::pyramid::{DepthPyramid, Level};
 use crate::math::random::Random;
 use crate::views::inverse_depth::InverseDepth;
 use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN};
@@ -33,7 +32,7 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
         let Ok(range) = DepthRange::new(0.25, 900.0) else { continue };
         let inverse = InverseDepth::new(range, kind);
         let mut face = FaceTexels::unknown(size, TexelMap::cube_face(size), codes);
-        let mut tables: Vec<u32> = inverse.of_codes().iter().map(|inverse| inverse.to_bits()).collect();
+        let mut tables: Vec<u32> = inverse.of_code.iter().map(|inverse| inverse.to_bits()).collect();
         let stretch = tables.len() as u32;
         for row in 0..size[1] {
             tables.extend((0..size[0]).map(|column| face.map.ray_length_factor(column, row).to_bits()));
@@ -124,8 +123,7 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
         let mut pyramid = DepthPyramid::default();
         pyramid.update(size, &texels, 0..size[0], 0..size[1]);
         let mut below: ([u32; 2], Vec<f32>) = (size, texels);
-        for level in 0..pyramid.levels() {
-            let Some((above, values)) = pyramid.level(level) else { continue };
+        for (level, Level { size: above, greatest: values }) in pyramid.levels.into_iter().enumerate() {
             let (below_pitch, pitch) = (below.0[0].next_multiple_of(64), above[0] + 3);
             let mut planes = vec![0; (below_pitch * below.0[1]) as usize];
             for (row, texels) in below.1.chunks(below.0[0] as usize).enumerate() {
@@ -163,7 +161,7 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
                 inputs: 1,
                 pixels: u64::from(job.end),
             });
-            below = (above, values.to_vec());
+            below = (above, values);
         }
     }
     // What takes longest is timed.

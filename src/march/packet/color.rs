@@ -9,7 +9,6 @@ use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of,
 use crate::march::packet::views::{PacketView, PacketViews, Places};
 use crate::views::light_field::{BACKGROUND, ColorTexels, UNKNOWN};
 
-/// Weighted sums over texels.
 #[derive(Debug)]
 struct Sums {
     /// Red, green and blue, in codes up to 255 or light.

@@ -12,7 +12,6 @@ use crate::march::ray::Steps;
 use crate::march::segments::{Next, Walk};
 use crate::march::settings::Acceleration;
 
-/// Primary rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet {
     x: Lanes,
@@ -37,7 +36,6 @@ impl Packet {
         Packet { x, y, z, reach, rays: ALL >> (4 - directions.len().min(4)) }
     }
 
-    /// The points at distances.
     pub(crate) fn at(&self, distance_m: Lanes) -> Points {
         // A ray adds its origin, which is 0 here and changes nothing but the sign of a zero.
         Points { x: self.x * distance_m, y: self.y * distance_m, z: self.z * distance_m }

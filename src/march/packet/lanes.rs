@@ -12,7 +12,6 @@ pub(crate) const ALL: u32 = 0b1111;
 /// The bits of √½.
 const ROOT_OF_HALF: i32 = 0x3f35_04f3;
 
-/// Points of four rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Points {
     pub(crate) x: Lanes,
@@ -29,7 +28,6 @@ pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Either of two by a mask.
 #[inline(always)]
 pub(crate) fn either(mask: BVec4A, yes: Lanes, no: Lanes) -> Lanes {
     Lanes::select(mask, yes, no)

@@ -19,7 +19,6 @@ use crate::views::light_field::ColorCoding;
 pub(crate) struct PacketScene<'a> {
     views: &'a ActiveViews<'a>,
     flat: PacketViews<'a>,
-    /// For coded colours.
     curve: Option<LightCurve>,
     clip: Option<ClipPlanes>,
 }
@@ -33,7 +32,6 @@ impl<'a> PacketScene<'a> {
         PacketScene { views, flat: PacketViews::new(views), curve, clip }
     }
 
-    /// Makes packets of a row.
     pub(crate) fn row(&'a self, settings: &'a RenderSettings) -> PacketRow<'a> {
         PacketRow {
             scene: self,

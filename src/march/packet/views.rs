@@ -17,14 +17,12 @@ use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 /// Longest side of a guessed image, in texels: places in it are exact to far less than one.
 const LONGEST_GUESSED: f32 = 65_536.0;
 
-/// Size and projection of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Map {
     size: [f32; 2],
     texels: TexelMap,
 }
 
-/// An active view in lanes.
 #[derive(Debug)]
 pub(crate) struct PacketView<'a> {
     /// Columns of the rotation into its axes.
@@ -255,7 +253,6 @@ impl<'a> PacketView<'a> {
         self.occupancies(&local, &places)
     }
 
-    /// Projections of vectors from the viewpoint.
     #[inline(always)]
     fn places(&self, local: &Points) -> Places {
         if self.is_view { self.places_in_view(local) } else { self.places_in_cube(local) }
@@ -338,7 +335,6 @@ impl<'a> PacketView<'a> {
         Lanes::new(each(0), each(1), each(2), each(3))
     }
 
-    /// Occupancy by vectors and their projections.
     #[inline(always)]
     fn occupancies(&self, local: &Points, places: &Places) -> Occupancies {
         let surface = self.nearest(places);
@@ -429,7 +425,7 @@ impl<'a> PacketView<'a> {
             let Some(texels) = self.faces[face] else { continue };
             let (from, to) = ([least[0][lane], least[1][lane]], [most[0][lane], most[1][lane]]);
             if first.face.of(lane) == face
-                && self.pyramids.face(face).greatest_between(texels, from, to) * farthest_m[lane] < SURELY_BELOW_ONE
+                && self.pyramids.faces[face].greatest_between(texels, from, to) * farthest_m[lane] < SURELY_BELOW_ONE
             {
                 proved |= 1 << lane;
             }
@@ -438,7 +434,6 @@ impl<'a> PacketView<'a> {
     }
 }
 
-/// Active views in lanes.
 #[derive(Debug)]
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,

@@ -38,13 +38,10 @@ pub enum DecodeScope {
     All,
 }
 
-/// Settings of a playback.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlaybackOptions {
     pub probes: ProbeChoice,
-    /// Selection of active views.
     pub selection: SelectionSettings,
-    /// Which of their units are decoded.
     pub decode: DecodeScope,
 }
 
@@ -64,7 +61,6 @@ pub struct PictureOptions {
     /// Rays in each row and column of a pixel.
     pub samples: u32,
     pub holes: HoleFill,
-    /// Secondary rays.
     pub specular: SpecularMode,
     /// Most bounces of a ray.
     pub max_bounces: u32,
@@ -89,7 +85,6 @@ impl Default for PictureOptions {
 }
 
 impl PictureOptions {
-    /// The settings for these views.
     pub fn settings(&self, views: &ActiveViews<'_>) -> RenderSettings {
         let near_m = self.near_m.unwrap_or_else(|| views.near_m() / 10.0);
         let far_m = self.far_m.unwrap_or_else(|| views.far_m());
@@ -105,7 +100,6 @@ impl PictureOptions {
     }
 }
 
-/// Input of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Stage<'s> {
     /// The light field in this frame.
@@ -135,7 +129,6 @@ pub trait Renderer {
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered>;
 }
 
-/// Renders on the processor.
 #[derive(Debug, Clone, Default)]
 pub struct CpuRenderer {
     pub options: PictureOptions,
@@ -164,31 +157,26 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// The result of a frame request.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     pub pictures: Vec<Rendered>,
-    /// The work for the frame.
     pub counts: ShowCounts,
     pub trace: FrameTrace,
 }
 
-/// The result of all frame requests.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PlaybackSummary {
     pub shots: usize,
     /// Most active views of one.
     pub most_views: usize,
     pub counters: Counters,
-    /// Units and bytes.
     pub counts: ShowCounts,
     pub pacing: FramePacing,
 }
 
-/// Shows a light field.
 #[derive(Debug)]
 pub struct Playback<'a> {
-    player: Player<'a>,
+    pub player: Player<'a>,
     cpu: CpuBackend,
     visible_sets: VisibleSets<'a>,
     selector: ViewSelector,
@@ -199,7 +187,6 @@ pub struct Playback<'a> {
 }
 
 impl<'a> Playback<'a> {
-    /// A playback of a container.
     pub fn new(decoder: &'a Decoder, options: PlaybackOptions) -> Result<Playback<'a>> {
         Ok(Playback {
             player: Player::new(decoder, &options.probes)?,
@@ -219,12 +206,6 @@ impl<'a> Playback<'a> {
         Playback { player: self.player.with_memory(budget, beside_bytes), ..self }
     }
 
-    /// What shows the frames.
-    pub fn player(&self) -> &Player<'a> {
-        &self.player
-    }
-
-    /// Serves a frame request.
     pub fn show(
         &mut self,
         request: &FrameRequest,
@@ -250,7 +231,7 @@ impl<'a> Playback<'a> {
         let backend = renderer.backend().unwrap_or(&mut self.cpu);
         let counts = self.player.show_on(request.frame, &views, units, backend)?;
         let changes = self.player.take_changes();
-        let stage = Stage { field: self.player.field(), views: &views };
+        let stage = Stage { field: &self.player.field, views: &views };
         renderer.update(&stage, &changes)?;
         let update_ms = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
@@ -261,7 +242,7 @@ impl<'a> Playback<'a> {
             .collect::<Result<Vec<_>>>()?;
         let render_ms = start.elapsed().as_secs_f64() * 1e3;
         self.selector.measured(update_ms + render_ms, views.len());
-        let (active, culled) = trace::name(&selection, self.player.field());
+        let (active, culled) = trace::name(&selection, &self.player.field);
         let trace = FrameTrace {
             shot: self.summary.shots,
             frame: request.frame,
@@ -278,12 +259,11 @@ impl<'a> Playback<'a> {
         self.render_ms.push(render_ms);
         self.summary.shots += 1;
         self.summary.most_views = self.summary.most_views.max(views.len());
-        self.summary.counts = self.summary.counts.plus(counts);
-        self.summary.counters = pictures.iter().fold(self.summary.counters, |sum, picture| sum.plus(picture.counters));
+        self.summary.counts = self.summary.counts + counts;
+        self.summary.counters = pictures.iter().fold(self.summary.counters, |sum, picture| sum + picture.counters);
         Ok(Shown { pictures, counts, trace })
     }
 
-    /// The result so far.
     pub fn summary(&self) -> PlaybackSummary {
         let frame_ms: Vec<f64> = self.update_ms.iter().zip(&self.render_ms).map(|(a, b)| a + b).collect();
         let pacing = FramePacing {

@@ -2,16 +2,11 @@
 
 use serde::Serialize;
 
-/// Times of frames in milliseconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Pacing {
-    /// Their mean.
     pub mean_ms: f64,
-    /// Median.
     pub p50_ms: f64,
-    /// 95th percentile.
     pub p95_ms: f64,
-    /// The longest.
     pub max_ms: f64,
 }
 
@@ -31,7 +26,6 @@ impl Pacing {
     }
 }
 
-/// Times of a playback.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FramePacing {
     /// Update and pictures together.
@@ -40,7 +34,6 @@ pub struct FramePacing {
     /// Selection of views and units, decoding, and bringing what changed to where pictures are made.
     #[serde(rename = "update_ms")]
     pub update: Pacing,
-    /// The pictures.
     #[serde(rename = "render_ms")]
     pub render: Pacing,
 }

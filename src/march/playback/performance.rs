@@ -31,7 +31,8 @@ pub struct PerformanceCulling {
     /// By number of views, the last frames that had so many: which one it was, and its milliseconds.
     times: BTreeMap<usize, VecDeque<(u64, f64)>>,
     frame: u64,
-    most: Option<usize>,
+    /// The most views that the next frame may have, at least 1; none where nothing was ever too slow.
+    pub most: Option<usize>,
     roomy: u32,
 }
 
@@ -41,12 +42,6 @@ impl PerformanceCulling {
         PerformanceCulling { target_ms, times: BTreeMap::new(), frame: 0, most: None, roomy: 0 }
     }
 
-    /// The most views that the next frame may have, at least 1; none where nothing was ever too slow.
-    pub fn most(&self) -> Option<usize> {
-        self.most
-    }
-
-    /// Records a frame.
     pub fn measured(&mut self, frame_ms: f64, views: usize) {
         if views == 0 || !frame_ms.is_finite() {
             return;
@@ -126,7 +121,7 @@ mod tests {
         let mut culling = PerformanceCulling::new(target_ms);
         let mut taken = Vec::new();
         for frame in 0..frames {
-            let active = culling.most().unwrap_or(usize::MAX).min(views);
+            let active = culling.most.unwrap_or(usize::MAX).min(views);
             culling.measured(cost_ms(frame) * active as f64, active);
             taken.push(active);
         }
@@ -172,7 +167,7 @@ mod tests {
         let mut culling = PerformanceCulling::new(target_ms);
         let mut taken = Vec::new();
         for _ in 0..frames {
-            let active = culling.most().unwrap_or(usize::MAX).min(views);
+            let active = culling.most.unwrap_or(usize::MAX).min(views);
             culling.measured(frame_ms(active), active);
             taken.push(active);
         }
@@ -199,6 +194,6 @@ mod tests {
         culling.measured(f64::NAN, 3);
         culling.measured(f64::INFINITY, 3);
         culling.measured(1e9, 0);
-        assert_eq!(culling.most(), None);
+        assert_eq!(culling.most, None);
     }
 }

@@ -17,17 +17,14 @@ use glam::DVec3;
 use crate::march::playback::performance::PerformanceCulling;
 use crate::views::player::Candidate;
 
-/// Order of priority of views.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ViewPriority {
-    /// Distance to the eye.
     #[default]
     Distance,
     /// Angle between view and eye, seen from the reference point.
     Angle,
 }
 
-/// Settings of the selection.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SelectionSettings {
     pub priority: ViewPriority,
@@ -41,7 +38,6 @@ pub struct SelectionSettings {
     pub target_ms: Option<f64>,
 }
 
-/// An active view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Active {
     /// The place that it keeps while it stays.
@@ -54,18 +50,15 @@ pub struct Active {
     pub angle_deg: f64,
 }
 
-/// Why a view is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Why {
     /// Below the least angle to this view of higher priority.
     Angle(usize),
-    /// Beyond the most active views.
     Limit,
     /// With it a frame would take too long.
     Performance,
 }
 
-/// The views of a picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Selection {
     /// Active views, in order of priority.
@@ -75,13 +68,11 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Numbers of the active views, in order of priority.
     pub fn views(&self) -> Vec<usize> {
         self.active.iter().map(|active| active.view).collect()
     }
 }
 
-/// Chooses views frame by frame.
 #[derive(Debug, Clone)]
 pub struct ViewSelector {
     settings: SelectionSettings,
@@ -90,7 +81,6 @@ pub struct ViewSelector {
 }
 
 impl ViewSelector {
-    /// A selector that knows of no frame yet.
     pub fn new(settings: SelectionSettings) -> ViewSelector {
         let performance = settings.target_ms.map(PerformanceCulling::new);
         ViewSelector { settings, performance, slots: Vec::new() }
@@ -100,14 +90,12 @@ impl ViewSelector {
     pub fn select(&mut self, candidates: &[Candidate], eye: DVec3) -> Selection {
         let mut selection = Selection::default();
         let most = self.settings.most.map_or(usize::MAX, |most| most.max(1));
-        let fast_enough = self.performance.as_ref().and_then(PerformanceCulling::most).unwrap_or(usize::MAX);
-        for (candidate, distance_m, angle_deg) in self.by_priority(candidates, eye) {
-            let way = candidate.position - eye;
-            let close = self.settings.cull_angle_deg.and_then(|least_deg| {
-                let taken = selection.active.iter().map(|active: &Active| active.view);
-                let way_to =
-                    |view| candidates.iter().find(|other| other.view == view).map(|other| other.position - eye);
-                taken.into_iter().find(|&view| way_to(view).is_some_and(|other| apart_deg(way, other) < least_deg))
+        let fast_enough = self.performance.as_ref().and_then(|performance| performance.most).unwrap_or(usize::MAX);
+        let way_to = |view: usize| candidates.iter().find(|other| other.view == view).map(|other| other.position - eye);
+        for active in self.by_priority(candidates, eye) {
+            let close = self.settings.cull_angle_deg.zip(way_to(active.view)).and_then(|(least_deg, way)| {
+                let mut taken = selection.active.iter().map(|active: &Active| active.view);
+                taken.find(|&view| way_to(view).is_some_and(|other| apart_deg(way, other) < least_deg))
             });
             let why = match close {
                 Some(view) => Some(Why::Angle(view)),
@@ -116,38 +104,35 @@ impl ViewSelector {
                 None => None,
             };
             match why {
-                Some(why) => selection.culled.push((candidate.view, why)),
-                None => selection.active.push(Active { slot: 0, view: candidate.view, distance_m, angle_deg }),
+                Some(why) => selection.culled.push((active.view, why)),
+                None => selection.active.push(active),
             }
         }
         self.give_slots(&mut selection.active);
         selection
     }
 
-    /// Records the time of a frame, for the next selections.
     pub fn measured(&mut self, frame_ms: f64, views: usize) {
         if let Some(performance) = &mut self.performance {
             performance.measured(frame_ms, views);
         }
     }
 
-    /// Candidates with their distance in metres and angle in degrees, in order of priority.
-    fn by_priority(&self, candidates: &[Candidate], eye: DVec3) -> Vec<(Candidate, f64, f64)> {
+    /// All candidates in order of priority, without slots.
+    fn by_priority(&self, candidates: &[Candidate], eye: DVec3) -> Vec<Active> {
         let middle = || candidates.iter().map(|candidate| candidate.position).sum::<DVec3>() / candidates.len() as f64;
         let pivot = self.settings.pivot.unwrap_or_else(middle);
-        let mut all: Vec<_> = candidates
-            .iter()
-            .map(|&candidate| {
-                let angle_deg = angle_at_pivot_deg(candidate.position - pivot, eye - pivot);
-                (candidate, candidate.position.distance(eye), angle_deg)
-            })
-            .collect();
-        all.sort_by(|(a, a_m, a_deg), (b, b_m, b_deg)| {
+        let active = |&Candidate { view, position }: &Candidate| {
+            let angle_deg = angle_at_pivot_deg(position - pivot, eye - pivot);
+            Active { slot: 0, view, distance_m: position.distance(eye), angle_deg }
+        };
+        let mut all: Vec<Active> = candidates.iter().map(active).collect();
+        all.sort_by(|a, b| {
             let by_angle = match self.settings.priority {
                 ViewPriority::Distance => std::cmp::Ordering::Equal,
-                ViewPriority::Angle => a_deg.total_cmp(b_deg),
+                ViewPriority::Angle => a.angle_deg.total_cmp(&b.angle_deg),
             };
-            by_angle.then(a_m.total_cmp(b_m)).then(a.view.cmp(&b.view))
+            by_angle.then(a.distance_m.total_cmp(&b.distance_m)).then(a.view.cmp(&b.view))
         });
         all
     }

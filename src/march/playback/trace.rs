@@ -9,7 +9,6 @@ use crate::views::light_field::LightField;
 pub struct FrameTrace {
     /// Number of the frame request, from 0.
     pub shot: usize,
-    /// Frame of the light field.
     pub frame: u32,
     /// Mean position of the cameras in metres.
     pub eye: [f64; 3],
@@ -28,7 +27,6 @@ pub struct FrameTrace {
     pub render_ms: f64,
 }
 
-/// An active view.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ActiveTrace {
     pub slot: usize,
@@ -39,7 +37,6 @@ pub struct ActiveTrace {
     pub angle_deg: f64,
 }
 
-/// A view that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CulledTrace {
     pub probe: String,

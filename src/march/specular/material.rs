@@ -14,7 +14,6 @@ pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
 /// A refractive material whose weights sum up to this much is clear glass, which follows Fresnel's equations.
 pub const CLEAR: f32 = 0.95;
 
-/// Weights of secondary rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Mirror reflection, 0 to 1.

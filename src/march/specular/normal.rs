@@ -21,7 +21,6 @@ pub const SAME_PATCH: f32 = 0.03;
 /// Texels are of one solid where the sums of their weights, in 255ths, differ by at most this.
 pub const SAME_MATERIAL: i32 = 64;
 
-/// A surface around a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
     /// Of length 1, along the world's axes, on the side of the views.
@@ -102,7 +101,6 @@ impl Fit {
     }
 }
 
-/// A texel of an image of a face.
 struct Image<'a> {
     face: &'a FaceTexels,
     number: Face,
@@ -142,7 +140,6 @@ impl Image<'_> {
     }
 }
 
-/// The texels around one.
 struct Around<'a> {
     face: &'a FaceTexels,
     texel: [u32; 2],

@@ -25,10 +25,8 @@ pub const NEAR_SURFACE: f32 = 0.03;
 /// Margin of a texel in the frustum test, in widths of it: colours and materials are interpolated.
 pub const MARGIN_TEXELS: f64 = 4.0;
 
-/// A refractive proxy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proxy {
-    /// Its shape.
     pub sphere: Sphere,
     /// Index of refraction, 1 to 3.
     pub ior: f32,
@@ -44,7 +42,6 @@ impl Proxy {
     }
 }
 
-/// The proxies of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proxies {
     /// By size in texels, greatest first.
@@ -53,15 +50,11 @@ pub struct Proxies {
 }
 
 impl Proxies {
-    /// No proxies.
     pub fn none(coding: ColorCoding) -> Proxies {
         Proxies { proxies: Vec::new(), coding }
     }
 
     /// The proxies that a provider finds.
-    ///
-    /// # Errors
-    /// When the monitor says to stop.
     pub fn of(provider: &dyn ProxyProvider, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Proxies> {
         Ok(Proxies { proxies: provider.proxies(views, monitor)?, coding: views.coding })
     }
@@ -73,26 +66,18 @@ impl Proxies {
         })
     }
 
-    /// The environment map of each.
     pub fn environments(&self) -> Vec<ActiveViews<'_>> {
         let views = self.proxies.iter().map(|proxy| vec![proxy.environment_view()]);
         views.map(|views| ActiveViews { views, coding: self.coding }).collect()
     }
 }
 
-/// Finds refractive proxies.
 pub trait ProxyProvider {
     /// The proxies of these views, the most important first.
-    ///
-    /// # Errors
-    /// When the monitor says to stop.
     fn proxies(&self, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Proxy>>;
 }
 
 /// The proxies of a provider that a camera's picture needs.
-///
-/// # Errors
-/// When the monitor says to stop.
 pub fn proxies_in_sight(
     provider: &dyn ProxyProvider,
     views: &ActiveViews<'_>,

@@ -36,7 +36,6 @@ pub const LIFT_TEXELS: f32 = 1.0;
 /// have met a surface that nobody sees.
 pub const HIDDEN_TEXELS: f32 = 12.0;
 
-/// Where a ray meets a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceHit {
     /// Metres from the eye.
@@ -52,7 +51,6 @@ pub struct SurfaceHit {
 struct Pending {
     hit: SurfaceHit,
     share: f32,
-    /// Bounces that are left.
     bounces: u32,
 }
 
@@ -65,7 +63,6 @@ enum Departure {
     Hit(f32),
 }
 
-/// Traces the secondary rays of pixels.
 #[derive(Debug)]
 pub struct SecondaryRays<'a> {
     views: &'a ActiveViews<'a>,
@@ -80,7 +77,6 @@ pub struct SecondaryRays<'a> {
 struct Front {
     point: Vec3,
     patch: Patch,
-    /// Index of its proxy.
     proxy: Option<usize>,
 }
 

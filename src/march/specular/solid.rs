@@ -23,7 +23,6 @@ pub const BEHIND_TEXELS: f32 = 3.0;
 /// Internal reflections at most, the first exit included; the rest of the light is lost.
 pub const MAX_INSIDE: usize = 3;
 
-/// A ray that leaves a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
     /// Its origin is on the back of the solid.
@@ -43,7 +42,6 @@ pub fn refract(direction: Vec3, normal: Vec3, ratio: f32) -> Option<Vec3> {
     (ratio * direction + (ratio * cosine - behind_squared.sqrt()) * normal).try_normalize()
 }
 
-/// The direction of a mirror reflection.
 pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     direction - 2.0 * direction.dot(normal) * normal
 }
@@ -55,14 +53,10 @@ struct Back {
     normal: Vec3,
 }
 
-/// Follows rays through a solid.
 #[derive(Debug, Clone, Copy)]
 pub struct Refraction<'a> {
-    /// The views.
     pub views: &'a ActiveViews<'a>,
-    /// Where rays are sampled.
     pub steps: &'a Steps,
-    /// The proxy of the solid, where it has one.
     pub proxy: Option<Sphere>,
 }
 

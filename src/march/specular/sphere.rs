@@ -4,7 +4,6 @@ use glam::Vec3;
 
 use crate::march::ray::Ray;
 
-/// A sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     /// Metres from the eye.

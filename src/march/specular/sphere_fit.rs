@@ -20,6 +20,8 @@ use crate::march::specular::texel_points::SpecularImage;
 use crate::monitor::Monitor;
 use crate::streams::convert::IOR_RANGE;
 
+use plane_extrapolation::Spread;
+
 pub use environment::MOST_TEXELS;
 
 /// Least number of connected texels in an image that a sphere is fitted to.
@@ -42,7 +44,6 @@ pub const LEAST_RADIUS_M: f32 = 1e-6;
 /// [`LEAST_EXTENT`] of the radius has more than 1e-4.
 pub const IN_PLANE: f64 = 1e-9;
 
-/// Fits spheres.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SphereFit;
 
@@ -62,7 +63,6 @@ impl ProxyProvider for SphereFit {
 /// Points that may lie on one sphere.
 struct Cluster {
     points: Vec<DVec3>,
-    /// Sum of the indices of refraction.
     ior_sum: f64,
     /// Centres of the views that see them.
     seen_from: Vec<DVec3>,
@@ -98,38 +98,34 @@ impl Cluster {
     }
 }
 
-/// A sphere with its index of refraction.
 struct Refractor {
     sphere: Sphere,
     ior: f32,
 }
 
-/// The spheres of refractive texels.
 fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refractor>> {
     let of_image = |image: SpecularImage<'_>| {
         monitor.check()?;
         Ok(connected(&image))
     };
     let found: Vec<Vec<Cluster>> = SpecularImage::all(views).into_par_iter().map(of_image).collect::<Result<_>>()?;
-    let mut pieces: Vec<Cluster> = found.into_iter().flatten().collect();
-    pieces.sort_by_key(|piece: &Cluster| std::cmp::Reverse(piece.points.len()));
+    let mut parts: Vec<Cluster> = found.into_iter().flatten().collect();
+    parts.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.points.len()));
     let mut clusters: Vec<Cluster> = Vec::new();
-    for mut piece in pieces {
+    for mut part in parts {
         monitor.check()?;
         let is_room = clusters.len() < MOST_CANDIDATES;
-        match clusters.iter_mut().find(|cluster| cluster.inliers(&piece.points) >= INLIERS) {
+        match clusters.iter_mut().find(|cluster| cluster.inliers(&part.points) >= INLIERS) {
             Some(cluster) => {
-                cluster.points.append(&mut piece.points);
-                cluster.seen_from.append(&mut piece.seen_from);
-                cluster.ior_sum += piece.ior_sum;
+                cluster.points.append(&mut part.points);
+                cluster.seen_from.append(&mut part.seen_from);
+                cluster.ior_sum += part.ior_sum;
                 // Refitting for every texel would take quadratic time.
                 if cluster.points.len() >= 2 * cluster.fitted {
                     cluster.fit();
                 }
             }
-            None if is_room && piece.points.len() >= LEAST_TEXELS && piece.fit() => {
-                clusters.push(piece);
-            }
+            None if is_room && part.points.len() >= LEAST_TEXELS && part.fit() => clusters.push(part),
             None => {}
         }
     }
@@ -205,22 +201,16 @@ struct FittedSphere {
 
 /// The sphere through points, by least squares of |x − centre|² − radius². None where they are coplanar ([`IN_PLANE`]).
 fn fit(points: &[DVec3]) -> Option<FittedSphere> {
-    let count = points.len() as f64;
-    let middle = points.iter().copied().sum::<DVec3>() / count;
-    // Scaled by their root mean square distance from the mean.
-    let unit_m = (points.iter().map(|point| (*point - middle).length_squared()).sum::<f64>() / count).sqrt();
-    let (mut covariance, mut pull) = (DMat3::ZERO, DVec3::ZERO);
-    for point in points {
-        let from = (*point - middle) / unit_m;
-        covariance += DMat3::from_cols(from * from.x, from * from.y, from * from.z);
-        pull += 0.5 * from.length_squared() * from;
-    }
-    (covariance, pull) = (covariance * count.recip(), pull / count);
+    let Spread { middle, unit_m, covariance } = Spread::of(points.iter().copied());
     // NaN where all points are one.
     if covariance.determinant().is_nan() || covariance.determinant() < IN_PLANE {
         return None;
     }
-    let to_centre = covariance.inverse() * pull;
+    let pull = |sum: DVec3, point: &DVec3| {
+        let from = (*point - middle) / unit_m;
+        sum + 0.5 * from.length_squared() * from
+    };
+    let to_centre = covariance.inverse() * (points.iter().fold(DVec3::ZERO, pull) / points.len() as f64);
     let radius_m = unit_m * (to_centre.length_squared() + 1.0).sqrt();
     let centre = middle + unit_m * to_centre;
     (centre.is_finite() && radius_m.is_finite() && radius_m > 0.0).then_some(FittedSphere { centre, radius_m })

@@ -9,11 +9,9 @@ use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
 /// An image of an active view that has specular texels.
 #[derive(Debug, Clone, Copy)]
 pub struct SpecularImage<'a> {
-    /// Its view.
     pub view: &'a ActiveView<'a>,
     /// Number of its face.
     pub face: usize,
-    /// Its texels.
     pub texels: &'a FaceTexels,
 }
 
@@ -42,7 +40,6 @@ impl<'a> SpecularImage<'a> {
         point.is_finite().then_some(point)
     }
 
-    /// Whether a texel refracts.
     pub fn is_refractive(&self, at: usize) -> bool {
         self.texels.material.as_ref().is_some_and(|material| material[at][1] > 0)
     }

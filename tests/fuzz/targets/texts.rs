@@ -53,7 +53,7 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
     let seen = SEEN.with(|decoder| {
         let all = decoder.streams().iter().map(|stream| StreamFrames { stream, frames: stream.frames });
         let chosen: Vec<_> = all.collect();
-        CameraUnits::find(decoder, &chosen, &cameras).counts()
+        CameraUnits::find(decoder, &chosen, &cameras).counts
     });
     if seen.visible_units > seen.units {
         Err(format!("more is seen than there is: {seen:?}"))

@@ -7,7 +7,7 @@
 //! colours are those that views see through the sphere: each refractive texel's ray is traced to the environment, where
 //! its colour is splatted.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
@@ -98,17 +98,13 @@ impl Cube {
 
 /// What views see in a direction from the sphere.
 #[derive(Clone, Copy)]
-enum Known {
-    /// Distance in metres from the centre, infinite for the background, and colour.
-    Seen(f32, Vec3),
-    /// No view sees it.
-    Hidden,
+struct Seen {
+    /// Metres from the centre, infinite for the background.
+    distance_m: f32,
+    color: Vec3,
 }
 
 /// The environment map of a sphere with an index of refraction.
-///
-/// # Errors
-/// When the monitor says to stop.
 pub fn map(views: &ActiveViews<'_>, sphere: Sphere, ior: f32, monitor: &dyn Monitor) -> Result<View> {
     let of_views = views.views.iter().flat_map(|view| view.view.faces.iter().flatten().map(|face| face.size[0]));
     let size = of_views.max().unwrap_or(1).clamp(1, MOST_TEXELS).next_power_of_two();
@@ -119,15 +115,8 @@ pub fn map(views: &ActiveViews<'_>, sphere: Sphere, ior: f32, monitor: &dyn Moni
     let face = FaceTexels::unknown([size; 2], TexelMap::cube_face([size; 2]), ColorCoding::Light);
     let search = Search { views, sphere, steps: &steps, face: &face, monitor };
     let known = search.all_known()?;
-    let mut view = View {
-        name: "environment".into(),
-        probe: usize::MAX,
-        position: DVec3::ZERO,
-        probe_from_world: DMat3::IDENTITY,
-        near_m: sphere.radius_m,
-        far_m,
-        faces: Default::default(),
-    };
+    let (name, probe, near_m) = ("environment".into(), usize::MAX, sphere.radius_m);
+    let mut view = View { name, probe, near_m, far_m, ..View::default() };
     put_depths(&mut view, &known, &planes(&search.edges(&known)?, monitor)?, &face);
     let colors = search.colors(&known, &view, ior)?;
     for (texels, colors) in view.faces.iter_mut().flatten().zip(colors.chunks((size * size) as usize)) {
@@ -143,7 +132,6 @@ fn direction(at: usize, face: &FaceTexels) -> Vec3 {
     face.map.direction(Face::CUBE[at / (width * height)], centre)
 }
 
-/// Searches the views for what surrounds a sphere.
 struct Search<'a> {
     views: &'a ActiveViews<'a>,
     sphere: Sphere,
@@ -154,10 +142,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What views see in the direction of each texel.
-    fn all_known(&self) -> Result<Vec<Known>> {
+    fn all_known(&self) -> Result<Vec<Option<Seen>>> {
         let [width, height] = self.face.size.map(|size| size as usize);
-        let row = |row: usize| -> Result<Vec<Known>> {
+        let row = |row: usize| -> Result<Vec<Option<Seen>>> {
             self.monitor.check()?;
             let known = |at: usize| self.known(direction(at, self.face).normalize());
             Ok((row * width..(row + 1) * width).map(known).collect())
@@ -165,36 +152,24 @@ impl Search<'_> {
         Ok((0..6 * height).into_par_iter().map(row).collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// Rays start inside the solid, and march from the first point that is empty in a view.
-    fn known(&self, direction: Vec3) -> Known {
-        let ray = Ray { origin: self.sphere.centre + self.sphere.radius_m * direction, direction };
-        let distances_m = &self.steps.distances_m;
-        let Some(first) = distances_m.iter().position(|&distance_m| !self.views.is_surface(ray.at(distance_m))) else {
-            return Known::Hidden;
-        };
-        let hit = intersect_from(
-            Acceleration::Pyramid,
-            self.views,
-            &ray,
-            StepsFrom { steps: self.steps, first },
-            &mut Counters::default(),
-        );
-        match hit {
-            Some(distance_m) => match surface_color(self.views, ray.at(distance_m)) {
-                Some(seen) if seen.difference <= HOLE_DIFFERENCE + self.steps.uncertainty() => {
-                    Known::Seen(self.sphere.radius_m + distance_m, seen.color)
-                }
-                _ => Known::Hidden,
-            },
-            None => match background_color(self.views, direction) {
-                Some(seen) => Known::Seen(f32::INFINITY, seen.color),
-                None => Known::Hidden,
-            },
+    /// Rays start inside the solid, and march from the first point that is empty in a view. None where no view sees anything.
+    fn known(&self, direction: Vec3) -> Option<Seen> {
+        let Search { views, sphere: Sphere { centre, radius_m }, steps, .. } = *self;
+        let ray = Ray { origin: centre + radius_m * direction, direction };
+        let first = steps.distances_m.iter().position(|&distance_m| !views.is_surface(ray.at(distance_m)))?;
+        let from = StepsFrom { steps, first };
+        match intersect_from(Acceleration::Pyramid, views, &ray, from, &mut Counters::default()) {
+            Some(distance_m) => surface_color(views, ray.at(distance_m))
+                .filter(|seen| seen.difference <= HOLE_DIFFERENCE + steps.uncertainty())
+                .map(|seen| Seen { distance_m: radius_m + distance_m, color: seen.color }),
+            None => {
+                background_color(views, direction).map(|seen| Seen { distance_m: f32::INFINITY, color: seen.color })
+            }
         }
     }
 
     /// Surface points beside hidden texels, evenly thinned to [`MOST_EDGES`].
-    fn edges(&self, known: &[Known]) -> Result<Vec<Edge>> {
+    fn edges(&self, known: &[Option<Seen>]) -> Result<Vec<Edge>> {
         let size = self.face.size[0] as usize;
         let at_edge = |&at: &usize| {
             let (row, column) = (at / size % size, at % size);
@@ -205,15 +180,14 @@ impl Search<'_> {
                 (row + 1 < size, size as isize),
             ];
             let next = |&(there, by): &(bool, isize)| there.then(|| at.checked_add_signed(by)).flatten();
-            beside.iter().filter_map(next).any(|next| matches!(known[next], Known::Hidden))
+            beside.iter().filter_map(next).any(|next| known[next].is_none())
         };
         let edge = |at: usize| {
-            let Known::Seen(distance_m, _) = known[at] else { return None };
-            let point = distance_m * direction(at, self.face).normalize();
+            let point = known[at]?.distance_m * direction(at, self.face).normalize();
             let normal = patch(self.views, self.sphere.centre + point)?.normal;
             Some(Edge { point, normal })
         };
-        let is_seen = |at: &usize| matches!(known[*at], Known::Seen(distance_m, _) if distance_m.is_finite());
+        let is_seen = |at: &usize| known[*at].is_some_and(|seen| seen.distance_m.is_finite());
         let beside: Vec<usize> = (0..known.len()).filter(is_seen).filter(at_edge).collect();
         self.monitor.check()?;
         let some: Vec<usize> = beside.iter().copied().step_by(beside.len().div_ceil(MOST_EDGES).max(1)).collect();
@@ -234,14 +208,14 @@ impl Search<'_> {
     }
 
     /// Colours of the map, as views code them.
-    fn colors(&self, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
+    fn colors(&self, known: &[Option<Seen>], view: &View, ior: f32) -> Result<Vec<Vec3>> {
         let Search { views, sphere, steps, monitor, .. } = *self;
         let from_centre = ActiveView::new(view, ViewPyramids::of(view).into(), sphere.centre);
         let alone = ActiveViews { views: vec![from_centre], coding: views.coding };
         let mut cube = Cube::empty(self.face.size[0] as usize);
         for (at, known) in known.iter().enumerate() {
-            if let Known::Seen(_, color) = known {
-                cube.add(at, *color, 1.0);
+            if let Some(seen) = known {
+                cube.add(at, seen.color, 1.0);
             }
         }
         let greatest = views.views.iter().map(|view| view.camera_weight).fold(f32::MIN_POSITIVE, f32::max);
@@ -270,7 +244,7 @@ impl Search<'_> {
                 let taps = Taps::around(end.at, onto);
                 for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
                     let at = end.face * onto.inverse_depth.len() + texel;
-                    if matches!(known[at], Known::Hidden) {
+                    if known[at].is_none() {
                         cube.add(at, color, weight * part * nearness);
                     }
                 }
@@ -281,15 +255,12 @@ impl Search<'_> {
 }
 
 /// Depths of the map: of hidden texels those of planes, else interpolated in inverse distance.
-fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTexels) {
+fn put_depths(view: &mut View, known: &[Option<Seen>], planes: &[Plane], like: &FaceTexels) {
     let size = like.size[0];
     let mut cube = Cube::empty(size as usize);
     for (at, known) in known.iter().enumerate() {
-        let inverse = match known {
-            Known::Seen(distance_m, _) => Some(distance_m.recip()),
-            Known::Hidden => nearest_inverse(planes, direction(at, like).normalize()),
-        };
-        if let Some(inverse) = inverse {
+        let extrapolated = || nearest_inverse(planes, direction(at, like).normalize());
+        if let Some(inverse) = known.map(|seen| seen.distance_m.recip()).or_else(extrapolated) {
             cube.add(at, Vec3::splat(inverse), 1.0);
         }
     }
@@ -308,11 +279,10 @@ fn coded(colors: &[Vec3], coding: ColorCoding) -> ColorTexels {
     match coding {
         ColorCoding::Codes(_) => {
             let code = |part: f32| (255.0 * part).round() as u8;
-            ColorTexels::Codes(colors.iter().map(|color| [code(color.x), code(color.y), code(color.z), 0]).collect())
+            ColorTexels::Codes(colors.iter().map(|color| color.extend(0.0).to_array().map(code)).collect())
         }
         ColorCoding::Light => {
-            let half = |color: &Vec3| [color.x, color.y, color.z, 0.0].map(f16::from_f32);
-            ColorTexels::Light(colors.iter().map(half).collect())
+            ColorTexels::Light(colors.iter().map(|color| color.extend(0.0).to_array().map(f16::from_f32)).collect())
         }
     }
 }

@@ -12,7 +12,6 @@ use crate::monitor::Monitor;
 pub const LEAST_PART: f32 = 0.1;
 /// A point lies in a plane where their distances in its direction differ by at most this part.
 pub const IN_PLANE: f32 = 0.01;
-/// Planes at most.
 pub const MOST_PLANES: usize = 8;
 
 /// The vector whose product with a direction is 1 over the distance of the plane in it.
@@ -32,9 +31,6 @@ fn lies_in(plane: Plane, edge: &Edge) -> bool {
 }
 
 /// The planes of some points, the one with the most points first. Takes quadratic time.
-///
-/// # Errors
-/// When the monitor says to stop.
 pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     let least = (LEAST_PART * edges.len() as f32).max(3.0) as usize;
     let (mut left, mut found) = (edges.to_vec(), Vec::new());
@@ -63,24 +59,36 @@ pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     Ok(found)
 }
 
+/// Mean and covariance of points, in units of their root mean square distance from the mean.
+pub struct Spread {
+    pub middle: DVec3,
+    pub unit_m: f64,
+    pub covariance: DMat3,
+}
+
+impl Spread {
+    pub fn of(points: impl Iterator<Item = DVec3> + Clone) -> Spread {
+        let count = points.clone().count() as f64;
+        let middle = points.clone().sum::<DVec3>() / count;
+        let unit_m = (points.clone().map(|point| (point - middle).length_squared()).sum::<f64>() / count).sqrt();
+        let add = |sum: DMat3, point: DVec3| {
+            let from = (point - middle) / unit_m;
+            sum + DMat3::from_cols(from * from.x, from * from.y, from * from.z)
+        };
+        Spread { middle, unit_m, covariance: points.fold(DMat3::ZERO, add) * count.recip() }
+    }
+}
+
 /// The plane through points, by least squares of its product with them minus 1; none where they lie on a line, or in a plane
 /// through the centre.
 ///
 /// With the covariance S of the points and their mean m, the normal equations (S + m·mᵀ)·p = m are solved by the formula of
 /// Sherman and Morrison with the adjugate of S, as S is singular for flat, small or distant sets.
 fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
-    let points = || edges.clone().map(|edge| edge.point.as_dvec3());
-    let count = points().count() as f64;
-    let middle = points().sum::<DVec3>() / count;
-    // Points in units of their root mean square distance from the mean, the mean in units of its distance.
-    let unit_m = (points().map(|point| (point - middle).length_squared()).sum::<f64>() / count).sqrt();
-    let spread = points()
-        .map(|point| (point - middle) / unit_m)
-        .fold(DMat3::ZERO, |spread, from| spread + DMat3::from_cols(from * from.x, from * from.y, from * from.z));
-    let spread = spread * count.recip();
+    let Spread { middle, unit_m, covariance } = Spread::of(edges.map(|edge| edge.point.as_dvec3()));
     let (away_m, way) = (middle.length(), middle.try_normalize()?);
     // The columns of the adjugate of a symmetric matrix.
-    let [x, y, z] = [spread.x_axis, spread.y_axis, spread.z_axis];
+    let [x, y, z] = [covariance.x_axis, covariance.y_axis, covariance.z_axis];
     let across = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * way;
     let facing = way.dot(across);
     // Points have the precision of single floats.
@@ -90,7 +98,7 @@ fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
     }
     // p = adj(S)·m / (det S + mᵀ·adj(S)·m), with S in units squared.
     let scale = (unit_m / away_m).powi(2);
-    let plane = (across / away_m / (spread.determinant() * scale + facing)).as_vec3();
+    let plane = (across / away_m / (covariance.determinant() * scale + facing)).as_vec3();
     plane.is_finite().then_some(plane)
 }
 

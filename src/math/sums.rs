@@ -1,0 +1,16 @@
+//! Sums of structs of counts and costs, member by member.
+
+/// Implements `+` for a struct with these members.
+macro_rules! add_members {
+    ($name:ident: $($member:ident),+) => {
+        impl std::ops::Add for $name {
+            type Output = $name;
+
+            fn add(self, other: $name) -> $name {
+                $name { $($member: self.$member + other.$member),+ }
+            }
+        }
+    };
+}
+
+pub(crate) use add_members;
