@@ -139,12 +139,8 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
         let count = (boxes.len() - first) as u32;
         records.push(Record { frame: record.frame, first: first as u32, count, work, ..Record::default() });
     }
-            let size = [width as usize, height as usize];
-            for part in chunk.layout.parts::<T>(&chunk.payload()[at..], size) {
-                let [x, y, width, height] = part.rect.map(|side| side as u32);
-                let coding = if part.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
-                let at = (at + part.start) as u32;
-                push(BoxRow { x: left + x, y: top + y, width, height, coding, at, end: 0 });
+    let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
+    let timeline = Timeline { records: pixels.collect(), ..Timeline::default() };
     Prepared { stream: words_from(chunk.payload()), records, boxes, weights: [0; 2], timeline }
 }
 

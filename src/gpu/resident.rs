@@ -226,9 +226,8 @@ impl Resident {
     pub fn place(&mut self, key: u32, chunk: Prepared, call: u64) {
         let words = words_taken(&chunk);
         let places = [0, 1, 2, 3].map(|table| self.tables[table].place(words[table]));
-        let [at, first_record, first_box, number] =
-            [(0, 1), (1, Record::WORDS), (2, BoxRow::WORDS), (3, Chunk::WORDS)]
-                .map(|(table, row_words): (usize, usize)| (places[table].start / row_words) as u32);
+        let [at, first_record, first_box, number] = [(0, 1), (1, Record::WORDS), (2, BoxRow::WORDS), (3, Chunk::WORDS)]
+            .map(|(table, row_words): (usize, usize)| (places[table].start / row_words) as u32);
         // Nodes are found by words, all else by bytes.
         let start = if chunk.is_nodes() { at } else { 4 * at };
         let records = chunk.records.iter();

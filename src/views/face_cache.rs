@@ -316,10 +316,7 @@ impl<'a> FaceCache<'a> {
         }
         // A cell and a material that turn together cover the same texels.
         if self.material.is_some() {
-            for parts in stale.values_mut() {
-                parts.sort_unstable();
-                parts.dedup();
-            }
+            stale.values_mut().for_each(sort_and_dedup);
         }
         let mut all = Vec::new();
         for (tile, parts) in stale {
@@ -360,6 +357,11 @@ impl<'a> FaceCache<'a> {
         }
         changed
     }
+}
+
+fn sort_and_dedup(parts: &mut Vec<DepthPart>) {
+    parts.sort_unstable();
+    parts.dedup();
 }
 
 /// Makes texels unknown; answers the first and the last that were known.

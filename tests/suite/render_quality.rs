@@ -22,6 +22,7 @@ use lightfold::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use lightfold::march::render::Rendered;
 use lightfold::march::settings::SpecularMode;
 use lightfold::math::{Camera, Lens};
+use lightfold::metrics::psnr::SquaredError;
 use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Pass, Scene};
@@ -220,8 +221,8 @@ fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
         }
         sum
     });
-    let gain = |psnr_db: fn(&Similarity) -> Option<f64>| psnr_db(&with).unwrap() - psnr_db(&without).unwrap();
-    let [mirrors, glass] = [gain(Similarity::mirrors_psnr_db), gain(Similarity::glass_psnr_db)];
+    let gain = |of: fn(&Similarity) -> &SquaredError| of(&with).psnr_db() - of(&without).psnr_db();
+    let [mirrors, glass] = [gain(|sum| &sum.mirrors), gain(|sum| &sum.glass)];
     println!("probe {probe}: {mirrors} dB in mirrors, {glass} dB in glass");
     [mirrors, glass]
 }

@@ -7,7 +7,7 @@ mod plane_extrapolation;
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
