@@ -39,19 +39,21 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).time_samples } else { 1 };
     let frames = search::sample_frames(range, most);
     let times = search::time_samples(&scene, &frames, args.fps());
-    let progress = Progress::start(global, "looking", settings.steps())?;
+    let progress = Progress::start(global, "looking", settings.counts().0 as u64)?;
     let mut search = Search::new(times, &region, &settings, &progress)?;
     drop(progress);
     let mut positions = Vec::new();
     if let Some(set) = &start {
         positions.extend(set.cameras.iter().map(|camera| DVec3::from(camera.position)));
-        for name in (0..positions.len()).filter(|&at| !search.admits(positions[at])).map(|at| set.name_of(at)) {
+        for name in
+            (0..positions.len()).filter(|&at| !search.free_space().admits(positions[at])).map(|at| set.name_of(at))
+        {
             global.note(format_args!("camera {name} is outside of the open part of the region; it is kept"));
         }
     }
     let started = positions.len();
     if let Some(count) = args.uniform {
-        positions.extend(search.uniform(count as usize)?);
+        positions.extend(search.free_space().hammersley(count as usize)?);
     }
     let progress = Progress::start(global, "placing", u64::from(args.cameras.unwrap_or(0)))?;
     let place = |search: &Search<'_>, lighting: Lighting| -> Result<Placement> {

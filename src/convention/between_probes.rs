@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::finding::{Finding, Verdict, listed, percent};
 use super::hypotheses::{Alternative, Extent, Hypothesis, Subject, alternatives};
 use super::probe_samples::ProbeSamples;
-use super::reproject::{Tally, look_up, look_up_all};
+use super::reproject::{Tally, look_up};
 use crate::dataset::{DepthKind, Projection};
 use crate::error::Result;
 use crate::monitor::Monitor;
@@ -104,13 +104,10 @@ fn pairs_of(probes: &[ProbeSamples]) -> Vec<[usize; 2]> {
 }
 
 impl Comparison<'_> {
-    fn tally(&self, hypothesis: &Hypothesis) -> Tally {
-        self.pairs.iter().map(|pair| look_up(self.probes, *pair, hypothesis)).sum()
-    }
-
     fn tallies(&self, alternatives: &[Alternative]) -> Result<Vec<Tally>> {
         self.monitor.check()?;
-        let tallies = alternatives.par_iter().map(|alternative| self.tally(&alternative.hypothesis)).collect();
+        let of_pairs = |hypothesis| self.pairs.iter().map(|pair| look_up(self.probes, *pair, hypothesis)).sum();
+        let tallies = alternatives.par_iter().map(|alternative| of_pairs(&alternative.hypothesis)).collect();
         self.monitor.check()?;
         Ok(tallies)
     }
@@ -121,7 +118,7 @@ impl Comparison<'_> {
     }
 
     fn judge(&self, base: &Hypothesis) -> Result<Vec<Finding>> {
-        let own = look_up_all(self.probes, &self.pairs, base);
+        let own: Vec<Tally> = self.pairs.par_iter().map(|pair| look_up(self.probes, *pair, base)).collect();
         let all: Tally = own.iter().copied().sum();
         let figures = [
             ("agree", all.agreement()),

@@ -111,12 +111,6 @@ pub fn check(views: &[ProbeSamples], kind: DepthKind) -> Finding {
     ])
 }
 
-/// The finding where reprojection between probes confirms the declared kind: curved surfaces may look straight.
-pub fn overruled(suspicion: Finding) -> Finding {
-    let says = format!("{}, but reprojection between probes fits the declared kind", suspicion.says);
-    Finding { verdict: Verdict::CannotTell, says, ..suspicion }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::{DQuat, DVec3};

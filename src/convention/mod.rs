@@ -2,18 +2,14 @@
 //!
 //! Enters: an open [`Source`]. Leaves: [`Finding`]s, each a verdict, figures and a sentence for a person to judge.
 //!
-//! 1. `seams`: neighbouring faces of a cube show the same along their edge. The permutation and turns of the faces with the
-//!    least mismatch is compared with the declared one. The whole cube may be turned or mirrored without any edge noticing;
-//!    of the 48 ways the one nearest to the declared permutation is reported. Depth and colour are checked apart.
-//! 2. `flatness`: 1/Z of a plane is linear along rows and columns where Z is planar depth. Collinear samples under one kind of
-//!    depth and not under the other are a vote. One probe is enough, but a dome around it looks planar: where
-//!    `between_probes` confirms the declared kind, a suspicion of this check becomes inconclusive.
-//! 3. `between_probes`: a surface of one probe may be hidden from another, but not seen through. `hypotheses` lists common
-//!    mistakes; up to three are undone one after the other, the best first. Planar depth and distance agree along seams;
-//!    here they do not.
-//! 4. `values` and `light`: values that are neither surface nor background, an undeclared background, near and far, depth in
-//!    integers, codes declared as light.
-//! 5. `duplicate_images`: images with equal pixels. Equal depth alone is no duplicate: walls look alike.
+//! 1. `seams`: order and orientation of cube faces, by their edges, for depth and colour apart. Of the 48 ways to turn and
+//!    mirror the whole cube, which no edge notices, the one nearest to the declared permutation is reported.
+//! 2. `flatness`: planar depth or distance, by the planes in one probe. Where `between_probes` confirms the declared kind, a
+//!    suspicion of this check becomes inconclusive: a dome around the probe looks planar.
+//! 3. `between_probes`: kind and scale of depth, positions and orientations. `hypotheses` lists common mistakes; up to three
+//!    are undone one after the other, the best first.
+//! 4. `values` and `light`: values without a meaning, an undeclared background, near and far, codes declared as light.
+//! 5. `duplicate_images`: images with equal pixels.
 
 mod between_probes;
 mod borders;
@@ -77,9 +73,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     let mut findings = Vec::new();
     // Faces cut from panoramas, crosses and strips have a fixed order.
     let own_faces = manifest.is_none_or(Manifest::has_face_files);
-    let depth = seams::Stream { check: "seams.depth", cap: seams::DEPTH_CAP };
-    let color = seams::Stream { check: "seams.color", cap: seams::COLOR_CAP };
-    for (stream, borders) in [(depth, &footage.depth_borders), (color, &footage.color_borders)] {
+    for (stream, borders) in [(seams::DEPTH, &footage.depth_borders), (seams::COLOR, &footage.color_borders)] {
         if own_faces && !borders.is_empty() {
             findings.extend(seams::check(stream, borders));
         }
@@ -92,10 +86,14 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         } else {
             let between = between_probes::check(&footage.views, kind, projection, monitor)?;
             if projection != Projection::Equirect {
-                let alone = flatness::check(&footage.views, kind);
+                let mut alone = flatness::check(&footage.views, kind);
                 let confirms = |found: &Finding| found.check == between_probes::KIND && found.verdict == Verdict::Fine;
-                let overruled = alone.verdict == Verdict::Suspect && between.iter().any(confirms);
-                findings.push(if overruled { flatness::overruled(alone) } else { alone });
+                // Curved surfaces may look straight.
+                if alone.verdict == Verdict::Suspect && between.iter().any(confirms) {
+                    alone.verdict = Verdict::CannotTell;
+                    alone.says += ", but reprojection between probes fits the declared kind";
+                }
+                findings.push(alone);
             }
             findings.extend(between);
         }

@@ -148,7 +148,7 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
             }
             match values {
                 Values::Depth(values, samples) => {
-                    let surfaces = values.surfaces > 0 && values.min < values.max;
+                    let surfaces = values.min.is_some_and(|nearest| nearest < values.max);
                     let shows = if surfaces { Shows::Surfaces } else { Shows::Background };
                     shown.insert((probe.name.clone(), face), shows);
                     if hash.is_some() {

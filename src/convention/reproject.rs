@@ -1,7 +1,5 @@
 //! Reprojects samples of one probe into another: no surface of one can lie in front of the surface that the other sees there.
 
-use rayon::prelude::*;
-
 use super::hypotheses::Hypothesis;
 use super::probe_samples::ProbeSamples;
 
@@ -77,8 +75,4 @@ pub fn look_up(probes: &[ProbeSamples], [from, to]: [usize; 2], hypothesis: &Hyp
         }
     }
     tally
-}
-
-pub fn look_up_all(probes: &[ProbeSamples], pairs: &[[usize; 2]], hypothesis: &Hypothesis) -> Vec<Tally> {
-    pairs.par_iter().map(|pair| look_up(probes, *pair, hypothesis)).collect()
 }

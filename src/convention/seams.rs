@@ -7,10 +7,8 @@ use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile,
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::image::Face;
 
-/// Depths that differ by the factor e^0.1 are unlike.
-pub const DEPTH_CAP: f64 = 0.1;
-/// The same for light.
-pub const COLOR_CAP: f64 = 0.7;
+pub const DEPTH: Stream = Stream { check: "seams.depth", cap: 0.1 };
+pub const COLOR: Stream = Stream { check: "seams.color", cap: 0.7 };
 /// A permutation is preferred to the declared one where its cost is this many times lower.
 const DECISIVE: f64 = 3.0;
 /// And its mismatch lower by this share of the samples.
@@ -28,7 +26,7 @@ pub type CubeBorders = [Option<Borders>; 6];
 #[derive(Debug, Clone, Copy)]
 pub struct Stream {
     pub check: &'static str,
-    /// [`DEPTH_CAP`] or [`COLOR_CAP`].
+    /// Values that differ by the factor e^`cap` are unlike.
     pub cap: f64,
 }
 

@@ -40,7 +40,7 @@ const WHOLE_METRES: f64 = 100.0;
 /// Scales between the usual units.
 const SCALES: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DepthValues {
     pub pixels: u64,
     /// Pixels of the declared background, or +inf.
@@ -52,7 +52,8 @@ pub struct DepthValues {
     pub surfaces: u64,
     /// Surfaces whose value is a whole number.
     pub whole: u64,
-    pub min: f32,
+    /// `None` where there is no surface.
+    pub min: Option<f32>,
     pub max: f32,
     /// Surfaces that have exactly the value `max`.
     pub at_max: u64,
@@ -60,25 +61,6 @@ pub struct DepthValues {
     pub next_max: f32,
     /// Surfaces outside the stated near and far.
     pub outside: u64,
-}
-
-impl Default for DepthValues {
-    fn default() -> Self {
-        DepthValues {
-            pixels: 0,
-            background: 0,
-            not_a_number: 0,
-            zero: 0,
-            negative: 0,
-            surfaces: 0,
-            whole: 0,
-            min: f32::INFINITY,
-            max: 0.0,
-            at_max: 0,
-            next_max: 0.0,
-            outside: 0,
-        }
-    }
 }
 
 /// What the manifest declares of depth values.
@@ -116,7 +98,7 @@ impl DepthValues {
                 let whole = u64::from(value.fract() == 0.0);
                 let outside = u64::from(stated.is_outside(f64::from(value) * stated.scale));
                 let one = DepthValues { surfaces: 1, whole, outside, at_max: 1, ..DepthValues::default() };
-                found = found.add(DepthValues { min: value, max: value, ..one });
+                found = found.add(DepthValues { min: Some(value), max: value, ..one });
             }
         }
         found
@@ -133,7 +115,7 @@ impl DepthValues {
             negative: self.negative + other.negative,
             surfaces: self.surfaces + other.surfaces,
             whole: self.whole + other.whole,
-            min: self.min.min(other.min),
+            min: self.min.into_iter().chain(other.min).reduce(f32::min),
             max: high.max,
             at_max: high.at_max + if equal { low.at_max } else { 0 },
             next_max: high.next_max.max(if equal { low.next_max } else { low.max }),
@@ -213,14 +195,14 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
 
 fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
     let [near, far] = stated.range_m;
-    let [min, max] = [values.min, values.max].map(|value| f64::from(value) * stated.scale);
+    let Some(nearest) = values.min else {
+        return Finding::new("depth.near_far", Verdict::CannotTell, "there is no surface at all");
+    };
+    let [min, max] = [nearest, values.max].map(|value| f64::from(value) * stated.scale);
     let outside = values.outside as f64 / values.surfaces.max(1) as f64;
     let figures = [("nearest_m", min), ("farthest_m", max), ("outside", outside)];
-    if values.surfaces == 0 {
-        return Finding::new("depth.near_far", Verdict::CannotTell, "there is no surface at all");
-    }
     let seen = format!("surfaces lie {min:.4} m to {max:.4} m away");
-    let whole = values.whole == values.surfaces && values.surfaces > 100 && values.min < values.max;
+    let whole = values.whole == values.surfaces && values.surfaces > 100 && nearest < values.max;
     let (verdict, says) = if whole && max >= WHOLE_METRES {
         let like = "all of them whole numbers: they look like millimetres or another small unit";
         (Verdict::Suspect, format!("{seen}, {like}"))

@@ -100,11 +100,9 @@ impl Bvh {
     /// The nearest accepted hit strictly within the range of distances, from either side; of equally near triangles,
     /// that of the lowest index.
     pub fn nearest(&self, ray: &Ray, range: Range<f64>, accept: impl Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
-        let frame = RayFrame::new(ray);
         let mut best: Option<TriangleHit> = None;
         let mut limit = range.end;
-        self.walk(ray, &range, |leaf| {
-            let Some(hit) = leaf.hit(&frame) else { return Visit::Continue };
+        self.walk(ray, &range, |hit| {
             let is_nearer =
                 hit.distance < limit || hit.distance == limit && best.is_some_and(|best| hit.triangle < best.triangle);
             // Written so that NaN is a miss.
@@ -120,24 +118,19 @@ impl Bvh {
 
     /// Whether there is an accepted hit strictly within the range of distances.
     pub fn any(&self, ray: &Ray, range: Range<f64>, accept: impl Fn(&TriangleHit) -> bool) -> bool {
-        let frame = RayFrame::new(ray);
         let mut found = false;
-        self.walk(ray, &range, |leaf| match leaf.hit(&frame) {
-            Some(hit) if hit.distance > range.start && hit.distance < range.end && accept(&hit) => {
-                found = true;
-                Visit::End
-            }
-            _ => Visit::Continue,
+        self.walk(ray, &range, |hit| {
+            found = hit.distance > range.start && hit.distance < range.end && accept(&hit);
+            if found { Visit::End } else { Visit::Continue }
         });
         found
     }
 
     /// All hits strictly within the range of distances, one for each triangle, by distance and then by index.
     pub fn all(&self, ray: &Ray, range: Range<f64>) -> Vec<TriangleHit> {
-        let frame = RayFrame::new(ray);
         let mut hits = Vec::new();
-        self.walk(ray, &range, |leaf| {
-            hits.extend(leaf.hit(&frame).filter(|hit| hit.distance > range.start && hit.distance < range.end));
+        self.walk(ray, &range, |hit| {
+            hits.extend(Some(hit).filter(|hit| hit.distance > range.start && hit.distance < range.end));
             Visit::Continue
         });
         hits.sort_unstable_by(|a, b| {
@@ -184,8 +177,10 @@ impl Bvh {
         best.sqrt()
     }
 
-    /// Visits every triangle that the ray may meet within the range, and some that it does not.
-    fn walk(&self, ray: &Ray, range: &Range<f64>, mut visit: impl FnMut(&Leaf) -> Visit) {
+    /// Visits all hits within the range, and some that are not.
+    fn walk(&self, ray: &Ray, range: &Range<f64>, mut visit: impl FnMut(TriangleHit) -> Visit) {
+        let frame = RayFrame::new(ray);
+        let mut visit = |leaf: &Leaf| leaf.hit(&frame).map_or(Visit::Continue, &mut visit);
         let from_center = ray.origin() - self.center;
         if from_center.abs().max_element() > FAR * self.half_size {
             for leaf in &self.leaves {

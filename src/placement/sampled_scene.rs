@@ -13,6 +13,7 @@ use super::sequence;
 use super::surface::{self, SurfacePoint};
 use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Ray};
+use crate::monitor::Monitor;
 use crate::scene::{FirstHit, HitSurface, SceneAtTime, Shape};
 
 /// Directions tested to find out whether a position is inside a solid.
@@ -94,13 +95,10 @@ impl SampledScene {
     }
 
     /// The points that each position sees from either side, a bit each.
-    pub fn visibility(
-        &self,
-        positions: &[DVec3],
-        each_done: &(dyn Fn() -> Result<()> + Sync),
-    ) -> Result<Vec<Vec<u64>>> {
+    pub fn visibility(&self, positions: &[DVec3], monitor: &dyn Monitor) -> Result<Vec<Vec<u64>>> {
         let all = |position: &DVec3| {
-            each_done()?;
+            monitor.advance(1);
+            monitor.check()?;
             Ok(words(self.points.len(), |at| self.sees(*position, at)))
         };
         positions.par_iter().map(all).collect()
@@ -194,6 +192,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::Mesh;
+    use crate::monitor::Silent;
     use crate::scene::{Light, Material, Object, Quad, SceneMesh, Sphere, Texture};
 
     fn object(shape: Shape) -> Object {
@@ -209,7 +208,7 @@ mod tests {
     }
 
     fn surfels_of(sampled: &SampledScene, candidates: &[DVec3]) -> Surfels {
-        let visibility = sampled.visibility(candidates, &|| Ok(())).unwrap();
+        let visibility = sampled.visibility(candidates, &Silent).unwrap();
         let region = Region::parse(&["-3,-3,-3,3,3,3"]).unwrap();
         sampled.surfels(candidates, &visibility, &region, 0.25)
     }
@@ -264,7 +263,7 @@ mod tests {
             assert_eq!(visible.seen[at / 64] >> (at % 64) & 1 == 1, surfel.point.y > 0.5, "{surfel:?}");
             assert_eq!(surfel.viewer_distance_m, 0.25);
         }
-        let visibility = sampled.visibility(&[camera], &|| Ok(())).unwrap();
+        let visibility = sampled.visibility(&[camera], &Silent).unwrap();
         assert_eq!(sampled.visible_of_points(&surfels, camera, &visibility[0]), visible);
     }
 

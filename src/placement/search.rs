@@ -139,7 +139,7 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Finds candidates and their visible sets. The monitor advances by [`Settings::steps`].
+    /// Finds candidates and their visible sets. The monitor advances by one for each candidate.
     pub fn new(
         times: Vec<SceneAtTime>,
         region: &'a Region,
@@ -156,11 +156,7 @@ impl<'a> Search<'a> {
         let surfaces = sampled.bounds();
         let clearance_m = CLEARANCE * (surfaces.max - surfaces.min).length().min(region.diagonal_m());
         let candidates = FreeSpace { sampled: &sampled, region, clearance_m }.candidates(settings.kind, wanted)?;
-        let each_done = || {
-            monitor.advance(1);
-            monitor.check()
-        };
-        let visibility = sampled.visibility(&candidates, &each_done)?;
+        let visibility = sampled.visibility(&candidates, monitor)?;
         let min_distance_m = settings.min_distance_m.unwrap_or(DEFAULT_MIN_DISTANCE * region.diagonal_m());
         let surfels = sampled.surfels(&candidates, &visibility, region, min_distance_m);
         monitor.check()?;
@@ -176,20 +172,11 @@ impl<'a> Search<'a> {
         Ok(Search { sampled, region, clearance_m, surfels, problem, visible_sets, steps, effort, min_distance_m })
     }
 
-    /// Positions without a search: [`FreeSpace::hammersley`].
-    pub fn uniform(&self, wanted: usize) -> Result<Vec<DVec3>> {
-        self.free_space().hammersley(wanted)
-    }
-
     pub fn visible_set(&self, position: DVec3) -> VisibleSet {
         self.sampled.visible_set(&self.surfels, position)
     }
 
-    pub fn admits(&self, position: DVec3) -> bool {
-        self.free_space().admits(position)
-    }
-
-    fn free_space(&self) -> FreeSpace<'_> {
+    pub fn free_space(&self) -> FreeSpace<'_> {
         FreeSpace { sampled: &self.sampled, region: self.region, clearance_m: self.clearance_m }
     }
 
@@ -272,10 +259,6 @@ impl Settings {
     pub fn counts(&self) -> (usize, usize) {
         let extent = Extent::of(self.effort);
         (self.candidates.unwrap_or(extent.candidates), self.surface_samples.unwrap_or(extent.surface_samples))
-    }
-
-    pub fn steps(&self) -> u64 {
-        self.counts().0 as u64
     }
 }
 

@@ -259,8 +259,8 @@ fn each_time_sample_counts_by_its_time_and_nothing_twice() {
 fn spread_cameras_need_no_search_and_are_measured() {
     let region = around(2.0);
     let search = Search::new(vec![group(1.0)], &region, &settings(Effort::Fast), &Silent).unwrap();
-    let cameras = search.uniform(12).unwrap();
-    assert!(cameras.len() == 12 && cameras.iter().all(|camera| search.admits(*camera)));
+    let cameras = search.free_space().hammersley(12).unwrap();
+    assert!(cameras.len() == 12 && cameras.iter().all(|camera| search.free_space().admits(*camera)));
     let stop = Stop { cameras: Some(0), until: 0.0 };
     let found = search.place(Lighting::Diffuse, &cameras, stop, &Silent).unwrap();
     let best = search.place(Lighting::Diffuse, &[], Stop { cameras: Some(12), until: 0.0 }, &Silent).unwrap();

@@ -98,20 +98,19 @@ impl Curve {
         };
         let times: Vec<f32> = buffers.floats::<1>(sampler.input.value())?.into_iter().flatten().collect();
         let output = sampler.output.value();
-        let values: Vec<f32> = match property {
-            Property::Rotation => buffers.floats::<4>(output)?.into_flattened(),
-            Property::Translation | Property::Scale => buffers.floats::<3>(output)?.into_flattened(),
-            Property::MorphTargetWeights => buffers.floats::<1>(output)?.into_flattened(),
+        let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        let (values, width) = match property {
+            Property::Rotation => (buffers.floats::<4>(output)?.into_flattened(), 4),
+            Property::Translation | Property::Scale => (buffers.floats::<3>(output)?.into_flattened(), 3),
+            Property::MorphTargetWeights => {
+                let values = buffers.floats::<1>(output)?.into_flattened();
+                let width = values.len() / (parts * times.len().max(1));
+                (values, width)
+            }
         };
         if times.is_empty() || !times.iter().all(|time| time.is_finite()) || !times.is_sorted() {
             return Err(Error::invalid("its times do not grow"));
         }
-        let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-        let width = match property {
-            Property::Rotation => 4,
-            Property::Translation | Property::Scale => 3,
-            Property::MorphTargetWeights => values.len() / (parts * times.len()),
-        };
         if width == 0 || values.len() != parts * times.len() * width {
             return Err(Error::invalid(format!("{} numbers for {} keys", values.len(), times.len())));
         }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::parts::{Definition, ball, block, bulb, lamp, rgb};
-use crate::scene::{CastsShadow, Fence, Lamp, Light, Material, Object, Quad, SceneAtTime, Shape, Texture, TurnedBox};
+use super::parts::{Definition, ball, block, bulb, lamp, rgb, wall};
+use crate::scene::{Fence, Lamp, Light, Material, Object, SceneAtTime, Shape, Texture, TurnedBox};
 
 pub(super) const SCENE: Definition =
     Definition { name: "courtyard", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)), fixed, at };
@@ -24,23 +24,13 @@ fn fixed() -> Vec<Object> {
     let iron = Texture::Solid(rgb(0.05, 0.055, 0.06));
     let stone = Texture::Solid(rgb(0.55, 0.53, 0.5));
 
-    let mut ground = Object::new(
-        Shape::Quad(Quad {
-            corner: DVec3::new(WALL - 0.2, 0.0, WALL - 0.2),
-            u: DVec3::Z * 13.0,
-            v: DVec3::X * (TERRACE_EDGE_X - WALL + 0.2),
-        }),
-        Material::diffuse(Texture::Bricks {
-            colors: [rgb(0.46, 0.43, 0.38), rgb(0.24, 0.23, 0.21)],
-            size: [0.8, 0.6],
-            joint: 0.025,
-        }),
-    );
-    // Nothing is below it, and nearly every shadow ray starts on it.
-    ground.casts_shadow = CastsShadow::No;
+    let paving =
+        Texture::Bricks { colors: [rgb(0.46, 0.43, 0.38), rgb(0.24, 0.23, 0.21)], size: [0.8, 0.6], joint: 0.025 };
+    let across = DVec3::X * (TERRACE_EDGE_X - WALL + 0.2);
 
     let mut objects = vec![
-        ground,
+        // The ground needs no shadow: nothing is below it, and nearly every shadow ray starts on it.
+        wall([WALL - 0.2, 0.0, WALL - 0.2], DVec3::Z * 13.0, across, paving),
         block(
             [WALL - 0.2, 0.0, WALL - 0.2],
             [WALL, 2.6, 4.0],
