@@ -4,17 +4,9 @@ use std::hash::{DefaultHasher, Hasher};
 
 /// Names and values in a fixed order. Settings are named as in messages, `` `depth_window` ``.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fingerprint(Vec<(String, String)>);
+pub struct Fingerprint(pub Vec<(String, String)>);
 
 impl Fingerprint {
-    pub fn new(fields: Vec<(String, String)>) -> Fingerprint {
-        Fingerprint(fields)
-    }
-
-    pub fn fields(&self) -> &[(String, String)] {
-        &self.0
-    }
-
     /// Version and source hash of the program (`build.rs`), as encoders change between versions.
     pub fn of_program() -> Vec<(&'static str, String)> {
         vec![
@@ -53,7 +45,7 @@ mod tests {
     use super::*;
 
     fn of(fields: &[(&str, &str)]) -> Fingerprint {
-        Fingerprint::new(fields.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect())
+        Fingerprint(fields.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect())
     }
 
     #[test]

@@ -10,32 +10,7 @@ use crate::error::Result;
 /// Maps jobs in parallel; results are in the order of the jobs. The error is that of the first failed job in order; jobs
 /// after it may be skipped.
 pub fn try_map_ordered<J: Send, T: Send>(jobs: Vec<J>, f: impl Fn(J) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
-    try_map_ordered_with(jobs, || (), |(), job| f(job))
-}
-
-/// As [`try_map_ordered`], with state that jobs of a thread share, made by `init`.
-pub fn try_map_ordered_with<J: Send, T: Send, S>(
-    jobs: Vec<J>,
-    init: impl Fn() -> S + Sync + Send,
-    f: impl Fn(&mut S, J) -> Result<T> + Sync + Send,
-) -> Result<Vec<T>> {
-    // The first failed job so far: later ones are skipped, earlier ones still run.
-    let failed = AtomicUsize::new(usize::MAX);
-    let results: Vec<Option<Result<T>>> = jobs
-        .into_par_iter()
-        .enumerate()
-        .map_init(init, |state, (order, job)| {
-            if order > failed.load(Ordering::Relaxed) {
-                return None;
-            }
-            let result = f(state, job);
-            if result.is_err() {
-                failed.fetch_min(order, Ordering::Relaxed);
-            }
-            Some(result)
-        })
-        .collect();
-    results.into_iter().flatten().collect()
+    try_map_at_once(jobs, usize::MAX, f)
 }
 
 /// As [`try_map_ordered`], with at most `at_once` jobs at a time, including jobs that wait for their own parallel work.
@@ -54,10 +29,22 @@ pub fn try_map_at_once_with<J: Send, T: Send, S>(
     init: impl Fn() -> S + Sync + Send,
     f: impl Fn(&mut S, J) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
-    if at_once >= jobs.len() {
-        return try_map_ordered_with(jobs, init, f);
-    }
+    // The first failed job so far: later ones are skipped, earlier ones still run.
     let failed = AtomicUsize::new(usize::MAX);
+    let run = |state: &mut S, (order, job): (usize, J)| {
+        if order > failed.load(Ordering::Relaxed) {
+            return None;
+        }
+        let result = f(state, job);
+        if result.is_err() {
+            failed.fetch_min(order, Ordering::Relaxed);
+        }
+        Some((order, result))
+    };
+    if at_once >= jobs.len() {
+        let results: Vec<_> = jobs.into_par_iter().enumerate().map_init(init, run).collect();
+        return results.into_iter().flatten().map(|(_, result)| result).collect();
+    }
     let left = Mutex::new(jobs.into_iter().enumerate());
     // Poisoned only if a thread panicked, which ends all.
     let next = || left.lock().ok().and_then(|mut left| left.next());
@@ -65,18 +52,8 @@ pub fn try_map_at_once_with<J: Send, T: Send, S>(
         .into_par_iter()
         .with_max_len(1)
         .flat_map_iter(|_| {
-            let (mut state, mut done) = (init(), Vec::new());
-            while let Some((order, job)) = next() {
-                if order > failed.load(Ordering::Relaxed) {
-                    break;
-                }
-                let result = f(&mut state, job);
-                if result.is_err() {
-                    failed.fetch_min(order, Ordering::Relaxed);
-                }
-                done.push((order, result));
-            }
-            done
+            let mut state = init();
+            std::iter::from_fn(|| run(&mut state, next()?)).collect::<Vec<_>>()
         })
         .collect();
     results.sort_by_key(|(order, _)| *order);

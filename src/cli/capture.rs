@@ -101,7 +101,7 @@ impl Work<'_> {
         if self.args.resume && images > 0 {
             let begun: Vec<(String, String)> =
                 serde_json::from_str(&left).map_err(|_| self.cannot("its state is damaged"))?;
-            if let Some(difference) = Fingerprint::new(begun).difference(now) {
+            if let Some(difference) = Fingerprint(begun).difference(now) {
                 return Err(self.cannot(&difference));
             }
             self.say(&format!("resuming with {images} of {} images", self.plan.image_count()));
@@ -112,7 +112,7 @@ impl Work<'_> {
         } else if images > 0 {
             self.say(&format!("replacing an unfinished capture of {images} images; --resume would continue it"));
         }
-        let state = serde_json::to_string_pretty(now.fields())
+        let state = serde_json::to_string_pretty(&now.0)
             .map_err(|error| Error::invalid(format!("the state of the capture: {error}")))?;
         folder.start_over(&state)?;
         Ok(ExistingImages::Overwrite)
@@ -137,7 +137,7 @@ impl Work<'_> {
         fields.push(("--animation", format!("{:?}", self.args.animation.as_deref().unwrap_or("the first"))));
         // Sines and roots are rounded by the system's library.
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
-        Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+        Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }
 }
 

@@ -4,7 +4,7 @@ use half::f16;
 use serde::Serialize;
 
 use crate::color::quality::Pu21;
-use crate::compare::domain::Values;
+use crate::compare::side::Values;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
 use crate::metrics::SquaredError;

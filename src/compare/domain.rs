@@ -2,12 +2,12 @@
 
 use half::f16;
 
-use crate::compare::side::{Coding, Image, Side, SideForm, SideStream};
+use crate::compare::side::{Coding, Image, Side, SideForm, SideStream, Values};
 use crate::decode::Picture;
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DecodeTable, DepthPlane, EncodeTable, MaterialPlane, Plane, StreamKind, ToneMap};
+use crate::image::{ColorPlane, DecodeTable, DepthPlane, EncodeTable, Plane, StreamKind, ToneMap};
 use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::streams::{ColorFormat, convert};
 
@@ -42,14 +42,12 @@ impl Domain {
                 }
             }
         }
-        match streams[0].id.kind {
-            StreamKind::Depth => None,
-            StreamKind::Color => {
-                let format = ColorFormat::EightBit(ToneMap::default());
-                Some(Domain { coding: Coding::Color(format, DEFAULT_CELL), origin: Origin::Default })
-            }
-            StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Default }),
-        }
+        let coding = match streams[0].id.kind {
+            StreamKind::Depth => return None,
+            StreamKind::Color => Coding::Color(ColorFormat::EightBit(ToneMap::default()), DEFAULT_CELL),
+            StreamKind::Material => Coding::Material,
+        };
+        Some(Domain { coding, origin: Origin::Default })
     }
 }
 
@@ -61,20 +59,11 @@ pub enum Converted {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// Metres, +inf for background.
-    Metres(DepthPlane),
-    Light(ColorPlane),
-    Weights(MaterialPlane),
-}
-
-#[derive(Debug, Clone, PartialEq)]
 pub struct ConvertedImage {
     pub image: Converted,
     pub clipped_pixels: u64,
 }
 
-#[derive(Debug)]
 pub struct Converter {
     domain: Coding,
     /// How a container codes the stream; `None` for files.
@@ -127,14 +116,16 @@ impl Converter {
                     self.quantise(metres, range)
                 }))
             }
-            (Image::Depth(metres), Coding::Depth(range)) => unclipped(Converted::Depth(self.quantise(metres, range))),
+            (Image::File(Values::Metres(metres)), Coding::Depth(range)) => {
+                unclipped(Converted::Depth(self.quantise(metres, range)))
+            }
             (Image::Coded(Picture::Color8(codes)), Coding::Color(ColorFormat::EightBit(_), _))
                 if self.keeps_codes() =>
             {
                 unclipped(Converted::Bytes(codes))
             }
             (Image::Coded(Picture::Material(codes)), Coding::Material) => unclipped(Converted::Bytes(codes)),
-            (Image::Material(weights), Coding::Material) => {
+            (Image::File(Values::Weights(weights)), Coding::Material) => {
                 unclipped(Converted::Bytes(convert::material_codes(&weights)?))
             }
             (image, Coding::Color(..)) => {
@@ -164,9 +155,7 @@ impl Converter {
                 let half = |value: f32| f16::from_f32(value).to_f32();
                 Values::Weights(convert::material_values(codes).map(|pixel| pixel.map(half)))
             }
-            Image::Depth(metres) => Values::Metres(metres.clone()),
-            Image::Color(light) => Values::Light(light.clone()),
-            Image::Material(weights) => Values::Weights(weights.clone()),
+            Image::File(values) => values.clone(),
         }
     }
 

@@ -7,9 +7,9 @@
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
 use crate::compare::difference::{BitErrors, SampleErrors, half_levels};
-use crate::compare::domain::{Converted, Converter, Domain, Origin, Values};
+use crate::compare::domain::{Converted, Converter, Domain, Origin};
 use crate::compare::pairing::{Coverage, Pair, Pairing};
-use crate::compare::side::{Coding, Image, Side, SideReader};
+use crate::compare::side::{Coding, Image, Side, SideReader, Values};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::{FrameRange, Plane};
@@ -118,7 +118,7 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
         let mut extents = vec![None; pairs.len()];
         visit(pairing.sides, pairs, monitor, |at, _, images| {
             for image in &images {
-                if let Image::Depth(plane) = image {
+                if let Image::File(Values::Metres(plane)) = image {
                     let found = DepthExtent::of(plane);
                     extents[at] = [extents[at], found].into_iter().flatten().reduce(DepthExtent::union);
                 }

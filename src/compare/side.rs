@@ -119,9 +119,16 @@ pub struct Side {
 pub enum Image {
     /// In the domain of a container's codec.
     Coded(Picture),
-    Depth(DepthPlane),
-    Color(ColorPlane),
-    Material(MaterialPlane),
+    File(Values),
+}
+
+/// An image in the values of files.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Metres, +inf for background.
+    Metres(DepthPlane),
+    Light(ColorPlane),
+    Weights(MaterialPlane),
 }
 
 impl Side {
@@ -146,7 +153,6 @@ impl Side {
 }
 
 /// Reads images of some streams of a side, frame by frame; files that hold several of them are read once.
-#[derive(Debug)]
 pub struct SideReader<'a> {
     side: &'a Side,
     streams: Vec<&'a SideStream>,
@@ -154,7 +160,6 @@ pub struct SideReader<'a> {
     held: Option<ReadGroup>,
 }
 
-#[derive(Debug)]
 struct ReadGroup {
     group: usize,
     frame: u32,
@@ -196,12 +201,12 @@ impl<'a> SideReader<'a> {
 fn read_group(source: &Source, group: usize, frame: u32) -> Result<Vec<Option<Image>>> {
     let group = &source.groups()[group];
     Ok(match group.kind {
-        StreamKind::Color => wrap(source.read_color(group, frame)?, Image::Color),
-        StreamKind::Depth => wrap(source.read_depth(group, frame)?, Image::Depth),
-        StreamKind::Material => wrap(source.read_material(group, frame)?, Image::Material),
+        StreamKind::Color => wrap(source.read_color(group, frame)?, Values::Light),
+        StreamKind::Depth => wrap(source.read_depth(group, frame)?, Values::Metres),
+        StreamKind::Material => wrap(source.read_material(group, frame)?, Values::Weights),
     })
 }
 
-fn wrap<T>(planes: Vec<T>, image: fn(T) -> Image) -> Vec<Option<Image>> {
-    planes.into_iter().map(|plane| Some(image(plane))).collect()
+fn wrap<T>(planes: Vec<T>, values: fn(T) -> Values) -> Vec<Option<Image>> {
+    planes.into_iter().map(|plane| Some(Image::File(values(plane)))).collect()
 }

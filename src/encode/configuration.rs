@@ -23,7 +23,7 @@ pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerp
     fields.extend(source.configuration());
     // Last: it may differ only because an option chooses another encoder.
     fields.push(("the kind of machine", machine(settings)));
-    Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+    Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
 pub(super) fn to_bytes<T: Serialize + ?Sized>(part: &T) -> Result<Vec<u8>> {

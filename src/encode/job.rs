@@ -218,7 +218,7 @@ fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, sink: Sin
             Writer::go_on(out, name, fps, projection, (recovered, journal))
         }
         Sink::Resumable(Resumable { out, journal, recovered: None }) => {
-            let head = configuration::to_bytes(configuration::of(source, settings).fields())?;
+            let head = configuration::to_bytes(&configuration::of(source, settings).0)?;
             Writer::new(out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
         }
     };

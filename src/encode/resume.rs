@@ -101,7 +101,7 @@ pub(super) struct Completed {
 impl Completed {
     pub fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Completed> {
         let begun = serde_json::from_slice(&recovered.head).map_err(|_| broken())?;
-        if let Some(difference) = Fingerprint::new(begun).difference(now) {
+        if let Some(difference) = Fingerprint(begun).difference(now) {
             return Err(configuration::other(&difference));
         }
         let mut completed = Completed { chunks: recovered.chunks.len() as u64, ..Completed::default() };

@@ -21,13 +21,6 @@ pub struct IntactBytes {
     pub journal: u64,
 }
 
-/// The journal of an unfinished file, which may not exist yet.
-#[derive(Debug)]
-struct JournalFile {
-    path: PathBuf,
-    file: Option<File>,
-}
-
 /// An unfinished file that is locked by this process. Dropping it removes the file, unless it was committed or kept. One
 /// with a journal is kept until [`Self::discard`].
 #[derive(Debug)]
@@ -36,7 +29,9 @@ pub struct PartialFile {
     /// Of the unfinished file.
     pub path: PathBuf,
     writer: BufWriter<File>,
-    journal: JournalFile,
+    journal_path: PathBuf,
+    /// May not exist yet.
+    journal: Option<File>,
     /// False where the file system has no locks.
     pub is_locked: bool,
     /// Why a part of it may not have reached the disk. The system reports this only once.
@@ -72,7 +67,7 @@ impl PartialFile {
         let Locked { file, is_locked } = open(&path)?;
         // A process that has just renamed its file may still have to remove the journal.
         let journal = match journal_path.symlink_metadata().is_ok().then(|| open(&journal_path)).transpose() {
-            Ok(journal) => JournalFile { path: journal_path, file: journal.map(|journal| journal.file) },
+            Ok(journal) => journal.map(|journal| journal.file),
             Err(error) => {
                 if file.metadata().is_ok_and(|meta| meta.len() == 0) {
                     // It was created above.
@@ -85,7 +80,8 @@ impl PartialFile {
             output: output.to_path_buf(),
             path,
             writer: BufWriter::new(file),
-            keep: journal.file.is_some(),
+            keep: journal.is_some(),
+            journal_path,
             journal,
             is_locked,
             sync_error: None,
@@ -95,7 +91,7 @@ impl PartialFile {
 
     /// Calls `check` with the journal's bytes and the file; `None` without a journal. Both files stay.
     pub fn recover<T>(&mut self, check: impl FnOnce(&[u8], &mut dyn Read) -> Result<Option<T>>) -> Result<Option<T>> {
-        let Some(journal) = &mut self.journal.file else { return Ok(None) };
+        let Some(journal) = &mut self.journal else { return Ok(None) };
         let io = |error| Error::io(&self.path, error);
         let mut records = Vec::new();
         journal.seek(SeekFrom::Start(0)).and_then(|_| journal.read_to_end(&mut records)).map_err(io)?;
@@ -109,13 +105,13 @@ impl PartialFile {
         let io = |error| Error::io(&self.output, error);
         let bytes = intact.unwrap_or_default();
         truncate(self.writer.get_mut(), bytes.file).map_err(io)?;
-        let busy = || Error::Usage(format!("{}: another process has it", self.journal.path.display()));
-        let mut journal = match self.journal.file.take() {
+        let busy = || Error::Usage(format!("{}: another process has it", self.journal_path.display()));
+        let mut journal = match self.journal.take() {
             Some(journal) => journal,
-            None => open_locked(&self.journal.path).map_err(io)?.ok_or_else(busy)?.file,
+            None => open_locked(&self.journal_path).map_err(io)?.ok_or_else(busy)?.file,
         };
         let done = truncate(&mut journal, bytes.journal).and_then(|()| journal.try_clone()).map_err(io);
-        self.journal.file = Some(journal);
+        self.journal = Some(journal);
         if intact.is_none() && done.is_ok() {
             self.keep = false;
         }
@@ -136,10 +132,10 @@ impl PartialFile {
     }
 
     fn remove_journal(&mut self) {
-        if self.journal.file.is_some() {
+        if self.journal.is_some() {
             // Removed while it is still locked.
-            let _ = std::fs::remove_file(&self.journal.path);
-            self.journal.file = None;
+            let _ = std::fs::remove_file(&self.journal_path);
+            self.journal = None;
         }
     }
 
@@ -149,7 +145,7 @@ impl PartialFile {
         // On a full disk this fails; chunks that the journal lists were flushed before.
         let _ = self.writer.flush();
         let file = self.sync();
-        let journal = self.journal.file.as_ref().map_or(Ok(()), File::sync_all);
+        let journal = self.journal.as_ref().map_or(Ok(()), File::sync_all);
         let folder = sync_folder(&self.output);
         match &self.sync_error {
             Some(why) => Err(std::io::Error::other(why.clone())),
@@ -212,7 +208,7 @@ impl Write for PartialFile {
 impl Drop for PartialFile {
     fn drop(&mut self) {
         // After a panic a file with a journal can still be resumed.
-        let panicked = std::thread::panicking() && self.journal.file.is_some();
+        let panicked = std::thread::panicking() && self.journal.is_some();
         if !self.keep && !panicked {
             let _ = std::fs::remove_file(&self.path);
             self.remove_journal();
@@ -253,7 +249,7 @@ mod tests {
         let (folder, output) = left();
         // A journal that may not be read.
         let mut partial = PartialFile::open(&output).unwrap();
-        partial.journal.file = Some(File::options().write(true).open(folder.path().join(".a.journal")).unwrap());
+        partial.journal = Some(File::options().write(true).open(folder.path().join(".a.journal")).unwrap());
         assert!(matches!(partial.recover(|_, _| Ok(Some(()))), Err(Error::Io { .. })));
         drop(partial);
         is_untouched(&folder);
@@ -308,7 +304,7 @@ mod tests {
         assert!(partial.keep().is_err());
         drop(partial);
         let mut partial = PartialFile::open(&output).unwrap();
-        partial.journal.file = Some(null());
+        partial.journal = Some(null());
         assert!(partial.keep().is_err());
         drop(partial);
         is_untouched(&folder);
