@@ -38,7 +38,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     // Static scenes are sampled once.
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).time_samples } else { 1 };
     let frames = search::sample_frames(range, most);
-    let times = search::time_samples(&scene, &frames, args.fps());
+    let times = frames.iter().map(|frame| scene.at(f64::from(*frame) / args.fps())).collect();
     let progress = Progress::start(global, "looking", settings.counts().0 as u64)?;
     let mut search = Search::new(times, &region, &settings, &progress)?;
     drop(progress);

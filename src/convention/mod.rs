@@ -102,12 +102,11 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     if let Some(values) = &footage.color {
         let pattern = manifest.and_then(|manifest| manifest.files.get(StreamKind::Color));
         let png = pattern.is_some_and(|pattern| pattern.to_ascii_lowercase().ends_with(".png"));
-        let files = if png { light::Files::Integers } else { light::Files::Floats };
-        let space = source.color_space.unwrap_or(match files {
-            light::Files::Integers => ColorSpace::Srgb,
-            light::Files::Floats => ColorSpace::LinearRec709,
-        });
-        findings.push(light::check(values, space, files));
+        let (files, usual) = match png {
+            true => (light::Files::Integers, ColorSpace::Srgb),
+            false => (light::Files::Floats, ColorSpace::LinearRec709),
+        };
+        findings.push(light::check(values, source.color_space.unwrap_or(usual), files));
     }
     findings.extend(duplicate_images::check(&footage, source.depth_kind));
     let probes = read::chosen_probes(source, choice)?.len();

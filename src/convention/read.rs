@@ -135,8 +135,7 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
         let probe = &source.probes()[index];
         for Kept { face, borders, hash, values } in faces {
             footage.images += 1;
-            let is_depth = matches!(values, Values::Depth(..));
-            let kind = if is_depth { StreamKind::Depth } else { StreamKind::Color };
+            let kind = if matches!(values, Values::Depth(..)) { StreamKind::Depth } else { StreamKind::Color };
             let name = format!("{} {}/{}", kind.name(), probe.name, face.name());
             match hash {
                 Some(hash) => {

@@ -74,8 +74,7 @@ impl Camera {
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
 
-    /// A camera at `eye` with orthonormal axes: forward, right and down. They may be mirrored, as those of cube faces are; such a
-    /// camera has no [`Camera::orientation`].
+    /// Axes: forward, right and down. With mirrored ones, as of cube faces, it has no [`Camera::orientation`].
     pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = DMat3::from_cols(axes[0], axes[1], axes[2]);

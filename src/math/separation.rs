@@ -12,9 +12,7 @@ const SLACK: f64 = 1e-13;
 /// Cosines up to this may be rounding.
 const COSINE_SLACK: f64 = 1e-14;
 
-/// Whether no direction of `a` is one of `b`, but for directions on the boundary of both.
-///
-/// To have a margin, widen one of them.
+/// Whether no direction of `a` is one of `b`, but for those on the boundary of both: widen one of them for a margin.
 pub(super) fn directions_apart(a: &Frustum, b: &Frustum) -> bool {
     let before = |normal: DVec3, rays: &[DVec3; 4]| rays.iter().all(|ray| normal.dot(*ray) >= -COSINE_SLACK);
     let behind = |normal: DVec3, rays: &[DVec3; 4]| rays.iter().all(|ray| normal.dot(*ray) <= COSINE_SLACK);

@@ -6,8 +6,7 @@ use crate::error::{Error, Result};
 
 /// Bytes allowed for a file of any size.
 const FLOOR: u64 = 512 << 20;
-/// Further bytes for each byte of the files: an image of one colour, or another node of a mesh, is a few bytes in the
-/// file.
+/// Further bytes for each byte of the files: an image of one colour is a few bytes in the file.
 const PER_BYTE: u64 = 128;
 /// Most bytes for files of any size.
 const MOST: u64 = 16 << 30;

@@ -98,8 +98,7 @@ impl ImageTexture {
         Ok(ImageTexture { width, height, pixels: image.as_chunks::<4>().0.to_vec(), wrap })
     }
 
-    /// Bilinear colour and alpha at texture coordinates, (0, 0) the top left corner. Coordinates that are not finite
-    /// count as 0.
+    /// Bilinear colour and alpha at texture coordinates, (0, 0) the top left corner; those not finite count as 0.
     pub fn sample(&self, uv: DVec2) -> (DVec3, f64) {
         let (left, right, along) = self.wrap[0].neighbours(uv.x, self.width);
         let (top, bottom, down) = self.wrap[1].neighbours(uv.y, self.height);

@@ -2,10 +2,8 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4};
 
-/// Triangles in world space.
-///
-/// Positions are f64: node transforms are applied in f64, and f32 would move hits of large or distant meshes by more
-/// than a depth code.
+/// Triangles in world space. Positions are f64: f32 would move hits of large or distant meshes by more than a depth
+/// code.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Corners, metres. Rays miss triangles with a corner that is not finite.

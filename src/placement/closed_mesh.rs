@@ -34,8 +34,7 @@ impl ClosedMesh {
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 
-    /// The union of the shells of all meshes; equal corners are one. Fails without a triangle, and where an edge is
-    /// not run along as often one way as the other.
+    /// The union of the shells of all meshes; equal corners are one. Fails where there are no triangles, or wrong edges.
     pub fn new(meshes: Vec<Mesh>) -> Result<ClosedMesh> {
         let triangles: Vec<[DVec3; 3]> = meshes
             .iter()
@@ -75,8 +74,7 @@ impl ClosedMesh {
         votes.count() > VOTES / 2
     }
 
-    /// Winding number around the origin of the ray; coincident triangles count each. `None` where a triangle is
-    /// within `border_m` of the origin.
+    /// Around the origin of the ray; `None` where a triangle is within `border_m`. Coincident triangles count each.
     fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
         let mut winding = 0;
         for hit in self.bvh.all(ray, -2.0 * border_m..f64::INFINITY) {

@@ -87,8 +87,9 @@ impl Volume {
 
 impl Region {
     /// Fails without a volume, and where the diagonal exceeds 1e100 m.
-    pub fn new(volumes: Vec<Volume>) -> Result<Region> {
-        let region = Region { volumes };
+    pub fn parse(texts: &[impl AsRef<str>]) -> Result<Region> {
+        let volumes = texts.iter().map(|text| Volume::parse(text.as_ref()));
+        let region = Region { volumes: volumes.collect::<Result<_>>()? };
         if region.volumes.is_empty() {
             return Err(Error::Usage("no region: `region` says where viewers may be".into()));
         }
@@ -96,10 +97,6 @@ impl Region {
             return Err(Error::Usage("the region is too large: its corners must be less than 1e100 m apart".into()));
         }
         Ok(region)
-    }
-
-    pub fn parse(texts: &[impl AsRef<str>]) -> Result<Region> {
-        Self::new(texts.iter().map(|text| Volume::parse(text.as_ref())).collect::<Result<_>>()?)
     }
 
     pub fn contains(&self, point: DVec3) -> bool {

@@ -46,8 +46,7 @@ pub struct Surfels {
 }
 
 impl SampledScene {
-    /// Distributes `points` points over the surfaces of all time samples, the same number for each. Fails without a
-    /// surface.
+    /// Distributes `points` points over all time samples, the same number for each. Fails without a surface.
     pub fn new(times: Vec<SceneAtTime>, points: usize) -> Result<SampledScene> {
         let each = points.div_ceil(times.len().max(1)).max(1);
         let mut points = Vec::new();

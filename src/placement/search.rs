@@ -11,7 +11,7 @@ use super::sampled_scene::{SampledScene, Surfels};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
-use crate::scene::{Scene, SceneAtTime};
+use crate::scene::SceneAtTime;
 
 /// Default gain at which a search ends, as a fraction of all area and time.
 pub const DEFAULT_UNTIL: f64 = 1e-3;
@@ -19,8 +19,7 @@ pub const DEFAULT_UNTIL: f64 = 1e-3;
 pub const DEFAULT_RATE: f64 = 4.0;
 /// Default minimum of the viewer distance, as a fraction of the diagonal of the region.
 pub const DEFAULT_MIN_DISTANCE: f64 = 0.05;
-/// Least tolerance of the viewer distance, as a fraction of the diagonal of the region; see
-/// [`super::coverage::WITHIN`].
+/// Least tolerance of the viewer distance, as a fraction of the region's diagonal; see [`super::coverage::WITHIN`].
 pub const WITHIN_REGION: f64 = 0.05;
 /// Clearance of a camera, as a fraction of the smaller of the diagonals of region and scene.
 pub const CLEARANCE: f64 = 1e-3;
@@ -73,10 +72,6 @@ pub fn sample_frames([first, last]: [u32; 2], most: usize) -> Vec<u32> {
     let taken = count.min(most.max(1) as u64);
     // The middle of each of `taken` equal parts.
     (0..taken).map(|at| first + ((2 * at + 1) * count / (2 * taken)) as u32).collect()
-}
-
-pub fn time_samples(scene: &Scene, frames: &[u32], fps: f64) -> Vec<SceneAtTime> {
-    frames.iter().map(|frame| scene.at(f64::from(*frame) / fps)).collect()
 }
 
 /// Limits of a search; the first reached ends it.

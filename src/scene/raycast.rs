@@ -88,14 +88,12 @@ impl SceneAtTime {
         !hidden && !self.meshes.iter().any(|mesh| mesh.occluded(&ray, ends[0]..ends[1]))
     }
 
-    /// Square of the distance from a lamp within which it becomes no brighter, square metres: 10 cm, less in scenes of
-    /// less than a metre.
+    /// Square metres around a lamp within which it becomes no brighter: 10 cm, less in scenes of less than a metre.
     pub(super) fn lamp_core(&self) -> f64 {
         0.01 * self.size.min(1.0).powi(2)
     }
 
-    /// Offset of the origin of a ray that leaves the surface at `point`, metres: larger far from the origin, where f64
-    /// resolves less.
+    /// Offset of a ray that leaves the surface at `point`, metres: larger far from the origin, where f64 resolves less.
     pub(super) fn lift(&self, point: DVec3) -> f64 {
         self.lift.max(1e-13 * point.abs().max_element())
     }

@@ -15,12 +15,6 @@ pub struct Pose {
     pub scale: DVec3,
 }
 
-impl Pose {
-    pub fn matrix(&self) -> DMat4 {
-        DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
-    }
-}
-
 /// Transform to the parent, as in the file.
 #[derive(Debug, Clone, Copy)]
 pub enum Local {
@@ -34,7 +28,9 @@ impl Local {
     pub fn matrix(&self) -> DMat4 {
         match self {
             Local::Matrix(matrix) => *matrix,
-            Local::Pose(pose) => pose.matrix(),
+            Local::Pose(Pose { translation, rotation, scale }) => {
+                DMat4::from_scale_rotation_translation(*scale, *rotation, *translation)
+            }
         }
     }
 
@@ -61,8 +57,7 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// Shows the default scene, or the first, or all nodes where there is none. Fails where a node has two parents or
-    /// is its own ancestor.
+    /// Shows the default scene, else the first, else all. Fails where a node has two parents or is its own ancestor.
     pub fn read(document: &Document) -> Result<Nodes> {
         let count = document.nodes().len();
         let mut parents: Vec<Option<usize>> = vec![None; count];

@@ -39,8 +39,7 @@ pub struct CapturePlan {
     /// Samples of colour in a pixel.
     pub samples: u32,
     pub depth: DepthKind,
-    /// Metres; surfaces beyond are background, except in colour, as a backdrop is seen and not reconstructed. `+inf`
-    /// for none.
+    /// Metres or `+inf`; surfaces beyond are background, except in colour: a backdrop is seen, not reconstructed.
     pub far_m: f64,
 }
 
