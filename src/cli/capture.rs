@@ -32,7 +32,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     notes.iter().for_each(|note| global.note(note));
     let plan = args.plan(&scene, cameras, viewers)?;
     plan.manifest()?;
-    check_output(&plan, &args.output)?;
+    if args.output.join(MANIFEST_NAME).is_file() {
+        let old = Manifest::read(&args.output)?;
+        plan.check_replaces(&old).map_err(|error| error.context(args.output.display()))?;
+    }
     args.notes(&scene, &plan).iter().for_each(|note| global.note(note));
     let loaded = start.elapsed();
     let progress = Progress::start(global, "capturing", plan.image_count())?;
@@ -53,13 +56,6 @@ fn check_cameras_stay(args: &Args) -> Result<()> {
         return refuse(format!("{path}: the file of cameras would be overwritten; name another folder"));
     }
     Ok(())
-}
-
-fn check_output(plan: &CapturePlan, output: &Path) -> Result<()> {
-    if !output.join(MANIFEST_NAME).is_file() {
-        return Ok(());
-    }
-    plan.check_replaces(&Manifest::read(output)?).map_err(|error| error.context(output.display()))
 }
 
 struct Work<'a> {

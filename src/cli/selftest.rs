@@ -74,10 +74,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let progress = Progress::start(global, "hard cases", cases.len() as u64)?;
     let (cases, inputs): (Vec<CaseReport>, Vec<Inputs>) = hard_cases::run_all(&cases, &progress)?.into_iter().unzip();
     drop(progress);
-    let mut all = Vec::new();
-    for pick in &picks {
-        all.push(test_device(&Gpu::open(pick)?, args, &inputs, global)?);
-    }
+    let test = |pick| test_device(&Gpu::open(pick)?, args, &inputs, global);
+    let all = picks.iter().map(test).collect::<Result<Vec<_>>>()?;
     let failed = all.iter().any(Tested::failed) || cases.iter().any(|case| !case.passed());
     output::print_either(args.json, &Document::new(&all, &cases, failed), || text(&all, &cases))?;
     Ok(if failed { ExitStatus::Failed } else { ExitStatus::Passed })
@@ -124,10 +122,6 @@ impl Tested {
     fn on_device<'a, T>(&'a self, report: &'a T) -> OnDevice<'a, T> {
         OnDevice { device: &self.info.name, report }
     }
-
-    fn case_row<'a>(&'a self, at: usize, case: &'a CaseReport) -> CaseRow<'a> {
-        CaseRow::new(case, Some(&self.info.name), Some(self.hard_cases[at].mismatched_words))
-    }
 }
 
 impl<'a> Document<'a> {
@@ -137,7 +131,8 @@ impl<'a> Document<'a> {
             if case.streams + case.pictures == 0 || all.is_empty() {
                 hard_cases.push(CaseRow::new(case, None, None));
             } else {
-                hard_cases.extend(all.iter().map(|tested| tested.case_row(at, case)));
+                let differ = |of: &Tested| of.hard_cases[at].mismatched_words;
+                hard_cases.extend(all.iter().map(|of| CaseRow::new(case, Some(&of.info.name), Some(differ(of)))));
             }
         }
         let kernels = all.iter().flat_map(|tested| tested.kernels.iter().map(|kernel| tested.on_device(kernel)));
@@ -185,11 +180,10 @@ fn device_text(tested: &Tested, cases: &[CaseReport]) -> String {
         }
         out += &format!("{table}\n");
     }
-    let words: u64 = hard_cases.iter().map(|case| case.mismatched_words).sum();
-    let pictures: u64 = hard_cases.iter().map(|case| case.pictures).sum();
+    let sum = |of: fn(&DeviceFigures) -> u64| hard_cases.iter().map(of).sum::<u64>();
+    let (words, rendered) = (sum(|case| case.mismatched_words), sum(|case| case.rendered));
+    let images = sum(|case| case.pictures) - rendered;
     let count = hard_cases.iter().filter(|case| case.pictures > case.rendered).count();
-    let rendered: u64 = hard_cases.iter().map(|case| case.rendered).sum();
-    let images = pictures - rendered;
     out += &format!(
         "{count} hard cases with streams, {images} images; {rendered} pictures; {words} words or pixels differ\n"
     );

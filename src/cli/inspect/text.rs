@@ -198,12 +198,11 @@ fn settings(report: &Report<'_>) -> String {
             }
         }
         for (line, near, far) in seen.iter().take(MAX_SETTINGS) {
-            let range = if kind == StreamKind::Depth {
-                format!(", {} to {} m", metres(*near), metres(*far))
-            } else {
-                String::new()
-            };
-            let _ = writeln!(out, "{}: {line}{range}", kind.name());
+            let _ = write!(out, "{}: {line}", kind.name());
+            if kind == StreamKind::Depth {
+                let _ = write!(out, ", {} to {} m", metres(*near), metres(*far));
+            }
+            out.push('\n');
         }
         if seen.len() > MAX_SETTINGS {
             let _ = writeln!(out, "{}: and other settings, see --json", kind.name());
