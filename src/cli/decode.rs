@@ -310,13 +310,9 @@ impl Run<'_> {
             return output::print_json(&output::with_memory(Document { decoded, seen, verification }));
         }
         let line = self.text(args, decoded.megapixels_per_second);
-        match &args.output {
-            None => output::print_text(&format!("{line}\n")),
-            Some(output) => {
-                global.note(format_args!("{}: {line}", output.display()));
-                Ok(())
-            }
-        }
+        let Some(output) = &args.output else { return output::print_text(&format!("{line}\n")) };
+        global.note(format_args!("{}: {line}", output.display()));
+        Ok(())
     }
 
     fn text(&self, args: &Args, megapixels_per_second: f64) -> String {

@@ -20,19 +20,16 @@ pub struct Page {
 /// One page for the program and one for each visible command.
 pub fn pages(mut root: clap::Command) -> Result<Vec<Page>> {
     root.build();
-    let mut pages = vec![page("lightfold".to_owned(), root.clone())?];
-    for command in root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help") {
-        let name = format!("lightfold-{}", command.get_name());
-        pages.push(page(name, command.clone())?);
-    }
-    Ok(pages)
+    let visible = root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help");
+    let subcommands = visible.map(|command| (format!("lightfold-{}", command.get_name()), command));
+    std::iter::once(("lightfold".to_owned(), &root)).chain(subcommands).map(page).collect()
 }
 
-fn page(title: String, command: clap::Command) -> Result<Page> {
-    let man =
-        clap_mangen::Man::new(command).title(title.clone()).source(concat!("lightfold ", env!("CARGO_PKG_VERSION")));
+fn page((title, command): (String, &clap::Command)) -> Result<Page> {
     let name = format!("{title}.1");
+    let source = concat!("lightfold ", env!("CARGO_PKG_VERSION"));
     let mut text = Vec::new();
+    let man = clap_mangen::Man::new(command.clone()).title(title).source(source);
     man.render(&mut text).map_err(|error| Error::io(&name, error))?;
     Ok(Page { name, text })
 }

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::files::OutputFile;
 use crate::json;
 use crate::report::machine;
+use crate::report::plot::number::bytes_unit;
 
 /// Whether the reader of our output has closed it, which is not a failure.
 pub fn is_broken_pipe(error: &Error) -> bool {
@@ -60,14 +61,11 @@ pub fn write_file(path: &Path, text: &str) -> Result<()> {
 
 /// A size with a decimal unit, as `1.25 MB`.
 pub fn human_bytes(bytes: u64) -> String {
-    let units = ["B", "kB", "MB", "GB", "TB"];
-    let mut value = bytes as f64;
-    let mut unit = 0;
-    while value >= 1000.0 && unit + 1 < units.len() {
-        value /= 1000.0;
-        unit += 1;
+    if bytes < 1000 {
+        return format!("{bytes} B");
     }
-    if unit == 0 { format!("{bytes} B") } else { format!("{value:.2} {}", units[unit]) }
+    let unit = bytes_unit(bytes as f64);
+    format!("{:.2} {}", bytes as f64 / unit.size, unit.name)
 }
 
 /// Replaces settings, which messages of the library name in backquotes, by options: `` `depth_window` `` by
