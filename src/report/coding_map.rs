@@ -1,8 +1,6 @@
 //! Pictures of how streams are coded (GDC figure 1): (b) the nodes, boxes or blocks of a frame, tinted by their coding; the
-//! keyframes of each cell of colour; and (c) the error of the decoded image.
-//!
-//! Enters: an open container, some of its streams, and their source for errors. Leaves: a PNG file for each picture, of at
-//! most about 2048 pixels on a side; its bytes do not depend on the number of threads.
+//! keyframes of each cell of colour; and (c) the error of the decoded image. A picture is a PNG file of at most about 2048
+//! pixels on a side, whose bytes do not depend on the number of threads.
 
 mod errors;
 mod frames;
@@ -25,13 +23,10 @@ use crate::report::picture::sheet::Sheet;
 use subject::Subject;
 pub use subject::{What, counted};
 
-/// More pictures than this are refused.
 const MAX_PLOTS: usize = 4096;
 
-/// A picture that was written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot<'a> {
-    /// The file's name in the folder.
     pub file: String,
     pub stream: &'a StreamInfo,
     pub frame: u32,
@@ -50,16 +45,11 @@ pub struct Request<'a> {
     pub source: Option<(&'a [Side; 2], &'a Pairing<'a>)>,
 }
 
-/// Steps that [`plot`] advances its monitor by.
 pub fn steps(request: &Request<'_>) -> u64 {
-    let chunks = |stream: &&StreamInfo| inspect::steps(request.decoder, &[stream]) + 1;
-    request.streams.iter().map(chunks).sum()
+    request.streams.iter().map(|stream| inspect::steps(request.decoder, &[stream]) + 1).sum()
 }
 
 /// Draws and writes all pictures into a folder that exists, streams in parallel.
-///
-/// # Errors
-/// There would be too many pictures; a chunk is damaged; an image of the source cannot be read; a file cannot be written.
 pub fn plot<'a>(request: &Request<'a>, folder: &Path, monitor: &dyn Monitor) -> Result<Vec<Plot<'a>>> {
     let each = if request.source.is_some() { 4 } else { 2 };
     if request.streams.len() * each > MAX_PLOTS {
@@ -120,7 +110,6 @@ fn plot_stream<'a>(
     Ok(plots)
 }
 
-/// The pair that a stream of the container is the first of.
 fn pair_of<'a>(pairing: &'a Pairing<'_>, stream: &StreamInfo, probe: &str) -> Option<&'a Pair<'a>> {
     let is_it = |pair: &&Pair<'_>| {
         let id = &pair.streams[0].id;
@@ -129,7 +118,6 @@ fn pair_of<'a>(pairing: &'a Pairing<'_>, stream: &StreamInfo, probe: &str) -> Op
     pairing.pairs.iter().find(is_it)
 }
 
-/// The frames of a stream that are drawn, ascending.
 fn frames_of(asked: Option<u32>, stream: &StreamInfo, survey: Option<&Survey>) -> Vec<u32> {
     let busiest = survey.and_then(|survey| survey.busiest);
     match (asked, stream.kind) {

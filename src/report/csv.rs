@@ -7,9 +7,11 @@ use crate::error::{Error, Result};
 
 /// Rows of flat structures; the columns are their fields.
 pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|error| broken(&error))?;
-    text_of(writer)
+    text(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
+}
+
+pub fn of_records(records: impl IntoIterator<Item = Vec<String>>) -> Result<String> {
+    text(|writer| records.into_iter().try_for_each(|record| writer.write_record(record)))
 }
 
 /// One row for each JSON object.
@@ -17,30 +19,25 @@ pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {
 /// A column is named by the key that it shows, `outer.inner` for a key of an object inside; the heading is then
 /// `outer_inner`. A key that an object does not have leaves its cell empty.
 pub fn of_objects(columns: &[&str], objects: &[impl Serialize]) -> Result<String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(columns.iter().map(|column| column.replace('.', "_"))).map_err(|error| broken(&error))?;
+    let mut records = vec![columns.iter().map(|column| column.replace('.', "_")).collect()];
     for object in objects {
         let object = serde_json::to_value(object).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-        let cells = columns.iter().map(|column| {
-            let value = column.split('.').try_fold(&object, |object, key| object.get(key));
-            match value {
-                None | Some(Value::Null) => String::new(),
-                Some(Value::String(text)) => text.clone(),
-                Some(other) => other.to_string(),
-            }
-        });
-        writer.write_record(cells).map_err(|error| broken(&error))?;
+        let cell = |column: &&str| match column.split('.').try_fold(&object, |object, key| object.get(key)) {
+            None | Some(Value::Null) => String::new(),
+            Some(Value::String(text)) => text.clone(),
+            Some(other) => other.to_string(),
+        };
+        records.push(columns.iter().map(cell).collect());
     }
-    text_of(writer)
+    of_records(records)
 }
 
-fn text_of(writer: csv::Writer<Vec<u8>>) -> Result<String> {
+fn text(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let broken = |error: &dyn std::error::Error| Error::invalid(format!("CSV: {error}"));
+    write(&mut writer).map_err(|error| broken(&error))?;
     let bytes = writer.into_inner().map_err(|error| broken(error.error()))?;
     String::from_utf8(bytes).map_err(|error| broken(&error))
-}
-
-fn broken(error: &dyn std::error::Error) -> Error {
-    Error::invalid(format!("CSV: {error}"))
 }
 
 #[cfg(test)]

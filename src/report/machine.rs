@@ -17,7 +17,6 @@ pub fn describe() -> String {
     format!("{}{memory}, {} ({})", processor(), system.trim(), std::env::consts::ARCH)
 }
 
-/// The processor and the threads that it has for this process.
 pub fn processor() -> String {
     let model = field(&fs::read_to_string("/proc/cpuinfo").unwrap_or_default(), "model name")
         .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
@@ -27,7 +26,6 @@ pub fn processor() -> String {
     format!("{model}, {threads} thread{plural}")
 }
 
-/// What stands behind the colon of the first line that begins with a name.
 fn field(text: &str, name: &str) -> Option<String> {
     let line = text.lines().find(|line| line.starts_with(name))?;
     Some(line.split_once(':')?.1.trim().to_owned())

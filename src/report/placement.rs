@@ -8,30 +8,20 @@ use super::plot::chart::{Chart, Kind, Mark, Series};
 use super::plot::marker::Look;
 use crate::placement::{Figures, Lighting};
 
-/// Cameras up to which each has a marker.
 const MOST_MARKERS: usize = 40;
-/// Size of a chart in pixels.
 const SIZE: [u32; 2] = [860, 420];
 
-/// How cameras converge for one lighting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Which.
     pub lighting: Lighting,
-    /// What they were placed in, as the user names it.
     pub scene: String,
-    /// k, per metre.
     pub rate_per_m: f64,
-    /// After each camera.
     pub figures: Vec<Figures>,
-    /// What can be covered at all.
     pub reachable: Figures,
 }
 
-/// A picture of placed cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Name of its files, without an ending.
     pub name: &'static str,
     pub drawing: Drawing,
 }
@@ -72,11 +62,12 @@ fn most_cameras(curves: &[Curve]) -> usize {
     curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1)
 }
 
-/// The axis of shares ends at 100%, or at what is shown where that is little.
-fn axes(curves: &[Curve], up: &str, series: &[Series]) -> (Axis, Axis) {
+/// A chart of shares over cameras. The axis of shares ends at 100%, or at what is shown where that is little.
+fn chart(title: String, legend: String, up: &str, curves: &[Curve], series: Vec<Series>) -> Drawing {
     let most = series.iter().flat_map(|series| &series.marks).map(|mark| mark.y).fold(0.0, f64::max);
     let top = if most > 0.0 && most < 50.0 { most } else { 100.0 };
-    (Axis::linear("cameras", [0.0, most_cameras(curves) as f64]), Axis::linear(up, [0.0, top]))
+    let x = Axis::linear("cameras", [0.0, most_cameras(curves) as f64]);
+    Chart { series, legend, ..Chart::new(title, x, Axis::linear(up, [0.0, top])) }.draw(SIZE[0], SIZE[1])
 }
 
 /// Figure 3. Coverage of specular surfaces is of directions, which have no viewer distance.
@@ -98,49 +89,38 @@ fn coverage(curve: &Curve) -> Drawing {
         ],
     };
     let up = if curve.lighting == Lighting::Diffuse { "% of all surface" } else { "% of all" };
-    let (x, y) = axes(std::slice::from_ref(curve), up, &series);
-    let chart = Chart {
-        series,
-        legend: format!("k = {:.3} per metre", curve.rate_per_m),
-        ..Chart::new(format!("Coverage of {} by cameras, {}", curve.scene, words(curve.lighting)), x, y)
-    };
-    chart.draw(SIZE[0], SIZE[1])
+    let title = format!("Coverage of {} by cameras, {}", curve.scene, words(curve.lighting));
+    chart(title, format!("k = {:.3} per metre", curve.rate_per_m), up, std::slice::from_ref(curve), series)
 }
 
 /// Figure 4.
 fn convergence(curves: &[Curve]) -> Drawing {
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
-    let of = |(number, curve): (usize, &Curve)| {
-        series(words(curve.lighting), number, &curve.figures, |figures| figures.coverage)
-    };
-    let reachable = |(number, curve): (usize, &Curve)| {
+    let each = || curves.iter().enumerate();
+    let lines =
+        each().map(|(number, curve)| series(words(curve.lighting), number, &curve.figures, |figures| figures.coverage));
+    let reachable = each().map(|(number, curve)| {
         let name = format!("{}, reachable", curve.lighting.name());
         level(name, number, curve.reachable.coverage, most_cameras(curves))
-    };
-    let each = || curves.iter().enumerate();
-    let series: Vec<Series> = each().map(of).chain(each().map(reachable)).collect();
-    let (x, y) = axes(curves, "coverage (%)", &series);
-    let chart = Chart { series, legend: "Lighting".to_owned(), ..Chart::new(format!("Convergence in {scene}"), x, y) };
-    chart.draw(SIZE[0], SIZE[1])
+    });
+    let series = lines.chain(reachable).collect();
+    chart(format!("Convergence in {scene}"), "Lighting".to_owned(), "coverage (%)", curves, series)
 }
 
 /// Figure 3 for several k: what is seen at all, and from within the viewer distance.
 fn decay(curves: &[Curve]) -> Drawing {
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
-    let seen = |(number, curve): (usize, &Curve)| {
+    let each = || curves.iter().enumerate();
+    let seen = each().map(|(number, curve)| {
         series(format!("k = {}, seen", curve.rate_per_m), number, &curve.figures, |figures| figures.seen)
-    };
-    let within = |(number, curve): (usize, &Curve)| {
+    });
+    let within = each().map(|(number, curve)| {
         let name = format!("k = {}, within", curve.rate_per_m);
         let line = series(name, number, &curve.figures, |figures| figures.within);
         Series { look: Look::of(number).dashed([6.0, 4.0]), ..line }
-    };
-    let each = || curves.iter().enumerate();
-    let series: Vec<Series> = each().map(seen).chain(each().map(within)).collect();
-    let (x, y) = axes(curves, "% of all surface", &series);
-    let legend = "k per metre; viewer distance".to_owned();
-    let chart = Chart { series, legend, ..Chart::new(format!("Coverage of {scene} by cameras and k"), x, y) };
-    chart.draw(SIZE[0], SIZE[1])
+    });
+    let (title, legend) = (format!("Coverage of {scene} by cameras and k"), "k per metre; viewer distance".to_owned());
+    chart(title, legend, "% of all surface", curves, seen.chain(within).collect())
 }
 
 #[cfg(test)]

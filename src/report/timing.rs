@@ -1,6 +1,5 @@
 //! Medians and ranges of timed runs.
 
-/// The shortest and the longest of some runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     pub low: f64,

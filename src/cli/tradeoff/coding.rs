@@ -1,6 +1,5 @@
 //! Sweeps of coding, and recommendations from their points.
 
-use std::path::Path;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -73,7 +72,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &all_points(&plan.studies))?;
     let made_of = footage.input.made_of;
-    let mut opened = Opened::new(args, &CODING, |folder: &Path| Store::open(&CODING, folder, Some(made_of)))?;
+    let mut opened = Opened::new(args, &plan.studies[0], made_of)?;
     implied(&plan.studies, &footage.knobs).iter().for_each(|note| global.note(note));
     let mut left_out = plan.left_out;
     // They are first, so that the points have all of the time that is left.
@@ -83,13 +82,12 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
         args,
         global,
         start,
-        kind: &CODING,
         studies: plan.studies,
         left_out,
         about: "Less is better for bytes, time and score.".to_owned(),
         commands: Vec::new(),
     };
-    let finished = sweeping.measure(&mut opened, |work| Box::new(CodingBench::new(&footage.input, work)))?;
+    let finished = sweeping.measure(&mut opened, |work| CodingBench::new(&footage.input, work))?;
     if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
             "{path}: the footage, or this program, changed while it was measured; measure again with --overwrite"
@@ -120,14 +118,13 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
 fn implied(studies: &[Study], given: &[Setting]) -> Vec<String> {
     let mut told: Vec<String> = Vec::new();
     for study in studies {
-        for knob in study.axes.iter().filter_map(|axis| CODING.knob(axis.knob)) {
-            for (name, value) in knob.implies {
-                let is_fixed = study.fixed.iter().any(|(other, fixed)| other == name && fixed == value);
-                let stream = study.stream.map_or("", StreamKind::name);
-                let sentence = format!("{stream} is measured with --{name} {value}, which {} is of", knob.name);
-                if is_fixed && given.iter().all(|(other, _)| other != name) && !told.contains(&sentence) {
-                    told.push(sentence);
-                }
+        let knobs = study.axes.iter().filter_map(|axis| CODING.knob(axis.knob));
+        for (knob, (name, value)) in knobs.flat_map(|knob| knob.implies.iter().map(move |setting| (knob, setting))) {
+            let is_fixed = study.fixed.iter().any(|(other, fixed)| other == name && fixed == value);
+            let stream = study.stream.map_or("", StreamKind::name);
+            let sentence = format!("{stream} is measured with --{name} {value}, which {} is of", knob.name);
+            if is_fixed && given.iter().all(|(other, _)| other != name) && !told.contains(&sentence) {
+                told.push(sentence);
             }
         }
     }

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::args::Args;
 use super::child::Children;
+use super::fixed::parse;
 use super::text;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
@@ -14,12 +15,11 @@ use crate::error::{Error, Result};
 use crate::json;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
-use crate::report::tradeoff::json::Report;
-use crate::report::tradeoff::kind::SweepKind;
+use crate::report::tradeoff::json::{self as points, Report};
 use crate::report::tradeoff::page::{self, Extras};
-use crate::report::tradeoff::runner::{Bench, shell_line};
+use crate::report::tradeoff::runner::{Bench, CommandBench, Commands, shell_line};
 use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
-use crate::report::tradeoff::store::{Store, StoredPoint};
+use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points};
 
 pub struct Opened {
@@ -28,7 +28,9 @@ pub struct Opened {
 }
 
 impl Opened {
-    pub fn new(args: &Args, kind: &'static SweepKind, store: impl FnOnce(&Path) -> Result<Store>) -> Result<Opened> {
+    /// Opens the folder of a sweep whose points have this configuration hash.
+    pub fn new(args: &Args, study: &Study, made_of: u32) -> Result<Opened> {
+        let kind = study.sweep;
         let folder = Folder::open(&args.output, kind)?;
         if let Some(path) = folder.in_the_way().filter(|_| !args.overwrite) {
             return refuse(format!(
@@ -36,7 +38,10 @@ impl Opened {
                 path.display()
             ));
         }
-        let store = store(&args.output)?;
+        let store = match kind.is_resumable {
+            true => Store::open(kind, &args.output, Some(made_of))?,
+            false => Store::new(kind, &args.output, study.axes.iter().map(|axis| axis.knob).collect()),
+        };
         if args.overwrite && (store.dropped > 0 || !kind.is_resumable) {
             folder.clear()?;
         } else if store.dropped > 0 {
@@ -52,11 +57,25 @@ impl Opened {
     }
 }
 
+/// Measures a study whose points are one command each, anew each time.
+pub fn measure_grid(args: &Args, study: Study, bench: impl CommandBench, global: &GlobalArgs) -> Result<ExitStatus> {
+    let start = Instant::now();
+    let (points, here) = (study.points(), Path::new("."));
+    let lines = bench.preparation(here).map(|(_, line)| line).into_iter();
+    lines.chain(points.iter().map(|point| bench.line(point, here))).try_for_each(|line| parse(&line).map(drop))?;
+    let mut opened = Opened::new(args, &study, 0)?;
+    let (about, commands, more) = (bench.about(), bench.examples(&points), bench.input());
+    let sweeping =
+        Sweeping { args, global, start, studies: vec![study], left_out: Vec::new(), about, commands };
+    let finished = sweeping.measure(&mut opened, |work| Commands { bench, work: work.to_path_buf() })?;
+    finished.tell(&opened, &Extras::default(), more, "")?;
+    Ok(ExitStatus::Passed)
+}
+
 pub struct Sweeping<'a> {
     pub args: &'a Args,
     pub global: &'a GlobalArgs,
     pub start: Instant,
-    pub kind: &'static SweepKind,
     pub studies: Vec<Study>,
     /// What a preset has and the input has no streams for.
     pub left_out: Vec<String>,
@@ -73,36 +92,21 @@ pub struct Finished<'a> {
 }
 
 impl<'a> Sweeping<'a> {
-    /// Measures one grid, which begins anew each time; `more` has further keys of the JSON.
-    pub fn measure_grid<'b>(self, more: Value, bench: impl FnOnce(&Path) -> Box<dyn Bench + 'b>) -> Result<ExitStatus> {
-        let knobs = self.studies.iter().flat_map(|study| &study.axes).map(|axis| axis.knob).collect();
-        let store = |folder: &Path| Ok(Store::new(self.kind, folder, knobs));
-        let mut opened = Opened::new(self.args, self.kind, store)?;
-        self.measure(&mut opened, bench)?.tell(&opened, &Extras::default(), more, "")?;
-        Ok(ExitStatus::Passed)
-    }
-
     /// Measures all points. `bench` is given the folder of unfinished work.
-    pub fn measure<'b>(
-        self,
-        opened: &mut Opened,
-        bench: impl FnOnce(&Path) -> Box<dyn Bench + 'b>,
-    ) -> Result<Finished<'a>> {
+    pub fn measure<B: Bench>(self, opened: &mut Opened, bench: impl FnOnce(&Path) -> B) -> Result<Finished<'a>> {
         let Opened { folder, store } = opened;
+        let kind = store.kind;
         let extent = Extent { repeats: self.args.repeats, budget_seconds: self.args.budget_seconds };
         let work = folder.work()?;
         let progress = Progress::start(self.global, "measuring", schedule::runs(&self.studies, extent, store))?;
         let children = Children::new(&progress, self.start)?;
         let mut bench = bench(work.path());
-        let lab = Lab { runner: &children, bench: bench.as_mut(), store };
+        let lab = Lab { runner: &children, bench: &mut bench, store };
         let done = schedule::measure(&self.studies, extent, lab, &progress);
         drop(progress);
         if done.is_err() && !store.rows.is_empty() {
-            let next = if self.kind.is_resumable {
-                "the same command goes on from there"
-            } else {
-                "measuring again starts over"
-            };
+            let next =
+                if kind.is_resumable { "the same command goes on from there" } else { "measuring again starts over" };
             output::note(format_args!("{}: {} points are kept; {next}", store.path().display(), store.rows.len()));
         }
         let done = done?;
@@ -114,7 +118,7 @@ impl<'a> Sweeping<'a> {
         let timed = points.iter().filter(|point| store.runs(point) > 0);
         let machine = std::iter::once(machine::describe()).chain(bench.devices().iter().cloned());
         let results = Results {
-            sweep: self.kind,
+            sweep: kind,
             input: self.args.input.clone().unwrap_or_default(),
             about: self.about,
             command_line: shell_line(&std::env::args_os().skip(1).collect::<Vec<_>>()),
@@ -133,8 +137,7 @@ impl Finished<'_> {
     /// Writes pictures, page and JSON, and prints; `more` has further keys of the JSON, and `words` further text.
     pub fn tell(&self, opened: &Opened, extras: &Extras, more: Value, words: &str) -> Result<()> {
         let (Opened { folder, store }, args) = (opened, self.args);
-        let rows: Vec<&StoredPoint> =
-            self.results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
+        let rows = self.results.measured.iter().filter_map(|measured| store.row(&measured.point));
         let mut files = vec![store.path().to_path_buf(), folder.report()];
         files.extend(page::write(&self.results, extras, &args.output)?);
         // Pictures of other sweeps over the same footage stay, and are listed.
@@ -142,9 +145,15 @@ impl Finished<'_> {
         names.extend(files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())));
         names.sort();
         names.dedup();
-        let report = Report::new(&self.results, &extras.findings, &rows, &self.failed);
+        let report = Report {
+            results: &self.results,
+            version: env!("CARGO_PKG_VERSION"),
+            points: rows.map(points::point).collect(),
+            findings: &extras.findings,
+            failed: &self.failed,
+        };
         let mut all = serde_json::to_value(report).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-        all["files"] = json!(names);
+        all["files"] = names.into();
         if let Value::Object(more) = more {
             more.into_iter().for_each(|(key, value)| all[key] = value);
         }

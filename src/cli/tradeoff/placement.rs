@@ -1,15 +1,11 @@
 //! Sweeps of placing cameras, where the input is a scene.
 
-use std::time::Instant;
-
-use serde_json::json;
-
 use super::args::{Args, refuse_options_of_coding};
-use super::fixed::{OptionsOf, parse};
-use super::measure::Sweeping;
+use super::fixed::OptionsOf;
+use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::Result;
-use crate::report::tradeoff::placement::{PLACEMENT, PlacementBench, RULER_SAMPLES};
+use crate::report::tradeoff::placement::{PLACEMENT, PlacementBench};
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
 
@@ -20,25 +16,11 @@ const OF_THE_SEARCH: &[&str] =
     &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "uniform", "threads"];
 
 pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStatus> {
-    let start = Instant::now();
     refuse_options_of_coding(args, "placing cameras in a scene")?;
     let study = plan::grid(&PLACEMENT, &args.sweep)?;
     let fixed = fixed(scene, &args.fixed, &study.axes)?;
-    let mut bench = PlacementBench { scene: scene.to_owned(), fixed: fixed.all, ruler: fixed.ruler, work: ".".into() };
-    let points = study.points();
-    for point in &points {
-        parse(&bench.place(point).into_iter().chain(["-o".into(), "a.json".into()]).collect::<Vec<_>>())?;
-    }
-    let about = format!(
-        "Coverage is by the same {RULER_SAMPLES} points on surfaces for all rows; own coverage is by the row's."
-    );
-    let commands = bench.examples(&points);
-    let (kind, left_out, studies) = (&PLACEMENT, Vec::new(), vec![study]);
-    let sweeping = Sweeping { args, global, start, kind, studies, left_out, about, commands };
-    sweeping.measure_grid(json!({ "scene": scene }), |work| {
-        bench.work = work.to_path_buf();
-        Box::new(bench)
-    })
+    let bench = PlacementBench { scene: scene.to_owned(), fixed: fixed.all, ruler: fixed.ruler };
+    measure_grid(args, study, bench, global)
 }
 
 #[derive(Debug, Default)]
@@ -76,6 +58,7 @@ mod tests {
 
     use super::*;
     use crate::cli::Cli;
+    use crate::cli::tradeoff::fixed::parse;
 
     #[test]
     fn every_knob_is_an_option_of_place_and_takes_its_usual_values() {

@@ -1,14 +1,12 @@
 //! Sweeps of rendering over a dataset, of which one probe is left out.
 
 use std::path::Path;
-use std::time::Instant;
 
 use glam::DVec3;
-use serde_json::json;
 
 use super::args::{Args, refuse_options_of_coding};
-use super::fixed::{OptionsOf, parse};
-use super::measure::Sweeping;
+use super::fixed::OptionsOf;
+use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
@@ -48,32 +46,12 @@ struct Fixed {
 }
 
 pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitStatus> {
-    let start = Instant::now();
     refuse_options_of_coding(args, "rendering")?;
     let study = plan::grid(&RENDERING, &args.sweep)?;
     let fixed = fixed(&args.fixed, &study.axes)?;
     let probe = fixed.probe.map_or_else(|| most_central(Path::new(dataset)), Ok)?;
-    let container = Path::new("field.lfold");
-    let mut bench = RenderingBench {
-        dataset: dataset.to_owned(),
-        probe: probe.clone(),
-        frames: fixed.frames,
-        fixed: fixed.words,
-        container: container.to_path_buf(),
-    };
-    let points = study.points();
-    parse(&bench.encode(container))?;
-    points.iter().try_for_each(|point| parse(&bench.render(container, point)).map(drop))?;
-    let about =
-        format!("Probe {probe} was left out, and rendered from the others; PSNR and SSIM are means over its pictures.");
-    let commands = bench.examples(&points);
-    let (kind, left_out, studies) = (&RENDERING, Vec::new(), vec![study]);
-    let sweeping = Sweeping { args, global, start, kind, studies, left_out, about, commands };
-    let more = json!({ "dataset": dataset, "probe": probe, "frames": bench.frames });
-    sweeping.measure_grid(more, |work| {
-        bench.container = work.join("field.lfold");
-        Box::new(bench)
-    })
+    let bench = RenderingBench { dataset: dataset.to_owned(), probe, frames: fixed.frames, fixed: fixed.words };
+    measure_grid(args, study, bench, global)
 }
 
 /// The probe that is nearest to the middle of all, the first of several.
@@ -116,6 +94,8 @@ mod tests {
 
     use super::*;
     use crate::cli::Cli;
+    use crate::cli::tradeoff::fixed::parse;
+    use crate::report::tradeoff::runner::CommandBench;
 
     #[test]
     fn every_knob_is_an_option_of_render_and_takes_its_usual_values() {
@@ -127,7 +107,6 @@ mod tests {
             probe: "00".to_owned(),
             frames: Some("0-1".to_owned()),
             fixed: Vec::new(),
-            container: "a.lfold".into(),
         };
         for knob in RENDERING.knobs {
             let option = render.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
@@ -136,7 +115,7 @@ mod tests {
             }
             let study = plan::grid(&RENDERING, &[plan::Sweep::parse(knob.name).unwrap()]).unwrap();
             for point in study.points() {
-                let line = bench.render(Path::new("a.lfold"), &point);
+                let line = bench.line(&point, Path::new("."));
                 parse(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"));
             }
         }

@@ -3,7 +3,7 @@
 use super::keyframes::{CellMark, draw_cells};
 use super::subject::{Subject, counted, percent};
 use crate::color::quality::PU_STEPS;
-use crate::compare::{Coding, ErrorMap, LargestError};
+use crate::compare::{CellPsnr, Coding, ErrorMap, LargestError};
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
@@ -12,7 +12,6 @@ use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
 use crate::streams::{CodecHeader, ColorFormat};
 
-/// The sheet of a frame's errors against the source that the user named.
 pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: u32) -> Result<Sheet> {
     let size = subject.size();
     let scale = Scale::of(size, if map.cells.is_empty() { MAX_SIDE } else { HALF_SIDE });
@@ -25,12 +24,10 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
         Coding::Material => ("8-bit codes, the largest of the three weights", 1.0),
     };
     let told = |error: u32| trimmed(f64::from(error) / steps);
+    let odd = background + outside;
     let mut key = Vec::new();
-    if background + outside > 0 {
-        let words = format!(
-            "{}: background on one side only, or a depth outside of the range",
-            counted(background + outside, "pixel")
-        );
+    if odd > 0 {
+        let words = format!("{}: background on one side only, or a depth outside of the range", counted(odd, "pixel"));
         key.push(Entry { swatch: Swatch::Hatched(palette::MISMATCH), words });
     }
     let mark = bound(subject).filter(|&bound| bound > 0 && bound <= scale_of.top);
@@ -50,18 +47,16 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
     if !map.cells.is_empty() {
         panels.push(cells(subject, scale, map)?);
     }
-    let pixels = size.iter().map(|&side| u64::from(side)).product();
-    let differing = map.differing_pixels();
-    let found = match differing {
+    let found = match map.differing_pixels() {
         0 => "No pixel differs.".to_owned(),
         count => {
             let verb = if count == 1 { "differs" } else { "differ" };
-            let of_others = if background + outside > 0 { " of the others" } else { "" };
+            let of_others = if odd > 0 { " of the others" } else { "" };
             let worst = match largest {
                 0 => String::new(),
                 error => format!(", the largest error{of_others} is {} codes", told(error)),
             };
-            format!("{} ({}) {verb}{worst}.", counted(count, "pixel"), percent(count, pixels))
+            format!("{} ({}) {verb}{worst}.", counted(count, "pixel"), percent(count, subject.pixels()))
         }
     };
     let facts = vec![subject.fact(scale), format!("Compared with {source}. {found}")];
@@ -69,7 +64,6 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
     Ok(Sheet { title, facts, panels })
 }
 
-/// The largest error that the stream's encoder promised.
 fn bound(subject: &Subject<'_>) -> Option<u32> {
     match &subject.stream.header {
         CodecHeader::Depth(header) => header.error_bound().map(u32::from),
@@ -78,12 +72,9 @@ fn bound(subject: &Subject<'_>) -> Option<u32> {
     }
 }
 
-/// From an error to a place of the colour scale.
 #[derive(Debug, Clone, Copy)]
 struct ErrorScale {
-    /// The error at its end, at least 1.
     top: u32,
-    /// Whether it is even in the logarithm of errors, counted from 1.
     logarithmic: bool,
 }
 
@@ -97,7 +88,6 @@ impl ErrorScale {
         }
     }
 
-    /// Where an error lies, 0 to 1.
     fn part(self, error: u32) -> f64 {
         match self.logarithmic {
             true => f64::from(error).ln_1p() / f64::from(self.top).ln_1p(),
@@ -105,7 +95,6 @@ impl ErrorScale {
         }
     }
 
-    /// Few whole numbers from 0 to the end.
     fn ticks(self) -> Vec<u32> {
         if self.logarithmic {
             let tens = (0..).map(|power| 10u32.saturating_pow(power)).take_while(|&ten| ten < self.top);
@@ -117,13 +106,11 @@ impl ErrorScale {
 }
 
 fn draw_errors(size: [u32; 2], scale: Scale, map: &ErrorMap, errors: ErrorScale) -> Plane<Rgb> {
-    let color = |x: u32, y: u32| match map.pixels.get(x, y) {
+    let mut drawn = render(size, scale, |x, y| match map.pixels.get(x, y) {
         PixelError::Steps(steps) => palette::heat(errors.part(steps)),
         PixelError::Background | PixelError::Outside => palette::MISMATCH,
-    };
-    let mut drawn = render(size, scale, color);
-    let odd = |x: u32, y: u32| !matches!(map.pixels.get(x, y), PixelError::Steps(_));
-    hatch(&mut drawn, scale, odd);
+    });
+    hatch(&mut drawn, scale, |x, y| !matches!(map.pixels.get(x, y), PixelError::Steps(_)));
     drawn
 }
 
@@ -137,11 +124,12 @@ fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
     let most = finite().chain(asked).fold(f64::NEG_INFINITY, f64::max).ceil().max(least + 1.0);
     // What is worse is lighter, as in the picture beside it.
     let part = |db: f64| 1.0 - (db - least) / (most - least);
-    let mark = |cell: &crate::compare::CellPsnr| CellMark {
-        rect: cell.rect,
-        color: if cell.psnr_db.is_finite() { palette::heat(part(cell.psnr_db)) } else { palette::EXACT },
-        words: if cell.psnr_db.is_finite() { format!("{:.1}", cell.psnr_db) } else { String::new() },
-        corner: asked.is_some_and(|asked| cell.psnr_db < asked),
+    let mark = |cell: &CellPsnr| {
+        let (color, words) = match cell.psnr_db {
+            db if db.is_finite() => (palette::heat(part(db)), format!("{db:.1}")),
+            _ => (palette::EXACT, String::new()),
+        };
+        CellMark { rect: cell.rect, color, words, corner: asked.is_some_and(|asked| cell.psnr_db < asked) }
     };
     let marks: Vec<CellMark> = map.cells.iter().map(mark).collect();
     let exact = map.cells.len() - finite().count();

@@ -11,15 +11,12 @@ use crate::inspect::{CodingMap, Writing};
 use crate::report::picture::raster::{MAX_SIDE, Scale, hatch, outline, parts_of, render, unit_borders};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
-use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding};
+use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding, DepthHeader};
 
-/// An image in shades of grey.
 pub(super) struct Shades {
     /// 0 to 1, or nothing where there is no surface.
     pub pixels: Plane<Option<f32>>,
-    /// What the shades mean.
     pub bar: Option<Bar>,
-    /// What the only shade means, where there is but one.
     pub entry: Option<Entry>,
 }
 
@@ -34,42 +31,43 @@ impl Shades {
         }
     }
 
-    /// Shades that mean nothing to be told.
     pub fn plain(pixels: Plane<Option<f32>>) -> Shades {
         Shades { pixels, bar: None, entry: None }
     }
 
-    /// The colour of a pixel.
-    pub fn color(&self, x: u32, y: u32) -> Rgb {
-        self.pixels.get(x, y).map_or(palette::BACKGROUND, |part| palette::grey(f64::from(part)))
-    }
-
-    /// Whether any pixel has no surface.
     fn has_background(&self) -> bool {
         self.pixels.data().iter().any(Option::is_none)
     }
 }
 
-/// Ticks at the quarters of a bar.
 const QUARTERS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Shades of pixels that are all one value, as words say, or that a bar explains by the values of its parts.
+fn explained(
+    pixels: Plane<Option<f32>>,
+    one_value: Option<String>,
+    (color, label): (fn(f64) -> Rgb, &str),
+    value: impl Fn(f64) -> String,
+) -> Shades {
+    let bar = || {
+        let ticks = QUARTERS.into_iter().map(|part| (part, value(part))).collect();
+        Bar { color, ticks, label: label.to_owned(), mark: None }
+    };
+    let bar = one_value.is_none().then(bar);
+    let entry = one_value.map(|words| Entry { swatch: Swatch::Flat(palette::grey(0.0)), words });
+    Shades { pixels, bar, entry }
+}
 
 fn of_depth(codes: &Plane<u16>, range: DepthRange) -> Shades {
     let surfaces = || codes.data().iter().copied().filter(|&code| code != BACKGROUND_CODE);
-    let (near, far) = (surfaces().min(), surfaces().max());
-    let (Some(near), Some(far)) = (near, far) else {
+    let (Some(near), Some(far)) = (surfaces().min(), surfaces().max()) else {
         return Shades::plain(codes.map(|_| None));
     };
     let span = f32::from(far - near).max(1.0);
     let pixels = codes.map(|&code| (code != BACKGROUND_CODE).then(|| f32::from(code - near) / span));
     let metres = |part: f64| significant(f64::from(range.metres(near + (part * f64::from(far - near)).round() as u16)));
-    if near == far {
-        let words = format!("all surfaces: {} m away", metres(0.0));
-        let entry = Entry { swatch: Swatch::Flat(palette::grey(0.0)), words };
-        return Shades { entry: Some(entry), ..Shades::plain(pixels) };
-    }
-    let ticks = QUARTERS.into_iter().map(|part| (part, metres(part))).collect();
-    let label = "Depth in metres, on a logarithmic scale:".to_owned();
-    Shades { bar: Some(Bar { color: palette::grey, ticks, label, mark: None }), ..Shades::plain(pixels) }
+    let one = (near == far).then(|| format!("all surfaces: {} m away", metres(0.0)));
+    explained(pixels, one, (palette::grey, "Depth in metres, on a logarithmic scale:"), metres)
 }
 
 fn of_material(codes: &Plane<[u8; 3]>) -> Shades {
@@ -80,18 +78,11 @@ fn of_material(codes: &Plane<[u8; 3]>) -> Shades {
     // Light is much, as near is light.
     let pixels = sums.map(|&sum| Some(f32::from(most - sum) / span));
     let mean = |part: f64| format!("{:.1}", (f64::from(least) + part * f64::from(most - least)) / 3.0);
-    if least == most {
-        let words = format!("all pixels: {} in 8-bit codes, the mean of the three weights", mean(0.0));
-        let entry = Entry { swatch: Swatch::Flat(palette::grey(0.0)), words };
-        return Shades { entry: Some(entry), ..Shades::plain(pixels) };
-    }
-    let ticks = QUARTERS.into_iter().map(|part| (part, mean(part))).collect();
-    let label = "Mean of the three weights in 8-bit codes:".to_owned();
-    let bar = Bar { color: |part| palette::grey(1.0 - part), ticks, label, mark: None };
-    Shades { bar: Some(bar), ..Shades::plain(pixels) }
+    let one =
+        (least == most).then(|| format!("all pixels: {} in 8-bit codes, the mean of the three weights", mean(0.0)));
+    explained(pixels, one, (|part| palette::grey(1.0 - part), "Mean of the three weights in 8-bit codes:"), mean)
 }
 
-/// Three significant digits.
 fn significant(value: f64) -> String {
     let digits = value.abs().max(1e-9).log10().floor() as i32;
     format!("{value:.*}", (2 - digits).clamp(0, 9) as usize)
@@ -107,11 +98,10 @@ pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: 
             writings.row_mut(y)[left as usize..(left + width) as usize].fill(Some(patch.writing));
         }
     }
-    let over = |x: u32, y: u32, color: Rgb| match writings.get(x, y) {
-        Some(writing) => tints::tinted(color, writing),
-        None => color,
-    };
-    let mut drawn = render(size, scale, |x, y| over(x, y, shades.color(x, y)));
+    let mut drawn = render(size, scale, |x, y| {
+        let color = shades.pixels.get(x, y).map_or(palette::BACKGROUND, |part| palette::grey(f64::from(part)));
+        writings.get(x, y).map_or(color, |writing| tints::tinted(color, writing))
+    });
     outline(&mut drawn, scale, &parts_of(size, &map.patches));
     let entry = &subject.stream.entry;
     unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));
@@ -119,7 +109,6 @@ pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: 
     drawn
 }
 
-/// What each way of writing is called, by the codec.
 fn name(header: &CodecHeader, writing: Writing) -> String {
     let blocks = match header {
         CodecHeader::Depth(_) => "BC5",
@@ -142,17 +131,21 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
     }
 }
 
-/// A line for each way of writing, and one for what is not written.
+/// What depth is coded in; none for boxes.
+fn part_word(header: &CodecHeader) -> Option<&'static str> {
+    let CodecHeader::Depth(header) = header else { return None };
+    match header.coding {
+        DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => None,
+        DepthCoding::Blocks => Some("block"),
+        DepthCoding::Nodes(_) | DepthCoding::Tree(_) => Some("node"),
+    }
+}
+
 pub(super) fn key(subject: &Subject<'_>, map: &CodingMap) -> Vec<Entry> {
-    let pixels = subject.size().iter().map(|&side| u64::from(side)).product();
-    let word = match &subject.stream.header {
-        CodecHeader::Depth(header) => match header.coding {
-            DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => None,
-            DepthCoding::Blocks => Some("block"),
-            DepthCoding::Nodes(_) | DepthCoding::Tree(_) => Some("node"),
-        },
-        CodecHeader::Material(_) => None,
-        CodecHeader::Color(_) => Some("cell"),
+    let pixels = subject.pixels();
+    let word = match subject.stream.kind {
+        StreamKind::Color => Some("cell"),
+        _ => part_word(&subject.stream.header),
     };
     let line = |writing: Writing, parts: u64, written: u64| {
         let count = word.map_or_else(String::new, |word| format!("{}, ", counted(parts, word)));
@@ -180,11 +173,10 @@ pub(super) fn sentence(subject: &Subject<'_>, map: &CodingMap, parts: Option<&st
         return "No pixel is written in this frame: the image is that of an earlier one.".to_owned();
     }
     let (units, word) = (subject.stream.entry.unit_count(), subject.unit_word());
-    let pixels = subject.size().iter().map(|&side| u64::from(side)).product();
-    let in_units = if units == 1 {
-        format!(" in one {word}")
-    } else {
-        format!(" in {} of {}", map.written_units, counted(u64::from(units), word))
+    let pixels = subject.pixels();
+    let in_units = match units {
+        1 => format!(" in one {word}"),
+        _ => format!(" in {} of {}", map.written_units, counted(u64::from(units), word)),
     };
     let keyframes = match (units, map.keyframe_units) {
         (_, 0) => String::new(),
@@ -199,35 +191,30 @@ pub(super) fn sentence(subject: &Subject<'_>, map: &CodingMap, parts: Option<&st
 pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture) -> (What, Sheet) {
     let scale = Scale::of(subject.size(), MAX_SIDE);
     let shades = Shades::of(subject, picture);
-    let (what, part, note) = match &subject.stream.header {
-        CodecHeader::Depth(header) => match header.coding {
-            DepthCoding::Nodes(_) => (What::Nodes, "node", None),
-            DepthCoding::Tree(_) => {
-                let note = "The intermediate form writes raw leaves; outlined and tinted is the coarsest function that it \
-                    holds for them.";
-                (What::Nodes, "node", Some(note))
-            }
-            DepthCoding::Blocks => (What::Nodes, "block", None),
-            DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => (What::Boxes, "box", None),
-        },
-        _ => (What::Boxes, "box", None),
+    let (what, part) = match part_word(&subject.stream.header) {
+        Some(part) => (What::Nodes, part),
+        None => (What::Boxes, "box"),
     };
     // A keyframe of boxes is a whole tile and no box.
     let whole = what == What::Boxes && map.keyframe_units == map.written_units;
     let parts = (!whole).then(|| counted(u64::from(map.parts), part));
     let mut facts = vec![subject.fact(scale), sentence(subject, map, parts.as_deref())];
-    facts.extend(note.map(str::to_owned));
+    if let CodecHeader::Depth(DepthHeader { coding: DepthCoding::Tree(_), .. }) = &subject.stream.header {
+        let note = "The intermediate form writes raw leaves; outlined and tinted is the coarsest function that it holds for \
+                    them.";
+        facts.push(note.to_owned());
+    }
     let mut key = key(subject, map);
     if shades.has_background() {
         key.push(Entry { swatch: Swatch::Hatched(palette::BACKGROUND), words: "background: no surface".to_owned() });
     }
     key.extend(shades.entry.clone());
     let image = if subject.stream.kind == StreamKind::Material { "Material" } else { "Depth" };
-    let caption = match (what, part) {
+    let caption = match what {
         _ if map.patches.is_empty() => format!("{image}; nothing is written"),
         _ if whole => format!("{image}, and the whole tiles that the frame writes"),
-        (What::Boxes, _) => format!("{image}, and the boxes that the frame writes"),
-        (_, part) => format!("{image}, and the {part}s that the frame writes"),
+        What::Boxes => format!("{image}, and the boxes that the frame writes"),
+        _ => format!("{image}, and the {part}s that the frame writes"),
     };
     let panel = Panel { caption, image: tinted(subject, scale, &shades, map), key, bar: shades.bar };
     let title = format!("{}, frame {}", subject.name, map.frame);

@@ -16,17 +16,13 @@ use crate::report::plot::{Drawing, Ink};
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
 pub(super) struct CellMark {
-    /// Left, top, width and height in the image.
     pub rect: [u32; 4],
     pub color: Rgb,
-    /// Written in it where there is room.
     pub words: String,
     pub corner: bool,
 }
 
-/// Cells side by side.
 pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Result<Plane<Rgb>> {
-    /// Smaller text is not read.
     const MIN_EM: f64 = 9.0;
     const MAX_EM: f64 = 30.0;
     let [width, height] = scale.drawn(size);
@@ -56,7 +52,6 @@ pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Re
     to_pixels(&drawing, 1)
 }
 
-/// The sheet of a stream of colour.
 pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, survey: &Survey) -> Result<Sheet> {
     let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_SIDE));
     let shades = Shades::plain(light(subject, picture));
@@ -113,11 +108,8 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, s
         true => format!("{least} in each"),
         false => format!("{least} to {most} in each, {mean:.2} in the mean"),
     };
-    let facts = vec![
-        subject.fact(scale),
-        format!("{} in {}: {spread}{ways}.", counted(total, "keyframe"), counted(survey.cells.len() as u64, "cell"),),
-        sentence(subject, map, None),
-    ];
+    let counts = format!("{} in {}", counted(total, "keyframe"), counted(survey.cells.len() as u64, "cell"));
+    let facts = vec![subject.fact(scale), format!("{counts}: {spread}{ways}."), sentence(subject, map, None)];
     let title = format!("{}, keyframes, and frame {}", subject.name, map.frame);
     Ok(Sheet { title, facts, panels: vec![frame, keyframes] })
 }
@@ -126,13 +118,9 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, s
 fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
     let span = (most - least).max(1);
     let step = span.div_ceil(5).max(1);
-    let mut values: Vec<u64> = (0..=span / step).map(|at| least + at * step).collect();
-    if values.last() != Some(&most) {
-        // The end is told, whatever comes before it.
-        values.pop();
-        values.push(most);
-    }
-    values.into_iter().map(|value| ((value - least) as f64 / span as f64, value.to_string())).collect()
+    // The end is told, whatever comes before it.
+    let values = (0..span / step).map(|at| least + at * step).chain([most]);
+    values.map(|value| ((value - least) as f64 / span as f64, value.to_string())).collect()
 }
 
 /// How dark each pixel is on a display, 0 to 1.

@@ -4,7 +4,6 @@ use crate::decode::StreamInfo;
 use crate::image::StreamKind;
 use crate::report::picture::raster::Scale;
 
-/// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
     /// Nodes of a quadtree, or BC4w blocks.
@@ -13,12 +12,10 @@ pub enum What {
     Boxes,
     /// Cells of colour: what a frame shows, and how many keyframes each has.
     Keyframes,
-    /// Distance from the source.
     Error,
 }
 
 impl What {
-    /// The word for it in names of files and in reports.
     pub fn name(self) -> &'static str {
         match self {
             What::Nodes => "nodes",
@@ -29,18 +26,19 @@ impl What {
     }
 }
 
-/// A stream, and what is known when its pictures are drawn.
 pub struct Subject<'a> {
     pub stream: &'a StreamInfo,
-    /// The container's file name.
     pub file: String,
-    /// Such as `depth 00/px`.
     pub name: String,
 }
 
 impl Subject<'_> {
     pub fn size(&self) -> [u32; 2] {
         [self.stream.entry.width, self.stream.entry.height]
+    }
+
+    pub fn pixels(&self) -> u64 {
+        self.size().map(u64::from).iter().product()
     }
 
     /// The line that all sheets have: file, codec, size.
@@ -56,23 +54,18 @@ impl Subject<'_> {
         )
     }
 
-    /// How many units there are of one, `tile` or `cell`.
     pub fn unit_word(&self) -> &'static str {
         if self.stream.kind == StreamKind::Color { "cell" } else { "tile" }
     }
 }
 
 pub fn counted(count: u64, what: &str) -> String {
-    format!(
-        "{count} {what}{}",
-        if count == 1 {
-            ""
-        } else if what.ends_with('x') {
-            "es"
-        } else {
-            "s"
-        }
-    )
+    let ending = match count {
+        1 => "",
+        _ if what.ends_with('x') => "es",
+        _ => "s",
+    };
+    format!("{count} {what}{ending}")
 }
 
 pub fn percent(part: u64, whole: u64) -> String {

@@ -4,7 +4,6 @@ use crate::depth::nodes::Function;
 use crate::inspect::Writing;
 use crate::report::plot::palette::{self, Rgb, mix};
 
-/// The tint of a way of coding.
 pub fn tint(writing: Writing) -> Rgb {
     let ink = match writing {
         Writing::Function(Function::Raw) | Writing::Values => palette::VERMILION,
@@ -16,7 +15,6 @@ pub fn tint(writing: Writing) -> Rgb {
     ink.rgb
 }
 
-/// A colour under a tint.
 pub fn tinted(color: Rgb, writing: Writing) -> Rgb {
     mix(color, tint(writing), 0.55)
 }

@@ -9,7 +9,6 @@ use crate::report::plot::palette::{INK, PAPER, Rgb};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
 
-/// The longest side of a picture on the sheet, in pixels.
 const ROOM: u32 = 256;
 const MARGIN: u32 = 16;
 const GAP: u32 = 12;
@@ -19,7 +18,6 @@ const LINE: u32 = 20;
 const CHECKS: [Rgb; 2] = [[205, 205, 205], [160, 160, 160]];
 const CHECK: u32 = 8;
 
-/// Pictures in the order in which they were added, row by row.
 #[derive(Debug, Clone, Default)]
 pub struct ContactSheet {
     pictures: Vec<(String, Plane<Rgb>)>,
@@ -40,15 +38,11 @@ impl ContactSheet {
         self.pictures.push((name.into(), raster::render(size, scale, over)));
     }
 
-    /// Whether there is nothing on it.
     pub fn is_empty(&self) -> bool {
         self.pictures.is_empty()
     }
 
     /// The sheet as pixels, about as wide as high.
-    ///
-    /// # Errors
-    /// When the font cannot be read.
     pub fn draw(&self) -> Result<Plane<Rgb>> {
         let widest =
             |side: fn(&Plane<Rgb>) -> u32| self.pictures.iter().map(|(_, plane)| side(plane)).max().unwrap_or(1);

@@ -6,13 +6,9 @@ use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::report::plot::palette::{Rgb, heat};
 
-/// The difference, in codes, from which on the colour is that of the end of the bar.
 const MOST_CODES: u8 = 64;
 
 /// Draws a picture and the truth in display codes, and the largest difference of each pixel.
-///
-/// # Errors
-/// When the font cannot be read.
 pub fn draw(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u8>) -> Result<Plane<Rgb>> {
     let size = [shown.width(), shown.height()];
     let scale = Scale::of(size, HALF_SIDE / 2);

@@ -6,11 +6,8 @@ use crate::report::plot::palette::{Rgb, contrast, hatched, outlined};
 
 /// The longest side of a drawn image in pixels, where there is one in a picture.
 pub const MAX_SIDE: u32 = 2048;
-/// And where there are two.
 pub const HALF_SIDE: u32 = 1024;
-/// Images are enlarged until their longest side is as long as this, or nearly.
 const COMFORTABLE: u32 = 1024;
-/// Largest enlargement.
 const MAX_UP: u32 = 64;
 
 /// By which whole factor an image is enlarged or reduced; one of the two is 1.
@@ -34,12 +31,10 @@ impl Scale {
         Scale { up: wanted.max(2).min(max_side / longest).max(1), down: 1 }
     }
 
-    /// Width and height of the drawn image.
     pub fn drawn(self, size: [u32; 2]) -> [u32; 2] {
         size.map(|side| (side * self.up).div_ceil(self.down))
     }
 
-    /// A place of the image in the drawn one.
     pub fn place(self, at: u32) -> f64 {
         f64::from(at) * f64::from(self.up) / f64::from(self.down)
     }
@@ -52,7 +47,6 @@ impl Scale {
         }
     }
 
-    /// The pixel that is seen at a place of the drawn image: where several are, their first.
     fn source(self, x: u32, y: u32) -> (u32, u32) {
         (x * self.down / self.up, y * self.down / self.up)
     }
@@ -104,6 +98,11 @@ pub fn parts_of([width, height]: [u32; 2], patches: &[Patch]) -> Plane<u32> {
     parts
 }
 
+fn repaint(drawn: &mut Plane<Rgb>, [x, y]: [u32; 2], with: impl Fn(Rgb) -> Rgb) {
+    let pixel = &mut drawn.row_mut(y)[x as usize];
+    *pixel = with(*pixel);
+}
+
 /// Draws lines of one pixel where parts meet, and a frame around the image.
 pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
     let part = |x: u32, y: u32| {
@@ -113,12 +112,10 @@ pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
     for y in 0..drawn.height() {
         for x in 0..drawn.width() {
             let own = part(x, y);
-            let differs = |other: u32| other != own;
-            let last = own != 0 && (x + 1 == drawn.width() || y + 1 == drawn.height());
-            let edge = if own != 0 && (x == 0 || y == 0) { true } else { last };
-            if edge || (x > 0 && differs(part(x - 1, y))) || (y > 0 && differs(part(x, y - 1))) {
-                let pixel = &mut drawn.row_mut(y)[x as usize];
-                *pixel = outlined(*pixel);
+            let is_border = x == 0 || y == 0 || x + 1 == drawn.width() || y + 1 == drawn.height();
+            let meets = |x: u32, y: u32| part(x, y) != own;
+            if (is_border && own != 0) || (x > 0 && meets(x - 1, y)) || (y > 0 && meets(x, y - 1)) {
+                repaint(drawn, [x, y], outlined);
             }
         }
     }
@@ -129,8 +126,7 @@ pub fn unit_borders(drawn: &mut Plane<Rgb>, scale: Scale, rects: impl Iterator<I
     let [width, height] = [drawn.width(), drawn.height()];
     let mut dot = |x: u32, y: u32| {
         if (x + y) % 8 < 4 && x < width && y < height {
-            let pixel = &mut drawn.row_mut(y)[x as usize];
-            *pixel = contrast(*pixel);
+            repaint(drawn, [x, y], contrast);
         }
     };
     for [left, top, unit_width, unit_height] in rects {
@@ -145,20 +141,17 @@ pub fn unit_borders(drawn: &mut Plane<Rgb>, scale: Scale, rects: impl Iterator<I
     }
 }
 
-/// Hatches the pixels that a test of the image's pixels chooses; lines of two pixels, eight apart.
 pub fn hatch(drawn: &mut Plane<Rgb>, scale: Scale, chosen: impl Fn(u32, u32) -> bool) {
     for y in 0..drawn.height() {
         for x in 0..drawn.width() {
             let (at_x, at_y) = scale.source(x, y);
             if is_hatched(x, y) && chosen(at_x, at_y) {
-                let pixel = &mut drawn.row_mut(y)[x as usize];
-                *pixel = hatched(*pixel);
+                repaint(drawn, [x, y], hatched);
             }
         }
     }
 }
 
-/// Whether a line of the hatching goes through a pixel.
 pub fn is_hatched(x: u32, y: u32) -> bool {
     (x + y) % 8 < 2
 }

@@ -11,11 +11,8 @@ use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
 
 const MARGIN: u32 = 24;
-/// Between images.
 const GAP: u32 = 40;
-/// Least width of what is written.
 const MIN_WIDTH: u32 = 620;
-/// Least width of a column.
 const MIN_COLUMN: u32 = 420;
 const TITLE_EM: f64 = 21.0;
 const CAPTION_EM: f64 = 16.0;
@@ -29,15 +26,14 @@ const SWATCH: [f64; 2] = [26.0, 15.0];
 const BAR_HEIGHT: f64 = 16.0;
 const MAX_BAR: f64 = 640.0;
 
-/// What a key shows before its words.
+/// What is on the ground of a swatch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Swatch {
     Flat(Rgb),
-    /// A ground with lines.
     Hatched(Rgb),
-    /// A corner that is cut off, on a ground.
+    /// A corner that is cut off.
     Corner(Rgb),
-    /// A dashed line, on a ground.
+    /// A dashed line.
     Dashed(Rgb),
 }
 
@@ -54,58 +50,53 @@ pub struct Bar {
     pub color: fn(f64) -> Rgb,
     /// Places, 0 to 1, ascending, and their values.
     pub ticks: Vec<(f64, String)>,
-    /// What is measured, with its unit.
     pub label: String,
-    /// A value that is meant to be seen.
     pub mark: Option<(f64, String)>,
 }
 
-/// An image with what explains it.
+/// A caption, an image, a key and a bar, from the top down.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// Above the image.
     pub caption: String,
     pub image: Plane<Rgb>,
-    /// Below the image.
     pub key: Vec<Entry>,
-    /// Below the key.
     pub bar: Option<Bar>,
 }
 
-/// All of it.
 #[derive(Debug, Clone)]
 pub struct Sheet {
     pub title: String,
-    /// Sentences below it.
+    /// Sentences below the title.
     pub facts: Vec<String>,
     /// At least one, from left to right.
     pub panels: Vec<Panel>,
 }
 
 impl Sheet {
-    /// The sheet as pixels.
-    ///
-    /// # Errors
-    /// When the font cannot be read.
     pub fn draw(&self) -> Result<Plane<Rgb>> {
         let columns: Vec<u32> = self.panels.iter().map(|panel| panel.image.width().max(MIN_COLUMN)).collect();
         let gaps = GAP * (columns.len() as u32).saturating_sub(1);
         let width = (columns.iter().sum::<u32>() + gaps).max(MIN_WIDTH);
         let zoom = (f64::from(width) / USUAL_WIDTH).clamp(1.0, MAX_ZOOM);
-        let head = self.head(width, zoom)?;
-        let feet = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.foot(column, zoom));
-        let feet = feet.collect::<Result<Vec<_>>>()?;
-        let captions = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.head(column, zoom));
+        let head = written(width, zoom, |lines| {
+            lines.words(&self.title, TITLE_EM, Weight::Bold);
+            lines.space(4.0);
+            self.facts.iter().for_each(|fact| lines.words(fact, TEXT_EM, Weight::Regular));
+            lines.space(12.0);
+        })?;
+        let each = || self.panels.iter().zip(&columns);
+        let captions = each().map(|(panel, &column)| written(column, zoom, |lines| panel.head(lines)));
         let captions = captions.collect::<Result<Vec<_>>>()?;
-        let tallest = |planes: &mut dyn Iterator<Item = u32>| planes.max().unwrap_or(0);
-        let caption = tallest(&mut captions.iter().map(Plane::height));
-        let image = tallest(&mut self.panels.iter().map(|panel| panel.image.height()));
-        let foot = tallest(&mut feet.iter().map(Plane::height));
+        let feet = each().map(|(panel, &column)| written(column, zoom, |lines| panel.foot(lines)));
+        let feet = feet.collect::<Result<Vec<_>>>()?;
+        let caption = captions.iter().map(Plane::height).max().unwrap_or(0);
+        let image = self.panels.iter().map(|panel| panel.image.height()).max().unwrap_or(0);
+        let foot = feet.iter().map(Plane::height).max().unwrap_or(0);
         let height = MARGIN + head.height() + caption + image + foot + MARGIN;
         let mut sheet = Plane::filled(width + 2 * MARGIN, height, PAPER);
         paste(&mut sheet, &head, [MARGIN, MARGIN]);
         let (mut left, top) = (MARGIN, MARGIN + head.height());
-        for (((panel, column), above), below) in self.panels.iter().zip(&columns).zip(&captions).zip(&feet) {
+        for (((panel, column), above), below) in each().zip(&captions).zip(&feet) {
             paste(&mut sheet, above, [left, top]);
             paste(&mut sheet, &panel.image, [left, top + caption]);
             paste(&mut sheet, below, [left, top + caption + panel.image.height()]);
@@ -113,34 +104,21 @@ impl Sheet {
         }
         Ok(sheet)
     }
-
-    fn head(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
-        let mut lines = Lines::new(width, zoom);
-        lines.words(&self.title, TITLE_EM, Weight::Bold, INK);
-        lines.space(4.0);
-        self.facts.iter().for_each(|fact| lines.words(fact, TEXT_EM, Weight::Regular, INK));
-        lines.space(12.0);
-        lines.draw()
-    }
 }
 
 impl Panel {
-    fn head(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
-        let mut lines = Lines::new(width, zoom);
-        lines.words(&self.caption, CAPTION_EM, Weight::Bold, INK);
+    fn head(&self, lines: &mut Lines) {
+        lines.words(&self.caption, CAPTION_EM, Weight::Bold);
         lines.space(6.0);
-        lines.draw()
     }
 
-    fn foot(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
-        let mut lines = Lines::new(width, zoom);
+    fn foot(&self, lines: &mut Lines) {
         lines.space(10.0);
         self.key.iter().for_each(|entry| lines.entry(entry));
         if let Some(bar) = &self.bar {
             lines.space(8.0);
             lines.bar(bar);
         }
-        lines.draw()
     }
 }
 
@@ -152,19 +130,25 @@ pub fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) 
     }
 }
 
+/// What is written on paper of a width.
+fn written(width: u32, zoom: f64, write: impl FnOnce(&mut Lines)) -> Result<Plane<Rgb>> {
+    let mut lines = Lines { drawing: Drawing::new(width, 1, ""), y: 0.0, zoom, em: TEXT_EM * zoom };
+    write(&mut lines);
+    lines.drawing.height = (lines.y.ceil() as u32).max(1);
+    to_pixels(&lines.drawing, 1)
+}
+
 /// What is written, from the top down.
 struct Lines {
     drawing: Drawing,
     y: f64,
     /// Pixels for each that lengths and sizes are given in.
     zoom: f64,
+    /// Em of texts in pixels.
+    em: f64,
 }
 
 impl Lines {
-    fn new(width: u32, zoom: f64) -> Lines {
-        Lines { drawing: Drawing::new(width, 1, ""), y: 0.0, zoom }
-    }
-
     fn room(&self) -> f64 {
         f64::from(self.drawing.width)
     }
@@ -174,14 +158,13 @@ impl Lines {
     }
 
     fn text(&self, words: impl AsRef<str>) -> Text {
-        Text::new(words, TEXT_EM * self.zoom).ink(Ink::opaque(INK))
+        Text::new(words, self.em).ink(Ink::opaque(INK))
     }
 
-    /// Adds lines of words.
-    fn words(&mut self, words: &str, em: f64, weight: Weight, ink: Rgb) {
+    fn words(&mut self, words: &str, em: f64, weight: Weight) {
         let em = em * self.zoom;
         for line in wrap(words, em, weight, self.room()) {
-            let text = Text { weight, ..Text::new(line, em).ink(Ink::opaque(ink)) };
+            let text = Text { weight, em, ..self.text(line) };
             self.drawing.text([0.0, self.y + em * LEADING * 0.75], text);
             self.y += (em * LEADING).ceil();
         }
@@ -189,11 +172,11 @@ impl Lines {
 
     fn entry(&mut self, entry: &Entry) {
         let [width, height] = SWATCH.map(|side| (side * self.zoom).round());
-        let (indent, height_of_line) = (width + 10.0 * self.zoom, (TEXT_EM * self.zoom * LEADING).ceil());
+        let (indent, height_of_line) = (width + 10.0 * self.zoom, (self.em * LEADING).ceil());
         let top = (self.y + (height_of_line - height) / 2.0).round();
         self.swatch(entry.swatch, [0.5, top], [width, top + height]);
-        for line in wrap(&entry.words, TEXT_EM * self.zoom, Weight::Regular, self.room() - indent) {
-            let baseline = self.y + TEXT_EM * self.zoom * LEADING * 0.75;
+        for line in wrap(&entry.words, self.em, Weight::Regular, self.room() - indent) {
+            let baseline = self.y + self.em * LEADING * 0.75;
             self.drawing.text([indent, baseline], self.text(line));
             self.y += height_of_line;
         }
@@ -213,12 +196,9 @@ impl Lines {
                 }
             }
             Swatch::Hatched(_) => {
-                let rows = top as u32..to[1] as u32;
-                for (x, y) in
-                    rows.flat_map(|y| (0..to[0] as u32).map(move |x| (x, y))).filter(|(x, y)| is_hatched(*x, *y))
-                {
-                    let at = [f64::from(x), f64::from(y)];
-                    self.drawing.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(hatched(ground)));
+                let spots = (top as u32..to[1] as u32).flat_map(|y| (0..to[0] as u32).map(move |x| [x, y]));
+                for [x, y] in spots.filter(|[x, y]| is_hatched(*x, *y)).map(|at| at.map(f64::from)) {
+                    self.drawing.rectangle([x, y], [x + 1.0, y + 1.0], Ink::opaque(hatched(ground)));
                 }
             }
             Swatch::Corner(_) => {
@@ -230,13 +210,13 @@ impl Lines {
     }
 
     fn bar(&mut self, bar: &Bar) {
-        self.words(&bar.label, TEXT_EM, Weight::Regular, INK);
+        self.words(&bar.label, TEXT_EM, Weight::Regular);
         self.space(4.0);
-        let (zoom, em) = (self.zoom, TEXT_EM * self.zoom);
+        let (zoom, em) = (self.zoom, self.em);
         let half = |text: &str| Text::new(text, em).width() / 2.0;
         // Values at the ends are as much in the middle of their ticks as all others.
-        let first = bar.ticks.first().map_or(0.0, |(_, text)| half(text)).ceil();
-        let last = bar.ticks.last().map_or(0.0, |(_, text)| half(text)).ceil();
+        let [first, last] =
+            [bar.ticks.first(), bar.ticks.last()].map(|tick| tick.map_or(0.0, |(_, text)| half(text)).ceil());
         let (left, right) = (first, (self.room() - last).min(first + MAX_BAR * zoom).floor());
         let x = |part: f64| left + part * (right - left);
         if let Some((part, words)) = &bar.mark {
@@ -271,11 +251,6 @@ impl Lines {
             }
         }
         self.y = under + em * 0.5;
-    }
-
-    fn draw(mut self) -> Result<Plane<Rgb>> {
-        self.drawing.height = (self.y.ceil() as u32).max(1);
-        to_pixels(&self.drawing, 1)
     }
 }
 

@@ -2,14 +2,12 @@
 
 use super::number;
 
-/// How values are laid along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
     Linear,
     Log,
-    /// By the logarithm of 1 + value / unit, so that 0 has a place.
+    /// By the logarithm of 1 + value / unit, so that 0 has a place. The axis turns from even to logarithmic about there.
     LogFromZero {
-        /// About where the axis turns from even to logarithmic.
         unit: f64,
     },
 }
@@ -23,15 +21,18 @@ impl Scale {
         }
     }
 
-    /// An axis's label with what its distances are, where they are not even.
-    fn named(self, label: String) -> String {
-        if label.is_empty() || self == Scale::Linear { label } else { format!("{label}, logarithmic") }
+    /// The value of a place.
+    fn inverse(self, place: f64) -> f64 {
+        match self {
+            Scale::Linear => place,
+            Scale::Log => 10f64.powf(place),
+            Scale::LogFromZero { unit } => (10f64.powf(place) - 1.0) * unit,
+        }
     }
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it shows, with its unit.
     pub label: String,
     /// Values with what stands beside their ticks.
     pub ticks: Vec<(f64, String)>,
@@ -49,6 +50,19 @@ const TICKS: f64 = 5.0;
 const FAR_FROM_ZERO: f64 = 0.6;
 
 impl Axis {
+    /// Without ticks. The label says where distances are not even.
+    fn new(label: impl Into<String>, scale: Scale, low: f64, high: f64) -> Axis {
+        let mut label = label.into();
+        if !label.is_empty() && scale != Scale::Linear {
+            label += ", logarithmic";
+        }
+        Axis { label, ticks: Vec::new(), infinite: None, scale, low, high }
+    }
+
+    fn with_ticks(self, ticks: impl IntoIterator<Item = (f64, String)>) -> Axis {
+        Axis { ticks: ticks.into_iter().collect(), ..self }
+    }
+
     /// An axis on which values lie evenly; from 0 on, unless all are far from it.
     pub fn linear(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
         let (low, high) = range(values);
@@ -62,7 +76,7 @@ impl Axis {
         let (low, high) = range(finite.iter().copied());
         let axis = Axis::over(label, low, high);
         // Where all is lossless, there is no decibel to be read off.
-        if finite.is_empty() { Axis { ticks: Vec::new(), ..axis } } else { axis }
+        if finite.is_empty() { axis.with_ticks([]) } else { axis }
     }
 
     fn over(label: impl Into<String>, mut low: f64, mut high: f64) -> Axis {
@@ -73,8 +87,7 @@ impl Axis {
         let step = nice_step(high - low);
         (low, high) = ((low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step);
         let count = ((high - low) / step).round() as usize;
-        let ticks = (0..=count).map(|at| low + at as f64 * step).map(|value| (value, number::tick(value, step)));
-        Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale: Scale::Linear, low, high }
+        Axis::new(label, Scale::Linear, low, high).with_ticks(ticks(low, step, count))
     }
 
     /// An axis on which values lie by their logarithms, as its label says. Values that are not positive lie at its beginning.
@@ -85,13 +98,12 @@ impl Axis {
         // Values keep off the border.
         let room = 10f64.powf((decades * 0.06).max(0.04));
         let (low, high) = (low / room, high * room);
-        let label = Scale::Log.named(label.into());
+        let axis = Axis::new(label, Scale::Log, low, high);
         if decades < 0.7 {
             let step = nice_step(high - low);
             let first = (low / step).ceil() as i64;
-            let ticks = (first..).map(|at| at as f64 * step).take_while(|&value| value <= high);
-            let ticks = ticks.map(|value| (value, number::tick(value, step))).collect();
-            return Axis { label, ticks, infinite: None, scale: Scale::Log, low, high };
+            let values = (first..).map(|at| at as f64 * step).take_while(|&value| value <= high);
+            return axis.with_ticks(values.map(|value| (value, number::tick(value, step))));
         }
         let digits: &[f64] = match decades {
             few if few < 2.5 => &[1.0, 2.0, 5.0],
@@ -101,8 +113,9 @@ impl Axis {
         let every = (decades / 8.0).ceil().max(1.0) as i32;
         let powers = (low.log10().floor() as i32..=high.log10().ceil() as i32).filter(|power| power % every == 0);
         let values = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10f64.powi(power)));
-        let ticks = values.filter(|&value| value >= low && value <= high).map(|value| (value, number::short(value)));
-        Axis { label, ticks: ticks.collect(), infinite: None, scale: Scale::Log, low, high }
+        axis.with_ticks(
+            values.filter(|&value| value >= low && value <= high).map(|value| (value, number::short(value))),
+        )
     }
 
     /// An axis with a tick at each value that a knob was given: by logarithms where they span more than a factor of
@@ -117,30 +130,22 @@ impl Axis {
         } else {
             Scale::Linear
         };
-        let ticks = values.iter().filter(|value| value.is_finite()).map(|&value| (value, number::short(value)));
-        let label = scale.named(label.into());
-        let mut axis = Axis { label, ticks: ticks.collect(), infinite: None, scale, low, high };
-        axis.widen();
-        axis
+        let finite = values.iter().filter(|value| value.is_finite());
+        Axis::new(label, scale, low, high).widened().with_ticks(finite.map(|&value| (value, number::short(value))))
     }
 
     /// An axis of words, which are the values 0, 1, 2 and so on.
     pub fn of_words(label: impl Into<String>, words: &[String]) -> Axis {
-        let ticks: Vec<_> = words.iter().enumerate().map(|(at, word)| (at as f64, word.clone())).collect();
-        let high = ticks.len().saturating_sub(1) as f64;
-        let mut axis = Axis { label: label.into(), ticks, infinite: None, scale: Scale::Linear, low: 0.0, high };
-        axis.widen();
-        axis
+        let axis = Axis::new(label, Scale::Linear, 0.0, words.len().saturating_sub(1) as f64);
+        axis.widened().with_ticks(words.iter().enumerate().map(|(at, word)| (at as f64, word.clone())))
     }
 
     /// An axis between two values, with a tick at every `step` from the first on.
     pub fn between(label: impl Into<String>, low: f64, high: f64, step: f64) -> Axis {
         let count = ((high - low) / step + 1e-9) as usize;
-        let ticks = (0..=count).map(|at| low + at as f64 * step).map(|value| (value, number::tick(value, step)));
-        Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale: Scale::Linear, low, high }
+        Axis::new(label, Scale::Linear, low, high).with_ticks(ticks(low, step, count))
     }
 
-    /// The axis with a place for infinite values.
     #[must_use]
     pub fn with_infinite(self, name: impl Into<String>) -> Axis {
         Axis { infinite: Some(name.into()), ..self }
@@ -156,7 +161,8 @@ impl Axis {
             return Some(1.0 - INFINITE_SHARE / 2.0);
         }
         let (low, high) = (self.scale.of(self.low), self.scale.of(self.high));
-        Some(((self.scale.of(value) - low) / (high - low)).clamp(0.0, 1.0) * self.finite_share())
+        let finite_share = if self.infinite.is_some() { 1.0 - INFINITE_SHARE } else { 1.0 };
+        Some(((self.scale.of(value) - low) / (high - low)).clamp(0.0, 1.0) * finite_share)
     }
 
     /// Whether a value lies between the ends of the axis, so that its place is not that of another one.
@@ -165,32 +171,23 @@ impl Axis {
         (self.low - room..=self.high + room).contains(&value)
     }
 
-    /// The part of the axis that finite values have, from 0 to 1.
-    pub fn finite_share(&self) -> f64 {
-        if self.infinite.is_some() { 1.0 - INFINITE_SHARE } else { 1.0 }
-    }
-
-    /// Gives the first and the last value room at their outer side.
-    fn widen(&mut self) {
+    /// With room at the outer sides of the first and the last value.
+    fn widened(self) -> Axis {
         let (low, high) = (self.scale.of(self.low), self.scale.of(self.high));
         let room = if high > low { (high - low) * 0.06 } else { 1.0 };
-        (self.low, self.high) = match self.scale {
-            Scale::Linear => (self.low - room, self.high + room),
-            Scale::Log => (10f64.powf(low - room), 10f64.powf(high + room)),
-            Scale::LogFromZero { unit } => {
-                ((10f64.powf(low - room) - 1.0) * unit, (10f64.powf(high + room) - 1.0) * unit)
-            }
-        };
+        Axis { low: self.scale.inverse(low - room), high: self.scale.inverse(high + room), ..self }
     }
+}
+
+/// A tick at a value, and at so many steps from it.
+fn ticks(low: f64, step: f64, count: usize) -> impl Iterator<Item = (f64, String)> {
+    (0..=count).map(move |at| low + at as f64 * step).map(move |value| (value, number::tick(value, step)))
 }
 
 /// The least and the largest of finite values; 0 and 0 without any.
 fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let finite = values.into_iter().filter(|value| value.is_finite());
-    let bounds = finite.fold(None, |bounds: Option<(f64, f64)>, value| {
-        let (low, high) = bounds.unwrap_or((value, value));
-        Some((low.min(value), high.max(value)))
-    });
+    let bounds = finite.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     bounds.unwrap_or((0.0, 0.0))
 }
 

@@ -2,13 +2,10 @@
 
 use super::font::{self, Weight};
 
-/// A place in pixels: x, y.
 pub type Spot = [f64; 2];
 
-/// A colour, and how much of what lies below it hides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ink {
-    /// sRGB codes.
     pub rgb: [u8; 3],
     /// From 0, unseen, to 1, opaque.
     pub alpha: f64,
@@ -18,41 +15,34 @@ impl Ink {
     pub const BLACK: Ink = Ink::opaque([0, 0, 0]);
     pub const WHITE: Ink = Ink::opaque([255, 255, 255]);
 
-    /// An opaque colour from sRGB codes.
     pub const fn opaque(rgb: [u8; 3]) -> Ink {
         Ink { rgb, alpha: 1.0 }
     }
 
-    /// The colour with another opacity, 0 to 1.
     #[must_use]
     pub const fn with_alpha(self, alpha: f64) -> Ink {
         Ink { alpha, ..self }
     }
 }
 
-/// What a line looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     pub ink: Ink,
-    /// Width in pixels.
     pub width: f64,
     /// Pixels drawn and left out in turn; none for a line without gaps.
     pub dash: Option<[f64; 2]>,
 }
 
 impl Stroke {
-    /// A line without gaps.
     pub const fn solid(ink: Ink, width: f64) -> Stroke {
         Stroke { ink, width, dash: None }
     }
 
-    /// A line of short dashes.
     pub const fn dashed(ink: Ink, width: f64) -> Stroke {
         Stroke { ink, width, dash: Some([5.0, 4.0]) }
     }
 }
 
-/// Which part of a text is at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -60,11 +50,9 @@ pub enum Anchor {
     End,
 }
 
-/// Which way a text runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     Across,
-    /// Upwards, as beside a vertical axis.
     Up,
 }
 
@@ -77,12 +65,10 @@ pub struct Text {
     pub ink: Ink,
     /// Which part of the baseline is at the place that it is given.
     pub anchor: Anchor,
-    /// Which way it runs.
     pub direction: Direction,
 }
 
 impl Text {
-    /// Black text that runs to the right from its place.
     pub fn new(text: impl AsRef<str>, em: f64) -> Text {
         let text = text.as_ref().chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
         Text { text, em, weight: Weight::Regular, ink: Ink::BLACK, anchor: Anchor::Start, direction: Direction::Across }
@@ -93,85 +79,51 @@ impl Text {
         Text { weight: Weight::Bold, ..self }
     }
 
-    /// The text in another colour.
     #[must_use]
     pub fn ink(self, ink: Ink) -> Text {
         Text { ink, ..self }
     }
 
-    /// The text with another part at its place.
     #[must_use]
     pub fn anchor(self, anchor: Anchor) -> Text {
         Text { anchor, ..self }
     }
 
-    /// The text running upwards.
     #[must_use]
     pub fn up(self) -> Text {
         Text { direction: Direction::Up, ..self }
     }
 
-    /// The text shortened to a width in pixels.
     #[must_use]
     pub fn fit(self, room: f64) -> Text {
         Text { text: font::fit(&self.text, self.em, self.weight, room), ..self }
     }
 
-    /// Width in pixels.
     pub fn width(&self) -> f64 {
         font::width(&self.text, self.em, self.weight)
     }
 }
 
-/// Something to draw.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// A line through all places.
-    Line {
-        /// At least two.
-        through: Vec<Spot>,
-        /// What it looks like.
-        stroke: Stroke,
-    },
-    Rectangle {
-        /// Upper left corner.
-        from: Spot,
-        /// Lower right corner.
-        to: Spot,
-        ink: Ink,
-    },
-    Polygon {
-        corners: Vec<Spot>,
-        ink: Ink,
-    },
-    Disc {
-        at: Spot,
-        /// In pixels.
-        radius: f64,
-        ink: Ink,
-    },
-    Text {
-        /// Where the part of the baseline is that its anchor names.
-        at: Spot,
-        text: Text,
-    },
+    Line { through: Vec<Spot>, stroke: Stroke },
+    Rectangle { from: Spot, to: Spot, ink: Ink },
+    Polygon { corners: Vec<Spot>, ink: Ink },
+    Disc { at: Spot, radius: f64, ink: Ink },
+    Text { at: Spot, text: Text },
 }
 
 /// Shapes on white ground; later ones hide earlier ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// Width in pixels.
     pub width: u32,
-    /// Height in pixels.
     pub height: u32,
     /// What it shows in one line; the title of an SVG file.
     pub title: String,
-    /// In the order in which they are drawn.
     pub shapes: Vec<Shape>,
 }
 
 impl Drawing {
-    /// A white drawing of a size in pixels.
     pub fn new(width: u32, height: u32, title: impl Into<String>) -> Drawing {
         Drawing { width, height, title: title.into(), shapes: Vec::new() }
     }
@@ -192,7 +144,6 @@ impl Drawing {
         }
     }
 
-    /// Fills the rectangle between two opposite corners.
     pub fn rectangle(&mut self, a: Spot, b: Spot, ink: Ink) {
         if is_place(&a) && is_place(&b) {
             let (from, to) = ([a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]);
@@ -211,7 +162,6 @@ impl Drawing {
         }
     }
 
-    /// Fills a disc of a radius in pixels.
     pub fn disc(&mut self, at: Spot, radius: f64, ink: Ink) {
         if is_place(&at) && radius.is_finite() {
             self.shapes.push(Shape::Disc { at, radius, ink });
@@ -252,7 +202,6 @@ fn is_place(spot: &Spot) -> bool {
     spot.iter().all(|value| value.is_finite())
 }
 
-/// The pieces of a line that dashes cover.
 fn dashes(through: &[Spot], [drawn, left_out]: [f64; 2]) -> Vec<Vec<Spot>> {
     let period = drawn + left_out;
     let mut pieces: Vec<Vec<Spot>> = Vec::new();

@@ -10,10 +10,7 @@ use crate::error::{Error, Result};
 
 /// Families that the viewer of an SVG file looks for, in this order; Verdana has almost the same widths.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
-/// Height of a capital letter or a digit in ems.
 pub const CAP_PER_EM: f64 = 0.729;
-/// Height of a line in ems, from its highest letter to its lowest: DejaVu's ascender and descender.
-pub const LINE_PER_EM: f64 = 1.164;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
@@ -21,7 +18,6 @@ pub enum Weight {
     Bold,
 }
 
-/// The font, read once for the process.
 fn font(weight: Weight) -> Option<&'static FontRef<'static>> {
     static REGULAR: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
     static BOLD: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
@@ -57,9 +53,6 @@ pub fn width(text: &str, em: f64, weight: Weight) -> f64 {
 
 /// Calls `cover` with each pixel, x to the right and y down from the beginning of the baseline, that a text of one line
 /// touches, and how much of it: 0 to 1.
-///
-/// # Errors
-/// When the font that the program carries cannot be read, and as `cover` does.
 pub fn rasterise(
     text: &str,
     em: f64,

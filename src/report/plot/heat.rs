@@ -3,19 +3,15 @@
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Stroke, Text};
 use super::font::{self, Weight};
-use super::style::{MARGIN, NAME_EM, TICK_EM, TITLE_EM};
+use super::style::{LONGEST_LABEL, MARGIN, NAME_EM, TICK_EM, TITLE_EM, name, tick, widest, write_title};
 use super::{number, palette};
 
-/// Smallest width and height of a cell in pixels.
 const SMALLEST_CELL: [f64; 2] = [30.0, 22.0];
-/// Smallest em of a printed value in pixels.
 const SMALLEST_EM: f64 = 7.0;
 /// Width of the colour bar in pixels.
 const BAR: f64 = 14.0;
 /// Colours follow logarithms where the largest value is more than this many times the least.
 const LOG_FROM: f64 = 12.0;
-/// Longest name of a row in pixels.
-const LONGEST_ROW: f64 = 110.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
@@ -33,13 +29,10 @@ pub struct HeatMap {
     pub rows: (String, Vec<String>),
     /// Cells of the lowest row from left to right, then those of the next. None where there is no value.
     pub cells: Vec<Option<Cell>>,
-    /// The cell that is marked.
     pub best: Option<usize>,
-    /// What the colour bar shows, with its unit.
     pub unit: String,
 }
 
-/// How values become colours.
 struct Shades {
     low: f64,
     high: f64,
@@ -64,47 +57,57 @@ impl Shades {
     }
 }
 
+/// Where the cells are.
+#[derive(Clone, Copy)]
+struct Grid {
+    left: f64,
+    bottom: f64,
+    cell: [f64; 2],
+    columns: usize,
+}
+
+impl Grid {
+    /// Left, top, width and height of a cell by its place in the list.
+    fn cell(&self, at: usize) -> [f64; 4] {
+        let ([width, height], column, row) = (self.cell, at % self.columns, at / self.columns);
+        [self.left + column as f64 * width, self.bottom - (row + 1) as f64 * height, width, height]
+    }
+}
+
 impl HeatMap {
     /// Draws it in a size in pixels; it becomes larger where its cells need the room.
     pub fn draw(&self, width: u32, height: u32) -> Drawing {
         let (columns, rows) = (self.columns.1.len().max(1), self.rows.1.len().max(1));
         let shades = Shades::of(&self.cells);
         let bar = self.bar_axis(&shades);
-        let widest = |labels: &mut dyn Iterator<Item = &String>| {
-            labels.map(|label| font::width(label, TICK_EM, Weight::Regular)).fold(0.0, f64::max)
-        };
-        let row_names = widest(&mut self.rows.1.iter()).min(LONGEST_ROW);
-        let bar_ticks = bar.as_ref().map_or(0.0, |bar| widest(&mut bar.ticks.iter().map(|(_, label)| label)));
-        let left = MARGIN + NAME_EM + 8.0 + row_names + 8.0;
+        let bar_ticks = bar.as_ref().map_or(0.0, |bar| widest(bar.ticks.iter().map(|(_, label)| label)));
+        let left = MARGIN + NAME_EM + 8.0 + widest(&self.rows.1).min(LONGEST_LABEL) + 8.0;
         let beside = 14.0 + BAR + 6.0 + bar_ticks + 8.0 + NAME_EM + MARGIN;
         let grid_width = (f64::from(width) - left - beside).max(SMALLEST_CELL[0] * columns as f64);
         let cell_width = grid_width / columns as f64;
-        let column_names = widest(&mut self.columns.1.iter());
-        let upright = if column_names > cell_width - 4.0 { column_names.min(LONGEST_ROW) } else { 0.0 };
+        let column_names = widest(&self.columns.1);
+        let upright = if column_names > cell_width - 4.0 { column_names.min(LONGEST_LABEL) } else { 0.0 };
         let under = 6.0 + upright.max(TICK_EM) + 8.0 + NAME_EM + MARGIN;
         let top = MARGIN + TITLE_EM + 14.0;
         let grid_height = (f64::from(height) - top - under).max(SMALLEST_CELL[1] * rows as f64);
-        let cell_height = grid_height / rows as f64;
         let (width, height) = ((left + grid_width + beside).ceil(), (top + grid_height + under).ceil());
         let mut drawing = Drawing::new(width as u32, height as u32, self.title.clone());
 
-        let title = Text::new(&self.title, TITLE_EM).bold().ink(palette::TEXT).fit(width - 2.0 * MARGIN);
-        drawing.text([MARGIN, MARGIN + TITLE_EM], title);
+        write_title(&mut drawing, &self.title, width);
         let bottom = top + grid_height;
-        let corner =
-            |column: usize, row: usize| [left + column as f64 * cell_width, bottom - (row + 1) as f64 * cell_height];
-        for row in 0..rows {
-            for column in 0..columns {
-                let cell = self.cells.get(row * columns + column).and_then(Option::as_ref);
-                let [x, y] = corner(column, row);
-                draw_cell(&mut drawing, [x, y, cell_width, cell_height], cell, &shades);
-            }
+        let grid = Grid { left, bottom, cell: [cell_width, grid_height / rows as f64], columns };
+        for at in 0..rows * columns {
+            draw_cell(&mut drawing, grid.cell(at), self.cells.get(at).and_then(Option::as_ref), &shades);
         }
         if let Some(best) = self.best {
-            let [x, y] = corner(best % columns, best / columns);
-            mark(&mut drawing, [x, y], [x + cell_width, y + cell_height]);
+            // A frame that is seen on dark and on bright cells.
+            let [x, y, width, height] = grid.cell(best);
+            for (ink, line_width) in [(super::Ink::WHITE, 5.0), (palette::MARK, 2.5)] {
+                let stroke = Stroke::solid(ink, line_width);
+                drawing.frame([x + 1.5, y + 1.5], [x + width - 1.5, y + height - 1.5], stroke);
+            }
         }
-        self.names(&mut drawing, [left, bottom], [cell_width, cell_height], upright);
+        self.names(&mut drawing, grid, upright);
         if let Some(axis) = bar {
             let from = left + grid_width + 14.0;
             self.bar(&mut drawing, &axis, &shades, [from, top, from + BAR, bottom]);
@@ -112,20 +115,13 @@ impl HeatMap {
         drawing
     }
 
-    fn names(
-        &self,
-        drawing: &mut Drawing,
-        [left, bottom]: [f64; 2],
-        [cell_width, cell_height]: [f64; 2],
-        upright: f64,
-    ) {
-        let tick = |label: &str| Text::new(label, TICK_EM).ink(palette::TEXT);
+    fn names(&self, drawing: &mut Drawing, Grid { left, bottom, cell: [width, height], .. }: Grid, upright: f64) {
         for (row, name) in self.rows.1.iter().enumerate() {
-            let y = bottom - (row as f64 + 0.5) * cell_height;
-            drawing.text_beside([left - 7.0, y], tick(name).anchor(Anchor::End).fit(LONGEST_ROW));
+            let y = bottom - (row as f64 + 0.5) * height;
+            drawing.text_beside([left - 7.0, y], tick(name).anchor(Anchor::End).fit(LONGEST_LABEL));
         }
         for (column, name) in self.columns.1.iter().enumerate() {
-            let x = left + (column as f64 + 0.5) * cell_width;
+            let x = left + (column as f64 + 0.5) * width;
             if upright > 0.0 {
                 let x = x + TICK_EM * font::CAP_PER_EM / 2.0;
                 drawing.text([x, bottom + 6.0], tick(name).up().anchor(Anchor::End).fit(upright));
@@ -133,10 +129,7 @@ impl HeatMap {
                 drawing.text([x, bottom + 5.0 + TICK_EM], tick(name).anchor(Anchor::Middle));
             }
         }
-        let name =
-            |label: &str, room: f64| Text::new(label, NAME_EM).ink(palette::TEXT).anchor(Anchor::Middle).fit(room);
-        let (across, up) =
-            (cell_width * self.columns.1.len() as f64 / 2.0, cell_height * self.rows.1.len() as f64 / 2.0);
+        let (across, up) = (width * self.columns.1.len() as f64 / 2.0, height * self.rows.1.len() as f64 / 2.0);
         let lowest = f64::from(drawing.height) - MARGIN - 2.0;
         drawing.text([left + across, lowest], name(&self.columns.0, across * 2.0 + 60.0));
         drawing.text([MARGIN + NAME_EM, bottom - up], name(&self.rows.0, up * 2.0 + 60.0).up());
@@ -168,12 +161,11 @@ impl HeatMap {
         for (value, label) in &axis.ticks {
             let y = at(shades.share(*value));
             drawing.line(&[[right, y], [right + 3.0, y]], Stroke::solid(palette::TEXT, 1.0));
-            drawing.text_beside([right + 6.0, y], Text::new(label, TICK_EM).ink(palette::TEXT));
+            drawing.text_beside([right + 6.0, y], tick(label));
         }
         let scale = if shades.log { ", logarithmic" } else { "" };
-        let name = Text::new(format!("{}{scale}", self.unit), NAME_EM).ink(palette::TEXT).anchor(Anchor::Middle);
-        let middle = (top + bottom) / 2.0;
-        drawing.text([f64::from(drawing.width) - MARGIN, middle], name.up().fit(bottom - top + 60.0));
+        let name = name(&format!("{}{scale}", self.unit), bottom - top + 60.0).up();
+        drawing.text([f64::from(drawing.width) - MARGIN, (top + bottom) / 2.0], name);
     }
 }
 
@@ -183,24 +175,16 @@ fn draw_cell(drawing: &mut Drawing, [x, y, width, height]: [f64; 4], cell: Optio
     let centre = [x + width / 2.0, y + height / 2.0];
     let Some(cell) = cell.filter(|cell| !cell.value.is_nan()) else {
         drawing.rectangle(from, to, palette::MISSING);
-        let none = Text::new("none", TICK_EM).ink(palette::FAINT_TEXT).anchor(Anchor::Middle);
-        drawing.text_beside(centre, none);
+        drawing.text_beside(centre, tick("none").ink(palette::FAINT_TEXT).anchor(Anchor::Middle));
         return;
     };
     let ground = palette::viridis(shades.share(cell.value));
     drawing.rectangle(from, to, ground);
-    let ink = palette::legible_on(ground);
     let ems = [12.0, 11.0, 10.0, 9.0, 8.0, SMALLEST_EM];
     let fitting =
         ems.into_iter().find(|&em| font::width(&cell.text, em, Weight::Regular) <= width - 5.0 && em + 3.0 <= height);
-    let text = Text::new(&cell.text, fitting.unwrap_or(SMALLEST_EM)).ink(ink).anchor(Anchor::Middle);
-    drawing.text_beside(centre, text.fit(width - 2.0));
-}
-
-/// A frame that is seen on dark and on bright cells.
-fn mark(drawing: &mut Drawing, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) {
-    drawing.frame([left + 1.5, top + 1.5], [right - 1.5, bottom - 1.5], Stroke::solid(super::Ink::WHITE, 5.0));
-    drawing.frame([left + 1.5, top + 1.5], [right - 1.5, bottom - 1.5], Stroke::solid(palette::MARK, 2.5));
+    let text = Text::new(&cell.text, fitting.unwrap_or(SMALLEST_EM)).ink(palette::legible_on(ground));
+    drawing.text_beside(centre, text.anchor(Anchor::Middle).fit(width - 2.0));
 }
 
 #[cfg(test)]

@@ -4,13 +4,10 @@ use super::drawing::{Anchor, Drawing, Spot, Stroke, Text};
 use super::font;
 use super::palette;
 
-/// Size of the names in pixels of an em.
 const EM: f64 = 11.0;
 
-/// A rectangle: left, top, right, bottom.
 type Bounds = [f64; 4];
 
-/// What has been written and drawn so far.
 #[derive(Debug, Clone)]
 pub struct Labels {
     inside: Bounds,
@@ -19,12 +16,10 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Names within a rectangle.
     pub fn inside([left, top]: Spot, [right, bottom]: Spot) -> Labels {
         Labels { inside: [left, top, right, bottom], taken: Vec::new(), points: Vec::new() }
     }
 
-    /// Keeps names off a square around a point.
     pub fn keep_off(&mut self, [x, y]: Spot, reach: f64) {
         self.taken.push([x - reach, y - reach, x + reach, y + reach]);
         self.points.push([x, y]);

@@ -3,13 +3,10 @@
 use super::drawing::{Drawing, Ink, Spot, Stroke};
 use super::palette;
 
-/// How many shapes there are.
 const SHAPES: usize = 8;
 
-/// What a series looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
-    /// Of line and marker.
     pub ink: Ink,
     shape: usize,
     dash: Option<[f64; 2]>,

@@ -17,4 +17,4 @@ pub mod save;
 mod style;
 
 pub use drawing::{Drawing, Ink};
-pub use save::{save, save_png};
+pub use save::save;

@@ -2,7 +2,6 @@
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// What stands behind the number.
     pub name: &'static str,
     pub size: f64,
 }
@@ -27,62 +26,44 @@ pub fn bytes(count: f64) -> String {
     format!("{} {}", short(count / unit.size), unit.name)
 }
 
+/// With three digits that count, or all that stand before the point.
+fn with_three_digits(value: f64) -> String {
+    let digits = [(99.95, 0), (9.995, 1), (0.9995, 2)].into_iter().find(|(least, _)| value.abs() >= *least);
+    format!("{value:.*}", digits.map_or(3, |(_, digits)| digits))
+}
+
 /// A number with three digits that count, or more where they stand before the point; `k` from 10,000 and `M` from 10
 /// million on.
 pub fn short(value: f64) -> String {
-    let size = value.abs();
-    if value.is_nan() {
-        "–".to_owned()
-    } else if value.is_infinite() {
-        if value > 0.0 { "∞" } else { "−∞" }.to_owned()
-    } else if size >= 1e12 || (size > 0.0 && size < 5e-4) {
-        format!("{value:.1e}")
-    } else if size >= 1e7 {
-        format!("{}M", short(value / 1e6))
-    } else if size >= 1e4 {
-        format!("{}k", short(value / 1e3))
-    } else {
-        let digits = if size >= 99.95 {
-            0
-        } else if size >= 9.995 {
-            1
-        } else if size >= 0.9995 {
-            2
-        } else {
-            3
-        };
-        trimmed(&format!("{value:.digits$}"))
+    match value.abs() {
+        size if size.is_nan() => "–".to_owned(),
+        size if size.is_infinite() => if value > 0.0 { "∞" } else { "−∞" }.to_owned(),
+        size if size >= 1e12 || (size > 0.0 && size < 5e-4) => format!("{value:.1e}"),
+        size if size >= 1e7 => format!("{}M", short(value / 1e6)),
+        size if size >= 1e4 => format!("{}k", short(value / 1e3)),
+        _ => trimmed(&with_three_digits(value)),
     }
 }
 
 /// The same with zeros at its end kept, so that numbers of a size have as many digits.
 pub fn even(value: f64) -> String {
-    let size = value.abs();
-    match size {
-        small if (5e-4..0.9995).contains(&small) => format!("{value:.3}"),
-        ones if (0.9995..9.995).contains(&ones) => format!("{value:.2}"),
-        tens if (9.995..99.95).contains(&tens) => format!("{value:.1}"),
-        _ => short(value),
-    }
+    if (5e-4..99.95).contains(&value.abs()) { with_three_digits(value) } else { short(value) }
 }
 
 /// A tick's number, with the digits that tell it from the next one, a step of 1, 2 or 5 times a power of ten away.
 pub fn tick(value: f64, step: f64) -> String {
     let value = if value.abs() < step * 1e-6 { 0.0 } else { value };
     let size = value.abs();
-    let of = |value: f64, step: f64| {
-        let digits = (-step.log10() - 1e-9).ceil().clamp(0.0, 9.0) as usize;
-        trimmed(&format!("{value:.digits$}"))
+    let of = |unit: f64, prefix: &str| {
+        let digits = (-(step / unit).log10() - 1e-9).ceil().clamp(0.0, 9.0) as usize;
+        format!("{}{prefix}", trimmed(&format!("{:.digits$}", value / unit)))
     };
     let usable = value.is_finite() && step.is_finite() && step > 0.0;
-    if !usable || size >= 1e12 || (size > 0.0 && size < 1e-6) {
-        short(value)
-    } else if size >= 1e7 {
-        format!("{}M", of(value / 1e6, step / 1e6))
-    } else if size >= 1e4 {
-        format!("{}k", of(value / 1e3, step / 1e3))
-    } else {
-        of(value, step)
+    match size {
+        _ if !usable || size >= 1e12 || (size > 0.0 && size < 1e-6) => short(value),
+        _ if size >= 1e7 => of(1e6, "M"),
+        _ if size >= 1e4 => of(1e3, "k"),
+        _ => of(1.0, ""),
     }
 }
 

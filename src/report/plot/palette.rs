@@ -47,17 +47,13 @@ pub const FAINT_TEXT: Ink = Ink::opaque([96, 96, 96]);
 /// Faint lines, such as those to missing values.
 pub const FAINT_LINE: Ink = Ink::opaque([165, 165, 165]);
 pub const GRID: Ink = Ink::opaque([226, 226, 226]);
-/// Ground of missing values.
 pub const MISSING: Ink = Ink::opaque([240, 240, 240]);
 /// Highlights: the best cell of a map, the lossless line.
 pub const MARK: Ink = Ink::opaque([214, 39, 40]);
 
-/// sRGB codes.
 pub type Rgb = [u8; 3];
 
-/// Ground of sheets.
 pub const PAPER: Rgb = [255, 255, 255];
-/// Text of sheets.
 pub const INK: Rgb = [24, 24, 24];
 /// Faint text and thin lines of sheets.
 pub const SOFT_INK: Rgb = FAINT_TEXT.rgb;
@@ -67,7 +63,6 @@ pub const BACKGROUND: Rgb = [30, 30, 30];
 pub const MISMATCH: Rgb = [213, 60, 0];
 /// A cell without any error.
 pub const EXACT: Rgb = [236, 236, 236];
-/// Greys of near and far.
 const GREYS: [f64; 2] = [240.0, 84.0];
 
 /// The colour of a value from 0, dark, to 1, bright; NaN is 0.
@@ -75,9 +70,7 @@ pub fn viridis(value: f64) -> Ink {
     let last = VIRIDIS.len() - 1;
     let place = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) * last as f64 };
     let below = (place as usize).min(last - 1);
-    let part = place - below as f64;
-    let mix = |from: u8, to: u8| (f64::from(from) + (f64::from(to) - f64::from(from)) * part).round() as u8;
-    Ink::opaque(std::array::from_fn(|at| mix(VIRIDIS[below][at], VIRIDIS[below + 1][at])))
+    Ink::opaque(mix(VIRIDIS[below], VIRIDIS[below + 1], place - below as f64))
 }
 
 /// Black or white, whichever has more contrast with a ground (WCAG 2: relative luminance).
@@ -92,12 +85,10 @@ pub fn legible_on(ground: Ink) -> Ink {
     if luminance > 0.179 { Ink::BLACK } else { Ink::WHITE }
 }
 
-/// The colour of a series by its number; there are eight.
 pub fn series(number: usize) -> Ink {
     SERIES[number % SERIES.len()]
 }
 
-/// The colour `part` of the way from one to another, 0 to 1.
 pub fn mix(from: Rgb, to: Rgb, part: f64) -> Rgb {
     std::array::from_fn(|at| {
         let (from, to) = (f64::from(from[at]), f64::from(to[at]));
@@ -105,22 +96,18 @@ pub fn mix(from: Rgb, to: Rgb, part: f64) -> Rgb {
     })
 }
 
-/// How light a colour is, 0 to 255.
 pub fn lightness([red, green, blue]: Rgb) -> u32 {
     (54 * u32::from(red) + 183 * u32::from(green) + 19 * u32::from(blue)) / 256
 }
 
-/// A colour for text or lines on this one.
 pub fn contrast(ground: Rgb) -> Rgb {
     legible_on(Ink::opaque(ground)).rgb
 }
 
-/// A colour as an outline over it shows it.
 pub fn outlined(color: Rgb) -> Rgb {
     if lightness(color) > 72 { mix(color, [0, 0, 0], 0.75) } else { mix(color, [255, 255, 255], 0.5) }
 }
 
-/// A colour as hatching over it shows it.
 pub fn hatched(color: Rgb) -> Rgb {
     mix(color, contrast(color), 0.28)
 }

@@ -17,7 +17,7 @@ use crate::image::plane::Plane;
 use crate::image::png;
 
 /// Pixels of a chart's PNG file for a pixel of the drawing, in each direction.
-pub const CHART_DENSITY: u32 = 2;
+const CHART_DENSITY: u32 = 2;
 /// Steps for a pixel of the drawing in an SVG file.
 const SVG_STEPS: u32 = 10;
 /// Steps for a pixel of a PNG file.
@@ -25,50 +25,28 @@ const PNG_STEPS: u32 = 2;
 /// More than any drawing has, so that sums of coordinates stay far from overflow.
 const FARTHEST: f64 = 1e6;
 
-/// Who draws letters.
-#[derive(Debug, Clone, Copy)]
-enum Letters {
-    Viewer,
-    /// The font that the program carries.
-    Own,
-}
-
 /// `plotters`' size of a font for an em of 1 in an SVG file.
 const SVG_SIZE_PER_EM: f64 = 1.24;
 /// How far below the place of a text an SVG file of `plotters` has the baseline, in ems.
 const SVG_BASELINE_EM: f64 = 0.76;
 
 /// Writes a drawing as `name.svg` and `name.png` into a folder. The bytes depend on the drawing alone.
-///
-/// # Errors
-/// When the files cannot be written.
 pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
     let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
     let svg = to_svg(drawing)?;
     write_whole(&paths[0], |partial| std::fs::write(partial, &svg).map_err(|error| Error::io(&paths[0], error)))?;
-    save_png(drawing, &paths[1], CHART_DENSITY)?;
+    let pixels = to_pixels(drawing, CHART_DENSITY)?;
+    write_whole(&paths[1], |partial| png::write_color8(partial, &pixels))?;
     Ok(paths)
 }
 
-/// Writes a drawing as PNG, with `density` pixels for each of its own in each direction.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn save_png(drawing: &Drawing, path: &Path, density: u32) -> Result<()> {
-    let pixels = to_pixels(drawing, density)?;
-    write_whole(path, |partial| png::write_color8(partial, &pixels))
-}
-
 /// The text of an SVG file.
-///
-/// # Errors
-/// When the font cannot be read.
 pub fn to_svg(drawing: &Drawing) -> Result<String> {
     let (width, height) = (drawing.width, drawing.height);
     let steps = [width * SVG_STEPS, height * SVG_STEPS];
     let mut drawn = String::new();
     let backend = SVGBackend::with_string(&mut drawn, (steps[0], steps[1]));
-    draw(drawing, backend, SVG_STEPS, Letters::Viewer)?;
+    draw(drawing, backend, SVG_STEPS, Pen::named_text)?;
     // The file's own size is the drawing's; the view box keeps the steps.
     let body = drawn.split_once('\n').map_or("", |(_, body)| body);
     Ok(format!(
@@ -95,14 +73,11 @@ fn whole_font_sizes(svg: &str) -> String {
 }
 
 /// The pixels of a PNG file with `density` pixels for each of the drawing's in each direction, as sRGB codes.
-///
-/// # Errors
-/// When the font cannot be read.
 pub fn to_pixels(drawing: &Drawing, density: u32) -> Result<Plane<[u8; 3]>> {
     let steps = density * PNG_STEPS;
     let (width, height) = (drawing.width * steps, drawing.height * steps);
     let mut fine = vec![255; width as usize * height as usize * 3];
-    draw(drawing, BitMapBackend::with_buffer(&mut fine, (width, height)), steps, Letters::Own)?;
+    draw(drawing, BitMapBackend::with_buffer(&mut fine, (width, height)), steps, Pen::outlined_text)?;
     let code = |x: u32, y: u32, component: usize| u32::from(fine[(y * width + x) as usize * 3 + component]);
     Ok(Plane::from_fn(drawing.width * density, drawing.height * density, |x, y| {
         std::array::from_fn(|component| {
@@ -130,8 +105,11 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-fn draw<B: DrawingBackend>(drawing: &Drawing, backend: B, steps: u32, letters: Letters) -> Result<()> {
-    let mut pen = Pen { backend, steps: f64::from(steps), letters };
+/// How a pen writes a text.
+type Write<B> = fn(&mut Pen<B>, Spot, &Text) -> Result<()>;
+
+fn draw<B: DrawingBackend>(drawing: &Drawing, backend: B, steps: u32, write: Write<B>) -> Result<()> {
+    let mut pen = Pen { backend, steps: f64::from(steps), write };
     pen.rectangle([0.0, 0.0], [f64::from(drawing.width), f64::from(drawing.height)], Ink::WHITE)?;
     drawing.shapes.iter().try_for_each(|shape| pen.shape(shape))?;
     pen.backend.present().map_err(failed)
@@ -141,11 +119,10 @@ fn failed(error: impl std::fmt::Display) -> Error {
     Error::unsupported(format!("a chart cannot be drawn: {error}"))
 }
 
-/// Draws shapes on a backend.
 struct Pen<B> {
     backend: B,
     steps: f64,
-    letters: Letters,
+    write: Write<B>,
 }
 
 impl<B: DrawingBackend> Pen<B> {
@@ -166,7 +143,7 @@ impl<B: DrawingBackend> Pen<B> {
                 let radius = (radius * self.steps).round().max(1.0) as u32;
                 self.backend.draw_circle(self.spot(*at), radius, &color(*ink), true).map_err(failed)
             }
-            Shape::Text { at, text } => self.text(*at, text),
+            Shape::Text { at, text } => (self.write)(self, *at, text),
         }
     }
 
@@ -183,13 +160,7 @@ impl<B: DrawingBackend> Pen<B> {
         if places.len() < 2 { Ok(()) } else { self.backend.draw_path(places, &style).map_err(failed) }
     }
 
-    fn text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
-        match self.letters {
-            Letters::Viewer => self.named_text([x, y], text),
-            Letters::Own => self.outlined_text([x, y], text),
-        }
-    }
-
+    /// Names the font for the viewer.
     fn named_text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
         let rise = text.em * SVG_BASELINE_EM;
         let (upper, transform) = match text.direction {
@@ -212,6 +183,7 @@ impl<B: DrawingBackend> Pen<B> {
         self.backend.draw_text(&text.text, &style, self.spot(upper)).map_err(failed)
     }
 
+    /// Draws letters of the font that the program carries.
     fn outlined_text(&mut self, at: Spot, text: &Text) -> Result<()> {
         let before = match text.anchor {
             Anchor::Start => 0.0,

@@ -1,20 +1,19 @@
 //! Findings of papers, as tested on the points of a sweep.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-/// Outcome of testing a finding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Verdict {
-    /// The points agree.
+    #[serde(rename = "found")]
     Found,
-    /// The points disagree.
+    #[serde(rename = "not found")]
     NotFound,
     /// The points do not tell.
+    #[serde(rename = "not measured")]
     NotMeasured,
 }
 
 impl Verdict {
-    /// `found`, `not found` or `not measured`.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Found => "found",
@@ -24,19 +23,11 @@ impl Verdict {
     }
 }
 
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.name().serialize(to)
-    }
-}
-
-/// A finding of a paper, tested.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     pub name: &'static str,
     /// What the paper found, and where.
     pub sentence: &'static str,
-    /// Whether the points agree.
     pub verdict: Verdict,
     pub rule: &'static str,
     /// The values that it was judged by, a sentence; or what would have to be measured.

@@ -15,7 +15,6 @@ use crate::files::open_locked;
 const LOCK: &str = ".tradeoff.lock";
 /// Prefix and ending of names of unfinished files and folders.
 const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
-/// Extensions of files that are removed when they show other points.
 const PICTURES: &[&str] = &["svg", "png", "html"];
 
 /// A folder that no other process measures into.
@@ -28,9 +27,6 @@ pub struct Folder {
 
 impl Folder {
     /// Creates the folder if there is none, locks it, and removes leftovers of killed processes.
-    ///
-    /// # Errors
-    /// When another process has the lock, or the folder cannot be written.
     pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
         let busy = || {
@@ -46,8 +42,8 @@ impl Folder {
             if name.starts_with(begin) && name.ends_with(end) {
                 // What cannot be removed does no harm.
                 let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-                let _ =
-                    if is_folder { std::fs::remove_dir_all(entry.path()) } else { std::fs::remove_file(entry.path()) };
+                let path = entry.path();
+                let _ = if is_folder { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
             }
         }
         Ok(folder)
@@ -58,21 +54,22 @@ impl Folder {
         self.path.join(self.kind.json_name())
     }
 
+    /// Files that a sweep writes anew whatever they hold, besides its pictures.
+    fn replaced(&self) -> Vec<String> {
+        match self.kind.is_resumable {
+            true => vec![PAGE.to_owned()],
+            false => vec![self.kind.csv_name(), self.kind.json_name(), PAGE.to_owned()],
+        }
+    }
+
     /// A file that a sweep would replace without being resumed from it.
     pub fn in_the_way(&self) -> Option<PathBuf> {
         let own = if self.kind.is_resumable { self.files() } else { Vec::new() };
-        let names = match self.kind.is_resumable {
-            true => vec![PAGE.to_owned()],
-            false => vec![self.kind.csv_name(), self.kind.json_name(), PAGE.to_owned()],
-        };
-        let mut lost = names.into_iter().filter(|name| !own.contains(name)).map(|name| self.path.join(name));
+        let mut lost = self.replaced().into_iter().filter(|name| !own.contains(name)).map(|name| self.path.join(name));
         lost.find(|path| path.exists())
     }
 
     /// A folder in it for unfinished work, which is removed when it is dropped.
-    ///
-    /// # Errors
-    /// When it cannot be made.
     pub fn work(&self) -> Result<TempDir> {
         let [begin, end] = UNFINISHED;
         let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&self.path);
@@ -92,22 +89,18 @@ impl Folder {
     }
 
     /// Removes the last report and its pictures; the CSV and the page, too, unless the sweep resumes from it.
-    ///
-    /// # Errors
-    /// When a file cannot be removed.
     pub fn clear(&self) -> Result<()> {
         let is_picture =
             |name: &String| Path::new(name).extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end));
         let mut names: Vec<String> = self.files().into_iter().filter(is_picture).collect();
         names.push(self.kind.json_name());
         if !self.kind.is_resumable {
-            names.extend([self.kind.csv_name(), PAGE.to_owned()]);
+            names.extend(self.replaced());
         }
         names.into_iter().try_for_each(|name| remove(&self.path.join(name)))
     }
 }
 
-/// Removes a file if it exists.
 fn remove(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io(path, error)),

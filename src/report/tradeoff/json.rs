@@ -7,44 +7,18 @@ use super::findings::Finding;
 use super::kind::{self, Measured};
 use super::schedule::FailedPoint;
 use super::store::StoredPoint;
-use super::study::{Results, Study, Weights};
+use super::study::Results;
+use crate::json::Number;
 
 #[derive(Serialize)]
 pub struct Report<'a> {
-    input: &'a str,
-    command_line: &'a str,
-    machine: &'a str,
-    version: &'static str,
-    weights: Weights,
-    studies: &'a [Study],
-    points: Vec<Value>,
-    findings: &'a [Finding],
-    left_out: &'a [String],
-    failed: Vec<Value>,
-}
-
-impl<'a> Report<'a> {
-    /// A report; `rows` are those of the points.
-    pub fn new(
-        results: &'a Results,
-        findings: &'a [Finding],
-        rows: &[&StoredPoint],
-        failed: &[FailedPoint],
-    ) -> Report<'a> {
-        let failed = failed.iter().map(|of| json!({ "point": of.point.to_string(), "error": of.error }));
-        Report {
-            input: &results.input,
-            command_line: &results.command_line,
-            machine: &results.machine,
-            version: env!("CARGO_PKG_VERSION"),
-            weights: results.weights,
-            studies: &results.studies,
-            points: rows.iter().map(|row| point(row)).collect(),
-            findings,
-            left_out: &results.left_out,
-            failed: failed.collect(),
-        }
-    }
+    #[serde(flatten)]
+    pub results: &'a Results,
+    pub version: &'static str,
+    /// The rows of the points, as [`point`] writes them.
+    pub points: Vec<Value>,
+    pub findings: &'a [Finding],
+    pub failed: &'a [FailedPoint],
 }
 
 pub fn point(row: &StoredPoint) -> Value {
@@ -54,27 +28,19 @@ pub fn point(row: &StoredPoint) -> Value {
     value
 }
 
-fn values(measured: &Measured) -> Value {
-    let mut value = json!({ "settings": settings(measured) });
-    if let Some(stream) = measured.point.stream {
+fn values(of: &Measured) -> Value {
+    let settings = of.point.settings.iter().map(|(name, value)| (of.kind.key(name).to_owned(), json!(value)));
+    let mut value = json!({ "settings": settings.collect::<Map<_, _>>() });
+    if let Some(stream) = of.point.stream {
         value["kind"] = json!(stream.name());
     }
-    for measure in measured.kind.measures {
-        value[measure.name] = match measured.value(measure.name) {
+    for measure in of.kind.measures {
+        value[measure.name] = match of.value(measure.name) {
             None => Value::Null,
             Some(kind::Value::Count(count)) => json!(count),
-            Some(kind::Value::Number(number)) => json_number(number),
+            Some(kind::Value::Number(number)) => json!(Number(number)),
             Some(kind::Value::Runs(runs)) => json!(runs),
         };
     }
     value
-}
-
-fn settings(of: &Measured) -> Map<String, Value> {
-    of.point.settings.iter().map(|(name, value)| (of.kind.key(name).to_owned(), json!(value))).collect()
-}
-
-/// A number; infinities become "inf" and "-inf".
-pub fn json_number(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }

@@ -4,6 +4,7 @@
 //! code of a kind.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 
 use super::knob::Knob;
 use crate::image::StreamKind;
@@ -16,13 +17,9 @@ pub struct SweepKind {
     /// Title of the page, before the name of the input.
     pub title: &'static str,
     pub input_label: &'static str,
-    /// Options that can be swept, in the order of reports.
     pub knobs: &'static [Knob],
-    /// What is known of a point, in the order of CSV columns.
     pub measures: &'static [Measure],
-    /// Charts along one knob; those with [`Panel::map`] are heat maps of two.
     pub panels: &'static [Panel],
-    /// Charts of one measure against another.
     pub trades: &'static [Trade],
     /// Whether studies have a score of bytes and decoding time.
     pub is_scored: bool,
@@ -32,6 +29,12 @@ pub struct SweepKind {
     pub survey_runs: u32,
     /// How points were measured, for the foot of the page.
     pub method: &'static str,
+}
+
+impl PartialEq for SweepKind {
+    fn eq(&self, other: &SweepKind) -> bool {
+        self.stem == other.stem
+    }
 }
 
 impl SweepKind {
@@ -57,22 +60,18 @@ impl SweepKind {
     }
 }
 
-/// A figure of a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Measure {
     /// CSV column and JSON key.
     pub name: &'static str,
     /// Heading of tables; empty where they leave it out.
     pub heading: &'static str,
-    /// How tables print it.
     pub format: Format,
-    /// Where its value comes from.
     pub source: Source,
     /// The measure of runs that it is the median of, for its range.
     pub runs: Option<&'static str>,
 }
 
-/// How tables print a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     Bytes,
@@ -80,7 +79,6 @@ pub enum Format {
     Decimals(usize),
     /// In percent of 1, with two decimals.
     Percent,
-    /// With three significant digits.
     Even,
 }
 
@@ -91,7 +89,6 @@ pub enum Source {
     Count(Option<u64>),
     /// A stored number of at least 0.
     Number {
-        /// Whether every point has it.
         is_needed: bool,
         may_be_infinite: bool,
     },
@@ -99,80 +96,46 @@ pub enum Source {
     Signed,
     /// Stored, one number for each timed run.
     Runs,
-    /// Computed from other measures.
     Derived(fn(&Measured) -> Option<f64>),
 }
 
+/// A finite number that every point has.
+pub const NUMBER: Source = Source::Number { is_needed: true, may_be_infinite: false };
+pub const DECIBELS: Source = Source::Number { is_needed: true, may_be_infinite: true };
+
 impl Measure {
-    const fn new(name: &'static str, source: Source) -> Measure {
+    pub const fn new(name: &'static str, source: Source) -> Measure {
         Measure { name, heading: "", format: Format::Decimals(0), source, runs: None }
     }
 
-    /// A count of at least `least`.
-    pub const fn count(name: &'static str, least: u64) -> Measure {
-        Measure::new(name, Source::Count(Some(least)))
+    /// What its values are multiplied by in charts.
+    pub fn factor(&self) -> f64 {
+        if self.format == Format::Percent { 100.0 } else { 1.0 }
     }
 
-    /// A count that may be missing.
-    pub const fn optional_count(name: &'static str) -> Measure {
-        Measure::new(name, Source::Count(None))
-    }
-
-    /// A finite number that may be missing.
-    pub const fn optional(name: &'static str) -> Measure {
-        Measure::new(name, Source::Number { is_needed: false, may_be_infinite: false })
-    }
-
-    pub const fn number(name: &'static str) -> Measure {
-        Measure::new(name, Source::Number { is_needed: true, may_be_infinite: false })
-    }
-
-    /// A finite number of any sign that may be missing.
-    pub const fn signed(name: &'static str) -> Measure {
-        Measure::new(name, Source::Signed)
-    }
-
-    /// A number that may be infinite.
-    pub const fn decibels(name: &'static str, is_needed: bool) -> Measure {
-        Measure::new(name, Source::Number { is_needed, may_be_infinite: true })
-    }
-
-    /// Numbers of timed runs.
-    pub const fn runs(name: &'static str) -> Measure {
-        Measure::new(name, Source::Runs)
-    }
-
-    /// A number that follows from others.
     pub const fn derived(name: &'static str, of: fn(&Measured) -> Option<f64>) -> Measure {
         Measure::new(name, Source::Derived(of))
     }
 
-    /// Shows it in tables.
     pub const fn shown(self, heading: &'static str, format: Format) -> Measure {
         Measure { heading, format, ..self }
     }
 
-    /// Gives it the range of these runs.
     pub const fn median_of(self, runs: &'static str) -> Measure {
         Measure { runs: Some(runs), ..self }
     }
 }
 
-/// Which end of a measure is better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Better {
-    /// The least value.
     Less,
-    /// The largest value.
     More,
 }
 
-/// The axis of a chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Bytes from 0, in the unit of the largest.
     Bytes,
-    /// From 0.
     Linear,
     /// From the least value.
     WithoutZero,
@@ -186,10 +149,17 @@ pub enum Scale {
 pub struct PanelLine {
     /// Name in the legend; empty for a single line.
     pub label: &'static str,
-    /// The measure's name.
     pub measure: &'static str,
-    /// What values are multiplied by.
-    pub factor: f64,
+}
+
+impl PanelLine {
+    pub const fn new(label: &'static str, measure: &'static str) -> PanelLine {
+        PanelLine { label, measure }
+    }
+
+    pub const fn of(measure: &'static str) -> PanelLine {
+        PanelLine::new("", measure)
+    }
 }
 
 /// A chart of measures along a knob.
@@ -198,19 +168,10 @@ pub struct Panel {
     /// Title with unit; that of bytes follows from the values.
     pub title: &'static str,
     pub lines: &'static [PanelLine],
-    /// Its vertical axis.
     pub scale: Scale,
     /// Kinds of streams that have it; empty for all points.
     pub streams: &'static [StreamKind],
-    /// Where two knobs vary, a heat map shows the first line; the best cell is framed.
     pub map: Option<Better>,
-}
-
-impl PanelLine {
-    /// The only line of a panel.
-    pub const fn of(measure: &'static str) -> PanelLine {
-        PanelLine { label: "", measure, factor: 1.0 }
-    }
 }
 
 impl Panel {
@@ -218,12 +179,10 @@ impl Panel {
         Panel { title, lines, scale, streams: &[], map: None }
     }
 
-    /// Shows it as a heat map, too.
     pub const fn mapped(self, better: Better) -> Panel {
         Panel { map: Some(better), ..self }
     }
 
-    /// Restricts it to kinds of streams.
     pub const fn for_streams(self, streams: &'static [StreamKind]) -> Panel {
         Panel { streams, ..self }
     }
@@ -237,13 +196,8 @@ impl Panel {
 #[derive(Debug, Clone, Copy)]
 pub struct TradeAxis {
     pub label: &'static str,
-    /// The measure's name.
     pub measure: &'static str,
-    /// What values are multiplied by.
-    pub factor: f64,
     pub scale: Scale,
-    pub better: Better,
-    pub is_time: bool,
 }
 
 /// All points by two measures, with their Pareto front. Less is better across.
@@ -254,13 +208,12 @@ pub struct Trade {
     pub title: &'static str,
     pub across: TradeAxis,
     pub up: TradeAxis,
+    /// Which end of the axis up.
+    pub better: Better,
     /// Sentence of the caption about the measures.
     pub note: &'static str,
-    /// Whether a line joins points that differ in the last knob only, instead of the points of a study of one knob.
-    pub is_by_last_knob: bool,
 }
 
-/// A knob and its value, as the command line has it.
 pub type Setting = (&'static str, String);
 
 /// A setting of the knobs. Knobs that are not named have their default.
@@ -268,15 +221,13 @@ pub type Setting = (&'static str, String);
 pub struct Point {
     /// The kind of stream that is coded, in sweeps of coding.
     pub stream: Option<StreamKind>,
-    /// In the order of the kind's knobs.
     pub settings: Vec<Setting>,
 }
 
 impl Point {
     /// Sorts settings into the order of the kind's knobs.
     pub fn new(kind: &SweepKind, stream: Option<StreamKind>, mut settings: Vec<Setting>) -> Point {
-        let order = |name: &str| kind.knobs.iter().position(|knob| knob.name == name);
-        settings.sort_by_key(|(name, _)| order(name));
+        settings.sort_by_key(|(name, _)| kind.knobs.iter().position(|knob| knob.name == *name));
         Point { stream, settings }
     }
 
@@ -285,9 +236,17 @@ impl Point {
         words(&self.settings).unwrap_or_else(|| "default settings".to_owned())
     }
 
-    /// The value of a knob, unless it has its default.
     pub fn value(&self, knob: &str) -> Option<&str> {
         self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
+    }
+
+    /// The settings as options of a command that has all of them.
+    pub fn options(&self) -> impl Iterator<Item = OsString> {
+        self.settings.iter().map(|(name, value)| format!("--{name}={value}").into())
+    }
+
+    pub fn without(&self, knob: &str) -> Vec<Setting> {
+        self.settings.iter().filter(|(name, _)| *name != knob).cloned().collect()
     }
 }
 
@@ -310,66 +269,33 @@ pub fn words(settings: &[Setting]) -> Option<String> {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     Count(u64),
-    /// A number, perhaps infinite.
     Number(f64),
-    /// One number for each timed run, in the order of the runs.
     Runs(Vec<f64>),
 }
 
 /// What was measured of a point.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// The kind of sweep, which names the measures.
     pub kind: &'static SweepKind,
     pub point: Point,
     values: BTreeMap<&'static str, Value>,
 }
 
-impl PartialEq for Measured {
-    fn eq(&self, other: &Measured) -> bool {
-        self.point == other.point && self.values == other.values
-    }
-}
-
 impl Measured {
-    /// A point of which nothing is known.
     pub fn new(kind: &'static SweepKind, point: Point) -> Measured {
         Measured { kind, point, values: BTreeMap::new() }
     }
 
     /// The same values of another point.
-    #[cfg(test)]
-    pub fn at(&self, point: Point) -> Measured {
-        Measured { point, ..self.clone() }
-    }
-
-    /// The point without a value.
-    #[cfg(test)]
-    pub fn without(mut self, name: &str) -> Measured {
-        self.values.remove(name);
-        self
-    }
-
-    pub fn set(&mut self, name: &'static str, value: Value) {
+    /// Stores a value; `None` changes nothing.
+    pub fn set(&mut self, name: &'static str, value: impl Into<Option<Value>>) {
         debug_assert!(self.kind.measure(name).is_some(), "{name}");
-        self.values.insert(name, value);
-    }
-
-    pub fn set_count(&mut self, name: &'static str, count: Option<u64>) {
-        if let Some(count) = count {
-            self.set(name, Value::Count(count));
+        if let Some(value) = value.into() {
+            self.values.insert(name, value);
         }
     }
 
-    pub fn set_number(&mut self, name: &'static str, number: Option<f64>) {
-        if let Some(number) = number {
-            self.set(name, Value::Number(number));
-        }
-    }
-
-    /// Adds a timed run.
     pub fn push_run(&mut self, name: &'static str, number: f64) {
-        debug_assert!(self.kind.measure(name).is_some(), "{name}");
         match self.values.get_mut(name) {
             Some(Value::Runs(runs)) => runs.push(number),
             _ => self.set(name, Value::Runs(vec![number])),
@@ -395,6 +321,11 @@ impl Measured {
         }
     }
 
+    /// A number as charts have it.
+    pub fn drawn(&self, name: &str) -> Option<f64> {
+        Some(self.number(name)? * self.kind.measure(name)?.factor())
+    }
+
     /// A count; 0 where it is missing.
     pub fn count(&self, name: &str) -> u64 {
         match self.values.get(name) {
@@ -403,7 +334,6 @@ impl Measured {
         }
     }
 
-    /// Numbers of timed runs.
     pub fn runs(&self, name: &str) -> &[f64] {
         match self.values.get(name) {
             Some(Value::Runs(runs)) => runs,
@@ -430,7 +360,20 @@ impl Measured {
 mod tests {
     use super::*;
     use crate::report::tradeoff::coding::CODING;
-    use crate::report::tradeoff::sample;
+    use crate::report::tradeoff::tests::sample;
+
+    impl Measured {
+        /// The same values of another point.
+        pub fn at(&self, point: Point) -> Measured {
+            Measured { point, ..self.clone() }
+        }
+
+        /// The point without a value.
+        pub fn without(mut self, name: &str) -> Measured {
+            self.values.remove(name);
+            self
+        }
+    }
 
     #[test]
     fn points_have_a_name_for_people() {

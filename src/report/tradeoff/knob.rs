@@ -27,32 +27,27 @@ impl Stage {
     }
 }
 
-/// An option that trades quality, bytes or time.
 #[derive(Debug, Clone, Copy)]
 pub struct Knob {
     /// The option without its dashes.
     pub name: &'static str,
     /// The option's first name: still accepted, and the key in CSV and JSON.
     pub former: Option<&'static str>,
-    /// Label of axes, with unit.
     pub label: &'static str,
     /// Kinds of streams that it changes; empty where points have none.
     pub streams: &'static [StreamKind],
-    /// The command that it is an option of.
     pub stage: Stage,
     /// Settings that it requires, added unless they are swept or fixed.
     pub implies: &'static [(&'static str, &'static str)],
     /// The value that stands for leaving the option out, if the option itself has no such value.
     pub without: Option<&'static str>,
     pub default: &'static str,
-    /// Values that are swept by default.
     pub usual: &'static [&'static str],
 }
 
 pub const ALL_STREAMS: &[StreamKind] = &[StreamKind::Color, StreamKind::Depth, StreamKind::Material];
 
 impl Knob {
-    /// An option of one command.
     pub const fn new(
         stage: Stage,
         name: &'static str,
@@ -67,12 +62,10 @@ impl Knob {
         Knob { streams, ..self }
     }
 
-    /// Adds a setting that it requires.
     pub const fn with(self, implies: &'static [(&'static str, &'static str)]) -> Knob {
         Knob { implies, ..self }
     }
 
-    /// Gives it a former name.
     pub const fn formerly(self, name: &'static str) -> Knob {
         Knob { former: Some(name), ..self }
     }
@@ -80,6 +73,10 @@ impl Knob {
     /// The key in CSV and JSON.
     pub fn key(&self) -> &'static str {
         self.former.unwrap_or(self.name)
+    }
+
+    pub fn usual_values(&self) -> Vec<String> {
+        self.usual.iter().map(|value| (*value).to_owned()).collect()
     }
 
     /// The option with a value; none for the value that stands for leaving it out.

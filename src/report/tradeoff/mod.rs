@@ -8,14 +8,15 @@
 //! # To add a kind of sweep
 //!
 //! 1. Write one file like [`rendering`]: a `SweepKind` whose `KNOBS` are options of the command, whose `MEASURES` are rows
-//!    with the CSV and JSON name, heading, format and source of each value, whose `PANELS` are drawn along knobs, and whose
+//!    with the CSV and JSON name, source, heading and format of each value, whose `PANELS` are drawn along knobs, and whose
 //!    `TRADES` draw one measure against another with the Pareto front. Measures of [`kind::Source::Runs`] hold timed runs;
 //!    others are derived from them with `median_of`.
-//! 2. Implement [`runner::Bench`] for it: `survey` runs the command of a point and stores the values of its JSON report,
-//!    `time` adds a run.
-//! 3. Add it to [`plan::KINDS`], and give `lightfold tradeoff` a function that opens its input (`src/cli/tradeoff`).
+//! 2. Implement [`runner::CommandBench`] for it: the command of a point, and which numbers of its JSON report are times and
+//!    which are values.
+//! 3. Add it to [`plan::KINDS`], and give `lightfold tradeoff` a function that reads its options and calls `measure_grid`
+//!    (`src/cli/tradeoff`).
 //!
-//! CSV, resuming, rounds, budgets, page, heat maps and JSON need no more code.
+//! CSV, rounds, page, heat maps and JSON need no more code.
 
 pub mod coding;
 pub mod figures;
@@ -30,10 +31,11 @@ pub mod placement;
 pub mod plan;
 pub mod rendering;
 pub mod runner;
-#[cfg(test)]
-pub(crate) mod sample;
 pub mod schedule;
 pub mod score;
 pub mod store;
 pub mod study;
 pub mod table;
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -37,7 +37,6 @@ dd{margin:0;overflow-wrap:anywhere}\
 @media print{body{max-width:none;padding:0;font-size:12px}h2{break-after:avoid}.scroll{overflow:visible}table{font-size:8px}\
 th,td{padding:1px 3px}}";
 
-/// What a page shows besides the points.
 #[derive(Debug, Clone, Default)]
 pub struct Extras {
     pub figures: Vec<Figure>,
@@ -45,9 +44,6 @@ pub struct Extras {
 }
 
 /// Writes every figure as SVG and PNG, and `index.html`, which shows them, into a folder. Returns the files.
-///
-/// # Errors
-/// When a file cannot be written.
 pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<PathBuf>> {
     let mut figures = figures::all(results);
     figures.extend(extras.figures.iter().cloned());
@@ -61,7 +57,6 @@ pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<Pa
     Ok(files)
 }
 
-/// The page's text. Writing into a string does not fail.
 fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<String> {
     let title = escape(&format!("{}: {}", results.sweep.title, results.input));
     let mut page = format!(
@@ -139,7 +134,6 @@ fn left_out(page: &mut String, results: &Results) {
     page.push_str("</ul>\n");
 }
 
-/// The least score of each study, and its definition.
 fn least_points(page: &mut String, results: &Results) {
     let mut items = String::new();
     let mut any_differs = false;
@@ -193,7 +187,6 @@ fn quality(point: &Measured) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// A table for each kind of stream.
 fn tables(page: &mut String, results: &Results) {
     let best: Vec<&Measured> =
         results.studies.iter().filter_map(|study| Scored::of_study(results, study).winner()).collect();
@@ -255,7 +248,7 @@ mod tests {
     use crate::image::StreamKind;
     use crate::report::tradeoff::coding;
     use crate::report::tradeoff::kind::Value;
-    use crate::report::tradeoff::sample;
+    use crate::report::tradeoff::tests::sample;
 
     /// What the page of a sweep of coding shows besides the points.
     fn extras(results: &Results) -> Extras {

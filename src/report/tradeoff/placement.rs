@@ -2,20 +2,19 @@
 //! samples.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value as Json, json};
 
 use super::kind::{
-    Better, Format, Measure, Measured, Panel, PanelLine, Point, Scale, SweepKind, Trade, TradeAxis, Value,
+    Better, Format, Measure, Measured, NUMBER, Panel, PanelLine, Point, Scale, Source, SweepKind, Trade, TradeAxis,
+    Value,
 };
 use super::knob::{Knob, Stage};
-use super::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
-use super::study::ExampleCommand;
+use super::runner::{CommandBench, Lines, Report, shell_line};
 use crate::error::Result;
 use crate::report::timing::median;
 
-/// Sweeps of placing cameras.
 pub static PLACEMENT: SweepKind = SweepKind {
     stem: "placement",
     title: "What placing cameras costs",
@@ -47,104 +46,63 @@ const KNOBS: &[Knob] = &[
 ];
 
 const MEASURES: &[Measure] = &[
-    Measure::count("cameras", 0).shown("cameras", Format::Decimals(0)),
-    Measure::count("objective_calls", 0).shown("objective calls", Format::Decimals(0)),
-    Measure::number("own_coverage").shown("own coverage %", Format::Percent),
-    Measure::number("coverage").shown("coverage %", Format::Percent),
+    Measure::new("cameras", Source::Count(Some(0))).shown("cameras", Format::Decimals(0)),
+    Measure::new("objective_calls", Source::Count(Some(0))).shown("objective calls", Format::Decimals(0)),
+    Measure::new("own_coverage", NUMBER).shown("own coverage %", Format::Percent),
+    Measure::new("coverage", NUMBER).shown("coverage %", Format::Percent),
     Measure::derived("seconds", |of| median(of.runs("runs"))).median_of("runs").shown("seconds", Format::Decimals(3)),
-    Measure::runs("runs"),
+    Measure::new("runs", Source::Runs),
 ];
 
-const COVERAGE: PanelLine = PanelLine { label: "", measure: "coverage", factor: 100.0 };
-
 const PANELS: &[Panel] = &[
-    Panel::new("Coverage (%)", Scale::WithoutZero, &[COVERAGE]).mapped(Better::More),
+    Panel::new("Coverage (%)", Scale::WithoutZero, &[PanelLine::of("coverage")]).mapped(Better::More),
     Panel::new("Search (s)", Scale::Linear, &[PanelLine::of("seconds")]).mapped(Better::Less),
     Panel::new("Cameras", Scale::Linear, &[PanelLine::of("cameras")]),
     Panel::new("Objective calls", Scale::Linear, &[PanelLine::of("objective_calls")]),
 ];
 
-const TIME: TradeAxis = TradeAxis {
-    label: "seconds",
-    measure: "seconds",
-    factor: 1.0,
-    scale: Scale::Logarithmic,
-    better: Better::Less,
-    is_time: true,
-};
-
 const TRADES: &[Trade] = &[Trade {
     name: "time-coverage",
     title: "Coverage by time of the search",
-    across: TIME,
-    up: TradeAxis {
-        label: "coverage (%)",
-        measure: "coverage",
-        factor: 100.0,
-        scale: Scale::WithoutZero,
-        better: Better::More,
-        is_time: false,
-    },
+    across: TradeAxis { label: "seconds", measure: "seconds", scale: Scale::Logarithmic },
+    up: TradeAxis { label: "coverage (%)", measure: "coverage", scale: Scale::WithoutZero },
+    better: Better::More,
     note: "",
-    is_by_last_knob: true,
 }];
 
 /// Surface samples by which all sets of cameras are compared, as many as an exhaustive search has.
 pub const RULER_SAMPLES: u32 = 32_768;
 /// Candidates of that comparison, which given cameras do not depend on.
 const RULER_CANDIDATES: u32 = 256;
+const CAMERAS: &str = "cameras.json";
 
-/// Places cameras, and measures their coverage.
 #[derive(Debug, Clone)]
 pub struct PlacementBench {
-    /// The scene, as the user named it.
     pub scene: String,
-    /// Options of `place` that all points have.
     pub fixed: Vec<String>,
     /// Those of them that say what is to be covered, without options of the search.
     pub ruler: Vec<String>,
-    /// Folder for cameras.
-    pub work: PathBuf,
 }
 
 impl PlacementBench {
+    fn place(&self, options: &[String]) -> Vec<OsString> {
+        let words = ["place", &self.scene].map(OsString::from).into_iter();
+        words.chain(options.iter().map(OsString::from)).collect()
+    }
+
     /// The command of a point, without its output.
-    pub fn place(&self, point: &Point) -> Vec<OsString> {
-        let mut words: Vec<OsString> = vec!["place".into(), self.scene.clone().into()];
-        words.extend(self.fixed.iter().map(OsString::from));
-        words.extend(point.settings.iter().map(|(name, value)| format!("--{name}={value}").into()));
+    fn search(&self, point: &Point) -> Vec<OsString> {
+        let mut words = self.place(&self.fixed);
+        words.extend(point.options());
         words
     }
 
-    /// Commands that anyone can repeat.
-    pub fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
-        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.command(point) });
-        first.into_iter().collect()
-    }
-
-    /// What the JSON report says of the input.
-    pub fn json(&self) -> Json {
-        json!({ "scene": self.scene })
-    }
-
-    fn cameras(&self) -> PathBuf {
-        self.work.join("cameras.json")
-    }
-
-    fn run(&self, runner: &dyn Runner, measured: &mut Measured) -> Result<Report> {
-        let report = Report::of(runner, &into(self.place(&measured.point), &self.cameras()))?;
-        measured.push_run("runs", report.number("seconds")?);
-        Ok(report)
-    }
-
-    /// Coverage of the point's cameras by the common samples.
-    fn coverage(&self, runner: &dyn Runner) -> Result<f64> {
-        let mut words: Vec<OsString> = vec!["place".into(), self.scene.clone().into()];
-        words.extend(self.ruler.iter().map(OsString::from));
-        let count = |name: &str, count: u32| OsString::from(format!("--{name}={count}"));
-        words.extend([count("candidates", RULER_CANDIDATES), count("surface-samples", RULER_SAMPLES)]);
-        words.extend(["--cameras=0".into(), "--start".into(), self.cameras().into()]);
-        Report::of(runner, &into(words, &self.work.join("judged.json")))?.number("coverage")
+    fn coverage(&self, Lines { runner, work }: &Lines<'_>) -> Result<f64> {
+        let mut words = self.place(&self.ruler);
+        words.push(format!("--candidates={RULER_CANDIDATES}").into());
+        words.push(format!("--surface-samples={RULER_SAMPLES}").into());
+        words.extend(["--cameras=0".into(), "--start".into(), work.join(CAMERAS).into()]);
+        Report::of(*runner, &into(words, &work.join("judged.json")))?.number("coverage")
     }
 }
 
@@ -153,26 +111,41 @@ fn into(mut words: Vec<OsString>, cameras: &Path) -> Vec<OsString> {
     words
 }
 
-impl Bench for PlacementBench {
-    fn command(&self, point: &Point) -> String {
-        shell_line(&self.place(point))
+impl CommandBench for PlacementBench {
+    fn kind(&self) -> &'static SweepKind {
+        &PLACEMENT
     }
 
-    fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey> {
-        let start = runner.now_seconds();
-        let mut measured = Measured::new(&PLACEMENT, point.clone());
-        let report = self.run(runner, &mut measured)?;
-        let run = runner.now_seconds() - start;
+    fn about(&self) -> String {
+        format!(
+            "Coverage is by the same {RULER_SAMPLES} points on surfaces for all rows; own coverage is by the row's."
+        )
+    }
+
+    fn input(&self) -> Json {
+        json!({ "scene": self.scene })
+    }
+
+    fn line(&self, point: &Point, work: &Path) -> Vec<OsString> {
+        into(self.search(point), &work.join(CAMERAS))
+    }
+
+    fn user_line(&self, point: &Point) -> String {
+        shell_line(&self.search(point))
+    }
+
+    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
+        measured.push_run("runs", report.number("seconds")?);
+        Ok(())
+    }
+
+    fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()> {
         let cameras = report.value["cameras"].as_array().map_or(0, |cameras| cameras.len() as u64);
         measured.set("cameras", Value::Count(cameras));
         measured.set("objective_calls", Value::Count(report.number("objective_calls")? as u64));
         measured.set("own_coverage", Value::Number(report.number("coverage")?));
-        measured.set("coverage", Value::Number(self.coverage(runner)?));
-        Ok(Survey { measured, cost: Cost { survey: runner.now_seconds() - start, run } })
-    }
-
-    fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
-        self.run(runner, measured).map(drop)
+        measured.set("coverage", Value::Number(self.coverage(commands)?));
+        Ok(())
     }
 }
 
@@ -184,6 +157,7 @@ mod tests {
     use crate::error::Error;
     use crate::monitor::Silent;
     use crate::report::tradeoff::plan::{Sweep, grid};
+    use crate::report::tradeoff::runner::{Commands, Runner};
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
 
@@ -215,12 +189,8 @@ mod tests {
     fn run(sweep: &str, answers: usize, repeats: u32) -> (Result<()>, Vec<String>, String) {
         let fixed = ["--region=0,0,0,1,1,1", "--cameras=2"].map(str::to_owned);
         let told = Told { lines: RefCell::new(Vec::new()), answers };
-        let mut bench = PlacementBench {
-            scene: "a.glb".to_owned(),
-            fixed: fixed.to_vec(),
-            ruler: fixed[..1].to_vec(),
-            work: "work".into(),
-        };
+        let bench = PlacementBench { scene: "a.glb".to_owned(), fixed: fixed.to_vec(), ruler: fixed[..1].to_vec() };
+        let mut bench = Commands { bench, work: "work".into() };
         let folder = tempfile::tempdir().unwrap();
         let sweep = Sweep::parse(sweep).unwrap();
         let mut store = Store::new(&PLACEMENT, folder.path(), vec![sweep.knob.name]);

@@ -18,11 +18,9 @@ fn names(kind: &SweepKind) -> String {
     kind.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
 }
 
-/// A knob and the values that it is given.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     pub knob: &'static Knob,
-    /// Its values, in the order of reports.
     pub values: Vec<String>,
     /// False for the usual values.
     pub given: bool,
@@ -41,10 +39,10 @@ impl Sweep {
             )
         })?;
         let given = values.is_some();
-        let values: Vec<String> = match values {
-            None => knob.usual.iter().map(|value| (*value).to_owned()).collect(),
-            Some(values) => values.split(',').map(|value| value.trim().to_owned()).collect(),
-        };
+        let values = values.map_or_else(
+            || knob.usual_values(),
+            |values| values.split(',').map(|value| value.trim().to_owned()).collect(),
+        );
         if values.iter().any(String::is_empty) {
             return Err(format!("{name} has an empty value; {name}={} was expected", knob.usual.join(",")));
         }
@@ -55,7 +53,6 @@ impl Sweep {
     }
 }
 
-/// A set of studies by a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
     /// What CALF figures 7 and 8 and GDC figures 5, 6 and 8 show.
@@ -64,14 +61,11 @@ pub enum Preset {
     Quick,
 }
 
-/// What a plan is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
     /// Kinds of streams of the input that were chosen.
     pub streams: &'a [StreamKind],
-    /// Swept knobs.
     pub sweeps: &'a [Sweep],
-    /// Further studies.
     pub preset: Option<Preset>,
     /// Settings of all points.
     pub fixed: &'a [Setting],
@@ -79,7 +73,6 @@ pub struct Request<'a> {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Grids of points.
     pub studies: Vec<Study>,
     /// Whether tiles of depth are to be modelled with each function (GDC figure 6).
     pub tiles: bool,
@@ -90,97 +83,85 @@ pub struct Plan {
 struct PresetStudy {
     name: &'static str,
     title: &'static str,
+    /// The figures of papers that show it.
+    figures: &'static str,
     stream: StreamKind,
-    knobs: &'static [(&'static str, &'static str)],
+    axes: &'static [PresetAxis],
 }
 
-const fn preset(
-    name: &'static str,
-    title: &'static str,
-    stream: StreamKind,
-    knobs: &'static [(&'static str, &'static str)],
-) -> PresetStudy {
-    PresetStudy { name, title, stream, knobs }
+struct PresetAxis {
+    knob: &'static str,
+    /// Values of [`Preset::Paper`] and of [`Preset::Quick`], by commas.
+    paper: &'static str,
+    quick: &'static str,
 }
 
-const CODECS: PresetStudy = preset(
-    "codecs",
-    "Depth without modelling functions (base line of GDC figure 8)",
-    StreamKind::Depth,
-    &[("depth-codec", "aabb")],
-);
+const fn axis(knob: &'static str, paper: &'static str, quick: &'static str) -> PresetAxis {
+    PresetAxis { knob, paper, quick }
+}
 
-const PAPER: &[PresetStudy] = &[
-    preset(
-        "boxes",
-        "Boxes of depth (CALF figure 7)",
-        StreamKind::Depth,
-        &[("depth-window", "1,2,4,8,16"), ("max-aabbs", "1,2,4,8,16")],
-    ),
-    preset(
-        "cells",
-        "Cells of colour (CALF figure 8)",
-        StreamKind::Color,
-        &[("color-cell", "8,16,32,64,128"), ("psnr", "30,35,40,45,50")],
-    ),
-    preset(
-        "bound",
-        "Error bound of depth (GDC figures 5 and 8)",
-        StreamKind::Depth,
-        &[("max-error", "0,10,25,50,100,200,400,800")],
-    ),
-    CODECS,
+const PRESETS: &[PresetStudy] = &[
+    PresetStudy {
+        name: "boxes",
+        title: "Boxes of depth",
+        figures: "CALF figure 7",
+        stream: StreamKind::Depth,
+        axes: &[axis("depth-window", "1,2,4,8,16", "1,4,16"), axis("max-aabbs", "1,2,4,8,16", "1,4,16")],
+    },
+    PresetStudy {
+        name: "cells",
+        title: "Cells of colour",
+        figures: "CALF figure 8",
+        stream: StreamKind::Color,
+        axes: &[axis("color-cell", "8,16,32,64,128", "16,64"), axis("psnr", "30,35,40,45,50", "30,40,50")],
+    },
+    PresetStudy {
+        name: "bound",
+        title: "Error bound of depth",
+        figures: "GDC figures 5 and 8",
+        stream: StreamKind::Depth,
+        axes: &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")],
+    },
+    PresetStudy {
+        name: "codecs",
+        title: "Depth without modelling functions",
+        figures: "base line of GDC figure 8",
+        stream: StreamKind::Depth,
+        axes: &[axis("depth-codec", "aabb", "aabb")],
+    },
 ];
 
-const QUICK: &[PresetStudy] = &[
-    preset(
-        "boxes",
-        "Boxes of depth (CALF figure 7, few values)",
-        StreamKind::Depth,
-        &[("depth-window", "1,4,16"), ("max-aabbs", "1,4,16")],
-    ),
-    preset(
-        "cells",
-        "Cells of colour (CALF figure 8, few values)",
-        StreamKind::Color,
-        &[("color-cell", "16,64"), ("psnr", "30,40,50")],
-    ),
-    preset(
-        "bound",
-        "Error bound of depth (GDC figures 5 and 8, few values)",
-        StreamKind::Depth,
-        &[("max-error", "0,50,200,800")],
-    ),
-    CODECS,
-];
+impl PresetStudy {
+    fn study(&self, preset: Preset, fixed: &[Setting]) -> Result<Study> {
+        let values = |axis: &PresetAxis| if preset == Preset::Paper { axis.paper } else { axis.quick };
+        let axis =
+            |axis: &PresetAxis| Axis { knob: axis.knob, values: values(axis).split(',').map(str::to_owned).collect() };
+        let is_reduced = self.axes.iter().any(|axis| values(axis) != axis.paper);
+        let few = if is_reduced { ", few values" } else { "" };
+        let study = Study {
+            name: self.name.to_owned(),
+            title: format!("{} ({}{few})", self.title, self.figures),
+            sweep: &CODING,
+            stream: Some(self.stream),
+            axes: self.axes.iter().map(axis).collect(),
+            fixed: Vec::new(),
+        };
+        with_fixed(study, fixed)
+    }
+}
 
 /// Makes the studies: those of the preset first, then one of the swept knobs for each kind.
 pub fn plan(request: &Request<'_>) -> Result<Plan> {
     let mut plan = Plan { studies: Vec::new(), tiles: false, left_out: Vec::new() };
-    let rows = match request.preset {
-        None => &[][..],
-        Some(Preset::Paper) => PAPER,
-        Some(Preset::Quick) => QUICK,
-    };
-    for PresetStudy { name, title, stream, knobs } in rows {
-        if !request.streams.contains(stream) {
-            let stream = stream.name();
-            plan.left_out.push(format!("Study {name} was left out: no {stream} stream was chosen or is there."));
-            continue;
+    if let Some(preset) = request.preset {
+        for study in PRESETS {
+            if request.streams.contains(&study.stream) {
+                plan.studies.push(study.study(preset, request.fixed)?);
+            } else {
+                let (name, stream) = (study.name, study.stream.name());
+                plan.left_out.push(format!("Study {name} was left out: no {stream} stream was chosen or is there."));
+            }
         }
-        let axis = |&(knob, values): &(&'static str, &str)| Axis {
-            knob,
-            values: values.split(',').map(str::to_owned).collect(),
-        };
-        let study = Study {
-            name: (*name).to_owned(),
-            title: (*title).to_owned(),
-            sweep: &CODING,
-            stream: Some(*stream),
-            axes: knobs.iter().map(axis).collect(),
-            fixed: Vec::new(),
-        };
-        plan.studies.push(with_fixed(study, request.fixed)?);
     }
     plan.tiles = request.preset == Some(Preset::Paper) && request.streams.contains(&StreamKind::Depth);
     swept(request, &mut plan)?;
@@ -198,37 +179,29 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     let sweeps = request.sweeps;
     refuse_twice(sweeps)?;
     let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
-    for sweep in &of_a_kind {
-        if !request.streams.iter().any(|kind| sweep.knob.concerns(Some(*kind))) {
-            if sweep.knob.stage == Stage::Place {
-                return Err(Error::Usage(format!(
-                    "sweep of {}: it is about placing cameras: name a scene instead of footage",
-                    sweep.knob.name
-                )));
-            }
-            let kinds: Vec<_> = sweep.knob.streams.iter().map(|kind| kind.name()).collect();
-            return Err(Error::Usage(format!(
-                "sweep of {}: it is about {} streams, and none was chosen or is there",
-                sweep.knob.name,
-                kinds.join(" and "),
-            )));
+    for Sweep { knob, .. } in &of_a_kind {
+        if request.streams.iter().any(|kind| knob.concerns(Some(*kind))) {
+            continue;
         }
+        let kinds: Vec<_> = knob.streams.iter().map(|kind| kind.name()).collect();
+        let why = match knob.stage {
+            Stage::Place => "it is about placing cameras: name a scene instead of footage".to_owned(),
+            _ => format!("it is about {} streams, and none was chosen or is there", kinds.join(" and ")),
+        };
+        return Err(Error::Usage(format!("sweep of {}: {why}", knob.name)));
     }
     for &kind in request.streams {
-        let joins = |sweep: &&Sweep| sweep.knob.concerns(Some(kind));
-        let wanted = if of_a_kind.is_empty() {
-            !sweeps.is_empty()
-        } else {
-            of_a_kind.iter().copied().any(|sweep| joins(&sweep))
+        let joins = |sweep: &Sweep| sweep.knob.concerns(Some(kind));
+        let wanted = match of_a_kind.is_empty() {
+            true => !sweeps.is_empty(),
+            false => of_a_kind.iter().any(|sweep| joins(sweep)),
         };
         if !wanted {
             continue;
         }
-        let mut axes: Vec<Axis> = sweeps
-            .iter()
-            .filter(joins)
-            .map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() })
-            .collect();
+        let own = sweeps.iter().filter(|sweep| joins(sweep));
+        let mut axes: Vec<Axis> =
+            own.map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() }).collect();
         // A heat map wants the knobs of the kind on its axes.
         axes.sort_by_key(|axis| CODING.knob(axis.knob).is_some_and(Knob::is_general));
         // Sweeps of other knobs into the same folder have other names, so that all their pictures stay.
@@ -251,9 +224,6 @@ fn refuse_twice(sweeps: &[Sweep]) -> Result<()> {
 }
 
 /// The one study of a kind of sweep whose points have no kind of stream.
-///
-/// # Errors
-/// When a knob is not of this kind, or swept twice, or there is none.
 pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
     refuse_twice(sweeps)?;
     let axis = |sweep: &Sweep| {
@@ -261,8 +231,9 @@ pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
         let knob = kind.knob(name).ok_or_else(|| {
             Error::Usage(format!("sweep of {name}: no knob of {}, which has {}", kind.stem, names(kind)))
         })?;
-        let usual = || knob.usual.iter().map(|value| (*value).to_owned()).collect();
-        Ok(Axis { knob: knob.name, values: if sweep.given { sweep.values.clone() } else { usual() } })
+        // Kinds may have other usual values of a knob.
+        let values = if sweep.given { sweep.values.clone() } else { knob.usual_values() };
+        Ok(Axis { knob: knob.name, values })
     };
     let axes = sweeps.iter().map(axis).collect::<Result<Vec<Axis>>>()?;
     if axes.is_empty() {

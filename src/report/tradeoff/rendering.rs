@@ -1,16 +1,16 @@
 //! Sweeps of rendering: one probe of a dataset is left out and rendered from the others (CALF 7.2, figure 9).
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value as Json, json};
 
 use super::kind::{
-    Better, Format, Measure, Measured, Panel, PanelLine, Point, Scale, SweepKind, Trade, TradeAxis, Value,
+    Better, DECIBELS, Format, Measure, Measured, NUMBER, Panel, PanelLine, Point, Scale, Source, SweepKind, Trade,
+    TradeAxis, Value,
 };
 use super::knob::{Knob, Stage};
-use super::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
-use super::study::ExampleCommand;
+use super::runner::{CommandBench, Lines, Report};
 use crate::error::Result;
 use crate::report::timing::median;
 
@@ -46,19 +46,19 @@ const KNOBS: &[Knob] = &[
 ];
 
 const MEASURES: &[Measure] = &[
-    Measure::decibels("psnr_db", true).shown("PSNR dB", Format::Decimals(2)),
-    Measure::signed("ssim").shown("SSIM", Format::Decimals(4)),
-    Measure::number("hole_percent").shown("holes %", Format::Decimals(2)),
-    Measure::number("steps_per_ray").shown("steps a ray", Format::Decimals(1)),
-    Measure::count("bytes_read", 0).shown("read", Format::Bytes),
+    Measure::new("psnr_db", DECIBELS).shown("PSNR dB", Format::Decimals(2)),
+    Measure::new("ssim", Source::Signed).shown("SSIM", Format::Decimals(4)),
+    Measure::new("hole_percent", NUMBER).shown("holes %", Format::Decimals(2)),
+    Measure::new("steps_per_ray", NUMBER).shown("steps a ray", Format::Decimals(1)),
+    Measure::new("bytes_read", Source::Count(Some(0))).shown("read", Format::Bytes),
     Measure::derived("ms_per_megapixel", |of| median(of.runs("runs")))
         .median_of("runs")
         .shown("ms/Mpixel", Format::Decimals(1)),
     Measure::derived("update_ms", |of| median(of.runs("update_runs")))
         .median_of("update_runs")
         .shown("update ms", Format::Decimals(2)),
-    Measure::runs("runs"),
-    Measure::runs("update_runs"),
+    Measure::new("runs", Source::Runs),
+    Measure::new("update_runs", Source::Runs),
 ];
 
 const PANELS: &[Panel] = &[
@@ -70,111 +70,73 @@ const PANELS: &[Panel] = &[
     Panel::new("Read from the container", Scale::Bytes, &[PanelLine::of("bytes_read")]),
 ];
 
-const TIME: TradeAxis = TradeAxis {
-    label: "ms per Mpixel",
-    measure: "ms_per_megapixel",
-    factor: 1.0,
-    scale: Scale::Logarithmic,
-    better: Better::Less,
-    is_time: true,
-};
-
 const TRADES: &[Trade] = &[Trade {
     name: "time-psnr",
     title: "PSNR by rendering time (CALF figure 9)",
-    across: TIME,
-    up: TradeAxis {
-        label: "PSNR (dB)",
-        measure: "psnr_db",
-        scale: Scale::Decibels,
-        better: Better::More,
-        is_time: false,
-        ..TIME
-    },
+    across: TradeAxis { label: "ms per Mpixel", measure: "ms_per_megapixel", scale: Scale::Logarithmic },
+    up: TradeAxis { label: "PSNR (dB)", measure: "psnr_db", scale: Scale::Decibels },
+    better: Better::More,
     note: "",
-    is_by_last_knob: true,
 }];
 
-/// Renders a left-out probe from the others.
 #[derive(Debug, Clone)]
 pub struct RenderingBench {
-    /// The dataset, as the user named it.
     pub dataset: String,
-    /// The probe that is left out.
     pub probe: String,
     /// Frames that are encoded and rendered, such as `0-9`; all by default.
     pub frames: Option<String>,
-    /// Options of `render` that all points have.
     pub fixed: Vec<String>,
-    /// The container of the dataset, made once for all points.
-    pub container: PathBuf,
 }
 
-impl RenderingBench {
-    /// The command that encodes the dataset.
-    pub fn encode(&self, container: &Path) -> Vec<OsString> {
-        let mut words: Vec<OsString> = vec!["encode".into(), self.dataset.clone().into()];
-        words.extend(self.frames.iter().map(|frames| format!("--frames={frames}").into()));
-        words.extend(["-o".into(), container.into(), "--json".into()]);
-        words
+/// The container of the dataset, made once for all points.
+const CONTAINER: &str = "field.lfold";
+
+impl CommandBench for RenderingBench {
+    fn kind(&self) -> &'static SweepKind {
+        &RENDERING
     }
 
-    pub fn render(&self, container: &Path, point: &Point) -> Vec<OsString> {
+    fn about(&self) -> String {
+        let probe = &self.probe;
+        format!("Probe {probe} was left out, and rendered from the others; PSNR and SSIM are means over its pictures.")
+    }
+
+    fn input(&self) -> Json {
+        json!({ "dataset": self.dataset, "probe": self.probe, "frames": self.frames })
+    }
+
+    fn preparation(&self, work: &Path) -> Option<(&'static str, Vec<OsString>)> {
+        let mut words: Vec<OsString> = vec!["encode".into(), self.dataset.clone().into()];
+        words.extend(self.frames.iter().map(|frames| format!("--frames={frames}").into()));
+        words.extend(["-o".into(), work.join(CONTAINER).into(), "--json".into()]);
+        Some(("Container", words))
+    }
+
+    fn line(&self, point: &Point, work: &Path) -> Vec<OsString> {
         let mut words: Vec<OsString> =
-            vec!["render".into(), container.into(), "--reference".into(), self.dataset.clone().into()];
+            vec!["render".into(), work.join(CONTAINER).into(), "--reference".into(), self.dataset.clone().into()];
         words.extend(["reference-probe", "exclude-probe"].map(|of| format!("--{of}={}", self.probe).into()));
         words.extend(self.frames.iter().map(|frames| format!("--frames={frames}").into()));
         words.extend(self.fixed.iter().map(OsString::from));
-        words.extend(point.settings.iter().map(|(name, value)| format!("--{name}={value}").into()));
+        words.extend(point.options());
         words.extend(["--null", "--stats", "--json"].map(OsString::from));
         words
     }
 
-    /// Commands that anyone can repeat.
-    pub fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
-        let encode = ExampleCommand { makes: "Container", line: shell_line(&self.encode(Path::new("field.lfold"))) };
-        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.command(point) });
-        std::iter::once(encode).chain(first).collect()
-    }
-
-    /// What the JSON report says of the input.
-    pub fn json(&self) -> Json {
-        json!({ "dataset": self.dataset, "probe": self.probe, "frames": self.frames })
-    }
-
-    fn run(&self, runner: &dyn Runner, measured: &mut Measured) -> Result<Report> {
-        let report = Report::of(runner, &self.render(&self.container, &measured.point))?;
+    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
         measured.push_run("runs", 1e3 / report.number("megapixels_per_second")?.max(1e-9));
         measured.push_run("update_runs", report.number("pacing/update_ms/mean_ms")?);
-        Ok(report)
-    }
-}
-
-impl Bench for RenderingBench {
-    fn command(&self, point: &Point) -> String {
-        shell_line(&self.render(Path::new("field.lfold"), point))
+        Ok(())
     }
 
-    fn prepare(&mut self, runner: &dyn Runner) -> Result<()> {
-        runner.run(&self.encode(&self.container)).map(drop)
-    }
-
-    fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey> {
-        let start = runner.now_seconds();
-        let mut measured = Measured::new(&RENDERING, point.clone());
-        let report = self.run(runner, &mut measured)?;
+    fn add_values(&self, _commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()> {
         measured.set("psnr_db", Value::Number(report.number("reference/mean_psnr_db")?));
-        measured.set_number("ssim", report.value["reference"]["ssim"].as_f64());
+        measured.set("ssim", report.value["reference"]["ssim"].as_f64().map(Value::Number));
         measured.set("hole_percent", Value::Number(report.number("reference/hole_percent")?));
         let steps = report.number("march_steps")? / report.number("primary_rays")?.max(1.0);
         measured.set("steps_per_ray", Value::Number(steps));
         measured.set("bytes_read", Value::Count(report.number("bytes_read")? as u64));
-        let seconds = runner.now_seconds() - start;
-        Ok(Survey { measured, cost: Cost { survey: seconds, run: seconds } })
-    }
-
-    fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
-        self.run(runner, measured).map(drop)
+        Ok(())
     }
 }
 
@@ -185,6 +147,7 @@ mod tests {
     use super::*;
     use crate::monitor::Silent;
     use crate::report::tradeoff::plan::{Sweep, grid};
+    use crate::report::tradeoff::runner::{Commands, Runner};
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
 
@@ -213,17 +176,18 @@ mod tests {
     #[test]
     fn one_container_serves_all_points_and_each_is_rendered_in_every_round() {
         let told = Told(RefCell::new(Vec::new()));
-        let mut bench = RenderingBench {
+        let bench = RenderingBench {
             dataset: "set".to_owned(),
             probe: "00".to_owned(),
             frames: Some("0".to_owned()),
             fixed: vec!["--refine=4".to_owned()],
-            container: "work/field.lfold".into(),
         };
         let sweeps = ["views=8", "steps=64,256"].map(|text| Sweep::parse(text).unwrap());
         let studies = [grid(&RENDERING, &sweeps).unwrap()];
         let folder = tempfile::tempdir().unwrap();
         let mut store = Store::new(&RENDERING, folder.path(), vec!["views", "steps"]);
+        let examples = bench.examples(&studies[0].points());
+        let mut bench = Commands { bench, work: "work".into() };
         let lab = Lab { runner: &told, bench: &mut bench, store: &mut store };
         let extent = Extent { repeats: 2, budget_seconds: None };
         measure(&studies, extent, lab, &Silent).unwrap();
@@ -242,7 +206,6 @@ mod tests {
             "settings_views,settings_steps,psnr_db,ssim,hole_percent,steps_per_ray,bytes_read,ms_per_megapixel,update_ms\n\
              8,64,31.5,,0.25,64.0,9000,500.0,1.5\n8,256,inf,,0.25,256.0,9000,2000.0,1.5\n"
         );
-        let examples = bench.examples(&studies[0].points());
         assert!(examples[1].line.starts_with("lightfold render field.lfold --reference set"), "{examples:?}");
     }
 }

@@ -5,10 +5,12 @@
 //! costs milliseconds and is not in any time: commands report their own.
 
 use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::kind::{Measured, Point};
+use super::kind::{Measured, Point, SweepKind};
+use super::study::ExampleCommand;
 use crate::error::{Error, Result};
 
 /// Runs command lines of this program. Implemented by the command line.
@@ -31,29 +33,18 @@ pub trait Bench {
     fn command(&self, point: &Point) -> String;
 
     /// Does what all points need, once.
-    ///
-    /// # Errors
-    /// When a command fails.
-    fn prepare(&mut self, runner: &dyn Runner) -> Result<()> {
-        let _ = runner;
+    fn prepare(&mut self, _runner: &dyn Runner) -> Result<()> {
         Ok(())
     }
 
     /// Everything but times; the kind's `survey_runs` are included. Serves as warm-up, too.
-    ///
-    /// # Errors
-    /// When a command fails.
     fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey>;
 
     /// Adds a timed run.
-    ///
-    /// # Errors
-    /// When a command fails.
     fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()>;
 
     /// Cost of a point that an earlier process measured, from its medians.
-    fn cost(&self, measured: &Measured) -> Option<Cost> {
-        let _ = measured;
+    fn cost(&self, _measured: &Measured) -> Option<Cost> {
         None
     }
 
@@ -63,7 +54,82 @@ pub trait Bench {
     }
 }
 
-/// Result of the first measurement of a point.
+/// What a point is where one command measures it, whose first run is timed, too.
+pub trait CommandBench {
+    fn kind(&self) -> &'static SweepKind;
+
+    /// What the sweep is about, a sentence.
+    fn about(&self) -> String;
+
+    /// What the JSON report says of the input.
+    fn input(&self) -> Value;
+
+    /// A command that runs once before all points, with its files in `work`, and what it makes.
+    fn preparation(&self, _work: &Path) -> Option<(&'static str, Vec<OsString>)> {
+        None
+    }
+
+    /// The command of a point, with its files in `work`.
+    fn line(&self, point: &Point, work: &Path) -> Vec<OsString>;
+
+    /// The same as a user would give it.
+    fn user_line(&self, point: &Point) -> String {
+        shell_line(&self.line(point, Path::new("")))
+    }
+
+    /// Adds the times of a run.
+    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()>;
+
+    /// Adds all other values of a point, whose files are in the folder of `commands`.
+    fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()>;
+
+    /// Commands that anyone can repeat.
+    fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
+        let before = self.preparation(Path::new(""));
+        let before = before.map(|(makes, words)| ExampleCommand { makes, line: shell_line(&words) });
+        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.user_line(point) });
+        before.into_iter().chain(first).collect()
+    }
+}
+
+/// Where commands run, and the folder of their files.
+pub struct Lines<'a> {
+    pub runner: &'a dyn Runner,
+    pub work: &'a Path,
+}
+
+/// A [`Bench`] of commands whose files are in a folder.
+pub struct Commands<B> {
+    pub bench: B,
+    pub work: PathBuf,
+}
+
+impl<B: CommandBench> Bench for Commands<B> {
+    fn command(&self, point: &Point) -> String {
+        self.bench.user_line(point)
+    }
+
+    fn prepare(&mut self, runner: &dyn Runner) -> Result<()> {
+        let before = self.bench.preparation(&self.work);
+        before.map_or(Ok(()), |(_, words)| runner.run(&words).map(drop))
+    }
+
+    fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey> {
+        let start = runner.now_seconds();
+        let mut measured = Measured::new(self.bench.kind(), point.clone());
+        let report = Report::of(runner, &self.bench.line(point, &self.work))?;
+        self.bench.add_run(&report, &mut measured)?;
+        let run = runner.now_seconds() - start;
+        self.bench.add_values(&Lines { runner, work: &self.work }, &report, &mut measured)?;
+        Ok(Survey { measured, cost: Cost { survey: runner.now_seconds() - start, run } })
+    }
+
+    fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
+        let report = Report::of(runner, &self.bench.line(&measured.point, &self.work))?;
+        self.bench.add_run(&report, measured)
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct Survey {
     pub measured: Measured,
@@ -77,18 +143,13 @@ pub struct Cost {
     pub run: f64,
 }
 
-/// The JSON that a command printed.
+/// The JSON that a command printed, or a part of it.
 pub struct Report {
-    /// The JSON, or a part of it.
     pub value: Value,
     command: String,
 }
 
 impl Report {
-    /// Runs a command.
-    ///
-    /// # Errors
-    /// When it fails.
     pub fn of(runner: &dyn Runner, words: &[OsString]) -> Result<Report> {
         Ok(Report { value: runner.run(words)?, command: shell_line(words) })
     }
@@ -97,30 +158,23 @@ impl Report {
         Report { value: self.value[key].clone(), command: self.command.clone() }
     }
 
+    fn find<T>(&self, path: &str, of: impl FnOnce(&Value) -> Option<T>) -> Result<T> {
+        self.value.pointer(&format!("/{path}")).and_then(of).ok_or_else(|| {
+            Error::invalid(format!("{}: its report has no number {}", self.command, path.replace('/', ".")))
+        })
+    }
+
     /// A number at a JSON pointer without its first slash; `"inf"` and `"-inf"` are infinite.
-    ///
-    /// # Errors
-    /// When there is none.
     pub fn number(&self, path: &str) -> Result<f64> {
-        let value = self.value.pointer(&format!("/{path}"));
-        let infinite = match value.and_then(Value::as_str) {
+        self.find(path, |value| match value.as_str() {
             Some("inf") => Some(f64::INFINITY),
             Some("-inf") => Some(f64::NEG_INFINITY),
-            _ => None,
-        };
-        value.and_then(Value::as_f64).or(infinite).ok_or_else(|| self.lacks(path))
+            _ => value.as_f64(),
+        })
     }
 
-    /// A count, likewise.
-    ///
-    /// # Errors
-    /// When there is none.
     pub fn count(&self, path: &str) -> Result<u64> {
-        self.value.pointer(&format!("/{path}")).and_then(Value::as_u64).ok_or_else(|| self.lacks(path))
-    }
-
-    fn lacks(&self, path: &str) -> Error {
-        Error::invalid(format!("{}: its report has no number {}", self.command, path.replace('/', ".")))
+        self.find(path, Value::as_u64)
     }
 }
 

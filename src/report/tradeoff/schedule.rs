@@ -6,6 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use super::kind::Point;
 use super::runner::{Bench, Cost, Runner, Survey};
 use super::store::{Store, StoredPoint};
@@ -13,31 +15,25 @@ use super::study::{Axis, Study, all_points};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Timed runs of each point.
     pub repeats: u32,
     /// When all of it is to be done, in seconds since the program began.
     pub budget_seconds: Option<f64>,
 }
 
-/// What was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     /// The studies, without the values that did not fit into the budget.
     pub studies: Vec<Study>,
-    /// What was left out, a sentence each.
     pub left_out: Vec<String>,
     /// Points that failed. The next time they are tried again.
     pub failed: Vec<FailedPoint>,
 }
 
-/// A point that could not be measured.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FailedPoint {
-    pub point: Point,
-    /// The error's text.
+    pub point: String,
     pub error: String,
 }
 
@@ -51,32 +47,20 @@ pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
     all_points(studies).iter().map(missing).sum()
 }
 
-/// Measures the points of studies, and keeps each finished run in the store. A point that fails leaves a hole.
-///
-/// # Errors
-/// When the user asks to stop, when the store or a process fails, and when every point did: then what the first one said.
+/// Measures the points of studies, and keeps each finished run in the store. A point that fails leaves a hole; where every
+/// point does, the error is that of the first.
 pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a dyn Monitor) -> Result<Schedule> {
-    let mut work = Measurement {
-        lab,
-        monitor,
-        extent,
-        known: BTreeMap::new(),
-        failed: Vec::new(),
-        is_prepared: false,
-        did_anything: false,
-    };
+    let mut work = Measurement { lab, monitor, extent, known: BTreeMap::new(), failed: Vec::new(), is_prepared: false };
     let (studies, left_out) = match extent.budget_seconds {
         None => {
-            for point in all_points(studies) {
-                work.survey(&point, studies)?;
-            }
+            all_points(studies).iter().try_for_each(|point| work.survey(point, studies))?;
             work.rounds(studies)?;
             (studies.to_vec(), Vec::new())
         }
         Some(budget) => work.within(budget, studies)?,
     };
     let Measurement { lab: Lab { store, .. }, failed, .. } = work;
-    let told = failed.iter().map(|(point, error)| FailedPoint { point: point.clone(), error: error.to_string() });
+    let told = failed.iter().map(|(point, error)| FailedPoint { point: point.to_string(), error: error.to_string() });
     let told = told.collect();
     if all_points(&studies).iter().all(|point| store.runs(point) == 0)
         && let Some((_, first)) = failed.into_iter().next()
@@ -99,13 +83,9 @@ fn names_of(point: &Point, studies: &[Study]) -> Vec<String> {
     studies.iter().filter(|study| study.points().contains(point)).map(|study| study.name.clone()).collect()
 }
 
-/// What measures, and where values go.
 pub struct Lab<'a> {
-    /// Runs commands.
     pub runner: &'a dyn Runner,
-    /// Measures points.
     pub bench: &'a mut dyn Bench,
-    /// Keeps each finished run.
     pub store: &'a mut Store,
 }
 
@@ -116,9 +96,8 @@ struct Measurement<'a> {
     /// Costs of points that this process measured.
     known: BTreeMap<Point, Cost>,
     failed: Vec<(Point, Error)>,
+    /// Whether this process has measured anything.
     is_prepared: bool,
-    /// Whether any point was measured by this process.
-    did_anything: bool,
 }
 
 impl Measurement<'_> {
@@ -126,7 +105,6 @@ impl Measurement<'_> {
         self.lab.runner.now_seconds()
     }
 
-    /// Whether so many more seconds exceed the budget.
     fn is_too_long(&self, seconds: f64) -> bool {
         self.extent.budget_seconds.is_some_and(|budget| self.elapsed() + seconds > budget)
     }
@@ -135,7 +113,7 @@ impl Measurement<'_> {
         self.failed.iter().any(|(failed, _)| failed == point)
     }
 
-    /// Keeps the error of a point; those that are not the point's own end everything.
+    /// Keeps the error of a point; errors that are not its own end the sweep.
     fn settle<T>(&mut self, point: &Point, done: Result<T>) -> Result<Option<T>> {
         match done {
             Ok(done) => Ok(Some(done)),
@@ -159,17 +137,16 @@ impl Measurement<'_> {
             return Ok(());
         };
         self.known.insert(point.clone(), cost);
-        let (studies, command) = (names_of(point, studies), self.lab.bench.command(point));
-        let made_of = self.lab.bench.made_of();
-        self.lab.store.rows.push(StoredPoint { studies, measured, command, made_of });
-        self.lab.store.save()?;
+        let Lab { bench, store, .. } = &mut self.lab;
+        let (command, made_of) = (bench.command(point), bench.made_of());
+        store.rows.push(StoredPoint { studies: names_of(point, studies), measured, command, made_of });
+        store.save()?;
         self.monitor.advance(1);
         Ok(())
     }
 
     fn prepare(&mut self) -> Result<()> {
         self.monitor.check()?;
-        self.did_anything = true;
         if !self.is_prepared {
             self.lab.bench.prepare(self.lab.runner)?;
             self.is_prepared = true;
@@ -177,7 +154,6 @@ impl Measurement<'_> {
         Ok(())
     }
 
-    /// Adds a timed run of a surveyed point.
     fn time(&mut self, point: &Point) -> Result<()> {
         let Some(row) = self.lab.store.row(point) else { return Ok(()) };
         let mut measured = row.measured.clone();
@@ -221,7 +197,6 @@ impl Measurement<'_> {
         Ok(())
     }
 
-    /// Cost of a point, as measured by this process or an earlier one.
     fn known_cost(&self, point: &Point) -> Option<Cost> {
         let earlier = || self.lab.bench.cost(&self.lab.store.row(point)?.measured);
         self.known.get(point).copied().or_else(earlier)
@@ -232,11 +207,8 @@ impl Measurement<'_> {
         let mean = |alike: &dyn Fn(&Point) -> bool| {
             let points = self.lab.store.rows.iter().map(|row| &row.measured.point).filter(|other| alike(other));
             let costs: Vec<Cost> = points.filter_map(|point| self.known_cost(point)).collect();
-            let count = costs.len() as f64;
-            (!costs.is_empty()).then(|| Cost {
-                survey: costs.iter().map(|cost| cost.survey).sum::<f64>() / count,
-                run: costs.iter().map(|cost| cost.run).sum::<f64>() / count,
-            })
+            let mean = |of: fn(&Cost) -> f64| costs.iter().map(of).sum::<f64>() / costs.len() as f64;
+            (!costs.is_empty()).then(|| Cost { survey: mean(|cost| cost.survey), run: mean(|cost| cost.run) })
         };
         let alike = || mean(&|other| other.stream == point.stream);
         self.known_cost(point).or_else(alike).or_else(|| mean(&|_| true)).unwrap_or_default()
@@ -248,27 +220,18 @@ impl Measurement<'_> {
             if self.has_failed(point) {
                 return 0.0;
             }
-            let survey = match self.lab.store.row(point) {
-                Some(_) => 0.0,
-                None => self.estimate(point).survey,
-            };
-            match repeats.saturating_sub(self.lab.store.runs(point) as u32) {
-                0 => survey,
-                runs => survey + self.estimate(point).run * f64::from(runs),
-            }
+            let (cost, runs) = (self.estimate(point), repeats.saturating_sub(self.lab.store.runs(point) as u32));
+            let survey = if self.lab.store.row(point).is_some() { 0.0 } else { cost.survey };
+            survey + cost.run * f64::from(runs)
         };
         points.iter().map(of).sum()
-    }
-
-    /// Whether nothing of a point has to be measured for it to have one run.
-    fn is_there(&self, point: &Point) -> bool {
-        self.has_failed(point) || self.lab.store.runs(point) > 0
     }
 
     /// Runs of each point with which points, and those accepted before, fit into the budget. What is there already does.
     fn repeats_that_fit(&self, new: &[Point], accepted: &[Point]) -> Option<u32> {
         let fits = |repeats: &u32| !self.is_too_long(self.ahead(accepted, *repeats) + self.ahead(new, *repeats));
-        let there = new.iter().all(|point| self.is_there(point)).then_some(1);
+        let is_there = |point: &Point| self.has_failed(point) || self.lab.store.runs(point) > 0;
+        let there = new.iter().all(is_there).then_some(1);
         (1..=self.extent.repeats).rev().find(fits).or(there)
     }
 
@@ -323,7 +286,7 @@ impl Measurement<'_> {
                 grids.push(grid);
             } else if let Some(point) = probed.filter(|_| is_first) {
                 // Nothing at all would be no answer, so the first study has one point.
-                grid.only(&point);
+                grid = Grid::of(study, |axis, at| point.value(axis.knob) == Some(&axis.values[at]));
                 if !self.add(std::slice::from_ref(&point), &mut accepted, studies)? {
                     self.extent.repeats = 1;
                     accepted.push(point);
@@ -347,9 +310,7 @@ impl Measurement<'_> {
                 grid.advance(axis);
             }
         }
-        for grid in &grids {
-            left_out.extend(grid.missing(budget));
-        }
+        left_out.extend(grids.iter().flat_map(|grid| grid.missing(budget)));
         let studies: Vec<Study> = grids.iter().map(Grid::reduced).collect();
         self.rounds(&studies)?;
         left_out.extend(self.shortfall(&studies, asked, budget));
@@ -359,11 +320,10 @@ impl Measurement<'_> {
     /// What the budget left of the rounds, in sentences.
     fn shortfall(&self, studies: &[Study], asked: u32, budget: f64) -> Vec<String> {
         let mut told = Vec::new();
-        let points: Vec<Point> = all_points(studies).into_iter().filter(|point| !self.has_failed(point)).collect();
-        let (timed, untimed): (Vec<&Point>, Vec<&Point>) =
-            points.iter().partition(|point| self.lab.store.runs(point) > 0);
+        let points = all_points(studies).into_iter().filter(|point| !self.has_failed(point));
+        let (timed, untimed): (Vec<Point>, Vec<Point>) = points.partition(|point| self.lab.store.runs(point) > 0);
         if !untimed.is_empty() {
-            let names: Vec<String> = untimed.iter().map(|point| point.to_string()).collect();
+            let names: Vec<String> = untimed.iter().map(Point::to_string).collect();
             told.push(format!("Not timed, since it did not fit into {budget} s: {}.", names.join("; ")));
         }
         let runs = || timed.iter().map(|point| self.lab.store.runs(point).min(asked as usize));
@@ -379,7 +339,7 @@ impl Measurement<'_> {
                 "Times are of {runs} of each point instead of {asked}: more did not fit into {budget} s."
             ));
         }
-        if self.did_anything && self.is_too_long(0.0) {
+        if self.is_prepared && self.is_too_long(0.0) {
             told.push(format!("It took {:.1} s instead of {budget} s.", self.elapsed()));
         }
         told
@@ -396,24 +356,17 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// The ends of each axis.
     fn new(study: &'a Study) -> Grid<'a> {
-        let ends = |axis: &Axis| {
-            let last = axis.values.len().saturating_sub(1);
-            (0..axis.values.len()).map(|at| at == 0 || at == last).collect::<Vec<_>>()
-        };
-        let taken: Vec<Vec<bool>> = study.axes.iter().map(ends).collect();
+        Grid::of(study, |axis, at| at == 0 || at + 1 == axis.values.len())
+    }
+
+    /// The values that are chosen by their axis and their place on it.
+    fn of(study: &'a Study, chosen: impl Fn(&Axis, usize) -> bool) -> Grid<'a> {
+        let of_axis = |axis: &Axis| (0..axis.values.len()).map(|at| chosen(axis, at)).collect();
+        let taken: Vec<Vec<bool>> = study.axes.iter().map(of_axis).collect();
         let mut grid = Grid { study, tried: taken.clone(), taken, next: None };
         grid.advance(study.axes.len().saturating_sub(1));
         grid
-    }
-
-    /// Nothing but a point.
-    fn only(&mut self, point: &Point) {
-        let of = |axis: &Axis| axis.values.iter().map(|value| point.value(axis.knob) == Some(value)).collect();
-        self.taken = self.study.axes.iter().map(of).collect();
-        self.tried = self.taken.clone();
-        self.advance(self.study.axes.len().saturating_sub(1));
     }
 
     /// Finds what to try after a value of an axis: of the next axis that has any left, the value farthest from those tried.
@@ -423,28 +376,20 @@ impl<'a> Grid<'a> {
             (1..=count).map(|step| (axis + step) % count).find_map(|axis| Some((axis, farthest(&self.tried[axis])?)));
     }
 
-    /// The study with the values that are taken.
+    fn axes(&self, are_taken: bool) -> impl Iterator<Item = Axis> {
+        self.study.axes.iter().zip(&self.taken).map(move |(axis, taken)| {
+            let values = axis.values.iter().zip(taken).filter(|(_, taken)| **taken == are_taken);
+            Axis { knob: axis.knob, values: values.map(|(value, _)| value.clone()).collect() }
+        })
+    }
+
     fn reduced(&self) -> Study {
-        let axes = self.study.axes.iter().zip(&self.taken).map(|(axis, taken)| Axis {
-            knob: axis.knob,
-            values: axis
-                .values
-                .iter()
-                .zip(taken)
-                .filter(|(_, taken)| **taken)
-                .map(|(value, _)| value.clone())
-                .collect(),
-        });
-        Study { axes: axes.collect(), ..self.study.clone() }
+        Study { axes: self.axes(true).collect(), ..self.study.clone() }
     }
 
     fn missing(&self, budget: f64) -> impl Iterator<Item = String> {
-        self.study.axes.iter().zip(&self.taken).filter_map(move |(axis, taken)| {
-            let left: Vec<_> =
-                axis.values.iter().zip(taken).filter(|(_, taken)| !**taken).map(|(value, _)| value.as_str()).collect();
-            (!left.is_empty()).then(|| {
-                format!("Study {}: {} {} did not fit into {budget} s.", self.study.name, axis.knob, left.join(", "))
-            })
+        self.axes(false).filter(|axis| !axis.values.is_empty()).map(move |Axis { knob, values }| {
+            format!("Study {}: {knob} {} did not fit into {budget} s.", self.study.name, values.join(", "))
         })
     }
 }
@@ -454,16 +399,11 @@ fn farthest(tried: &[bool]) -> Option<usize> {
     if tried.last() == Some(&false) {
         return Some(tried.len() - 1);
     }
-    let mut best: Option<(usize, usize)> = None;
-    let mut at = 0;
-    while at < tried.len() {
-        let length = tried[at..].iter().take_while(|tried| !**tried).count();
-        if length > 0 && best.is_none_or(|(_, longest)| length > longest) {
-            best = Some((at, length));
-        }
-        at += length + 1;
-    }
-    best.map(|(start, length)| start + (length - 1) / 2)
+    let places: Vec<usize> = (0..tried.len()).collect();
+    let runs = places.chunk_by(|a, b| tried[*a] == tried[*b]).filter(|run| !tried[run[0]]);
+    // Of runs of one length the first.
+    let longest = runs.rev().max_by_key(|run| run.len())?;
+    Some(longest[(longest.len() - 1) / 2])
 }
 
 #[cfg(test)]

@@ -3,16 +3,13 @@
 use super::kind::Measured;
 use super::study::{Results, Study, Weights};
 
-/// Least time that is counted, so that ratios exist.
 const LEAST_SECONDS: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub struct Scored<'a> {
     /// In the order that they were given in; none where nothing was measured.
     pub points: Vec<Option<&'a Measured>>,
-    /// Their scores; see [`Scored::new`].
     pub scores: Vec<Option<f64>>,
-    /// Which has the least score.
     pub best: Option<usize>,
 }
 
@@ -31,12 +28,10 @@ impl<'a> Scored<'a> {
         Scored { points, scores, best }
     }
 
-    /// The points of a study, in its order; no scores in a kind of sweep that has none.
+    /// The points of a study, in its order; none in a kind of sweep that has no scores.
     pub fn of_study(results: &'a Results, study: &Study) -> Scored<'a> {
-        if !results.sweep.is_scored {
-            return Scored { points: Vec::new(), scores: Vec::new(), best: None };
-        }
-        Scored::new(study.points().iter().map(|point| results.of(point)).collect(), results.weights)
+        let points = if results.sweep.is_scored { study.points() } else { Vec::new() };
+        Scored::new(points.iter().map(|point| results.of(point)).collect(), results.weights)
     }
 
     /// The point of the least score, if another one has a score, too.
@@ -44,12 +39,10 @@ impl<'a> Scored<'a> {
         if self.count() > 1 { self.points[self.best?] } else { None }
     }
 
-    /// Number of points that have a score.
     pub fn count(&self) -> usize {
         self.scores.iter().flatten().count()
     }
 
-    /// Whether points with scores differ in quality, which scores ignore.
     pub fn quality_differs(&self) -> bool {
         let scored = self.points.iter().zip(&self.scores).filter(|(_, score)| score.is_some());
         let mut qualities = scored.filter_map(|(point, _)| *point);
@@ -58,7 +51,6 @@ impl<'a> Scored<'a> {
     }
 }
 
-/// The least value, the first of several.
 pub fn best(values: &[Option<f64>]) -> Option<usize> {
     let there = values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?)));
     there.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
@@ -84,7 +76,7 @@ fn is_of_like_quality(a: &Measured, b: &Measured) -> bool {
 mod tests {
     use super::*;
     use crate::report::tradeoff::kind::Value;
-    use crate::report::tradeoff::sample;
+    use crate::report::tradeoff::tests::sample;
 
     fn point(bytes: u64, seconds: f64) -> Measured {
         let mut point = sample::measured(&[], bytes, seconds);

@@ -12,26 +12,23 @@ use super::kind::{Measure, Measured, Point, Source, SweepKind, Value};
 use crate::error::{Error, Result};
 use crate::files::write_whole;
 use crate::image::StreamKind;
+use crate::report::csv::of_records;
 
-/// Separator of several values in one cell.
 const BETWEEN: &str = ";";
 
-/// A row of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredPoint {
     /// Names of the studies that the point belongs to.
     pub studies: Vec<String>,
-    /// Its values; as many runs as are finished.
     pub measured: Measured,
     pub command: String,
     /// Configuration hash of the input, the fixed options and the program.
     pub made_of: u32,
 }
 
-/// The file and its rows.
 #[derive(Debug, Clone)]
 pub struct Store {
-    kind: &'static SweepKind,
+    pub kind: &'static SweepKind,
     path: PathBuf,
     knobs: Vec<&'static str>,
     /// One for each point, in the order in which they were first measured.
@@ -63,17 +60,17 @@ impl Store {
             return Err(foreign(format!("no CSV of this tradeoff: it has no column {missing}")));
         }
         for (at, record) in reader.records().enumerate() {
-            let line = at + 2;
-            let record = record.map_err(|error| foreign(format!("row {line}: {error}")))?;
+            let wrong = |error: &dyn std::fmt::Display| foreign(format!("row {}: {error}", at + 2));
+            let record = record.map_err(|error| wrong(&error))?;
             let cells = Cells(heads.iter().zip(record.iter()).collect());
             let hash = u32::from_str_radix(cells.text("made_of"), 16).ok();
             if made_of.is_some() && hash != made_of {
                 store.dropped += 1;
                 continue;
             }
-            let row = cells.row(kind).map_err(|error| foreign(format!("row {line}: {error}")))?;
+            let row = cells.row(kind).map_err(|error| wrong(&error))?;
             if store.row(&row.measured.point).is_some() {
-                return Err(foreign(format!("row {line}: {} is in another row, too", row.measured.point)));
+                return Err(wrong(&format!("{} is in another row, too", row.measured.point)));
             }
             store.rows.push(row);
         }
@@ -97,48 +94,41 @@ impl Store {
         self.row(point).map_or(0, |row| row.measured.timed_runs())
     }
 
-    /// Replaces the file.
     pub fn save(&self) -> Result<()> {
         let text = self.text()?;
         write_whole(&self.path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(partial, error)))
     }
 
     fn columns(&self) -> Vec<String> {
+        let before = if self.kind.is_resumable { "" } else { "settings_" };
+        let knobs = self.knobs.iter().map(|name| format!("{before}{}", self.kind.key(name)));
         let measures = self.measures().map(|measure| measure.name.to_owned());
-        if self.kind.is_resumable {
-            let knobs = self.knobs.iter().map(|name| self.kind.key(name).to_owned());
-            let [first, last] = [["studies", "kind"], ["command", "made_of"]].map(|names| names.map(str::to_owned));
-            first.into_iter().chain(knobs).chain(measures).chain(last).collect()
-        } else {
-            self.knobs.iter().map(|name| format!("settings_{}", self.kind.key(name))).chain(measures).collect()
+        self.record(["studies", "kind"], knobs.chain(measures), ["command", "made_of"])
+    }
+
+    pub fn text(&self) -> Result<String> {
+        let row = |row: &StoredPoint| {
+            let point = &row.measured.point;
+            let knobs = self.knobs.iter().map(|name| point.value(name).unwrap_or_default().to_owned());
+            let values = self.measures().map(|measure| self.cell(row.measured.value(measure.name)));
+            let (studies, hash) = (row.studies.join(BETWEEN), format!("{:08x}", row.made_of));
+            let stream = point.stream.map_or("", StreamKind::name);
+            self.record([&studies, stream], knobs.chain(values), [&row.command, &hash])
+        };
+        of_records(std::iter::once(self.columns()).chain(self.rows.iter().map(row)))
+    }
+
+    /// Files of sweeps that are not resumed have knobs and measures alone.
+    fn record(&self, first: [&str; 2], own: impl Iterator<Item = String>, last: [&str; 2]) -> Vec<String> {
+        match self.kind.is_resumable {
+            true => first.map(str::to_owned).into_iter().chain(own).chain(last.map(str::to_owned)).collect(),
+            false => own.collect(),
         }
     }
 
     fn measures(&self) -> impl Iterator<Item = &'static Measure> {
         let with_runs = self.kind.is_resumable;
         self.kind.measures.iter().filter(move |measure| with_runs || !matches!(measure.source, Source::Runs))
-    }
-
-    /// The file's text.
-    pub fn text(&self) -> Result<String> {
-        let broken = |error: csv::Error| Error::invalid(format!("CSV: {error}"));
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.columns()).map_err(broken)?;
-        for row in &self.rows {
-            let point = &row.measured.point;
-            let knobs = self.knobs.iter().map(|name| point.value(name).unwrap_or_default().to_owned());
-            let values = self.measures().map(|measure| self.cell(row.measured.value(measure.name)));
-            let cells: Vec<String> = if self.kind.is_resumable {
-                let first = [row.studies.join(BETWEEN), point.stream.map_or("", StreamKind::name).to_owned()];
-                let last = [row.command.clone(), format!("{:08x}", row.made_of)];
-                first.into_iter().chain(knobs).chain(values).chain(last).collect()
-            } else {
-                knobs.chain(values).collect()
-            };
-            writer.write_record(&cells).map_err(broken)?;
-        }
-        let bytes = writer.into_inner().map_err(|error| Error::invalid(format!("CSV: {}", error.error())))?;
-        String::from_utf8(bytes).map_err(|error| Error::invalid(format!("CSV: {error}")))
     }
 
     fn cell(&self, value: Option<Value>) -> String {
@@ -153,7 +143,6 @@ impl Store {
     }
 }
 
-/// The cells of a row by the names of their columns.
 struct Cells<'a>(BTreeMap<&'a str, &'a str>);
 
 impl Cells<'_> {
@@ -161,42 +150,46 @@ impl Cells<'_> {
         self.0.get(name).copied().unwrap_or_default()
     }
 
-    fn parse<T: FromStr>(&self, name: &str, is_needed: bool) -> Result<Option<T>, String> {
+    fn parts(&self, name: &str) -> impl Iterator<Item = &str> {
+        self.text(name).split(BETWEEN).filter(|part| !part.is_empty())
+    }
+
+    /// A number for which a test holds; none where it may be missing and is.
+    fn parse<T: FromStr + Copy>(
+        &self,
+        name: &str,
+        is_needed: bool,
+        fits: impl Fn(T) -> bool,
+    ) -> Result<Option<T>, String> {
         let text = self.text(name);
         match text.parse() {
-            Ok(value) => Ok(Some(value)),
+            Ok(value) if fits(value) => Ok(Some(value)),
+            Ok(_) => Err(format!("{name} is '{text}', which no measurement gives")),
             Err(_) if text.is_empty() && !is_needed => Ok(None),
             Err(_) if text.is_empty() => Err(format!("it has no {name}")),
             Err(_) => Err(format!("{name} is '{text}', where a number was expected")),
         }
     }
 
-    fn count(&self, name: &str, least: Option<u64>) -> Result<Option<Value>, String> {
-        let count: Option<u64> = self.parse(name, least.is_some())?;
-        match count {
-            Some(0) if least > Some(0) => Err(format!("{name} is 0, which no measurement gives")),
-            count => Ok(count.map(Value::Count)),
-        }
-    }
-
-    fn number(&self, name: &str, is_needed: bool, may_be_infinite: bool) -> Result<Option<Value>, String> {
-        let found: Option<f64> = self.parse(name, is_needed)?;
-        match found {
-            Some(number) if number < 0.0 || number.is_nan() || (number.is_infinite() && !may_be_infinite) => {
-                Err(format!("{name} is '{}', which no measurement gives", self.text(name)))
+    fn value(&self, Measure { name, source, .. }: &Measure) -> Result<Option<Value>, String> {
+        Ok(match *source {
+            Source::Count(least) => self.parse(name, least.is_some(), |count| Some(count) >= least)?.map(Value::Count),
+            Source::Number { is_needed, may_be_infinite } => {
+                let fits = |number: f64| number >= 0.0 && (number.is_finite() || may_be_infinite);
+                self.parse(name, is_needed, fits)?.map(Value::Number)
             }
-            found => Ok(found.map(Value::Number)),
-        }
-    }
-
-    fn runs(&self, name: &str) -> Result<Option<Value>, String> {
-        let wrong = || format!("{name} is '{}', where seconds separated by {BETWEEN} were expected", self.text(name));
-        let runs = self.text(name).split(BETWEEN).filter(|run| !run.is_empty());
-        let runs: Vec<f64> = runs.map(str::parse).collect::<Result<_, _>>().map_err(|_| wrong())?;
-        if runs.iter().any(|seconds| !seconds.is_finite() || *seconds < 0.0) {
-            return Err(wrong());
-        }
-        Ok((!runs.is_empty()).then_some(Value::Runs(runs)))
+            Source::Signed => {
+                self.parse(name, false, |_| true)?.filter(|number: &f64| number.is_finite()).map(Value::Number)
+            }
+            Source::Runs => {
+                let runs: Result<Vec<f64>, _> = self.parts(name).map(str::parse).collect();
+                let runs = runs.ok().filter(|runs| runs.iter().all(|of| of.is_finite() && *of >= 0.0));
+                let text = self.text(name);
+                let wrong = || format!("{name} is '{text}', where seconds separated by {BETWEEN} were expected");
+                Some(runs.ok_or_else(wrong)?).filter(|runs| !runs.is_empty()).map(Value::Runs)
+            }
+            Source::Derived(_) => None,
+        })
     }
 
     fn row(&self, kind: &'static SweepKind) -> Result<StoredPoint, String> {
@@ -206,25 +199,11 @@ impl Cells<'_> {
         let settings = settings.filter(|(_, value)| !value.is_empty()).collect();
         let mut measured = Measured::new(kind, Point::new(kind, Some(stream), settings));
         for measure in kind.measures {
-            let value = match measure.source {
-                Source::Count(least) => self.count(measure.name, least)?,
-                Source::Number { is_needed, may_be_infinite } => {
-                    self.number(measure.name, is_needed, may_be_infinite)?
-                }
-                Source::Signed => {
-                    let number: Option<f64> = self.parse(measure.name, false)?;
-                    number.filter(|number| number.is_finite()).map(Value::Number)
-                }
-                Source::Runs => self.runs(measure.name)?,
-                Source::Derived(_) => None,
-            };
-            if let Some(value) = value {
-                measured.set(measure.name, value);
-            }
+            measured.set(measure.name, self.value(measure)?);
         }
         let hash = self.text("made_of");
         Ok(StoredPoint {
-            studies: self.text("studies").split(BETWEEN).filter(|name| !name.is_empty()).map(str::to_owned).collect(),
+            studies: self.parts("studies").map(str::to_owned).collect(),
             measured,
             command: self.text("command").to_owned(),
             made_of: u32::from_str_radix(hash, 16)

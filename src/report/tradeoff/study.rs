@@ -7,12 +7,9 @@ use super::kind::{Measured, Point, Setting, SweepKind};
 use super::knob;
 use crate::image::StreamKind;
 
-/// A knob and the values that it is given in turn.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Axis {
-    /// The knob's name.
     pub knob: &'static str,
-    /// Values, in the order of reports.
     pub values: Vec<String>,
 }
 
@@ -23,12 +20,10 @@ impl Axis {
     }
 }
 
-/// A grid of settings: every value of every axis with every value of the others.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     /// A short name for files: lower case, words joined by hyphens, unique among the studies of a report.
     pub name: String,
-    /// Title, such as `Boxes of depth (CALF figure 7)`.
     pub title: String,
     pub sweep: &'static SweepKind,
     pub stream: Option<StreamKind>,
@@ -54,13 +49,6 @@ impl Serialize for Study {
     }
 }
 
-impl PartialEq for Study {
-    fn eq(&self, other: &Study) -> bool {
-        let of = |study: &Study| (study.sweep.stem, study.stream, study.name.clone(), study.title.clone());
-        of(self) == of(other) && self.axes == other.axes && self.fixed == other.fixed
-    }
-}
-
 impl Study {
     /// All points, the last axis fastest.
     pub fn points(&self) -> Vec<Point> {
@@ -68,7 +56,6 @@ impl Study {
         grid.into_iter().map(|settings| Point::new(self.sweep, self.stream, settings)).collect()
     }
 
-    /// The axes with more than one value.
     pub fn varied(&self) -> Vec<&Axis> {
         self.axes.iter().filter(|axis| axis.values.len() > 1).collect()
     }
@@ -99,7 +86,6 @@ pub fn product<'a>(settings: &[Setting], axes: impl IntoIterator<Item = &'a Axis
     })
 }
 
-/// Weights of size and decoding time in a score; their sum is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Weights {
     pub compression: f64,
@@ -113,32 +99,27 @@ impl Default for Weights {
     }
 }
 
-/// A command line that repeats a part of the sweep.
 #[derive(Debug, Clone)]
 pub struct ExampleCommand {
     pub makes: &'static str,
     pub line: String,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Results {
+    #[serde(skip)]
     pub sweep: &'static SweepKind,
-    /// The input, as the user named it.
     pub input: String,
-    /// What the sweep is about, a sentence.
+    #[serde(skip)]
     pub about: String,
-    /// The command line that made the report.
     pub command_line: String,
-    /// The machine: processor, threads, memory, system, and graphics devices that were used.
     pub machine: String,
-    /// What was swept. A point may belong to several studies.
     pub studies: Vec<Study>,
-    /// All points, each once.
+    #[serde(skip)]
     pub measured: Vec<Measured>,
-    /// What is missing and why, a sentence each.
     pub left_out: Vec<String>,
     pub weights: Weights,
-    /// Commands that anyone can repeat.
+    #[serde(skip)]
     pub commands: Vec<ExampleCommand>,
 }
 

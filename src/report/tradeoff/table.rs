@@ -12,13 +12,11 @@ pub struct PointTable<'a> {
     pub rows: Vec<PointRow<'a>>,
 }
 
-/// A row of a [`PointTable`].
 pub struct PointRow<'a> {
     pub point: &'a Measured,
     pub cells: Vec<Cell>,
 }
 
-/// A value and its range.
 pub struct Cell {
     pub text: String,
     /// The shortest and the longest run, if there are several.

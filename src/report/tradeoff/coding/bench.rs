@@ -11,18 +11,15 @@ use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
 
-/// Measures points of one input.
 pub struct CodingBench<'a> {
     input: &'a Input,
     container: PathBuf,
     packed: PathBuf,
-    /// Bytes of what was encoded, by the command line.
     known_bytes: BTreeMap<Vec<OsString>, u64>,
     devices: Vec<String>,
 }
 
 impl<'a> CodingBench<'a> {
-    /// Writes containers into the folder `work`.
     pub fn new(input: &'a Input, work: &Path) -> CodingBench<'a> {
         CodingBench {
             input,
@@ -33,7 +30,6 @@ impl<'a> CodingBench<'a> {
         }
     }
 
-    /// Compares the container with the footage.
     fn compare(&self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
         let point = measured.point.clone();
         let report = Report::of(runner, &self.input.diff(&point, &self.container))?;
@@ -43,13 +39,14 @@ impl<'a> CodingBench<'a> {
             Some(StreamKind::Color) => {
                 measured.set("min_psnr_db", Value::Number(of.number("min_cell_psnr_db")?));
                 // Half floats have none.
-                measured.set_number("ssim", of.value["ssim"].as_f64());
+                measured.set("ssim", of.value["ssim"].as_f64().map(Value::Number));
             }
-            Some(StreamKind::Depth) => {
+            stream => {
                 measured.set("max_error_codes", Value::Count(of.count("max_error_codes")?));
-                measured.set("max_error_m", Value::Number(of.number("max_error_m")?));
+                if stream == Some(StreamKind::Depth) {
+                    measured.set("max_error_m", Value::Number(of.number("max_error_m")?));
+                }
             }
-            _ => measured.set("max_error_codes", Value::Count(of.count("max_error_codes")?)),
         }
         Ok(())
     }
@@ -118,9 +115,10 @@ impl Bench for CodingBench<'_> {
         ] {
             measured.set(name, Value::Count(count));
         }
-        measured.set_count("bytes_spatial", spatial);
-        measured.set_count("encode_peak_bytes", encoded.value["peak_memory_bytes"].as_u64());
-        measured.set_count("decode_peak_bytes", decoded.value["peak_memory_bytes"].as_u64());
+        measured.set("bytes_spatial", spatial.map(Value::Count));
+        for (name, report) in [("encode_peak_bytes", &encoded), ("decode_peak_bytes", &decoded)] {
+            measured.set(name, report.value["peak_memory_bytes"].as_u64().map(Value::Count));
+        }
         // There were a warm-up and one pass of the decoder.
         let run = encode_seconds + decode_seconds + pass_seconds * f64::from(passes - 1);
         Ok(Survey { measured, cost: Cost { survey: runner.now_seconds() - start, run } })

@@ -12,7 +12,6 @@ use crate::streams::ColorBlocks;
 
 /// Seconds of decoding in one timed run of a point, about: short decodes vary most, and are repeated more often.
 const TIMED_SECONDS: f64 = 0.3;
-/// Passes of a decoder at least, and at most.
 const DECODER_PASSES: [u32; 2] = [9, 200];
 /// LZMA2 level of the column of sizes that have it on top.
 pub const LZMA2_LEVEL: u32 = 6;
@@ -33,29 +32,23 @@ pub enum Form {
 /// The footage, and options of all points that are no knobs.
 #[derive(Debug, Clone)]
 pub struct Input {
-    /// As the user named it.
     pub path: PathBuf,
-    /// What it is.
     pub form: Form,
     /// Kinds of streams that it has, and the points in time of each.
     pub kinds: Vec<(StreamKind, u64)>,
-    /// Options of encoding, such as `--hdr` or `--near=1`.
     pub encode: Vec<String>,
     /// Those that comparing needs as well, such as `--frames=0-9`.
     pub diff: Vec<String>,
-    /// Options of decoding.
     pub decode: Vec<String>,
     /// Configuration hash: changes with all that values depend on and that is not a knob.
     pub made_of: u32,
 }
 
 impl Input {
-    /// Points in time of a kind.
     pub fn frames(&self, kind: StreamKind) -> u64 {
         self.kinds.iter().find(|(other, _)| *other == kind).map_or(0, |(_, frames)| *frames)
     }
 
-    /// Encodes a point; without `-o`.
     pub fn encode(&self, point: &Point) -> Vec<OsString> {
         self.encode_settings(stream_of(point), &point.settings, &self.encode)
     }
@@ -65,17 +58,9 @@ impl Input {
         let mut settings = without(&point.settings, &["lzma2", "threads", "device"]);
         match stream_of(point) {
             StreamKind::Depth => {
-                let of_functions = [
-                    "depth-codec",
-                    "depth-block",
-                    "max-error",
-                    "max-error-relative",
-                    "depth-domain",
-                    "optimize",
-                    "min-children",
-                    "effort",
-                ];
-                settings = without(&settings, &of_functions);
+                let of_functions =
+                    "depth-codec depth-block max-error max-error-relative depth-domain optimize min-children effort";
+                settings = without(&settings, &of_functions.split(' ').collect::<Vec<_>>());
                 settings.push(("depth-codec", "aabb".to_owned()));
             }
             StreamKind::Color => {
@@ -108,13 +93,15 @@ impl Input {
     }
 
     fn encode_settings(&self, stream: StreamKind, settings: &[Setting], options: &[String]) -> Vec<OsString> {
-        let mut words: Vec<OsString> = match (self.form, stream) {
-            (Form::Dataset, _) => {
-                vec!["encode".into(), self.path.clone().into(), format!("--stream={}", stream.name()).into()]
-            }
-            (Form::Sequence, StreamKind::Color) => vec!["encode-color".into(), self.path.clone().into()],
-            (Form::Sequence, _) => vec!["encode-depth".into(), self.path.clone().into()],
+        let command = match (self.form, stream) {
+            (Form::Dataset, _) => "encode",
+            (Form::Sequence, StreamKind::Color) => "encode-color",
+            (Form::Sequence, _) => "encode-depth",
         };
+        let mut words: Vec<OsString> = vec![command.into(), self.path.clone().into()];
+        if self.form == Form::Dataset {
+            words.push(format!("--stream={}", stream.name()).into());
+        }
         words.extend(knob_options(settings, Stage::Encode));
         words.extend(options.iter().map(OsString::from));
         words
@@ -129,7 +116,6 @@ impl Input {
         words
     }
 
-    /// Compares the container of a point with the footage.
     pub fn diff(&self, point: &Point, container: &Path) -> Vec<OsString> {
         let mut words = vec!["diff".into(), self.path.clone().into(), container.into()];
         words.push(format!("--stream={}", stream_of(point).name()).into());
@@ -148,13 +134,12 @@ pub fn pack(container: &Path, output: &Path) -> Vec<OsString> {
     vec!["pack".into(), container.into(), level.into(), "-o".into(), output.into(), "--json".into()]
 }
 
-/// A command line with its output and a report.
 pub fn into_file(mut words: Vec<OsString>, output: &Path) -> Vec<OsString> {
     words.extend(["-o".into(), output.into(), "--json".into()]);
     words
 }
 
-/// The kind of stream of a point; points of coding have one.
+/// Points of coding have one.
 fn stream_of(point: &Point) -> StreamKind {
     point.stream.unwrap_or(StreamKind::Color)
 }

@@ -4,9 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::recommend::Advice;
 use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
-use crate::report::tradeoff::json::{json_number, point};
+use crate::json::Number;
+use crate::report::tradeoff::json::point;
 
-/// A recommendation, with its point.
 pub fn advice(advice: &Advice<'_>) -> Value {
     json!({
         "kind": advice.row.measured.point.stream.map(|stream| stream.name()),
@@ -17,15 +17,14 @@ pub fn advice(advice: &Advice<'_>) -> Value {
     })
 }
 
-/// PSNR of tiles by modelling function.
 pub fn tile_psnr(found: &TilePsnr) -> Value {
     let model = |psnr: &PsnrDistribution| {
         json!({
             "mean_db": psnr.mean_db(),
-            "min_db": json_number(psnr.min_db),
-            "p05_db": json_number(psnr.quantile_db(0.05)),
-            "p50_db": json_number(psnr.quantile_db(0.5)),
-            "p95_db": json_number(psnr.quantile_db(0.95)),
+            "min_db": Number(psnr.min_db),
+            "p05_db": Number(psnr.quantile_db(0.05)),
+            "p50_db": Number(psnr.quantile_db(0.5)),
+            "p95_db": Number(psnr.quantile_db(0.95)),
             "exact_tiles": psnr.exact,
             "unmodelled_tiles": psnr.unmodelled,
             "histogram": psnr.histogram(),

@@ -7,20 +7,17 @@ use crate::report::tradeoff::store::StoredPoint;
 /// Limits for a point. Each applies to the kinds of streams that have the measure.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Demands {
-    /// Largest error: 16-bit log codes of depth, steps of 8 bits of material.
+    /// 16-bit log codes of depth, steps of 8 bits of material.
     pub max_error_codes: Option<u32>,
-    /// Largest error of depth in metres.
     pub max_error_m: Option<f64>,
     /// Lowest PSNR of any frame of any cell of colour, in dB.
     pub min_psnr_db: Option<f64>,
-    /// Milliseconds for one point in time, all probes and faces.
     pub decode_ms: Option<f64>,
     pub max_bytes: Option<u64>,
     /// Bytes of the container in percent of those of the footage.
     pub max_ratio_percent: Option<f64>,
 }
 
-/// Which of the points that meet all demands is recommended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
     /// The one with the fewest bytes: quality is limited.
@@ -38,15 +35,12 @@ pub struct Advice<'a> {
     pub misses: Vec<String>,
 }
 
-/// A demand that a point misses.
 struct Miss {
     words: String,
-    /// By how much, above 1.
     ratio: f64,
 }
 
 impl Demands {
-    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         *self == Demands::default()
     }
@@ -67,45 +61,40 @@ impl Demands {
     }
 
     fn misses(&self, of: &Measured) -> Vec<Miss> {
-        let mut misses = Vec::new();
-        let mut miss = |is_missed: bool, words: String, ratio: f64| {
-            if is_missed {
-                misses.push(Miss { words, ratio });
-            }
+        let more = |limit: Option<f64>, name: &str, words: fn(f64, f64) -> String| {
+            let (limit, found) = (limit?, of.number(name)?);
+            (found > limit).then(|| Miss { words: words(limit, found), ratio: found / limit.max(1e-9) })
         };
-        if let (Some(limit), Some(codes)) = (self.max_error_codes.map(f64::from), of.number("max_error_codes")) {
-            let words = format!("--max-error {limit}: its largest error is {codes} codes");
-            miss(codes > limit, words, codes / limit.max(1.0));
-        }
-        if let (Some(limit), Some(metres)) = (self.max_error_m, of.number("max_error_m")) {
-            let words = format!("--max-error-m {limit}: its largest error is {metres:.4} m");
-            miss(metres > limit, words, metres / limit.max(1e-9));
-        }
-        if let (Some(limit), Some(StreamKind::Color)) = (self.min_psnr_db, of.point.stream) {
-            let found = closeness_db(of);
-            // A PSNR is computed twice, on either side of a file: the last digit may differ.
-            let words = format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB");
-            miss(found < limit - 1e-6, words, limit / found.max(1.0));
-        }
-        if let Some(limit) = self.decode_ms {
-            match of.number("decode_ms_per_frame") {
-                Some(ms) => {
-                    let words = format!("--decode-ms {limit}: decoding a frame takes {ms:.3} ms");
-                    miss(ms > limit, words, ms / limit.max(1e-9));
-                }
-                None => miss(true, format!("--decode-ms {limit}: its decoding has not been timed"), f64::INFINITY),
-            }
-        }
-        let bytes = of.count("bytes_container");
-        if let Some(limit) = self.max_bytes {
-            let ratio = bytes as f64 / limit.max(1) as f64;
-            miss(bytes > limit, format!("--max-bytes {limit}: it has {bytes}"), ratio);
-        }
-        if let (Some(limit), Some(percent)) = (self.max_ratio_percent, of.number("ratio_percent")) {
-            let words = format!("--max-ratio {limit}: it has {percent:.2}% of the footage");
-            miss(percent > limit, words, percent / limit.max(1e-9));
-        }
-        misses
+        // A PSNR is computed twice, on either side of a file: the last digit may differ.
+        let psnr = self.min_psnr_db.filter(|_| of.point.stream == Some(StreamKind::Color));
+        let psnr = psnr.map(|limit| (limit, closeness_db(of))).filter(|(limit, found)| *found < limit - 1e-6);
+        let untimed = self.decode_ms.filter(|_| of.number("decode_ms_per_frame").is_none());
+        let all = [
+            more(self.max_error_codes.map(f64::from), "max_error_codes", |limit, codes| {
+                format!("--max-error {limit}: its largest error is {codes} codes")
+            }),
+            more(self.max_error_m, "max_error_m", |limit, metres| {
+                format!("--max-error-m {limit}: its largest error is {metres:.4} m")
+            }),
+            psnr.map(|(limit, found)| Miss {
+                words: format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB"),
+                ratio: limit / found.max(1.0),
+            }),
+            more(self.decode_ms, "decode_ms_per_frame", |limit, ms| {
+                format!("--decode-ms {limit}: decoding a frame takes {ms:.3} ms")
+            }),
+            untimed.map(|limit| Miss {
+                words: format!("--decode-ms {limit}: its decoding has not been timed"),
+                ratio: f64::INFINITY,
+            }),
+            more(self.max_bytes.map(|bytes| bytes as f64), "bytes_container", |limit, bytes| {
+                format!("--max-bytes {limit}: it has {bytes}")
+            }),
+            more(self.max_ratio_percent, "ratio_percent", |limit, percent| {
+                format!("--max-ratio {limit}: it has {percent:.2}% of the footage")
+            }),
+        ];
+        all.into_iter().flatten().collect()
     }
 }
 
@@ -118,13 +107,13 @@ pub fn recommend<'a>(rows: &[&'a StoredPoint], demands: &Demands) -> Vec<Advice<
         let (row, misses) = judged.min_by(|(a, misses_a), (b, misses_b)| {
             let (a, b) = (&a.measured, &b.measured);
             let by_how_much = |misses: &[Miss]| misses.iter().map(|miss| miss.ratio.ln()).sum::<f64>();
-            let order = misses_a.len().cmp(&misses_b.len());
-            let order = order.then(by_how_much(misses_a).total_cmp(&by_how_much(misses_b)));
-            let order = match aim {
-                Aim::Smallest => order,
-                Aim::Closest => order.then(closeness_db(b).total_cmp(&closeness_db(a))),
-            };
-            order.then(a.count("bytes_container").cmp(&b.count("bytes_container"))).then(a.point.cmp(&b.point))
+            let closeness = |of: &Measured| if aim == Aim::Closest { closeness_db(of) } else { 0.0 };
+            let bytes = |of: &Measured| of.count("bytes_container");
+            (misses_a.len().cmp(&misses_b.len()))
+                .then(by_how_much(misses_a).total_cmp(&by_how_much(misses_b)))
+                .then(closeness(b).total_cmp(&closeness(a)))
+                .then(bytes(a).cmp(&bytes(b)))
+                .then(a.point.cmp(&b.point))
         })?;
         Some(Advice { row, aim, misses: misses.into_iter().map(|miss| miss.words).collect() })
     };

@@ -9,7 +9,6 @@ use crate::report::tradeoff::study::Results;
 /// Points that have all settings but one in common.
 #[derive(Debug, Clone)]
 pub struct Run<'a> {
-    /// What they have in common, in the order of reports.
     pub others: Vec<Setting>,
     /// The number that the knob has, and what was measured; by rising number.
     pub points: Vec<(f64, &'a Measured)>,
@@ -20,7 +19,7 @@ pub fn along<'a>(results: &'a Results, kind: StreamKind, name: &str, least: usiz
     let mut runs: Vec<Run<'a>> = Vec::new();
     for measured in results.measured.iter().filter(|measured| measured.point.stream == Some(kind)) {
         let Some(number) = measured.point.value(name).and_then(knob::number) else { continue };
-        let others: Vec<_> = measured.point.settings.iter().filter(|(knob, _)| *knob != name).cloned().collect();
+        let others = measured.point.without(name);
         match runs.iter_mut().find(|run| run.others == others) {
             Some(run) => run.points.push((number, measured)),
             None => runs.push(Run { others, points: vec![(number, measured)] }),

@@ -5,10 +5,10 @@ use StreamKind::{Color, Depth, Material};
 use crate::image::StreamKind;
 use crate::report::timing::{median, spread};
 use crate::report::tradeoff::kind::{
-    Better, Format, Measure, Measured, Panel, PanelLine, Scale, SweepKind, Trade, TradeAxis,
+    Better, DECIBELS, Format, Measure, Measured, Panel, PanelLine, Scale, Source, SweepKind, Trade, TradeAxis,
 };
 use crate::report::tradeoff::knob::{ALL_STREAMS, Knob, Stage};
-/// Sweeps of encoding and decoding.
+
 pub static CODING: SweepKind = SweepKind {
     stem: "tradeoff",
     title: "What accuracy costs",
@@ -81,11 +81,11 @@ pub const KNOBS: &[Knob] = &[
 /// Sizes are those of CALF table 1: the footage, coded in time, with blocks or functions, the container, with LZMA2 on top.
 /// Depth errors are in 16-bit log codes, those of material in steps of 8 bits.
 const MEASURES: &[Measure] = &[
-    Measure::count("bytes_raw", 1).shown("raw", Format::Bytes),
-    Measure::count("bytes_temporal", 1).shown("in time", Format::Bytes),
-    Measure::optional_count("bytes_spatial").shown("blocks or functions", Format::Bytes),
-    Measure::count("bytes_container", 1).shown("container", Format::Bytes),
-    Measure::count("bytes_lzma2", 1).shown("+ LZMA2", Format::Bytes),
+    Measure::new("bytes_raw", Source::Count(Some(1))).shown("raw", Format::Bytes),
+    Measure::new("bytes_temporal", Source::Count(Some(1))).shown("in time", Format::Bytes),
+    Measure::new("bytes_spatial", Source::Count(None)).shown("blocks or functions", Format::Bytes),
+    Measure::new("bytes_container", Source::Count(Some(1))).shown("container", Format::Bytes),
+    Measure::new("bytes_lzma2", Source::Count(Some(1))).shown("+ LZMA2", Format::Bytes),
     Measure::derived("ratio_percent", |of| Some(percent(of, "bytes_container", "bytes_raw")))
         .shown("% of raw", Format::Decimals(2)),
     Measure::derived("ratio_lzma2_percent", |of| Some(percent(of, "bytes_lzma2", "bytes_raw"))),
@@ -94,12 +94,12 @@ const MEASURES: &[Measure] = &[
         .shown("encode s", Format::Even),
     Measure::derived("encode_seconds_min", |of| Some(spread(of.runs("encode_runs"))?.low)),
     Measure::derived("encode_seconds_max", |of| Some(spread(of.runs("encode_runs"))?.high)),
-    Measure::runs("encode_runs"),
+    Measure::new("encode_runs", Source::Runs),
     Measure::derived("decode_seconds", |of| median(of.runs("decode_runs"))).median_of("decode_runs"),
     Measure::derived("decode_seconds_min", |of| Some(spread(of.runs("decode_runs"))?.low)),
     Measure::derived("decode_seconds_max", |of| Some(spread(of.runs("decode_runs"))?.high)),
-    Measure::runs("decode_runs"),
-    Measure::count("decode_passes", 0),
+    Measure::new("decode_runs", Source::Runs),
+    Measure::new("decode_passes", Source::Count(Some(0))),
     Measure::derived("decode_ms_per_frame", |of| {
         Some(median(of.runs("decode_runs"))? * 1000.0 / of.count("frames").max(1) as f64)
     })
@@ -111,32 +111,32 @@ const MEASURES: &[Measure] = &[
     .shown("Mpixel/s", Format::Decimals(0)),
     Measure::derived("changed_percent", |of| Some(percent(of, "updated_pixels", "pixels")))
         .shown("changed %", Format::Decimals(1)),
-    Measure::count("frames", 1),
-    Measure::count("images", 1),
-    Measure::count("pixels", 1),
-    Measure::count("updated_pixels", 0),
-    Measure::decibels("psnr_db", true).shown("PSNR dB", Format::Decimals(2)),
-    Measure::decibels("min_psnr_db", false).shown("worst cell dB", Format::Decimals(2)),
-    Measure::signed("ssim").shown("SSIM", Format::Decimals(4)),
-    Measure::optional_count("max_error_codes").shown("max error", Format::Decimals(0)),
-    Measure::optional("max_error_m").shown("max error m", Format::Even),
-    Measure::optional_count("encode_peak_bytes").shown("encode memory", Format::Bytes),
-    Measure::optional_count("decode_peak_bytes").shown("decode memory", Format::Bytes),
+    Measure::new("frames", Source::Count(Some(1))),
+    Measure::new("images", Source::Count(Some(1))),
+    Measure::new("pixels", Source::Count(Some(1))),
+    Measure::new("updated_pixels", Source::Count(Some(0))),
+    Measure::new("psnr_db", DECIBELS).shown("PSNR dB", Format::Decimals(2)),
+    Measure::new("min_psnr_db", Source::Number { is_needed: false, may_be_infinite: true })
+        .shown("worst cell dB", Format::Decimals(2)),
+    Measure::new("ssim", Source::Signed).shown("SSIM", Format::Decimals(4)),
+    Measure::new("max_error_codes", Source::Count(None)).shown("max error", Format::Decimals(0)),
+    Measure::new("max_error_m", Source::Number { is_needed: false, may_be_infinite: false })
+        .shown("max error m", Format::Even),
+    Measure::new("encode_peak_bytes", Source::Count(None)).shown("encode memory", Format::Bytes),
+    Measure::new("decode_peak_bytes", Source::Count(None)).shown("decode memory", Format::Bytes),
 ];
 
 fn percent(of: &Measured, part: &str, whole: &str) -> f64 {
     100.0 * of.count(part) as f64 / of.count(whole).max(1) as f64
 }
 
-const fn line(label: &'static str, measure: &'static str) -> PanelLine {
-    PanelLine { label, measure, factor: 1.0 }
-}
+const SIZES: &[PanelLine] =
+    &[PanelLine::new("container", "bytes_container"), PanelLine::new("with LZMA2", "bytes_lzma2")];
+const PSNRS: &[PanelLine] = &[PanelLine::new("all samples", "psnr_db"), PanelLine::new("worst cell", "min_psnr_db")];
 
 const PANELS: &[Panel] = &[
-    Panel::new("Container", Scale::Bytes, &[line("container", "bytes_container"), line("with LZMA2", "bytes_lzma2")])
-        .mapped(Better::Less),
-    Panel::new("PSNR (dB)", Scale::Decibels, &[line("all samples", "psnr_db"), line("worst cell", "min_psnr_db")])
-        .for_streams(&[Color]),
+    Panel::new("Container", Scale::Bytes, SIZES).mapped(Better::Less),
+    Panel::new("PSNR (dB)", Scale::Decibels, PSNRS).for_streams(&[Color]),
     Panel::new("PSNR (dB)", Scale::Decibels, &[PanelLine::of("psnr_db")]).for_streams(&[Depth, Material]),
     Panel::new("SSIM", Scale::Linear, &[PanelLine::of("ssim")]).for_streams(&[Color]),
     Panel::new("Largest error (16-bit codes)", Scale::Linear, &[PanelLine::of("max_error_codes")])
@@ -147,43 +147,28 @@ const PANELS: &[Panel] = &[
     Panel::new("Encoding (s)", Scale::Linear, &[PanelLine::of("encode_seconds")]),
 ];
 
-const RATE: TradeAxis = TradeAxis {
-    label: "container (% of raw footage)",
-    measure: "ratio_percent",
-    factor: 1.0,
-    scale: Scale::Logarithmic,
-    better: Better::Less,
-    is_time: false,
-};
+const RATE: TradeAxis =
+    TradeAxis { label: "container (% of raw footage)", measure: "ratio_percent", scale: Scale::Logarithmic };
 const TIME: TradeAxis =
-    TradeAxis { label: "decoding (ms a frame)", measure: "decode_ms_per_frame", is_time: true, ..RATE };
-const DISTORTION: TradeAxis =
-    TradeAxis { label: "PSNR (dB)", measure: "psnr_db", scale: Scale::Decibels, better: Better::More, ..RATE };
-const PSNR_NOTE: &str = " PSNR is that of all samples; of depth, in 16-bit logarithmic codes.";
+    TradeAxis { label: "decoding (ms a frame)", measure: "decode_ms_per_frame", scale: Scale::Logarithmic };
+const RATE_DISTORTION: Trade = Trade {
+    name: "rate-distortion",
+    title: "Rate and distortion",
+    across: RATE,
+    up: TradeAxis { label: "PSNR (dB)", measure: "psnr_db", scale: Scale::Decibels },
+    better: Better::More,
+    note: " PSNR is that of all samples; of depth, in 16-bit logarithmic codes.",
+};
 
 const TRADES: &[Trade] = &[
-    Trade {
-        name: "rate-distortion",
-        title: "Rate and distortion",
-        across: RATE,
-        up: DISTORTION,
-        note: PSNR_NOTE,
-        is_by_last_knob: false,
-    },
-    Trade {
-        name: "time-distortion",
-        title: "Decoding time and distortion",
-        across: TIME,
-        up: DISTORTION,
-        note: PSNR_NOTE,
-        is_by_last_knob: false,
-    },
+    RATE_DISTORTION,
+    Trade { name: "time-distortion", title: "Decoding time and distortion", across: TIME, ..RATE_DISTORTION },
     Trade {
         name: "rate-time",
         title: "Rate and decoding time",
-        across: RATE,
         up: TIME,
+        better: Better::Less,
         note: " Quality is not in this figure.",
-        is_by_last_knob: false,
+        ..RATE_DISTORTION
     },
 ];

@@ -1,17 +1,14 @@
 //! What figures share: sheets of charts with a title, axes of knobs, marks with their range.
 
-use crate::report::plot::Drawing;
-use crate::report::plot::axis;
+use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::drawing::Text;
-use crate::report::plot::number;
-use crate::report::plot::palette;
+use crate::report::plot::{Drawing, axis, number, palette};
 use crate::report::timing::runs_in_words;
 use crate::report::tradeoff::kind::{Measured, PanelLine, Point, Scale, Setting, words};
 use crate::report::tradeoff::study::{Axis, Results, Study};
 
 pub use crate::report::plot::chart::Mark;
 
-/// A picture with its caption.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name of its files, without an ending.
@@ -23,9 +20,11 @@ pub struct Figure {
 
 /// The axis of a knob, and the place of each value on it.
 pub struct KnobAxis {
+    label: &'static str,
     pub axis: axis::Axis,
-    /// One place for each value.
     pub places: Vec<f64>,
+    /// How series along it are drawn: values that are words are not joined.
+    pub kind: Kind,
 }
 
 impl KnobAxis {
@@ -33,10 +32,10 @@ impl KnobAxis {
     pub fn new(study: &Study, along: &Axis) -> KnobAxis {
         let label = study.label(along);
         match along.numbers() {
-            Some(places) => KnobAxis { axis: axis::Axis::of_settings(label, &places), places },
+            Some(places) => KnobAxis { label, axis: axis::Axis::of_settings(label, &places), places, kind: Kind::Line },
             None => {
                 let places = (0..along.values.len()).map(|at| at as f64).collect();
-                KnobAxis { axis: axis::Axis::of_words(label, &along.values), places }
+                KnobAxis { label, axis: axis::Axis::of_words(label, &along.values), places, kind: Kind::Points }
             }
         }
     }
@@ -51,7 +50,7 @@ pub fn point_at(study: &Study, values: impl IntoIterator<Item = Setting>) -> Poi
 
 /// The mark of a point, with the range of its runs; `unit` divides values.
 pub fn mark(x: f64, line: &PanelLine, unit: f64, point: &Measured) -> Option<Mark> {
-    let factor = line.factor / unit;
+    let factor = point.kind.measure(line.measure)?.factor() / unit;
     let spread = point.spread(line.measure).map(|spread| (spread.low * factor, spread.high * factor));
     Some(Mark { x, y: point.number(line.measure)? * factor, spread, name: None })
 }
@@ -61,12 +60,17 @@ pub fn mark(x: f64, line: &PanelLine, unit: f64, point: &Measured) -> Option<Mar
 pub fn extents<'a>(marks: impl Iterator<Item = &'a Mark> + Clone) -> Vec<f64> {
     let finite = marks.clone().map(|mark| mark.y).filter(|y| y.is_finite());
     let most = 2.0 * finite.fold(0.0, f64::max);
-    marks
-        .flat_map(|mark| {
-            let (low, high) = mark.spread.unwrap_or((mark.y, mark.y));
-            [mark.y, low, high.min(most.max(mark.y))]
-        })
-        .collect()
+    let values = marks.flat_map(|mark| {
+        let (low, high) = mark.spread.unwrap_or((mark.y, mark.y));
+        [mark.y, low, high.min(most.max(mark.y))]
+    });
+    values.filter(|value| !value.is_nan()).collect()
+}
+
+pub fn chart(along: KnobAxis, scale: Scale, unit: &PanelUnit, series: Vec<Series>) -> Chart {
+    let values = extents(series.iter().flat_map(|series| &series.marks));
+    let title = format!("{} by {}", unit.title, along.label);
+    Chart { series, ..Chart::new(title, along.axis, axis_of(scale, &unit.title, &values)) }
 }
 
 /// A vertical axis with its label for values, which are in the unit of the label.
@@ -85,9 +89,8 @@ pub fn axis_of(scale: Scale, label: &str, values: &[f64]) -> axis::Axis {
 
 /// The unit of a panel's values, and its title with the unit.
 pub struct PanelUnit {
-    /// Divides values.
     pub size: f64,
-    /// Name of the unit; empty where the title has it.
+    /// Empty where the title has it.
     pub name: &'static str,
     pub title: String,
 }
@@ -104,7 +107,6 @@ impl PanelUnit {
     }
 }
 
-/// Settings that points have besides those of a study's axes.
 pub fn fixed_words(settings: &[Setting]) -> String {
     match words(settings) {
         Some(words) => format!("with {words}, other settings by default"),
@@ -118,11 +120,8 @@ const LINE: f64 = 16.0;
 /// Between drawings, in pixels.
 const GAP: f64 = 8.0;
 
-/// Rows of drawings.
-pub type Tiling = Vec<Vec<Drawing>>;
-
 /// A picture with a title, lines under it, and rows of drawings below.
-pub fn sheet(title: &str, lines: &[String], rows: Tiling) -> Drawing {
+pub fn sheet(title: &str, lines: &[String], rows: Vec<Vec<Drawing>>) -> Drawing {
     let head = HEAD + LINE * lines.len() as f64;
     let row_width = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.width) + GAP).sum::<f64>();
     let row_height = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.height)).fold(0.0, f64::max) + GAP;
@@ -137,19 +136,17 @@ pub fn sheet(title: &str, lines: &[String], rows: Tiling) -> Drawing {
     }
     let mut y = head;
     for row in rows {
-        let below = row_height(&row);
-        let mut x = 0.0;
+        let (mut x, below) = (0.0, y + row_height(&row));
         for drawing in row {
             let next = x + f64::from(drawing.width) + GAP;
             all.place([x, y], drawing);
             x = next;
         }
-        y += below;
+        y = below;
     }
     all
 }
 
-/// The lines under a title: input, settings, number of runs.
 pub fn subtitle<'a>(
     results: &Results,
     study: &Study,

@@ -1,11 +1,9 @@
 //! Two knobs against each other: heat maps of the kind's mapped panels and of the score, and lines of the panels (CALF
 //! figures 7 and 8).
 
-use super::common::{
-    Figure, KnobAxis, Mark, PanelUnit, axis_of, extents, fixed_words, mark, point_at, sheet, subtitle,
-};
+use super::common::{Figure, KnobAxis, Mark, PanelUnit, chart, fixed_words, mark, point_at, sheet, subtitle};
 use crate::report::plot::Drawing;
-use crate::report::plot::chart::{Chart, Kind, Series};
+use crate::report::plot::chart::{Chart, Series};
 use crate::report::plot::heat::{Cell, HeatMap};
 use crate::report::plot::marker::Look;
 use crate::report::plot::number;
@@ -13,33 +11,26 @@ use crate::report::tradeoff::kind::{Better, Measured, Panel, PanelLine, Setting}
 use crate::report::tradeoff::score::{self, Scored};
 use crate::report::tradeoff::study::{Axis, Results, Study, product};
 
-/// Sizes of heat maps and of charts in pixels.
 const MAP: [u32; 2] = [410, 340];
 const CHART: [u32; 2] = [619, 340];
 /// Figures of one study at most, where it has more than two axes.
 const MOST_OF_A_STUDY: usize = 4;
 
-/// The varied axes of a study.
+/// The varied axes of a study: rows and columns of heat maps.
 pub struct Axes<'a> {
-    /// Rows of heat maps.
     pub rows: &'a Axis,
-    /// Columns of heat maps.
     pub columns: &'a Axis,
-    /// One figure for each combination of their values.
     pub others: &'a [&'a Axis],
 }
 
-/// The points of one figure: rows of the first axis, in each those of the second.
 struct Grid<'a> {
     results: &'a Results,
     study: &'a Study,
     axes: &'a Axes<'a>,
     points: Vec<Option<&'a Measured>>,
-    /// Values of the other axes.
     chosen: Vec<Setting>,
 }
 
-/// Mapped values of all cells.
 struct MapValues {
     title: String,
     unit: &'static str,
@@ -81,33 +72,27 @@ impl Grid<'_> {
             lines.push(self.lines(panel, line));
             titles.push(panel.title);
         }
-        let scored = study.sweep.is_scored.then(|| Scored::new(self.points.clone(), results.weights));
-        if let Some(scored) = &scored {
+        let (mut score, mut least) = (String::new(), String::new());
+        if study.sweep.is_scored {
+            let scored = Scored::new(self.points.clone(), results.weights);
+            let [size, time] = [results.weights.compression, results.weights.decoding].map(number::short);
+            let count = scored.count();
+            score = format!(", and a score of bytes and time relative to the best of {count} points, which has 1");
+            least = self.least_words(&scored);
             maps.push(self.map(&MapValues {
-                title: format!(
-                    "Score: size^{} × time^{}",
-                    number::short(results.weights.compression),
-                    number::short(results.weights.decoding)
-                ),
+                title: format!("Score: size^{size} × time^{time}"),
                 unit: "times the best",
-                values: scored.scores.clone(),
+                values: scored.scores,
                 best: scored.best,
             }));
         }
         let caption = format!(
-            "{} and {} against each other, {}: {}{}. The best cell is framed.{} Bars in the lower charts span the shortest and \
-             the longest run, and a bar without an end is cut.{note}",
+            "{} and {} against each other, {}: {}{score}. The best cell is framed.{least} Bars in the lower charts span the \
+             shortest and the longest run, and a bar without an end is cut.{note}",
             capital(study.label(axes.rows)),
             study.label(axes.columns),
             fixed_words(&self.chosen),
             titles.join(", "),
-            scored.as_ref().map_or_else(String::new, |scored| {
-                format!(
-                    ", and a score of bytes and time relative to the best of {} points, which has 1",
-                    scored.count()
-                )
-            }),
-            scored.as_ref().map_or_else(String::new, |scored| self.least_words(scored)),
         );
         let measured = self.points.iter().flatten().copied();
         let subtitle = subtitle(results, study, &self.chosen, measured);
@@ -135,7 +120,7 @@ impl Grid<'_> {
     fn values(&self, panel: &Panel, line: &PanelLine, better: Better) -> MapValues {
         let unit = self.unit(panel, line);
         let value = |point: &Measured| {
-            let value = point.number(line.measure)? * line.factor / unit.size;
+            let value = point.drawn(line.measure)? / unit.size;
             Some(value).filter(|value| value.is_finite())
         };
         let values: Vec<Option<f64>> = self.points.iter().map(|point| point.and_then(value)).collect();
@@ -161,33 +146,23 @@ impl Grid<'_> {
         map.draw(MAP[0], MAP[1])
     }
 
-    /// A line for each row along the columns; values that are words are not joined.
     fn lines(&self, panel: &Panel, line: &PanelLine) -> Drawing {
         let Axes { rows, columns, .. } = self.axes;
         let x = KnobAxis::new(self.study, columns);
         let unit = self.unit(panel, line);
-        let kind = if columns.numbers().is_some() { Kind::Line } else { Kind::Points };
-        let width = columns.values.len();
-        let series: Vec<Series> = rows
-            .values
-            .iter()
-            .enumerate()
-            .map(|(row, name)| {
-                let points = self.points[row * width..(row + 1) * width].iter().zip(&x.places);
-                // A hole in the grid is a hole in the line.
-                let hole = |x: f64| Mark { x, y: f64::NAN, ..Mark::default() };
-                let of = |(point, &x): (&Option<&Measured>, &f64)| {
-                    point.and_then(|point| mark(x, line, unit.size, point)).unwrap_or(hole(x))
-                };
-                Series { name: name.clone(), kind, look: Look::of(row), marks: points.map(of).collect() }
-            })
-            .collect();
-        let mut values = extents(series.iter().flat_map(|series| &series.marks));
-        values.retain(|value| !value.is_nan());
-        let y = axis_of(panel.scale, &unit.title, &values);
-        let title = format!("{} by {}", unit.title, self.study.label(columns));
+        // A hole in the grid is a hole in the line.
+        let hole = |x: f64| Mark { x, y: f64::NAN, ..Mark::default() };
+        let of = |(point, &x): (&Option<&Measured>, &f64)| {
+            point.and_then(|point| mark(x, line, unit.size, point)).unwrap_or(hole(x))
+        };
+        let each = rows.values.iter().zip(self.points.chunks(columns.values.len())).enumerate();
+        let series = each.map(|(row, (name, points))| {
+            let marks = points.iter().zip(&x.places).map(of).collect();
+            Series { name: name.clone(), kind: x.kind, look: Look::of(row), marks }
+        });
+        let series = series.collect();
         let legend = self.study.label(rows).to_owned();
-        Chart { series, legend, ..Chart::new(title, x.axis, y) }.draw(CHART[0], CHART[1])
+        Chart { legend, ..chart(x, panel.scale, &unit, series) }.draw(CHART[0], CHART[1])
     }
 }
 

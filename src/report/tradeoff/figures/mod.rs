@@ -5,13 +5,12 @@ mod grid;
 mod line;
 mod trade;
 
-pub use common::{Figure, Mark, Tiling, extents, sheet, subtitle};
+pub use common::{Figure, Mark, extents, sheet, subtitle};
 pub use grid::capital;
 pub use line::{Along, along};
 
 use super::study::Results;
 
-/// All figures that the points of a sweep give, in the order of the page.
 pub fn all(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     for study in &results.studies {

@@ -10,7 +10,7 @@ use crate::report::plot::font;
 use crate::report::plot::save;
 use crate::report::tradeoff::coding;
 use crate::report::tradeoff::kind::{Measured, Point, Value};
-use crate::report::tradeoff::sample;
+use crate::report::tradeoff::tests::sample;
 
 /// Left, top, right, bottom of what a text's capitals cover.
 fn bounds([x, y]: [f64; 2], text: &Text) -> [f64; 4] {

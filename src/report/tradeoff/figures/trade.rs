@@ -10,7 +10,6 @@ use crate::report::tradeoff::knob;
 use crate::report::tradeoff::pareto;
 use crate::report::tradeoff::study::{Results, Study};
 
-/// Size of the charts in pixels, with their legends.
 const CHART: [u32; 2] = [980, 460];
 
 struct PlacedPoint<'a> {
@@ -19,7 +18,6 @@ struct PlacedPoint<'a> {
     y: f64,
 }
 
-/// The figures of each kind of stream with at least two points.
 pub fn figures(results: &Results) -> Vec<Figure> {
     let streams = results.streams().into_iter();
     streams
@@ -27,31 +25,31 @@ pub fn figures(results: &Results) -> Vec<Figure> {
         .collect()
 }
 
-fn value(axis: &TradeAxis, point: &Measured) -> Option<f64> {
-    Some(point.number(axis.measure)? * axis.factor)
-}
-
 fn figure(results: &Results, stream: Option<StreamKind>, trade: &Trade) -> Option<Figure> {
     let own = results.measured.iter().filter(|point| point.point.stream == stream);
     let points: Vec<PlacedPoint<'_>> = own
-        .filter_map(|point| Some(PlacedPoint { point, x: value(&trade.across, point)?, y: value(&trade.up, point)? }))
+        .filter_map(|point| {
+            let [x, y] = [&trade.across, &trade.up].map(|axis| point.drawn(axis.measure));
+            Some(PlacedPoint { point, x: x?, y: y? })
+        })
         .filter(|placed| placed.x.is_finite() && !placed.y.is_nan())
         .collect();
     // Lossless points alone have no distortion to show.
     if points.len() < 2 || points.iter().all(|placed| placed.y.is_infinite()) {
         return None;
     }
-    let quality = |y: f64| if trade.up.better == Better::More { y } else { -y };
+    let is_more = trade.better == Better::More;
+    let quality = |y: f64| if is_more { y } else { -y };
     let front = pareto::front(&points.iter().map(|placed| (placed.x, quality(placed.y))).collect::<Vec<_>>());
     let studies: Vec<&Study> = results.studies.iter().filter(|study| study.stream == stream).collect();
     let values = |of: fn(&PlacedPoint<'_>) -> f64| points.iter().map(of).collect::<Vec<f64>>();
     let x = axis_of(trade.across.scale, trade.across.label, &values(|placed| placed.x));
     let y = axis_of(trade.up.scale, trade.up.label, &values(|placed| placed.y));
     let key = front.iter().enumerate().map(|(rank, &at)| ((rank + 1).to_string(), points[at].point.point.words()));
-    let (series, legend) = if trade.is_by_last_knob {
-        (by_last_knob(&studies, &points, &front), "Settings")
-    } else {
-        (by_study(&studies, &points, &front), "Study")
+    // Sweeps without streams have one study.
+    let (series, legend, joined) = match stream {
+        None => (by_last_knob(&studies, &points, &front), "Settings", "that differ in the last knob only"),
+        Some(_) => (by_study(&studies, &points, &front), "Study", "of a study of one knob"),
     };
     let chart = Chart {
         series,
@@ -61,13 +59,11 @@ fn figure(results: &Results, stream: Option<StreamKind>, trade: &Trade) -> Optio
         key_title: "Pareto front".to_owned(),
         ..Chart::new("", x, y)
     };
-    let lossless = if points.iter().any(|placed| placed.y.is_infinite()) {
-        " Lossless points have a line of their own, to which the front is dotted."
-    } else {
-        ""
+    let lossless = match points.iter().any(|placed| placed.y.is_infinite()) {
+        true => " Lossless points have a line of their own, to which the front is dotted.",
+        false => "",
     };
-    let above = if trade.up.better == Better::More { "above" } else { "below" };
-    let joined = if trade.is_by_last_knob { "that differ in the last knob only" } else { "of a study of one knob" };
+    let above = if is_more { "above" } else { "below" };
     let caption = format!(
         "All points{}; points to the left and {above} are better. The dashed line joins the Pareto front: points that no other \
          beats in one measure without losing in the other. Its points are numbered, and listed beside the chart. Thin lines \
@@ -75,9 +71,11 @@ fn figure(results: &Results, stream: Option<StreamKind>, trade: &Trade) -> Optio
         stream.map_or_else(String::new, |stream| format!(" of {}", stream.name())),
         trade.note,
     );
-    let shows_time = trade.across.is_time || trade.up.is_time;
-    let note = if shows_time { times(points.iter().map(|placed| placed.point)) } else { None };
-    let lines: Vec<String> = [format!("{}, {} points", results.input, points.len())].into_iter().chain(note).collect();
+    let mut lines = vec![format!("{}, {} points", results.input, points.len())];
+    let has_runs = |axis: &TradeAxis| results.sweep.measure(axis.measure).is_some_and(|of| of.runs.is_some());
+    if has_runs(&trade.across) || has_runs(&trade.up) {
+        lines.extend(times(points.iter().map(|placed| placed.point)));
+    }
     let title = stream.map_or_else(|| trade.title.to_owned(), |stream| format!("{} of {}", trade.title, stream.name()));
     let drawing = sheet(&title, &lines, vec![vec![chart.draw(CHART[0], CHART[1])]]);
     let stem = stream.map_or(results.sweep.stem, StreamKind::name);
@@ -116,8 +114,7 @@ fn by_last_knob(studies: &[&Study], points: &[PlacedPoint<'_>], front: &[usize])
     let last = studies.first().and_then(|study| study.axes.last()).map_or("", |axis| axis.knob);
     let mut all: Vec<Series> = Vec::new();
     for (at, placed) in points.iter().enumerate() {
-        let others: Vec<_> = placed.point.point.settings.iter().filter(|(knob, _)| *knob != last).cloned().collect();
-        let name = words(&others).unwrap_or_default();
+        let name = words(&placed.point.point.without(last)).unwrap_or_default();
         let mark = mark(points, front, at);
         match all.iter_mut().find(|series| series.name == name) {
             Some(series) => series.marks.push(mark),

@@ -7,11 +7,10 @@ use crate::report::tradeoff::figures::{Along, Figure, along, extents, sheet, sub
 use crate::report::tradeoff::kind::{Measured, Panel, PanelLine, Scale};
 use crate::report::tradeoff::study::{Axis, Results, Study};
 
-/// Size of each chart in pixels.
 const CHART: [u32; 2] = [500, 330];
 
 const fn line(measure: &'static str) -> PanelLine {
-    PanelLine { label: "modelling functions", measure, factor: 1.0 }
+    PanelLine::new("modelling functions", measure)
 }
 
 const PANELS: [Panel; 3] = [

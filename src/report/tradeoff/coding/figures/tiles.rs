@@ -6,7 +6,6 @@ use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
 use crate::report::tradeoff::figures::{Figure, Mark, sheet};
 
-/// Sizes of a histogram and of the chart of curves in pixels.
 const HISTOGRAM: [u32; 2] = [340, 280];
 const CURVES: [u32; 2] = [1732, 400];
 /// Points of a sorted curve.
@@ -28,9 +27,10 @@ pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
     let top = (BIN_COUNT * BIN_DB) as f64;
     let db = || Axis::between("PSNR (dB)", 0.0, top, 20.0).with_infinite("exact");
 
+    let mark = |(x, y): (f64, f64)| Mark { x, y, ..Mark::default() };
     let histogram = |(at, model): (usize, TileModel)| {
         let psnr = tiles.of(model);
-        let marks = shares(psnr).into_iter().map(|(x, y)| Mark { x, y, ..Mark::default() }).collect();
+        let marks = shares(psnr).into_iter().map(mark).collect();
         let title = format!("{}: mean {:.1} dB", words(model), psnr.mean_db());
         let series = vec![Series { name: String::new(), kind: Kind::Bars, look: Look::of(at), marks }];
         Chart { series, ..Chart::new(title, db(), y.clone()) }.draw(HISTOGRAM[0], HISTOGRAM[1])
@@ -39,9 +39,8 @@ pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
 
     let curve = |(at, model): (usize, TileModel)| {
         let psnr = tiles.of(model);
-        let share = |step: u32| f64::from(step) / f64::from(QUANTILES);
-        let mark = |step: u32| Mark { x: 100.0 * share(step), y: psnr.quantile_db(share(step)), ..Mark::default() };
-        let marks = (0..=QUANTILES).map(mark).collect();
+        let shares = (0..=QUANTILES).map(|step| f64::from(step) / f64::from(QUANTILES));
+        let marks = shares.map(|share| mark((100.0 * share, psnr.quantile_db(share)))).collect();
         // What is the best of several lies on one of them, which is to be seen under it; and so do both of these.
         let look = match model {
             TileModel::PlateletOrBiquadratic => Look::of(at).dashed([11.0, 6.0]),
@@ -58,19 +57,12 @@ pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
     };
     let curves = chart.draw(CURVES[0], CURVES[1]);
 
-    let unmodelled = TileModel::ALL.map(|model| tiles.of(model).unmodelled);
-    let none = match unmodelled.iter().sum::<u64>() {
-        0 => String::new(),
-        _ => format!(
-            " Tiles that a function cannot model at all count as 0 dB: {}.",
-            TileModel::ALL
-                .iter()
-                .zip(unmodelled)
-                .filter(|(_, count)| *count > 0)
-                .map(|(model, count)| format!("{} {count}", words(*model)))
-                .collect::<Vec<_>>()
-                .join(", ")
-        ),
+    let unmodelled = TileModel::ALL.map(|model| (model, tiles.of(model).unmodelled)).into_iter();
+    let unmodelled = unmodelled.filter(|(_, count)| *count > 0);
+    let unmodelled: Vec<String> = unmodelled.map(|(model, count)| format!("{} {count}", words(model))).collect();
+    let none = match unmodelled.is_empty() {
+        true => String::new(),
+        false => format!(" Tiles that a function cannot model at all count as 0 dB: {}.", unmodelled.join(", ")),
     };
     let caption = format!(
         "How near each modelling function comes to {} tiles of {TILE_SIDE}x{TILE_SIDE} depths without any bound, with {how}. \

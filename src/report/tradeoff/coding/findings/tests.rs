@@ -1,6 +1,6 @@
 use super::*;
 use crate::report::tradeoff::kind::Value;
-use crate::report::tradeoff::sample;
+use crate::report::tradeoff::tests::sample;
 
 fn judge_all(results: &Results) -> Vec<Finding> {
     judge(results, Some(&sample::tiles()))
@@ -88,8 +88,8 @@ fn straight_lines_are_fitted() {
 
 #[test]
 fn tiles_are_judged_by_both_ends() {
-    let tiles = sample::tiles();
-    let finding = bc4w_is_rarely_bad_and_rarely_perfect(Some(&tiles));
+    let findings = judge_all(&sample::paper());
+    let finding = findings.iter().find(|finding| finding.name == "bc4w_few_bad_few_perfect").unwrap();
     assert_eq!(finding.verdict, Verdict::Found, "{finding:#?}");
     assert!(finding.rests_on.contains("bc4w 0 %"), "{finding:#?}");
 }

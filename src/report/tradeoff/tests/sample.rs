@@ -1,13 +1,13 @@
-//! Results that were never measured, for tests of reports.
+//! Points of the papers' studies, and tiles.
 
-use super::coding::CODING;
-use super::kind::{Measured, Point, Value};
-use super::knob;
-use super::study::{Axis, Results, Study, Weights, all_points};
 use crate::depth::domain::Domain;
 use crate::depth::tile_psnr::TilePsnr;
 use crate::effort::Effort;
 use crate::image::StreamKind;
+use crate::report::tradeoff::coding::CODING;
+use crate::report::tradeoff::kind::{Measured, Point, Value};
+use crate::report::tradeoff::knob;
+use crate::report::tradeoff::study::{Axis, Results, Study, Weights, all_points};
 
 /// A point of depth with these settings, bytes and seconds of decoding.
 pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> Measured {
