@@ -65,8 +65,7 @@ pub fn measure_grid(args: &Args, study: Study, bench: impl CommandBench, global:
     lines.chain(points.iter().map(|point| bench.line(point, here))).try_for_each(|line| parse(&line).map(drop))?;
     let mut opened = Opened::new(args, &study, 0)?;
     let (about, commands, more) = (bench.about(), bench.examples(&points), bench.input());
-    let sweeping =
-        Sweeping { args, global, start, studies: vec![study], left_out: Vec::new(), about, commands };
+    let sweeping = Sweeping { args, global, start, studies: vec![study], left_out: Vec::new(), about, commands };
     let finished = sweeping.measure(&mut opened, |work| Commands { bench, work: work.to_path_buf() })?;
     finished.tell(&opened, &Extras::default(), more, "")?;
     Ok(ExitStatus::Passed)
