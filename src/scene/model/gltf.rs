@@ -54,7 +54,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
                 skins[skin].check(geometry).map_err(context)?;
             }
             let weights = weights.iter().map(|&weight| f64::from(weight)).collect();
-            instances.push(Instance { node: number, skin, weights, geometry: geometry.clone() });
+            instances.push(Instance { node: number, skin, weights, geometry: geometry.clone(), is_moving: false });
         }
     }
     if meshes.skipped > 0 {
@@ -84,7 +84,8 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     let materials = paints.into_iter().map(shaded).collect();
     let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();
     let contents = buffers.folder.contents(bytes);
-    let stage = Stage { nodes, instances, skins, materials, lights, animation };
+    let mut stage = Stage { nodes, instances, skins, materials, lights, animation, is_moving: false };
+    stage.find_moving();
     Ok(Read { stage, animations, durations_s, contents })
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 pub use self::options::Play;
 use self::options::printable;
-use self::stage::{Moves, Stage, Which};
+use self::stage::{Stage, Which};
 use super::{Light, SceneAtTime, SceneMesh};
 use crate::error::{Error, Result};
 use crate::mesh::folder;
@@ -31,19 +31,14 @@ const MAX_NOTES: usize = 40;
 pub struct Model {
     still: Vec<Arc<SceneMesh>>,
     light: Light,
-    motion: Option<Motion>,
+    /// What moves.
+    motion: Option<Stage>,
     /// In order of the file; “animation N” for one without a name.
     pub animations: Vec<String>,
     /// Seconds, as the file states them; `None` where it does not.
     pub durations_s: Vec<Option<f64>>,
     /// Digest of all files that it was read from, and of the names of missing ones.
     pub contents: String,
-}
-
-#[derive(Debug)]
-struct Motion {
-    stage: Stage,
-    moves: Moves,
 }
 
 impl Model {
@@ -84,18 +79,17 @@ impl Model {
     }
 
     fn of_stage(stage: Stage, notes: &mut Vec<String>) -> Result<Model> {
-        let moves = stage.moves();
-        let fixed = stage.at(0.0, Which::Still, &moves);
-        let moving = stage.at(0.0, Which::Moving, &moves);
+        let fixed = stage.at(0.0, Which::Still);
+        let moving = stage.at(0.0, Which::Moving);
         let mut left_out = fixed.left_out;
         left_out.add(moving.left_out);
         left_out.note(notes);
         let shown = fixed.mesh.triangles.len() + moving.mesh.triangles.len();
-        if shown == 0 && !moves.anything() {
+        if shown == 0 && !stage.is_moving {
             return Err(nothing());
         }
         let still = stage.scene_mesh(fixed.mesh).into_iter().collect();
-        let motion = moves.anything().then_some(Motion { stage, moves });
+        let motion = Some(stage).filter(|stage| stage.is_moving);
         Ok(Model { still, light: fixed.light, motion, ..Model::default() })
     }
 
@@ -106,18 +100,18 @@ impl Model {
 
     /// Seconds, 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
-        self.motion.as_ref().map_or(0.0, |motion| motion.stage.animation.duration_s)
+        self.motion.as_ref().map_or(0.0, |stage| stage.animation.duration_s)
     }
 
     /// The scene at a time; after the end of the animation, at its end. The same time gives the same bits.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         let mut meshes = self.still.clone();
         let mut light = self.light.clone();
-        if let Some(motion) = &self.motion {
+        if let Some(stage) = &self.motion {
             let time_s = if time_s.is_nan() { 0.0 } else { time_s };
-            let shown = motion.stage.at(time_s, Which::Moving, &motion.moves);
+            let shown = stage.at(time_s, Which::Moving);
             light = shown.light;
-            meshes.extend(motion.stage.scene_mesh(shown.mesh));
+            meshes.extend(stage.scene_mesh(shown.mesh));
         }
         SceneAtTime::with_meshes(Vec::new(), meshes, light)
     }

@@ -21,6 +21,8 @@ pub struct Instance {
     /// Weights of the morph targets, unless animated.
     pub weights: Vec<f64>,
     pub geometry: Arc<Geometry>,
+    /// Whether the animation moves it: see [`Stage::find_moving`].
+    pub is_moving: bool,
 }
 
 #[derive(Debug)]
@@ -31,6 +33,8 @@ pub struct Stage {
     pub materials: Arc<[MeshMaterial]>,
     pub lights: Vec<NodeLight>,
     pub animation: Animation,
+    /// Whether the animation moves anything, lights included.
+    pub is_moving: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,27 +52,14 @@ pub struct Shown {
     pub left_out: LeftOut,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Moves {
-    /// For each instance, whether it is moved.
-    pub instances: Vec<bool>,
-    pub lights: bool,
-}
-
-impl Moves {
-    pub fn anything(&self) -> bool {
-        self.lights || self.instances.contains(&true)
-    }
-}
-
 impl Stage {
     /// `None` for a mesh without triangles.
     pub fn scene_mesh(&self, mesh: Mesh) -> Option<Arc<SceneMesh>> {
         (!mesh.triangles.is_empty()).then(|| Arc::new(SceneMesh::new(mesh, self.materials.clone())))
     }
 
-    /// What the animation moves: a channel of constant value moves nothing.
-    pub fn moves(&self) -> Moves {
+    /// Finds what the animation moves: a channel of constant value moves nothing.
+    pub fn find_moving(&mut self) {
         let mut nodes = vec![false; self.nodes.locals.len()];
         let mut morphs = nodes.clone();
         for channel in self.animation.channels.iter().filter(|channel| !channel.is_constant()) {
@@ -77,15 +68,16 @@ impl Stage {
         }
         self.nodes.spread(&mut nodes);
         let skins: Vec<bool> = self.skins.iter().map(|skin| skin.joints.iter().any(|&joint| nodes[joint])).collect();
-        let instances = self.instances.iter().map(|instance| {
+        self.is_moving = self.lights.iter().any(|light| nodes[light.node]);
+        for instance in &mut self.instances {
             let carried = instance.skin.map_or(nodes[instance.node], |skin| skins[skin]);
-            carried || (morphs[instance.node] && !instance.geometry.targets.is_empty())
-        });
-        Moves { instances: instances.collect(), lights: self.lights.iter().any(|light| nodes[light.node]) }
+            instance.is_moving = carried || (morphs[instance.node] && !instance.geometry.targets.is_empty());
+            self.is_moving |= instance.is_moving;
+        }
     }
 
     /// Static or moving instances, and all lights, at a time in seconds.
-    pub fn at(&self, time_s: f64, which: Which, moves: &Moves) -> Shown {
+    pub fn at(&self, time_s: f64, which: Which) -> Shown {
         let mut poses: Vec<Local> = self.nodes.locals.clone();
         for channel in &self.animation.channels {
             if channel.property != Property::MorphTargetWeights {
@@ -101,16 +93,14 @@ impl Stage {
         let mut morphed = vec![None; self.nodes.locals.len()];
         weights.for_each(|channel| morphed[channel.node] = Some(channel.curve.at(time_s)));
 
-        let shown = |moves: bool| moves == (which == Which::Moving);
-        let instances = self.instances.iter().zip(&moves.instances);
-        let meant = instances.filter(|(_, moves)| shown(**moves)).map(|(instance, _)| instance);
+        let meant = self.instances.iter().filter(|instance| instance.is_moving == (which == Which::Moving));
         let channels = meant.clone().fold(Channels::default(), |channels, instance| Channels {
             normals: channels.normals || !instance.geometry.normals.is_empty(),
             uvs: channels.uvs || !instance.geometry.uvs.is_empty(),
             colors: channels.colors || !instance.geometry.colors.is_empty(),
         });
         let mut assembly = Assembly::new(channels);
-        for Instance { node, skin, weights, geometry } in meant {
+        for Instance { node, skin, weights, geometry, .. } in meant {
             let carrier = match skin {
                 Some(skin) => Carrier::Joints(&joints[*skin]),
                 None => Carrier::Node(&to_world[*node]),
