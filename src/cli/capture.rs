@@ -25,14 +25,19 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.output == Path::new("-") {
         return refuse("standard output cannot hold a dataset: name a folder");
     }
-    check_cameras_stay(args)?;
+    let manifest = args.output.join(MANIFEST_NAME);
+    let cameras = args.cameras.as_ref().and_then(|path| path.canonicalize().ok());
+    if cameras.is_some() && manifest.canonicalize().ok() == cameras {
+        let path = manifest.display();
+        return refuse(format!("{path}: the file of cameras would be overwritten; name another folder"));
+    }
     let (cameras, viewers) = args.read_cameras()?;
     let play = args.animation.as_deref().map_or(Play::First, Play::Named);
     let (scene, notes) = Scene::open(&args.scene, play)?;
     notes.iter().for_each(|note| global.note(note));
     let plan = args.plan(&scene, cameras, viewers)?;
     plan.manifest()?;
-    if args.output.join(MANIFEST_NAME).is_file() {
+    if manifest.is_file() {
         let old = Manifest::read(&args.output)?;
         plan.check_replaces(&old).map_err(|error| error.context(args.output.display()))?;
     }
@@ -45,17 +50,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
     global.report(args.json, &report, || text(&args.output, &plan, &summary, &report))?;
     Ok(ExitStatus::Passed)
-}
-
-/// Refuses to overwrite the manifest that the cameras are read from.
-fn check_cameras_stay(args: &Args) -> Result<()> {
-    let manifest = args.output.join(MANIFEST_NAME);
-    let cameras = args.cameras.as_ref().and_then(|path| path.canonicalize().ok());
-    if cameras.is_some() && manifest.canonicalize().ok() == cameras {
-        let path = manifest.display();
-        return refuse(format!("{path}: the file of cameras would be overwritten; name another folder"));
-    }
-    Ok(())
 }
 
 struct Work<'a> {

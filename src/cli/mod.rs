@@ -27,6 +27,7 @@ mod selftest;
 mod tradeoff;
 
 use std::ffi::OsString;
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -51,7 +52,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match execute(cli) {
         Ok(ExitStatus::Passed) => ExitCode::SUCCESS,
         Ok(ExitStatus::Failed) => ExitCode::from(EXIT_FAILED),
-        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        // The reader of our output has closed it.
+        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             output::note(format_args!("lightfold: {error}"));
             ExitCode::from(exit_code(&error))

@@ -11,11 +11,6 @@ use crate::json;
 use crate::report::machine;
 use crate::report::plot::number::bytes_unit;
 
-/// Whether the reader of our output has closed it, which is not a failure.
-pub fn is_broken_pipe(error: &Error) -> bool {
-    matches!(error, Error::Io { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe)
-}
-
 /// Names the output in an error of writing.
 pub fn name_output(error: Error, path: &Path) -> Error {
     if matches!(error, Error::Io { .. }) { error.in_file(path) } else { error }

@@ -23,6 +23,7 @@ use crate::report::plot::save;
 use crate::scene::{Play, Scene};
 
 pub use args::Args;
+use args::SPECULAR;
 use report::Report;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -64,7 +65,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse("no camera adds coverage: nothing is visible from the region, or --until is too large");
     }
     let is_compared = args.plot.is_some() || args.csv.is_some();
-    let comparison = is_compared.then(|| place(&search, args.other_lighting())).transpose()?;
+    let other = if args.lighting == Lighting::Diffuse { SPECULAR } else { Lighting::Diffuse };
+    let comparison = is_compared.then(|| place(&search, other)).transpose()?;
     let rate_per_m = search.problem.rate_per_m;
     let mut decays = Vec::new();
     for k in &args.compare_k {

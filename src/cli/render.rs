@@ -67,7 +67,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Some(truth) => truth.jobs(args.frames.frames, playback.player.frames(), global)?,
         None => args.jobs(&playback, global)?,
     };
-    if args.has_ignored_options() {
+    let march = &args.march;
+    if march.method != Method::March && (march.samples != 1 || march.effects == SpecularMode::Force) {
         global.note(format_args!("--method {} ignores --samples and --effects", args.method_name()));
     }
     let beside_bytes = args.bytes_beside_views(&jobs, &decoder)?;
@@ -239,12 +240,6 @@ impl Args {
 
     fn method_name(&self) -> &'static str {
         word_of(METHODS, &self.march.method)
-    }
-
-    /// Whether options of ray marching are given to another method.
-    fn has_ignored_options(&self) -> bool {
-        let march = &self.march;
-        march.method != Method::March && (march.samples != 1 || march.effects == SpecularMode::Force)
     }
 
     /// Refuses a --far before the default --near.

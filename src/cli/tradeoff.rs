@@ -13,6 +13,7 @@ mod tiles;
 
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::error::Result;
+use crate::report::tradeoff::knob::Stage;
 use crate::scene::Scene;
 
 pub use args::Args;
@@ -26,7 +27,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let demands = args.recommend.demands()?;
     match (&args.input, demands) {
         (Some(scene), _) if Scene::is_named_by(scene) => placement::measure(args, scene, global),
-        (Some(dataset), _) if rendering::is_asked(args) => rendering::measure(args, dataset, global),
+        (Some(dataset), _) if args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render) => {
+            rendering::measure(args, dataset, global)
+        }
         (Some(input), demands) => coding::measure(args, input, demands, global),
         (None, Some(demands)) => {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();

@@ -105,7 +105,8 @@ pub struct Args {
 
 /// Default θ (CALF figure 4).
 const DEFAULT_THETA_DEG: f64 = 50.0;
-const SPECULAR: Lighting = Lighting::Specular { theta_deg: DEFAULT_THETA_DEG };
+/// `specular` without `--theta`.
+pub const SPECULAR: Lighting = Lighting::Specular { theta_deg: DEFAULT_THETA_DEG };
 
 const LIGHTINGS: &Choices<Lighting> = &[
     ("diffuse", Lighting::Diffuse, "Equal from all directions: one camera covers a surface"),
@@ -122,10 +123,6 @@ impl Args {
             (Lighting::Specular { .. }, Some(theta_deg)) => Lighting::Specular { theta_deg },
             (lighting, _) => lighting,
         }
-    }
-
-    pub(super) fn other_lighting(&self) -> Lighting {
-        if self.lighting == Lighting::Diffuse { SPECULAR } else { Lighting::Diffuse }
     }
 
     pub(super) fn settings(&self) -> Settings {

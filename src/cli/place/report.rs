@@ -71,12 +71,6 @@ impl Report<'_> {
         std::iter::once(self.placement).chain(&self.comparison)
     }
 
-    /// The scene without the folder that it is in.
-    fn scene_name(&self) -> String {
-        let name = Path::new(&self.args.scene).file_name();
-        name.map_or_else(|| self.args.scene.clone(), |name| name.to_string_lossy().into_owned())
-    }
-
     /// A curve for each lighting, the one asked for first.
     pub fn curves(&self) -> Vec<Curve> {
         self.placements().map(|placement| self.curve(placement, self.search.problem.rate_per_m)).collect()
@@ -88,9 +82,11 @@ impl Report<'_> {
     }
 
     fn curve(&self, placement: &Placement, rate_per_m: f64) -> Curve {
+        // Without the folder that it is in.
+        let scene = Path::new(&self.args.scene).file_name().map(|name| name.to_string_lossy().into_owned());
         Curve {
             lighting: placement.lighting,
-            scene: self.scene_name(),
+            scene: scene.unwrap_or_else(|| self.args.scene.clone()),
             rate_per_m,
             figures: placement.cameras.iter().map(|placed| placed.figures).collect(),
             reachable: placement.reachable,

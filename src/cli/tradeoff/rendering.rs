@@ -10,7 +10,6 @@ use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
-use crate::report::tradeoff::knob::Stage;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::rendering::{RENDERING, RenderingBench};
 use crate::report::tradeoff::study::Axis;
@@ -31,11 +30,6 @@ const OWN: &[&str] = &[
     "error-map",
     "trace",
 ];
-
-/// Whether a knob is swept that only `render` has.
-pub fn is_asked(args: &Args) -> bool {
-    args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render)
-}
 
 #[derive(Debug, Default, PartialEq)]
 struct Fixed {
