@@ -8,7 +8,6 @@ use crate::math::{Camera, Lens};
 
 pub const MAX_PATH_FRAMES: u32 = 100_000;
 
-/// A camera, and the frames in which it looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimedCamera {
     pub camera: Camera,

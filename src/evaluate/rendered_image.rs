@@ -33,7 +33,6 @@ impl RenderedImage {
         Ok(RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? })
     }
 
-    /// 8-bit codes, without alpha.
     pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
         self.color.map(|light| light.map(|light| tone.code(light)))
     }

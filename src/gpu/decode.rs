@@ -204,7 +204,6 @@ impl<'a> GpuDecoder<'a> {
         self.most_work = invocations.min(MOST_WORK);
     }
 
-    /// Decodes a frame of each stream that has it.
     pub fn decode(&mut self, frame: u32) -> Result<()> {
         let has_it = |at: &usize| self.streams[*at].frames.contains(frame);
         let units = (0..self.streams.len()).filter(has_it).flat_map(|at| self.wanted(at, frame, &AllUnits));
@@ -463,7 +462,6 @@ impl<'a> GpuDecoder<'a> {
         (rounds.max(1), pixels)
     }
 
-    /// Submits the list, and empties it.
     fn submit(&mut self, batch: &mut Batch) -> Result<()> {
         let Batch { items, rounds, .. } = std::mem::take(batch);
         if items.is_empty() {
@@ -526,7 +524,6 @@ impl<'a> GpuDecoder<'a> {
 }
 
 impl Buffers {
-    /// Sends the list, and makes room for its jobs.
     fn list(&mut self, gpu: &Gpu, items: &[Item]) -> Result<()> {
         self.items.clear();
         self.items.push(list_of([items.len() as u32, 0], items));

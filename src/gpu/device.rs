@@ -108,7 +108,6 @@ fn adapters() -> Vec<wgpu::Adapter> {
     pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY))
 }
 
-/// All graphics devices of this machine.
 pub fn list() -> Vec<DeviceInfo> {
     adapters().iter().enumerate().map(|(index, adapter)| DeviceInfo::of(index, adapter)).collect()
 }
@@ -139,7 +138,6 @@ pub struct Pipeline {
     bindings: &'static [Binding],
 }
 
-/// An open graphics device, and the kernels that were compiled for it so far.
 #[derive(Debug)]
 pub struct Gpu {
     pub info: DeviceInfo,
@@ -227,7 +225,6 @@ impl Gpu {
         }
     }
 
-    /// Waits for all submitted work.
     pub fn wait(&self) -> Result<()> {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check_lost()?;

@@ -12,9 +12,7 @@ pub struct ShaderFile {
 pub enum BindingKind {
     ReadOnlyStorage,
     Storage,
-    /// A texture array of words.
     Uint,
-    /// A texture array of floats, never filtered.
     UnfilterableFloat,
 }
 

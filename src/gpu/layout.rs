@@ -24,7 +24,6 @@ impl<const N: usize, T: Words> Words for [T; N] {
     }
 }
 
-/// The words of rows of a buffer.
 pub fn words_of<T: Words>(rows: &[T]) -> Vec<u32> {
     let mut out = Vec::with_capacity(size_of_val(rows) / 4);
     rows.iter().for_each(|row| row.put(&mut out));

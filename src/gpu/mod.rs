@@ -23,6 +23,4 @@ pub mod selftest;
 pub mod verify;
 
 pub use decode::GpuDecoder;
-pub use device::{DeviceChoice, DeviceInfo, Gpu, Pick};
-pub use render::GpuRenderer;
-pub use render::playback::DeviceRenderer;
+pub use device::Gpu;

@@ -35,7 +35,6 @@ impl Timeline {
     }
 }
 
-/// A chunk in the device's form.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     /// Bytes of the stream, as words.

@@ -73,7 +73,6 @@ pub struct RenderCost {
     pub proxies: Duration,
     /// Time in which the device marched, from the first dispatch to the end of the last.
     pub marching: Duration,
-    /// Time for reading pictures back.
     pub reading: Duration,
 }
 
@@ -252,7 +251,6 @@ impl<'a> GpuRenderer<'a> {
         })
     }
 
-    /// Renders some rows, and waits for them.
     fn dispatch(
         &self,
         kernel: &'static Kernel,

@@ -222,7 +222,6 @@ impl Resident {
         self.resident.clear();
     }
 
-    /// Allocates and writes a chunk for a call that needs it.
     pub fn place(&mut self, key: u32, chunk: Prepared, call: u64) {
         let words = words_taken(&chunk);
         let places = [0, 1, 2, 3].map(|table| self.tables[table].place(words[table]));

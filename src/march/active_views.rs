@@ -35,7 +35,6 @@ pub enum Occupancy {
 pub struct ActiveView<'a> {
     pub view: &'a View,
     pub from_eye: Vec3,
-    /// Rotates directions of the world into its axes.
     pub probe_from_world: Mat3,
     /// w_cam of algorithm 4.
     pub camera_weight: f32,

@@ -13,7 +13,6 @@ pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SyntheticProbe {
-    /// Where it stands, in metres.
     pub position: DVec3,
     /// Turns directions of the probe into those of the world.
     pub turn: DQuat,

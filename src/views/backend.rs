@@ -55,7 +55,6 @@ pub trait TexelBackend {
 
     fn unload(&mut self, _probe: usize) {}
 
-    /// Decodes a frame of units of loaded probes.
     fn decode(&mut self, frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()>;
 
     fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool;

@@ -18,7 +18,7 @@ use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull};
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct CameraUnitCounts {
     pub cameras: u64,
     /// Units of the chosen streams.
@@ -26,16 +26,17 @@ pub struct CameraUnitCounts {
     /// Units that a camera sees in a chosen frame.
     pub visible_units: u64,
     /// Tests that units one by one would have taken, each up to the first camera that sees it.
+    #[serde(skip)]
     pub regular_tests: u64,
+    #[serde(skip)]
     pub hierarchical_tests: u64,
 }
 
 /// What cameras see of a container, as a report in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraUnitsReport {
-    cameras: u64,
-    units: u64,
-    visible_units: u64,
+    #[serde(flatten)]
+    counts: CameraUnitCounts,
     pub visible_fraction: f64,
     frustum_tests: FrustumTests,
     /// Stored bytes of all units.
@@ -51,12 +52,9 @@ struct FrustumTests {
 add_members!(CameraUnitCounts: cameras, units, visible_units, regular_tests, hierarchical_tests);
 
 impl CameraUnitCounts {
-    /// The report; all units have `bytes_total` stored bytes.
     pub fn report(&self, bytes_total: u64) -> CameraUnitsReport {
         CameraUnitsReport {
-            cameras: self.cameras,
-            units: self.units,
-            visible_units: self.visible_units,
+            counts: *self,
             visible_fraction: self.visible_units as f64 / self.units.max(1) as f64,
             frustum_tests: FrustumTests { regular: self.regular_tests, hierarchical: self.hierarchical_tests },
             bytes_total,

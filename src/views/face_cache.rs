@@ -59,7 +59,6 @@ pub struct DepthPart {
     pub rect: Rect,
 }
 
-/// A unit, and whether its texels are valid.
 #[derive(Debug)]
 pub struct CachedUnit<'a> {
     pub id: UnitId,
@@ -253,7 +252,6 @@ impl<'a> FaceCache<'a> {
         FaceChanges { rects, decoded, unchanged: needed - decoded, unseen: count - needed }
     }
 
-    /// Stored bytes that its units have read so far.
     pub fn bytes_read(&self) -> u64 {
         self.all().flat_map(|units| &units.units).map(|unit| unit.decoder.cost().bytes_read).sum()
     }
@@ -329,13 +327,11 @@ impl<'a> FaceCache<'a> {
         all
     }
 
-    /// Writes stale depths; answers what became different.
     fn update_depth(&self, texels: &mut FaceTexels) -> Vec<Rect> {
         let stale = self.stale_depths().into_iter();
         stale.filter_map(|(tile, rect)| self.write_depth(tile, rect, texels)).collect()
     }
 
-    /// Writes depths in a rectangle of a tile; answers what became different.
     fn write_depth(&self, tile: usize, rect: Rect, texels: &mut FaceTexels) -> Option<Rect> {
         let decoder = &self.depth.units[tile].decoder;
         let UnitPixels::Depth(codes) = decoder.pixels() else { return None };

@@ -58,7 +58,6 @@ impl FaceImage {
         })
     }
 
-    /// The same with a margin around every rectangle.
     #[must_use]
     pub fn with_margin(self, margin_pixels: f64) -> FaceImage {
         FaceImage { margin_pixels, ..self }

@@ -105,7 +105,6 @@ impl FaceTexels {
         self.inverse_depth.is_empty() && self.size != [0; 2]
     }
 
-    /// The same face with materials, whose weights are all 0.
     #[must_use]
     pub fn with_material(self) -> FaceTexels {
         let texels = self.size[0] as usize * self.size[1] as usize;
@@ -138,9 +137,7 @@ pub struct View {
     pub name: String,
     /// Its index in the container's table of probes.
     pub probe: usize,
-    /// Where it stands, in metres.
     pub position: DVec3,
-    /// Turns directions of the world into those of its faces.
     pub probe_from_world: DMat3,
     /// No surface of it is nearer, in metres of distance.
     pub near_m: f32,

@@ -39,7 +39,6 @@ pub struct Change {
 pub struct Candidate {
     /// Its number in the light field.
     pub view: usize,
-    /// Where it stands, in metres.
     pub position: DVec3,
 }
 

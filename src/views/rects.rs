@@ -3,7 +3,6 @@
 /// Left, top, width and height, the last two above 0.
 pub type Rect = [u32; 4];
 
-/// What two rectangles have in common.
 pub fn overlap(a: Rect, b: Rect) -> Option<Rect> {
     let [left, top] = [0, 1].map(|axis| a[axis].max(b[axis]));
     let [right, bottom] = [0, 1].map(|axis| (a[axis] + a[axis + 2]).min(b[axis] + b[axis + 2]));

@@ -217,7 +217,6 @@ impl DepthPlanes {
             && !self.faces.contains_key(&(Face::View as usize))
     }
 
-    /// Lists the jobs that write these tiles.
     pub fn list<'p>(&self, tiles: &[TileParts<'p>]) -> Jobs<'p> {
         let (mut all, mut changed) = (Jobs::default(), BTreeMap::<usize, Rect>::new());
         for tile in tiles {

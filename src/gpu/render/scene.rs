@@ -54,7 +54,6 @@ pub struct SceneRows {
     /// Active views, then a view for each refractive sphere.
     pub views: Vec<View>,
     pub faces: Vec<Face>,
-    /// Distances of the samples along a ray, in metres.
     pub distances_m: Vec<f32>,
 }
 

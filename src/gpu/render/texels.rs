@@ -319,7 +319,6 @@ impl DeviceTexels {
         }
     }
 
-    /// A view of the texture of a binding.
     pub fn view(&self, binding: &str) -> Option<wgpu::TextureView> {
         let Textures { inverse_depths, pyramids, colors, materials, .. } = self.textures.as_ref()?;
         let texture = match binding {

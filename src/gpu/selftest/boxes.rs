@@ -139,7 +139,6 @@ fn push<T: BoxTexel>(
     }
 }
 
-/// All cases of one kind of pixel, stored in one way.
 pub(super) fn cases<T: BoxTexel>(layout: Layout, seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let [mut small, mut odd, mut large] = [(); 3].map(|()| Gathered::default());

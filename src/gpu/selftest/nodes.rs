@@ -10,7 +10,6 @@ use crate::gpu::prepare::words_from;
 use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
-/// Adds a unit that shows these nodes.
 fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
     let mut runtime = Runtime::new(grid);
     runtime.push(0, nodes);

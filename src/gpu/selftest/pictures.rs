@@ -16,7 +16,7 @@ use crate::image::cube::Face;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::image::{DepthKind, ImageProjection};
 use crate::march::active_views::ActiveViews;
-use crate::march::ray::Steps;
+use crate::march::playback::frames::PictureOptions;
 use crate::march::render::{Rendered, render};
 use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
 use crate::math::Camera;
@@ -187,15 +187,14 @@ impl Captured {
     fn seen_by(&self, label: &'static str, field: LightField, eye: DVec3) -> Result<PictureCase> {
         let views: Vec<usize> = (0..field.views.len()).collect();
         let active = ActiveViews::new(&field, &views, eye);
-        let settings = RenderSettings {
+        let options = PictureOptions {
             size: [SIZE, SIZE - 11],
-            steps: Steps::new(96, active.near_m() / 10.0, active.far_m().max(1.0), 8),
-            samples: 1,
-            holes: HoleFill::Blank,
+            steps: 96,
+            far_m: Some(active.far_m().max(1.0)),
             specular: SpecularMode::None,
-            max_bounces: 4,
-            acceleration: Acceleration::Pyramid,
+            ..PictureOptions::default()
         };
+        let settings = options.settings(&active);
         Ok(PictureCase { label, views, camera: looking(eye)?, settings, field })
     }
 

@@ -17,7 +17,6 @@ fn code(random: &mut Random) -> u16 {
     if random.one_in(3) { random.pick(&hard).unwrap_or_default() } else { random.word() as u16 }
 }
 
-/// Rectangles of tiles of faces, and the texels that they become.
 pub(super) fn depths(seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let codes = ColorCoding::Codes(ToneMap::default());
@@ -108,7 +107,6 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
     cases
 }
 
-/// Levels of pyramids above texels of all sorts.
 pub(super) fn squares(seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let mut cases = Vec::new();

@@ -19,7 +19,6 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
 
-/// The nearest texel of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     /// Distance from the eye in metres; `+inf` for the background.
@@ -73,7 +72,6 @@ pub fn splat(
     Ok(Rendered { image: RenderedImage::of_pixels(settings.size, pixels)?, counters })
 }
 
-/// An image of an active view.
 struct Image<'a> {
     view: &'a ActiveView<'a>,
     face: &'a FaceTexels,

@@ -40,7 +40,6 @@ pub(crate) fn surface_colors(
     })
 }
 
-/// Inverse depths and colours of texels of lanes.
 struct Texels {
     depth: Lanes,
     color: [Lanes; 3],

@@ -14,7 +14,6 @@ use crate::march::settings::RenderSettings;
 use crate::march::shading::{PrimaryHit, RayResult, background};
 use crate::views::light_field::ColorCoding;
 
-/// Shared by all packets of a picture.
 #[derive(Debug)]
 pub(crate) struct PacketScene<'a> {
     views: &'a ActiveViews<'a>,
@@ -49,7 +48,6 @@ impl<'a> PacketScene<'a> {
     }
 }
 
-/// Marches adjacent rays.
 #[derive(Debug)]
 pub(crate) struct PacketRow<'a> {
     scene: &'a PacketScene<'a>,

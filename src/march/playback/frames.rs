@@ -108,7 +108,6 @@ pub struct Stage<'s> {
     pub views: &'s [usize],
 }
 
-/// A rendering method, on the CPU or a device.
 pub trait Renderer {
     /// Secondary rays, which decide what is decoded.
     fn specular(&self) -> SpecularMode {

@@ -24,7 +24,6 @@ const WORTH: f64 = 0.85;
 /// Frames in a row that must have had room.
 const PATIENCE: u32 = 8;
 
-/// Limits the number of views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerformanceCulling {
     target_ms: f64,

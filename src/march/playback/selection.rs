@@ -86,7 +86,6 @@ impl ViewSelector {
         ViewSelector { settings, performance, slots: Vec::new() }
     }
 
-    /// Selects views for an eye among those that have the frame.
     pub fn select(&mut self, candidates: &[Candidate], eye: DVec3) -> Selection {
         let mut selection = Selection::default();
         let most = self.settings.most.map_or(usize::MAX, |most| most.max(1));

@@ -47,7 +47,6 @@ pub struct CulledTrace {
     pub by: Option<String>,
 }
 
-/// The views of a selection, by their names.
 pub fn name(selection: &Selection, field: &LightField) -> (Vec<ActiveTrace>, Vec<CulledTrace>) {
     let named = |view: usize| field.views.get(view).map(|view| view.name.clone()).unwrap_or_default();
     let active = selection.active.iter().map(|active| ActiveTrace {

@@ -68,12 +68,13 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
     let face = view.view.faces[at.face].as_ref()?;
     let texel = [0, 1].map(|axis| (at.at[axis].max(0.0) as u32).min(face.size[axis] - 1));
     let offset = [0, 1].map(|axis| at.at[axis] - (texel[axis] as f32 + 0.5));
-    let fit = fit(face, texel)?;
+    let solid = solid(face, texel[1] as usize * face.size[0] as usize + texel[0] as usize);
+    let image = Image { face, number: Face::from_index(at.face as u8)?, texel, solid };
+    let fit = image.fit()?;
     let difference = (fit.value(offset) / at.inverse_depth).ln().abs();
     if difference.is_nan() || difference > SAME_SURFACE {
         return None;
     }
-    let image = Image { face, number: Face::from_index(at.face as u8)?, texel };
     let normal = image.normal(&fit, offset)?;
     let facing = -normal.dot(local.normalize_or_zero());
     let curvature = if fit.bends { image.curvature(&fit) } else { None };
@@ -105,6 +106,8 @@ struct Image<'a> {
     face: &'a FaceTexels,
     number: Face,
     texel: [u32; 2],
+    /// See [`solid`].
+    solid: Option<i32>,
 }
 
 impl Image<'_> {
@@ -138,15 +141,7 @@ impl Image<'_> {
         let curvature = turned / moved;
         curvature.is_finite().then_some(curvature)
     }
-}
 
-struct Around<'a> {
-    face: &'a FaceTexels,
-    texel: [u32; 2],
-    solid: Option<i32>,
-}
-
-impl Around<'_> {
     /// Inverse depth of a neighbour that may belong to the same surface.
     fn get(&self, x: i32, y: i32) -> Option<f32> {
         let column = self.texel[0].checked_add_signed(x).filter(|&column| column < self.face.size[0])?;
@@ -159,73 +154,71 @@ impl Around<'_> {
         };
         (same && inverse != BACKGROUND && inverse != UNKNOWN).then_some(inverse)
     }
+
+    fn fit(&self) -> Option<Fit> {
+        self.get(0, 0)?;
+        self.bent(2).or_else(|| self.bent(1)).or_else(|| self.flat())
+    }
+
+    /// Least squares of the second degree over a whole square of (2·reach + 1)² texels; none where it does not fit.
+    fn bent(&self, reach: i32) -> Option<Fit> {
+        let side = (2 * reach + 1) as f32;
+        // Sums of x² and of (x² − mean)² over a row.
+        let (squares, fourths) = if reach == 2 { (10.0, 14.0) } else { (2.0, 2.0 / 3.0) };
+        let mean_square = squares / side;
+        let mut sums = [0.0; 6];
+        for y in -reach..=reach {
+            for x in -reach..=reach {
+                let inverse = self.get(x, y)?;
+                let (x, y) = (x as f32, y as f32);
+                let basis = [1.0, x, y, x * x - mean_square, x * y, y * y - mean_square];
+                for (sum, base) in sums.iter_mut().zip(basis) {
+                    *sum += base * inverse;
+                }
+            }
+        }
+        let norms = [side * side, side * squares, side * squares, side * fourths, squares * squares, side * fourths];
+        let mut c = [0, 1, 2, 3, 4, 5].map(|at| sums[at] / norms[at]);
+        c[0] -= mean_square * (c[3] + c[5]);
+        let fit = Fit { c, bends: true };
+        let far = FIT[usize::from(reach == 2)] * c[0];
+        for y in -reach..=reach {
+            for x in -reach..=reach {
+                if (self.get(x, y)? - fit.value([x as f32, y as f32])).abs() > far {
+                    return None;
+                }
+            }
+        }
+        Some(fit)
+    }
+
+    /// A plane through the middle of 3 × 3 texels, fitted to those that are near enough to it.
+    fn flat(&self) -> Option<Fit> {
+        let middle = self.get(0, 0)?;
+        let (mut xx, mut xy, mut yy, mut xd, mut yd) = (0.0f32, 0.0f32, 0.0f32, 0.0f32, 0.0f32);
+        for y in -1..=1 {
+            for x in -1..=1 {
+                let Some(inverse) = self.get(x, y).filter(|other| (other - middle).abs() <= SAME_PATCH * middle) else {
+                    continue;
+                };
+                let (x, y, difference) = (x as f32, y as f32, inverse - middle);
+                xx += x * x;
+                xy += x * y;
+                yy += y * y;
+                xd += x * difference;
+                yd += y * difference;
+            }
+        }
+        let determinant = xx * yy - xy * xy;
+        if determinant < 0.5 {
+            return None;
+        }
+        let c = [middle, (xd * yy - yd * xy) / determinant, (yd * xx - xd * xy) / determinant, 0.0, 0.0, 0.0];
+        Some(Fit { c, bends: false })
+    }
 }
 
 /// Sum of the weights of a texel, in 255ths.
 fn solid(face: &FaceTexels, at: usize) -> Option<i32> {
     face.material.as_ref().map(|texels| i32::from(texels[at][0]) + i32::from(texels[at][1]))
-}
-
-fn fit(face: &FaceTexels, texel: [u32; 2]) -> Option<Fit> {
-    let at = texel[1] as usize * face.size[0] as usize + texel[0] as usize;
-    let around = Around { face, texel, solid: solid(face, at) };
-    around.get(0, 0)?;
-    bent(&around, 2).or_else(|| bent(&around, 1)).or_else(|| flat(&around))
-}
-
-/// Least squares of the second degree over a whole square of (2·reach + 1)² texels; none where it does not fit.
-fn bent(around: &Around<'_>, reach: i32) -> Option<Fit> {
-    let side = (2 * reach + 1) as f32;
-    // Sums of x² and of (x² − mean)² over a row.
-    let (squares, fourths) = if reach == 2 { (10.0, 14.0) } else { (2.0, 2.0 / 3.0) };
-    let mean_square = squares / side;
-    let mut sums = [0.0; 6];
-    for y in -reach..=reach {
-        for x in -reach..=reach {
-            let inverse = around.get(x, y)?;
-            let (x, y) = (x as f32, y as f32);
-            let basis = [1.0, x, y, x * x - mean_square, x * y, y * y - mean_square];
-            for (sum, base) in sums.iter_mut().zip(basis) {
-                *sum += base * inverse;
-            }
-        }
-    }
-    let norms = [side * side, side * squares, side * squares, side * fourths, squares * squares, side * fourths];
-    let mut c = [0, 1, 2, 3, 4, 5].map(|at| sums[at] / norms[at]);
-    c[0] -= mean_square * (c[3] + c[5]);
-    let fit = Fit { c, bends: true };
-    let far = FIT[usize::from(reach == 2)] * c[0];
-    for y in -reach..=reach {
-        for x in -reach..=reach {
-            if (around.get(x, y)? - fit.value([x as f32, y as f32])).abs() > far {
-                return None;
-            }
-        }
-    }
-    Some(fit)
-}
-
-/// A plane through the middle of 3 × 3 texels, fitted to those that are near enough to it.
-fn flat(around: &Around<'_>) -> Option<Fit> {
-    let middle = around.get(0, 0)?;
-    let (mut xx, mut xy, mut yy, mut xd, mut yd) = (0.0f32, 0.0f32, 0.0f32, 0.0f32, 0.0f32);
-    for y in -1..=1 {
-        for x in -1..=1 {
-            let Some(inverse) = around.get(x, y).filter(|other| (other - middle).abs() <= SAME_PATCH * middle) else {
-                continue;
-            };
-            let (x, y, difference) = (x as f32, y as f32, inverse - middle);
-            xx += x * x;
-            xy += x * y;
-            yy += y * y;
-            xd += x * difference;
-            yd += y * difference;
-        }
-    }
-    let determinant = xx * yy - xy * xy;
-    if determinant < 0.5 {
-        return None;
-    }
-    let c = [middle, (xd * yy - yd * xy) / determinant, (yd * xx - xd * xy) / determinant, 0.0, 0.0, 0.0];
-    Some(Fit { c, bends: false })
 }

@@ -68,12 +68,10 @@ pub struct SecondaryRays<'a> {
     views: &'a ActiveViews<'a>,
     settings: &'a RenderSettings,
     proxies: &'a Proxies,
-    /// The environment of each proxy.
     environments: Vec<ActiveViews<'a>>,
     pending: Vec<Pending>,
 }
 
-/// The surface at which light is divided.
 struct Front {
     point: Vec3,
     patch: Patch,
@@ -81,12 +79,10 @@ struct Front {
 }
 
 impl<'a> SecondaryRays<'a> {
-    /// `proxies` are those of these views.
     pub fn new(views: &'a ActiveViews<'a>, settings: &'a RenderSettings, proxies: &'a Proxies) -> SecondaryRays<'a> {
         SecondaryRays { views, settings, proxies, environments: proxies.environments(), pending: Vec::new() }
     }
 
-    /// The light of a surface that a primary ray hits.
     pub fn light(&mut self, hit: &SurfaceHit, counters: &mut Counters) -> Vec3 {
         let bounces = self.settings.max_bounces.min(MAX_BOUNCES);
         let mut light = self.divide(&Pending { hit: *hit, share: 1.0, bounces }, counters);

@@ -72,12 +72,6 @@ struct Cluster {
 }
 
 impl Cluster {
-    fn new(points: Vec<DVec3>, ior_sum: f64, seen_from: DVec3) -> Cluster {
-        let seen_from = vec![seen_from];
-        Cluster { points, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 }
-    }
-
-    /// The part of some points that are inliers.
     fn inliers(&self, points: &[DVec3]) -> f64 {
         let FittedSphere { centre, radius_m } = self.sphere;
         let near = |point: &&DVec3| ((**point - centre).length() - radius_m).abs() <= ON_SPHERE * radius_m;
@@ -186,7 +180,8 @@ fn connected(image: &SpecularImage<'_>) -> Vec<Cluster> {
             }
         }
         if !points.is_empty() {
-            found.push(Cluster::new(points, ior_sum, image.view.from_eye.as_dvec3()));
+            let seen_from = vec![image.view.from_eye.as_dvec3()];
+            found.push(Cluster { points, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 });
         }
     }
     found
