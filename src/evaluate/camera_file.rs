@@ -7,9 +7,10 @@ use std::path::Path;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::dataset::cameras::{CameraSet, PlacedCamera};
+use crate::dataset::{CameraSet, PlacedCamera};
 use crate::error::{Error, Result};
-use crate::evaluate::camera_path::{self, KeyPose, TimedCamera};
+use crate::evaluate::TimedCamera;
+use crate::evaluate::camera_path::{self, KeyPose};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 

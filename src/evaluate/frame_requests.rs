@@ -1,7 +1,7 @@
 //! Which cameras look at which frame, in which order.
 
 use crate::error::{Error, Result};
-use crate::evaluate::camera_path::TimedCamera;
+use crate::evaluate::TimedCamera;
 use crate::image::FrameRange;
 use crate::math::Camera;
 

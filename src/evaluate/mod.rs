@@ -6,3 +6,6 @@ pub mod frame_requests;
 pub mod reference;
 pub mod rendered_image;
 pub mod similarity;
+
+pub use camera_path::TimedCamera;
+pub use rendered_image::{HoleFill, RenderedImage};

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::dataset::source::{ProbeInfo, Source, SourceGroup, SourceOptions};
+use crate::dataset::{ProbeInfo, Source, SourceGroup, SourceOptions};
 use crate::error::{Error, Result};
-use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
-use crate::image::{Face, FrameRange, Projection, StreamKind};
+use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Projection, StreamKind};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 

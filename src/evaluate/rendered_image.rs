@@ -5,8 +5,7 @@
 use half::f16;
 
 use crate::error::Result;
-use crate::image::plane::Plane;
-use crate::image::transfer::ToneMap;
+use crate::image::{Plane, ToneMap};
 
 /// What is shown where no view saw anything.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

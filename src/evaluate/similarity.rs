@@ -3,13 +3,11 @@
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::evaluate::RenderedImage;
 use crate::evaluate::reference::Truth;
-use crate::evaluate::rendered_image::RenderedImage;
-use crate::image::plane::{MaterialPlane, Plane};
-use crate::image::transfer::{EncodeTable, ToneMap};
+use crate::image::{EncodeTable, MaterialPlane, Plane, ToneMap};
 use crate::json::Number;
-use crate::metrics::psnr::{SquaredError, U8_PEAK};
-use crate::metrics::{psnr_hvs_m_rgb8, ssim_rgb8};
+use crate::metrics::{SquaredError, U8_PEAK, psnr_hvs_m_rgb8, ssim_rgb8};
 use crate::streams::convert::color_codes;
 
 /// Errors of one picture or several, in 8-bit display codes.

@@ -7,7 +7,7 @@ use half::f16;
 
 use crate::decode::Picture;
 use crate::depth::BACKGROUND_CODE;
-use crate::image::plane::Plane;
+use crate::image::Plane;
 
 pub fn code_stride(width: u32) -> u32 {
     width.div_ceil(2)

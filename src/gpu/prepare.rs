@@ -4,12 +4,12 @@
 //! adds the place of the chunk.
 
 use crate::block;
-use crate::color::blend::Sample;
-use crate::color::cells::{Blend, CellChunk};
+use crate::color::cells::Blend;
+use crate::color::{CellChunk, Sample};
 use crate::container::{ChunkPlace, Payload};
-use crate::depth::records::{Body, TemporalChunk};
+use crate::depth::records::Body;
 use crate::depth::runtime::Runtime;
-use crate::depth::texel::Texel;
+use crate::depth::{TemporalChunk, Texel};
 use crate::error::Result;
 use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
 use crate::gpu::pictures::code_stride;

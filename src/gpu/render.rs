@@ -17,25 +17,23 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::evaluate::rendered_image::RenderedImage;
-use crate::gpu::device::Gpu;
+use crate::evaluate::RenderedImage;
+use crate::gpu::Gpu;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::{Face, View, words_of};
 use crate::gpu::render::backend::{GpuBackend, UnitCost};
 use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
 use crate::gpu::render::texels::{DeviceTexels, Transferred};
 use crate::image::StreamKind;
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
-use crate::march::pyramid::LEAST_M;
-use crate::march::render::{Rendered, has_secondary_rays};
-use crate::march::settings::{Acceleration, RenderSettings};
-use crate::march::specular::proxy::{Proxies, Proxy, proxies_in_sight};
-use crate::march::specular::secondary_rays::{LEAST_SHARE, MAX_BOUNCES};
-use crate::march::specular::sphere_fit::SphereFit;
+use crate::march::render::has_secondary_rays;
+use crate::march::specular::secondary_rays::LEAST_SHARE;
+use crate::march::{
+    Acceleration, ActiveViews, Counters, LEAST_M, MAX_BOUNCES, Proxies, Proxy, RenderSettings, Rendered, SphereFit,
+    proxies_in_sight,
+};
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::light_field::{ColorCoding, FaceTexels};
+use crate::views::{ColorCoding, FaceTexels};
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::gpu::device::Gpu;
+use crate::gpu::Gpu;
 use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
 use crate::gpu::prepare::{Prepared, Timeline};
 

@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use crate::depth::block_tiles::Layout;
 use crate::error::Result;
-use crate::gpu::device::Gpu;
+use crate::gpu::Gpu;
 use crate::gpu::harness::Case;
 pub use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};

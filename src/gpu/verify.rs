@@ -5,11 +5,11 @@ use crate::decode::{
     UnitFilter, check_windows, decoded_pixel_bytes,
 };
 use crate::error::{Error, Result};
-use crate::gpu::decode::{GpuDecoder, UnitFrame, picture_words};
-use crate::gpu::device::Gpu;
+use crate::gpu::decode::{UnitFrame, picture_words};
 use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
-use crate::image::sequence::FrameRange;
+use crate::gpu::{Gpu, GpuDecoder};
+use crate::image::FrameRange;
 use crate::monitor::Monitor;
 
 /// Differences between two decoders.

@@ -11,10 +11,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::march::counters::Counters;
-use crate::march::pyramid::{Pyramids, ViewPyramids};
-use crate::march::ray::Ray;
-use crate::views::light_field::{ColorCoding, LightField, Projected, UNKNOWN, View};
+use crate::march::{Counters, Pyramids, Ray, ViewPyramids};
+use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
 pub const CAMERA_EPSILON: f32 = 0.01;

@@ -6,11 +6,7 @@
 
 use glam::Vec3;
 
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
-use crate::march::intersect::intersect_from;
-use crate::march::ray::{Ray, StepsFrom};
-use crate::march::settings::RenderSettings;
+use crate::march::{ActiveViews, Counters, Ray, RenderSettings, StepsFrom, intersect_from};
 use crate::math::Camera;
 
 /// Planes perpendicular to the axis of the camera.

@@ -13,8 +13,8 @@
 
 use glam::Vec3;
 
-use crate::march::active_views::{ActiveView, ActiveViews};
-use crate::views::light_field::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
+use crate::march::{ActiveView, ActiveViews};
+use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the weight of depth: a difference of two per cent halves the weight.
 pub const DEPTH_EPSILON: f32 = 0.02;

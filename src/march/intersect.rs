@@ -2,11 +2,7 @@
 //!
 //! Enters: active views and a ray. Leaves: the distance at which it first meets a surface, or that it meets none.
 
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
-use crate::march::ray::{Ray, Steps, StepsFrom};
-use crate::march::segments;
-use crate::march::settings::Acceleration;
+use crate::march::{Acceleration, ActiveViews, Counters, Ray, Steps, StepsFrom, segments};
 
 /// The distance in metres at which a ray first meets a surface. Both accelerations give the same bits.
 pub fn intersect(

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::decode::{Decoder, StreamInfo};
 use crate::image::StreamKind;
+use crate::march::SpecularMode;
 use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
-use crate::march::settings::SpecularMode;
 use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
 
 /// Bytes of each ray that a thread holds: its direction and its result.

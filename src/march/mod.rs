@@ -19,3 +19,23 @@ pub mod specular;
 pub mod synthetic;
 #[cfg(test)]
 mod tests;
+
+pub use active_views::{ActiveView, ActiveViews, Occupancy};
+pub use clip::ClipPlanes;
+pub use counters::Counters;
+pub use interpolate::{DEPTH_EPSILON, Interpolated, background_color, surface_color};
+pub use intersect::intersect_from;
+pub use playback::frames::{PictureOptions, Renderer, Stage};
+pub use pyramid::{DepthPyramid, LEAST_M, Level, Pyramids, ViewPyramids};
+pub use ray::{Ray, Steps, StepsFrom};
+pub use render::Rendered;
+pub use settings::{Acceleration, RenderSettings, SpecularMode};
+pub(crate) use shading::PrimaryHit;
+pub use shading::{HOLE_DIFFERENCE, RayResult, background, light_of, surface};
+pub use specular::material::{fresnel, surface_material};
+pub use specular::normal::{Patch, patch};
+pub use specular::proxy::{Proxies, Proxy, proxies_in_sight};
+pub use specular::secondary_rays::MAX_BOUNCES;
+pub use specular::sphere::Sphere;
+pub use specular::sphere_fit::SphereFit;
+pub use specular::texel_points::SpecularImage;

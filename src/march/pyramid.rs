@@ -7,10 +7,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::image::StreamKind;
-use crate::image::cube::Face;
-use crate::views::light_field::{FaceTexels, LightField, UNKNOWN, View};
-use crate::views::player::Change;
+use crate::image::{Face, StreamKind};
+use crate::views::{Change, FaceTexels, LightField, UNKNOWN, View};
 
 /// Points of an axis that are nearer to 0 than this, in metres, have no inverse that is a number to rely on.
 pub const LEAST_M: f32 = 1e-18;

@@ -6,19 +6,15 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::image::plane::Plane;
-use crate::march::active_views::ActiveViews;
-use crate::march::clip::ClipPlanes;
-use crate::march::counters::Counters;
+use crate::evaluate::{HoleFill, RenderedImage};
+use crate::image::Plane;
 use crate::march::intersect::intersect;
 use crate::march::packet::render::PacketScene;
-use crate::march::ray::Ray;
-use crate::march::settings::{RenderSettings, SpecularMode};
-use crate::march::shading::{PrimaryHit, RayResult, background, surface};
-use crate::march::specular::proxy::{Proxies, proxies_in_sight};
 use crate::march::specular::secondary_rays::{SecondaryRays, SurfaceHit};
-use crate::march::specular::sphere_fit::SphereFit;
+use crate::march::{
+    ActiveViews, ClipPlanes, Counters, PrimaryHit, Proxies, Ray, RayResult, RenderSettings, SpecularMode, SphereFit,
+    background, proxies_in_sight, surface,
+};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 

@@ -10,11 +10,8 @@
 
 use glam::Vec3;
 
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews, Occupancy};
-use crate::march::counters::Counters;
-use crate::march::pyramid::LEAST_M;
-use crate::march::ray::{Ray, StepsFrom};
+use crate::image::Face;
+use crate::march::{ActiveView, ActiveViews, Counters, LEAST_M, Occupancy, Ray, StepsFrom};
 
 /// Rounding error of a coordinate in a view's axes, relative to the sum of the greatest coordinates that it is computed from.
 ///

@@ -1,7 +1,7 @@
 //! Settings of ray marching.
 
-use crate::evaluate::rendered_image::HoleFill;
-use crate::march::ray::Steps;
+use crate::evaluate::HoleFill;
+use crate::march::Steps;
 
 /// Reflection and refraction by secondary rays (CALF 6.1).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

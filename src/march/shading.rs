@@ -2,10 +2,9 @@
 
 use glam::Vec3;
 
-use crate::image::transfer::ToneMap;
-use crate::march::active_views::ActiveViews;
-use crate::march::interpolate::{Interpolated, background_color, surface_color};
-use crate::views::light_field::ColorCoding;
+use crate::image::ToneMap;
+use crate::march::{ActiveViews, Interpolated, background_color, surface_color};
+use crate::views::ColorCoding;
 
 /// A hit is disoccluded where the logarithms of the distances of all texels differ from its own by more than this, beyond
 /// the uncertainty of the steps.

@@ -3,10 +3,9 @@
 use glam::{DMat3, DQuat, DVec3};
 use half::f16;
 
-use crate::image::cube::Face;
-use crate::image::projection::{ImageProjection, centre_of};
-use crate::image::texel_map::TexelMap;
-use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
+use crate::image::projection::centre_of;
+use crate::image::{Face, ImageProjection, TexelMap};
+use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
 /// Distance in metres and colour in a direction of the world, of length 1. None is background.
 pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;

@@ -9,9 +9,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::ordered::try_map_ordered;
-use crate::views::face_cache::{CachedUnit, FaceCache, FaceChanges};
-use crate::views::inverse_depth::InverseDepth;
-use crate::views::light_field::FaceTexels;
+use crate::views::{CachedUnit, FaceCache, FaceChanges, FaceTexels, InverseDepth};
 
 /// A face of a probe that is loaded; none of its texels is known yet.
 #[derive(Debug, Clone, Copy)]

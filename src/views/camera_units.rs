@@ -10,13 +10,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
-use crate::evaluate::camera_path::TimedCamera;
-use crate::image::cube::Face;
-use crate::image::sequence::FrameRange;
+use crate::evaluate::TimedCamera;
+use crate::image::{Face, FrameRange};
 use crate::math::{Viewer, add_members};
 use crate::streams::CodecHeader;
-use crate::views::face_frustum::{DepthSpan, FaceImage};
-use crate::views::visibility::{UnitGrid, cull};
+use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct CameraUnitCounts {

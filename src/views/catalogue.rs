@@ -1,12 +1,11 @@
 //! The probes of a container that can be rendered: their streams, poses and memory, without decoding anything.
 
 use crate::decode::{Decoder, StreamInfo};
-use crate::depth::quantise::DepthRange;
+use crate::depth::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader};
-use crate::views::face_cache::FaceStreams;
-use crate::views::light_field::{ColorCoding, LightField, View};
+use crate::views::{ColorCoding, FaceStreams, LightField, View};
 
 /// Which probes of a container are loaded; by default all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

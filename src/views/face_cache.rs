@@ -18,9 +18,8 @@ use crate::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
 use crate::error::Result;
 use crate::image::StreamKind;
 use crate::streams::DepthHeader;
-use crate::views::inverse_depth::InverseDepth;
-use crate::views::light_field::{ColorTexels, FaceTexels, UNKNOWN, has_specular_weight};
-use crate::views::rects::{Rect, bounds, joined, overlap};
+use crate::views::rects::joined;
+use crate::views::{ColorTexels, FaceTexels, InverseDepth, Rect, UNKNOWN, bounds, has_specular_weight, overlap};
 
 /// The streams of a face; all of its images have the same size.
 #[derive(Debug, Clone)]

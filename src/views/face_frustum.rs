@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::container::index::ProbeEntry;
+use crate::container::ProbeEntry;
 use crate::image::{DepthKind, Face, ImageProjection};
 use crate::math::camera::rotation;
 use crate::math::{Frustum, Window};

@@ -4,13 +4,11 @@ use half::f16;
 
 use crate::container::ProbeEntry;
 use crate::dataset::{Source, SourceGroup};
-use crate::depth::quantise::DepthRange;
+use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::cube::Face;
-use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
-use crate::image::{DepthKind, StreamKind, TexelMap};
+use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, StreamKind, TexelMap};
 use crate::streams::convert::material_codes;
-use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
+use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
 /// The images of a face; all have the same size.
 #[derive(Debug, Clone)]

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::depth::quantise::DepthRange;
+use crate::depth::DepthRange;
 use crate::image::DepthKind;
-use crate::views::light_field::FaceTexels;
+use crate::views::FaceTexels;
 
 #[derive(Debug, Clone)]
 pub struct InverseDepth {

@@ -6,12 +6,11 @@
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
 
-use crate::container::index::ProbeEntry;
-use crate::depth::quantise::DepthRange;
+use crate::container::ProbeEntry;
+use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::cube::Face;
-use crate::image::texel_map::{PlanarPoint, TexelMap};
-use crate::image::transfer::ToneMap;
+use crate::image::texel_map::PlanarPoint;
+use crate::image::{Face, TexelMap, ToneMap};
 use crate::math::camera::rotation;
 
 /// The inverse planar depth of background.

@@ -12,3 +12,14 @@ pub mod player;
 pub mod rects;
 pub mod visibility;
 pub mod visible_set;
+
+pub use backend::{CpuBackend, FaceUpdate, NewFace, TexelBackend};
+pub use catalogue::ProbeChoice;
+pub use face_cache::{CachedUnit, DepthPart, FaceCache, FaceChanges, FaceStreams};
+pub use face_frustum::{DepthSpan, FaceImage};
+pub use inverse_depth::InverseDepth;
+pub(crate) use light_field::has_specular_weight;
+pub use light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, Projected, UNKNOWN, View};
+pub use player::Change;
+pub use rects::{Rect, bounds, overlap};
+pub use visibility::{UnitGrid, cull};

@@ -14,12 +14,11 @@ use crate::math::add_members;
 use crate::memory::{Budget, Need};
 use crate::ordered::try_map_ordered;
 use crate::streams::DepthHeader;
-use crate::views::backend::{CpuBackend, FaceUpdate, NewFace, TexelBackend};
-use crate::views::catalogue::{Catalogue, ProbeChoice, ViewStreams};
-use crate::views::face_cache::{CachedUnit, FaceCache, FaceStreams};
-use crate::views::inverse_depth::InverseDepth;
-use crate::views::light_field::{FaceTexels, LightField};
-use crate::views::rects::Rect;
+use crate::views::catalogue::{Catalogue, ViewStreams};
+use crate::views::{
+    CachedUnit, CpuBackend, FaceCache, FaceStreams, FaceTexels, FaceUpdate, InverseDepth, LightField, NewFace,
+    ProbeChoice, Rect, TexelBackend,
+};
 
 /// Bytes of idle views that are kept where there is no memory budget.
 const KEPT_BYTES: u64 = 2 << 30;

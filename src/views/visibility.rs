@@ -5,7 +5,7 @@
 //! that sees all directions of a node sees all its units without further tests.
 
 use crate::math::{Sight, Viewer};
-use crate::views::face_frustum::FaceImage;
+use crate::views::FaceImage;
 
 /// How an image is cut into units, which are numbered row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

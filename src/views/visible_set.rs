@@ -13,8 +13,7 @@ use crate::decode::{Decoder, StreamInfo, UnitFilter};
 use crate::image::DepthKind;
 use crate::math::{Camera, Viewer};
 use crate::streams::CodecHeader;
-use crate::views::face_frustum::{DepthSpan, FaceImage};
-use crate::views::visibility::{UnitGrid, cull};
+use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
 
 /// Margin around a unit: half a pixel for bilinear lookups, the rest for rounding.
 const MARGIN_PIXELS: f64 = 1.0;

@@ -4,10 +4,10 @@ use half::f16;
 
 use crate::decode::{Picture, StreamInfo, UnitFilter};
 use crate::error::Result;
-use crate::gpu::decode::GpuDecoder;
+use crate::gpu::GpuDecoder;
 use crate::gpu::family::PixelWords;
 use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
-use crate::image::plane::Plane;
+use crate::image::Plane;
 
 impl GpuDecoder<'_> {
     pub fn read(&mut self) -> Result<Vec<Picture>> {

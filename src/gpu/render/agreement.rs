@@ -2,10 +2,9 @@
 
 use crate::error::Result;
 use crate::evaluate::similarity::difference;
-use crate::image::transfer::ToneMap;
-use crate::march::render::Rendered;
-use crate::metrics::psnr::SquaredError;
-use crate::metrics::ssim_rgb8;
+use crate::image::ToneMap;
+use crate::march::Rendered;
+use crate::metrics::{SquaredError, ssim_rgb8};
 
 /// Codes by which the channels of a pixel may differ.
 pub const CODES: u8 = 2;

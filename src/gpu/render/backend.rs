@@ -11,19 +11,17 @@ use std::time::{Duration, Instant};
 
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
-use crate::gpu::decode::{self, GpuDecoder, UnitFrame};
-use crate::gpu::device::Gpu;
+use crate::gpu::decode::{self, UnitFrame};
 use crate::gpu::family::{self, Family, PixelWords};
-use crate::gpu::kernels;
 use crate::gpu::layout::Unit;
 use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TexelWords, TilePart, TileParts};
 use crate::gpu::render::scene::ImageId;
+use crate::gpu::{Gpu, GpuDecoder, kernels};
 use crate::image::{DepthKind, StreamKind};
 use crate::math::add_members;
 use crate::streams::CodecHeader;
-use crate::views::backend::{FaceUpdate, NewFace, TexelBackend};
-use crate::views::face_cache::{CachedUnit, DepthPart, FaceChanges, UnitId, units_under};
-use crate::views::rects::{Rect, overlap};
+use crate::views::face_cache::{UnitId, units_under};
+use crate::views::{CachedUnit, DepthPart, FaceChanges, FaceUpdate, NewFace, Rect, TexelBackend, overlap};
 
 /// Words of chunks that a decoder keeps beside those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;

@@ -8,20 +8,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::gpu::device::Gpu;
+use crate::gpu::Gpu;
 use crate::gpu::harness::groups;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
 use crate::gpu::render::scene::NO_BOUND;
-use crate::image::DepthKind;
-use crate::image::cube::Face;
-use crate::march::pyramid::DepthPyramid;
+use crate::image::{DepthKind, Face};
+use crate::march::DepthPyramid;
 use crate::streams::DepthHeader;
-use crate::views::backend::NewFace;
-use crate::views::face_cache::DepthPart;
-use crate::views::inverse_depth::InverseDepth;
-use crate::views::light_field::{FaceTexels, UNKNOWN};
-use crate::views::rects::{Rect, bounds};
+use crate::views::{DepthPart, FaceTexels, InverseDepth, NewFace, Rect, UNKNOWN, bounds};
 
 /// Alignment of rows in words: copies into textures require it.
 pub const ROW_WORDS: u32 = 64;

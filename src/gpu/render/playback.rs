@@ -5,21 +5,15 @@ use glam::DVec3;
 
 use crate::decode::Decoder;
 use crate::error::Result;
-use crate::gpu::device::Gpu;
+use crate::gpu::Gpu;
 use crate::gpu::render::backend::{GpuBackend, can_decode};
 use crate::gpu::render::scene::ImageId;
 use crate::gpu::render::{GpuRenderer, RenderCost};
 use crate::image::StreamKind;
-use crate::march::active_views::ActiveViews;
-use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
-use crate::march::pyramid::Pyramids;
-use crate::march::render::Rendered;
-use crate::march::settings::SpecularMode;
+use crate::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, SpecularMode, Stage};
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::backend::TexelBackend;
-use crate::views::light_field::ColorCoding;
-use crate::views::player::Change;
+use crate::views::{Change, ColorCoding, TexelBackend};
 
 pub struct DeviceRenderer<'a> {
     pub options: PictureOptions,

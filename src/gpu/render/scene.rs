@@ -2,17 +2,14 @@
 
 use std::mem::offset_of;
 
-use crate::evaluate::rendered_image::HoleFill;
+use crate::evaluate::HoleFill;
 use crate::gpu::layout::{Face, Scene, View};
-use crate::image::transfer::Transfer;
-use crate::march::active_views::ActiveViews;
-use crate::march::pyramid::DepthPyramid;
-use crate::march::settings::{Acceleration, RenderSettings};
-use crate::march::shading::HOLE_DIFFERENCE;
-use crate::march::specular::proxy::{Proxies, Proxy};
-use crate::march::specular::secondary_rays::MAX_BOUNCES;
+use crate::image::Transfer;
+use crate::march::{
+    Acceleration, ActiveViews, DepthPyramid, HOLE_DIFFERENCE, MAX_BOUNCES, Proxies, Proxy, RenderSettings,
+};
 use crate::math::{Camera, Window};
-use crate::views::light_field::{ColorCoding, FaceTexels};
+use crate::views::{ColorCoding, FaceTexels};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ImageId {

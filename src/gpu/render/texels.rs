@@ -9,15 +9,13 @@ use half::slice::HalfFloatSliceExt;
 
 use crate::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
 use crate::error::{Error, Result};
-use crate::gpu::device::Gpu;
+use crate::gpu::Gpu;
 use crate::gpu::render::backend::GpuBackend;
 use crate::gpu::render::depth_planes::{TexelWords, above};
 use crate::gpu::render::scene::{ImageId, Origin};
 use crate::image::StreamKind;
-use crate::march::active_views::ActiveViews;
-use crate::march::pyramid::{DepthPyramid, Level};
-use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels};
-use crate::views::rects::{Rect, bounds, overlap};
+use crate::march::{ActiveViews, DepthPyramid, Level};
+use crate::views::{ColorCoding, ColorTexels, FaceTexels, Rect, bounds, overlap};
 
 /// Most stale rectangles that are sent one by one; beyond, the whole image is sent.
 const MOST_RECTANGLES: usize = 64;

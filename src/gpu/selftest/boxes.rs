@@ -2,10 +2,8 @@
 //! block tiles.
 
 use crate::depth::block_tiles::{Layout, tiles_of};
-use crate::depth::boxes::PixelBox;
 use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::records::TemporalChunk;
-use crate::depth::texel::Texel;
+use crate::depth::{PixelBox, TemporalChunk, Texel};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Record, Unit};
 use crate::gpu::pictures::{pack_bytes, pack_codes};

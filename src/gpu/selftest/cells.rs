@@ -1,10 +1,8 @@
 //! Inputs of the kernels of colour: every pair of bytes at every weight, every edge of half floats, odd offsets,
 //! keyframes in blocks.
 
-use crate::color::blend::{HalfKey, Sample};
 use crate::color::cells::builder::CellBuilder;
-use crate::color::cells::{CellChunk, CellFormat};
-use crate::color::keyframe_blocks::KeyframeBlocks;
+use crate::color::{CellChunk, CellFormat, HalfKey, KeyframeBlocks, Sample};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Job, Record, Unit};
 use crate::gpu::pictures::{pack_bytes, pack_halves};

@@ -1,6 +1,7 @@
 //! Inputs of the kernel of nodes: all functions on all levels, in units of odd sizes, in all domains.
 
-use crate::depth::domain::{Domain, DomainKind, DomainParts};
+use crate::depth::DomainParts;
+use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::runtime::{LEVELS, Runtime};
 use crate::gpu::harness::Case;

@@ -6,26 +6,21 @@ use glam::{DQuat, DVec3};
 
 use crate::container::ProbeEntry;
 use crate::error::{Error, Result};
-use crate::evaluate::rendered_image::HoleFill;
-use crate::gpu::device::Gpu;
+use crate::evaluate::HoleFill;
+use crate::gpu::Gpu;
 use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
-use crate::image::cube::Face;
-use crate::image::transfer::{ToneMap, Transfer};
-use crate::image::{DepthKind, ImageProjection};
-use crate::march::active_views::ActiveViews;
-use crate::march::playback::frames::PictureOptions;
-use crate::march::render::{Rendered, render};
-use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
-use crate::math::Camera;
-use crate::math::camera::Lens;
+use crate::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
+use crate::march::render::render;
+use crate::march::{Acceleration, ActiveViews, PictureOptions, RenderSettings, Rendered, SpecularMode};
+use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
-use crate::scene::capture::{Pass, PassSettings, SamplePattern, Viewpoint, capture_view};
-use crate::scene::{DemoKind, DemoScene, SceneAtTime};
+use crate::scene::capture::{PassSettings, SamplePattern, Viewpoint, capture_view};
+use crate::scene::{DemoKind, DemoScene, Pass, SceneAtTime};
 use crate::views::from_images::{FaceImages, from_images};
-use crate::views::light_field::{ColorCoding, LightField, UNKNOWN, View};
+use crate::views::{ColorCoding, LightField, UNKNOWN, View};
 
 /// Pixels along a side of a captured image.
 const FACE: u32 = 48;

@@ -1,7 +1,7 @@
 //! Inputs of the planning kernels: all ways to reach a frame, in tables of all lengths, and more items than a workgroup.
 
 use crate::color::cells::builder::CellBuilder;
-use crate::color::cells::{CellChunk, CellFormat};
+use crate::color::{CellChunk, CellFormat};
 use crate::depth::record_table;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{

@@ -3,34 +3,28 @@
 //! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
 //! part of the intermediate form comes from its encoder.
 
-use crate::color::cells::CellFormat;
+use crate::color::CellFormat;
 use crate::color::cells::builder::CellBuilder;
-use crate::container::index::{ProbeEntry, StreamEntry};
-use crate::container::writer::Writer;
-use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
+use crate::container::{ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use crate::decode::{Decoder, FaceDecoder, StreamInfo};
-use crate::depth::DomainParts;
 use crate::depth::block_chunk::picture_bytes;
 use crate::depth::block_tiles::Layout;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::Grid;
-use crate::depth::quantise::DepthRange;
 use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::settings::TemporalSettings;
-use crate::depth::storage;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
+use crate::depth::{DepthRange, DomainParts, TemporalSettings, storage};
 use crate::error::Result;
-use crate::gpu::decode::{GpuDecoder, UnitFrame};
-use crate::gpu::device::Gpu;
+use crate::gpu::decode::UnitFrame;
 use crate::gpu::family::Family;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
 use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
 use crate::gpu::verify::Verification;
-use crate::image::DepthKind;
-use crate::image::transfer::{ToneMap, Transfer};
+use crate::gpu::{Gpu, GpuDecoder};
+use crate::image::{DepthKind, ToneMap, Transfer};
 use crate::math::random::Random;
 use crate::monitor::Monitor;
 use crate::streams::{

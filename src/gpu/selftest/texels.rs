@@ -4,12 +4,10 @@ use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, list_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
-use crate::image::transfer::ToneMap;
-use crate::image::{DepthKind, TexelMap};
-use crate::march::pyramid::{DepthPyramid, Level};
+use crate::image::{DepthKind, TexelMap, ToneMap};
+use crate::march::{DepthPyramid, Level};
 use crate::math::random::Random;
-use crate::views::inverse_depth::InverseDepth;
-use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN};
+use crate::views::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
 
 /// A code: near, far and background are as likely as others.
 fn code(random: &mut Random) -> u16 {

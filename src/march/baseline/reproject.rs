@@ -7,12 +7,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::image::plane::DepthPlane;
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
-use crate::march::render::Rendered;
-use crate::march::shading::{RayResult, background, surface};
+use crate::evaluate::{HoleFill, RenderedImage};
+use crate::image::DepthPlane;
+use crate::march::{ActiveViews, Counters, RayResult, Rendered, background, surface};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 

@@ -7,17 +7,12 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews};
-use crate::march::clip::ClipPlanes;
-use crate::march::counters::Counters;
-use crate::march::render::Rendered;
-use crate::march::settings::RenderSettings;
-use crate::march::shading::light_of;
+use crate::evaluate::{HoleFill, RenderedImage};
+use crate::image::Face;
+use crate::march::{ActiveView, ActiveViews, ClipPlanes, Counters, RenderSettings, Rendered, light_of};
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
+use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {

@@ -3,11 +3,11 @@
 
 use glam::Vec3;
 
-use crate::image::transfer::ToneMap;
-use crate::march::interpolate::{DEPTH_EPSILON, Interpolated};
+use crate::image::ToneMap;
 use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
 use crate::march::packet::views::{PacketView, PacketViews, Places};
-use crate::views::light_field::{BACKGROUND, ColorTexels, UNKNOWN};
+use crate::march::{DEPTH_EPSILON, Interpolated};
+use crate::views::{BACKGROUND, ColorTexels, UNKNOWN};
 
 #[derive(Debug)]
 struct Sums {

@@ -5,12 +5,10 @@
 
 use glam::Vec3;
 
-use crate::march::counters::Counters;
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of};
 use crate::march::packet::views::PacketViews;
-use crate::march::ray::Steps;
 use crate::march::segments::{Next, Walk};
-use crate::march::settings::Acceleration;
+use crate::march::{Acceleration, Counters, Steps};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet {

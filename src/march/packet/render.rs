@@ -2,17 +2,12 @@
 
 use glam::Vec3;
 
-use crate::march::active_views::ActiveViews;
-use crate::march::clip::ClipPlanes;
-use crate::march::counters::Counters;
 use crate::march::packet::color::{LightCurve, surface_colors};
 use crate::march::packet::intersect::{Packet, PacketMarch, bits_of};
 use crate::march::packet::lanes::Lanes;
 use crate::march::packet::views::PacketViews;
-use crate::march::ray::Ray;
-use crate::march::settings::RenderSettings;
-use crate::march::shading::{PrimaryHit, RayResult, background};
-use crate::views::light_field::ColorCoding;
+use crate::march::{ActiveViews, ClipPlanes, Counters, PrimaryHit, Ray, RayResult, RenderSettings, background};
+use crate::views::ColorCoding;
 
 #[derive(Debug)]
 pub(crate) struct PacketScene<'a> {

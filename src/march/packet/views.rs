@@ -6,13 +6,11 @@
 
 use glam::Vec4;
 
-use crate::image::TexelMap;
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::image::{Face, TexelMap};
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
-use crate::march::pyramid::{LEAST_M, ViewPyramids};
 use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
-use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
+use crate::march::{ActiveView, ActiveViews, LEAST_M, ViewPyramids};
+use crate::views::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 
 /// Longest side of a guessed image, in texels: places in it are exact to far less than one.
 const LONGEST_GUESSED: f32 = 65_536.0;

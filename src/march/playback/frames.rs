@@ -8,25 +8,19 @@ use glam::DVec3;
 
 use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
+use crate::evaluate::HoleFill;
 use crate::evaluate::frame_requests::FrameRequest;
-use crate::evaluate::rendered_image::HoleFill;
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
 use crate::march::playback::trace::{self, FrameTrace};
-use crate::march::pyramid::Pyramids;
-use crate::march::ray::Steps;
-use crate::march::render::{Rendered, render};
-use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use crate::march::render::render;
+use crate::march::{Acceleration, ActiveViews, Counters, Pyramids, RenderSettings, Rendered, SpecularMode, Steps};
 use crate::math::Camera;
 use crate::memory::Budget;
 use crate::monitor::Monitor;
-use crate::views::backend::{CpuBackend, TexelBackend};
-use crate::views::catalogue::ProbeChoice;
-use crate::views::light_field::LightField;
-use crate::views::player::{Change, Player, ShowCounts, UnitRequest};
+use crate::views::player::{Player, ShowCounts, UnitRequest};
 use crate::views::visible_set::VisibleSets;
+use crate::views::{Change, CpuBackend, LightField, ProbeChoice, TexelBackend};
 
 /// Units of the active views that are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

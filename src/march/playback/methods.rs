@@ -3,13 +3,10 @@
 use std::collections::VecDeque;
 
 use crate::error::{Error, Result};
-use crate::image::plane::DepthPlane;
-use crate::march::active_views::ActiveViews;
+use crate::image::DepthPlane;
 use crate::march::baseline::reproject::reproject;
 use crate::march::baseline::splat::splat;
-use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
-use crate::march::pyramid::Pyramids;
-use crate::march::render::Rendered;
+use crate::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, Stage};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::march::playback::selection::{Selection, Why};
-use crate::views::light_field::LightField;
+use crate::views::LightField;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameTrace {

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use crate::march::active_views::ActiveViews;
+use crate::march::ActiveViews;
 use crate::march::interpolate::surface_texels;
 use crate::streams::convert::IOR_RANGE;
 

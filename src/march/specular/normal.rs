@@ -7,10 +7,9 @@
 
 use glam::Vec3;
 
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews};
-use crate::march::interpolate::DEPTH_EPSILON;
-use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
+use crate::image::Face;
+use crate::march::{ActiveView, ActiveViews, DEPTH_EPSILON};
+use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
 /// A view sees a point where the logarithm of its depth differs by at most this.
 pub const SAME_SURFACE: f32 = 0.02;

@@ -12,13 +12,10 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::march::active_views::{ActiveView, ActiveViews};
-use crate::march::pyramid::ViewPyramids;
-use crate::march::specular::sphere::Sphere;
-use crate::march::specular::texel_points::SpecularImage;
+use crate::march::{ActiveView, ActiveViews, SpecularImage, Sphere, ViewPyramids};
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::light_field::{ColorCoding, View, has_specular_weight};
+use crate::views::{ColorCoding, View, has_specular_weight};
 
 /// A point belongs to a proxy where it is at most this far from its surface, in parts of its radius.
 pub const NEAR_SURFACE: f32 = 0.03;

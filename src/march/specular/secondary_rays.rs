@@ -14,17 +14,13 @@
 
 use glam::Vec3;
 
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
-use crate::march::interpolate::surface_color;
-use crate::march::intersect::{intersect, intersect_from};
-use crate::march::ray::{Ray, StepsFrom};
-use crate::march::settings::RenderSettings;
-use crate::march::shading::{RayResult, background, light_of, surface};
-use crate::march::specular::material::{Material, surface_material};
-use crate::march::specular::normal::{Patch, patch};
-use crate::march::specular::proxy::Proxies;
+use crate::march::intersect::intersect;
+use crate::march::specular::material::Material;
 use crate::march::specular::solid::{Refraction, reflect};
+use crate::march::{
+    ActiveViews, Counters, Patch, Proxies, Ray, RayResult, RenderSettings, StepsFrom, background, intersect_from,
+    light_of, patch, surface, surface_color, surface_material,
+};
 
 /// Rays of a smaller share are not traced.
 pub const LEAST_SHARE: f32 = 1.0 / 256.0;

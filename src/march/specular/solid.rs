@@ -9,12 +9,7 @@
 
 use glam::Vec3;
 
-use crate::march::active_views::ActiveViews;
-use crate::march::counters::Counters;
-use crate::march::ray::{Ray, Steps};
-use crate::march::specular::material::{fresnel, surface_material};
-use crate::march::specular::normal::{Patch, patch};
-use crate::march::specular::sphere::Sphere;
+use crate::march::{ActiveViews, Counters, Patch, Ray, Sphere, Steps, fresnel, patch, surface_material};
 
 /// A front whose normal turns by less than this over a texel is flat.
 pub const FLAT: f32 = 2e-3;

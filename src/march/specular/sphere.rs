@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::march::ray::Ray;
+use crate::march::Ray;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {

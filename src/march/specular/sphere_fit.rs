@@ -11,12 +11,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::march::active_views::{ActiveViews, Occupancy};
-use crate::march::pyramid::ViewPyramids;
 use crate::march::specular::normal::SAME_PATCH;
-use crate::march::specular::proxy::{Proxy, ProxyProvider};
-use crate::march::specular::sphere::Sphere;
-use crate::march::specular::texel_points::SpecularImage;
+use crate::march::specular::proxy::ProxyProvider;
+use crate::march::{ActiveViews, Occupancy, Proxy, SpecularImage, Sphere, ViewPyramids};
 use crate::monitor::Monitor;
 use crate::streams::convert::IOR_RANGE;
 

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews};
-use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
+use crate::image::Face;
+use crate::march::{ActiveView, ActiveViews};
+use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
 /// An image of an active view that has specular texels.
 #[derive(Debug, Clone, Copy)]

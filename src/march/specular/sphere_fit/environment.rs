@@ -13,24 +13,17 @@ use rayon::prelude::*;
 
 use super::plane_extrapolation::{Edge, Plane, nearest_inverse, planes};
 use crate::error::Result;
-use crate::image::TexelMap;
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews};
-use crate::march::counters::Counters;
-use crate::march::interpolate::{Taps, background_color, surface_color};
-use crate::march::intersect::{intersect, intersect_from};
-use crate::march::pyramid::ViewPyramids;
-use crate::march::ray::{Ray, Steps, StepsFrom};
-use crate::march::settings::Acceleration;
-use crate::march::shading::HOLE_DIFFERENCE;
-use crate::march::specular::material::fresnel;
-use crate::march::specular::normal::patch;
+use crate::image::{Face, TexelMap};
+use crate::march::interpolate::Taps;
+use crate::march::intersect::intersect;
 use crate::march::specular::proxy::NEAR_SURFACE;
 use crate::march::specular::solid::{Exit, refract};
-use crate::march::specular::sphere::Sphere;
-use crate::march::specular::texel_points::SpecularImage;
+use crate::march::{
+    Acceleration, ActiveView, ActiveViews, Counters, HOLE_DIFFERENCE, Ray, SpecularImage, Sphere, Steps, StepsFrom,
+    ViewPyramids, background_color, fresnel, intersect_from, patch, surface_color,
+};
 use crate::monitor::Monitor;
-use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
+use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
 
 /// Greatest width of a face, in texels.
 pub const MOST_TEXELS: u32 = 128;
