@@ -82,7 +82,6 @@ pub struct GpuDecoder<'a> {
     monitor: &'a dyn Monitor,
 }
 
-#[derive(Debug)]
 struct Buffers {
     units: wgpu::Buffer,
     states: wgpu::Buffer,

@@ -14,7 +14,6 @@ use crate::gpu::prepare::{Prepared, Timeline};
 
 const FIRST_WORDS: usize = 1 << 14;
 
-#[derive(Debug)]
 pub struct Growing {
     pub label: &'static str,
     /// With all words once they were flushed.
@@ -28,7 +27,7 @@ pub struct Growing {
 }
 
 /// Ranges that are free, none beside another: words by where they begin.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Gaps(BTreeMap<usize, usize>);
 
 impl Gaps {
@@ -145,7 +144,6 @@ impl Growing {
     }
 }
 
-#[derive(Debug)]
 pub struct ResidentChunk {
     /// Its row of the table of chunks.
     pub row: u32,
@@ -158,7 +156,6 @@ pub struct ResidentChunk {
     places: [Range<usize>; 4],
 }
 
-#[derive(Debug)]
 pub struct Resident {
     /// The bytes of chunks, then the rows of records, boxes and chunks.
     pub tables: [Growing; 4],

@@ -19,20 +19,20 @@ pub fn bounds(a: Option<Rect>, b: Rect) -> Rect {
 
 /// The same texels in fewer rectangles: neighbours in a row that are as high become one, then neighbours in a column that are
 /// as wide. Rectangles that overlap stay apart.
-pub fn joined(mut rects: Vec<Rect>) -> Vec<Rect> {
-    rects.sort_unstable_by_key(|&[left, top, ..]| [top, left]);
-    let mut rows: Vec<Rect> = Vec::with_capacity(rects.len());
+pub fn joined(rects: Vec<Rect>) -> Vec<Rect> {
+    joined_along(1, joined_along(0, rects))
+}
+
+fn joined_along(axis: usize, mut rects: Vec<Rect>) -> Vec<Rect> {
+    let across = 1 - axis;
+    rects.sort_unstable_by_key(|rect| [rect[across], rect[axis]]);
+    let mut all: Vec<Rect> = Vec::with_capacity(rects.len());
     for rect in rects {
-        match rows.last_mut() {
-            Some(last) if [last[1], last[3], last[0] + last[2]] == [rect[1], rect[3], rect[0]] => last[2] += rect[2],
-            _ => rows.push(rect),
-        }
-    }
-    rows.sort_unstable_by_key(|&[left, top, ..]| [left, top]);
-    let mut all: Vec<Rect> = Vec::with_capacity(rows.len());
-    for rect in rows {
+        let begin = [rect[across], rect[across + 2], rect[axis]];
         match all.last_mut() {
-            Some(last) if [last[0], last[2], last[1] + last[3]] == [rect[0], rect[2], rect[1]] => last[3] += rect[3],
+            Some(last) if [last[across], last[across + 2], last[axis] + last[axis + 2]] == begin => {
+                last[axis + 2] += rect[axis + 2];
+            }
             _ => all.push(rect),
         }
     }

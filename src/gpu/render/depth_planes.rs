@@ -50,7 +50,6 @@ pub struct TexelWords<'p> {
 }
 
 /// Planes and tables of a face.
-#[derive(Debug)]
 struct FacePlanes {
     /// Texels, and the levels above them.
     levels: Vec<Plane>,
@@ -61,7 +60,6 @@ struct FacePlanes {
 }
 
 /// Parts of the tiles in one buffer of pictures, whose depths are to be written.
-#[derive(Debug)]
 pub struct TileParts<'p> {
     pub pictures: &'p wgpu::Buffer,
     pub parts: Vec<TilePart>,
@@ -77,7 +75,6 @@ pub struct TilePart {
     pub corner: [u32; 2],
 }
 
-#[derive(Debug)]
 pub struct DepthPlanes {
     pub planes: wgpu::Buffer,
     tables: wgpu::Buffer,
@@ -112,7 +109,6 @@ pub fn buffer_words(faces: &[([u32; 2], DepthHeader)]) -> u64 {
 }
 
 /// A dispatch with its list among the jobs.
-#[derive(Debug)]
 pub struct Step<'p> {
     pictures: Option<&'p wgpu::Buffer>,
     /// First word of the list, and words.
@@ -122,7 +118,7 @@ pub struct Step<'p> {
 }
 
 /// Lists of jobs that write inverse depths, then their pyramids, one after the other.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Jobs<'p> {
     words: Vec<u32>,
     pub texels: Vec<Step<'p>>,

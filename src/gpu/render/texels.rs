@@ -23,7 +23,6 @@ const MOST_RECTANGLES: usize = 64;
 /// Texels that are not on the device yet, of one kind.
 type Stale = (StreamKind, Rect);
 
-#[derive(Debug)]
 pub struct DeviceTexels {
     /// Width and height of a tile: those of the largest images that were needed so far.
     tile: [u32; 2],
@@ -35,7 +34,6 @@ pub struct DeviceTexels {
 }
 
 /// Texture arrays that share an atlas of tiles.
-#[derive(Debug)]
 pub struct Textures {
     capacity: usize,
     atlas: Atlas,
@@ -45,7 +43,6 @@ pub struct Textures {
     pub materials: wgpu::Texture,
 }
 
-#[derive(Debug)]
 struct Resident {
     tile: Allocation,
     stale: Vec<Stale>,

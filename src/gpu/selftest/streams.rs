@@ -156,10 +156,9 @@ fn depth_header(random: &mut Random) -> Result<CodecHeader> {
         };
         NodeHeader { window, epsilon: 0, keyframe_interval: 64, bound: 100, domain }
     };
-    let window = random_window(random);
-    let temporal = TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 };
+    let temporal = random_temporal(random);
     let coding = match random.below(12) {
-        0..4 => DepthCoding::Nodes(nodes(random, window)),
+        0..4 => DepthCoding::Nodes(nodes(random, temporal.window)),
         4 => DepthCoding::Tree(nodes(random, 1)),
         5 | 6 => DepthCoding::Blocks,
         7 | 8 => DepthCoding::BoxesInBlocks(temporal),
@@ -184,13 +183,12 @@ fn color_header(random: &mut Random) -> CodecHeader {
 }
 
 fn material_header(random: &mut Random) -> CodecHeader {
-    let window = random_window(random);
-    let temporal = TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 };
-    CodecHeader::Material(MaterialHeader { temporal, in_blocks: random.one_in(2) })
+    CodecHeader::Material(MaterialHeader { temporal: random_temporal(random), in_blocks: random.one_in(2) })
 }
 
-fn random_window(random: &mut Random) -> u8 {
-    random.pick(&[1, 2, 3, 5, 255]).unwrap_or(1)
+fn random_temporal(random: &mut Random) -> TemporalSettings {
+    let window = random.pick(&[1, 2, 3, 5, 255]).unwrap_or(1);
+    TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 }
 }
 
 /// Adds a random stream, and its coded chunks.

@@ -9,7 +9,6 @@ use crate::march::packet::views::{PacketView, PacketViews, Places};
 use crate::march::{DEPTH_EPSILON, Interpolated};
 use crate::views::{BACKGROUND, ColorTexels, UNKNOWN};
 
-#[derive(Debug)]
 struct Sums {
     /// Red, green and blue, in codes up to 255 or light.
     color: [Lanes; 3],
@@ -135,7 +134,6 @@ fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4
 }
 
 /// Linear light of fractional 8-bit codes, from a table.
-#[derive(Debug)]
 pub(crate) struct LightCurve {
     values: Vec<f32>,
 }

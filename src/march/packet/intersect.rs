@@ -46,7 +46,6 @@ pub(crate) fn bits_of<T>(lanes: &[Option<T>; 4]) -> u32 {
 }
 
 /// Marches packets. Tests first the view that proved the last segment, which changes no result.
-#[derive(Debug)]
 pub(crate) struct PacketMarch<'a> {
     views: &'a PacketViews<'a>,
     order: Vec<usize>,

@@ -9,7 +9,6 @@ use crate::march::packet::views::PacketViews;
 use crate::march::{ActiveViews, ClipPlanes, Counters, PrimaryHit, Ray, RayResult, RenderSettings, background};
 use crate::views::ColorCoding;
 
-#[derive(Debug)]
 pub(crate) struct PacketScene<'a> {
     views: &'a ActiveViews<'a>,
     flat: PacketViews<'a>,
@@ -43,11 +42,10 @@ impl<'a> PacketScene<'a> {
     }
 }
 
-#[derive(Debug)]
 pub(crate) struct PacketRow<'a> {
     scene: &'a PacketScene<'a>,
     settings: &'a RenderSettings,
-    /// [`crate::march::intersect::Steps::uncertainty`].
+    /// [`crate::march::ray::Steps::uncertainty`].
     uncertainty: f32,
     march: PacketMarch<'a>,
 }

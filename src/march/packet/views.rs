@@ -21,7 +21,6 @@ struct Map {
     texels: TexelMap,
 }
 
-#[derive(Debug)]
 pub(crate) struct PacketView<'a> {
     /// Columns of the rotation into its axes.
     turn: [[Lanes; 3]; 3],
@@ -432,7 +431,6 @@ impl<'a> PacketView<'a> {
     }
 }
 
-#[derive(Debug)]
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
     /// Whether colours are codes of 8 bits, and not light.

@@ -59,7 +59,6 @@ enum Departure {
     Hit(f32),
 }
 
-#[derive(Debug)]
 pub struct SecondaryRays<'a> {
     views: &'a ActiveViews<'a>,
     settings: &'a RenderSettings,
