@@ -95,27 +95,26 @@ fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<
         let poses = base.poses.iter().enumerate().map(pose).collect();
         Alternative { subject: Subject::Positions, words, hypothesis: Hypothesis { poses, ..base.clone() } }
     };
-    let before = all.len();
+    let mut found = Vec::new();
     if extent == Extent::All {
         for a in 0..names.len() {
             for b in a + 1..names.len() {
                 let mut order: Vec<usize> = (0..names.len()).collect();
                 order.swap(a, b);
                 let words = format!("the positions of probes {} and {} exchanged", names[a], names[b]);
-                all.push(moved(words, &|index| base.poses[order[index]].position));
+                found.push(moved(words, &|index| base.poses[order[index]].position));
             }
         }
     }
     for (words, axes) in axis_orders() {
-        all.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
+        found.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
     }
     // Only relative positions count.
     let offsets =
         |of: &Hypothesis| -> Vec<DVec3> { of.poses.iter().map(|pose| pose.position - of.poses[0].position).collect() };
     let own = offsets(base);
     let same = |other: &Hypothesis| offsets(other).iter().zip(&own).all(|(a, b)| a.distance(*b) < 1e-9);
-    let kept: Vec<Alternative> = all.drain(before..).filter(|alternative| !same(&alternative.hypothesis)).collect();
-    all.extend(kept);
+    all.extend(found.into_iter().filter(|alternative| !same(&alternative.hypothesis)));
 }
 
 /// All signed permutations of the axes but the identity, such as `(x, -y, z)`, as matrices; fewest changes first.

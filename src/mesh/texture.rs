@@ -84,10 +84,8 @@ impl ImageTexture {
         let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
         if decoder.total_bytes().max(4 * pixels) > cap {
-            return Err(Error::invalid(format!(
-                "the image claims {width}x{height} pixels, more than its {} bytes may",
-                bytes.len()
-            )));
+            let claims = format!("the image claims {width}x{height} pixels");
+            return Err(Error::invalid(format!("{claims}, more than its {} bytes may", bytes.len())));
         }
         if pixels == 0 {
             return Err(Error::invalid("the image has no pixels"));

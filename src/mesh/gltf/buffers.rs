@@ -53,12 +53,9 @@ impl<'a> Buffers<'a> {
             (None, 0) if self.blob.is_some() => Arc::new(self.blob.take().unwrap_or_default()),
             _ => return Err(Error::invalid(format!("buffer {number} has no data"))),
         };
-        if (bytes.len() as u64) < buffer.byte_length.0 {
-            return Err(Error::invalid(format!(
-                "buffer {number} has {} bytes, where {} were expected",
-                bytes.len(),
-                buffer.byte_length.0
-            )));
+        let (has, expected) = (bytes.len() as u64, buffer.byte_length.0);
+        if has < expected {
+            return Err(Error::invalid(format!("buffer {number} has {has} bytes, where {expected} were expected")));
         }
         self.loaded[number] = Some(bytes.clone());
         Ok(bytes)
@@ -70,13 +67,10 @@ impl<'a> Buffers<'a> {
         let missing = || Error::invalid(format!("there is no buffer view {number}"));
         let view = root.buffer_views.get(number).ok_or_else(missing)?;
         let bytes = self.buffer(view.buffer.value())?;
-        let start = view.byte_offset.map_or(0, |offset| offset.0);
-        let end = start.checked_add(view.byte_length.0).filter(|&end| end <= bytes.len() as u64).ok_or_else(|| {
-            Error::invalid(format!(
-                "buffer view {number} shows {} bytes from {start} on, but its buffer has {}",
-                view.byte_length.0,
-                bytes.len()
-            ))
+        let (start, length) = (view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0);
+        let end = start.checked_add(length).filter(|&end| end <= bytes.len() as u64).ok_or_else(|| {
+            let shows = format!("buffer view {number} shows {length} bytes from {start} on");
+            Error::invalid(format!("{shows}, but its buffer has {}", bytes.len()))
         })?;
         Ok((bytes, start as usize..end as usize))
     }
@@ -87,23 +81,18 @@ impl<'a> Buffers<'a> {
         let bytes = &bytes[range];
         let stride = self.root.buffer_views[view].byte_stride.map_or(size, |stride| stride.0);
         if stride < size {
-            return Err(Error::invalid(format!(
-                "elements of {size} bytes lie {stride} bytes apart in buffer view {view}"
-            )));
+            let lie = format!("elements of {size} bytes lie {stride} bytes apart in buffer view {view}");
+            return Err(Error::invalid(lie));
         }
         let needed = (count as u64).saturating_sub(1).saturating_mul(stride as u64).saturating_add(size as u64);
         let end = offset.saturating_add(needed);
         if count > 0 && end > bytes.len() as u64 {
-            return Err(Error::invalid(format!(
-                "{count} elements reach to byte {end} of buffer view {view}, which has {}",
-                bytes.len()
-            )));
+            let reach = format!("{count} elements reach to byte {end} of buffer view {view}");
+            return Err(Error::invalid(format!("{reach}, which has {}", bytes.len())));
         }
+        let starts = (0..count).map(|number| offset as usize + number * stride);
         let mut out = Vec::with_capacity(count * size);
-        for number in 0..count {
-            let at = offset as usize + number * stride;
-            out.extend_from_slice(&bytes[at..at + size]);
-        }
+        starts.for_each(|at| out.extend_from_slice(&bytes[at..at + size]));
         Ok(out)
     }
 
@@ -114,11 +103,9 @@ impl<'a> Buffers<'a> {
         let (Checked::Valid(component), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
             return Err(Error::invalid("its type is not known"));
         };
-        if shape.multiplicity() != components {
-            return Err(Error::invalid(format!(
-                "elements of {} numbers, where {components} were expected",
-                shape.multiplicity()
-            )));
+        let numbers = shape.multiplicity();
+        if numbers != components {
+            return Err(Error::invalid(format!("elements of {numbers} numbers, where {components} were expected")));
         }
         let size = component.0.size() * components;
         // The bytes, and the floats or integers that they become.

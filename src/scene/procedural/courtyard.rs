@@ -26,42 +26,32 @@ fn fixed() -> Vec<Object> {
 
     let paving =
         Texture::Bricks { colors: [rgb(0.46, 0.43, 0.38), rgb(0.24, 0.23, 0.21)], size: [0.8, 0.6], joint: 0.025 };
+    let bricks =
+        Texture::Bricks { colors: [rgb(0.48, 0.2, 0.13), rgb(0.5, 0.47, 0.42)], size: [0.5, 0.16], joint: 0.02 };
+    let masonry =
+        Texture::Bricks { colors: [rgb(0.5, 0.46, 0.4), rgb(0.33, 0.31, 0.28)], size: [0.45, 0.3], joint: 0.03 };
+    let stripes = Texture::Stripes { colors: [rgb(0.72, 0.66, 0.52), rgb(0.3, 0.42, 0.4)], wave: DVec3::X * 2.5 };
+    let planks = Texture::Stripes { colors: [rgb(0.5, 0.34, 0.18), rgb(0.38, 0.24, 0.12)], wave: DVec3::Y * 7.0 };
     let across = DVec3::X * (TERRACE_EDGE_X - WALL + 0.2);
 
     let mut objects = vec![
         // The ground needs no shadow: nothing is below it, and nearly every shadow ray starts on it.
         wall([WALL - 0.2, 0.0, WALL - 0.2], DVec3::Z * 13.0, across, paving),
-        block(
-            [WALL - 0.2, 0.0, WALL - 0.2],
-            [WALL, 2.6, 4.0],
-            Texture::Bricks { colors: [rgb(0.48, 0.2, 0.13), rgb(0.5, 0.47, 0.42)], size: [0.5, 0.16], joint: 0.02 },
-        ),
-        block(
-            [WALL, 0.0, WALL - 0.2],
-            [TERRACE_EDGE_X, 2.4, WALL],
-            Texture::Stripes { colors: [rgb(0.72, 0.66, 0.52), rgb(0.3, 0.42, 0.4)], wave: DVec3::X * 2.5 },
-        ),
+        block([WALL - 0.2, 0.0, WALL - 0.2], [WALL, 2.6, 4.0], bricks),
+        block([WALL, 0.0, WALL - 0.2], [TERRACE_EDGE_X, 2.4, WALL], stripes),
         // A coping on each wall.
         block([WALL - 0.28, 2.6, WALL - 0.28], [WALL + 0.08, 2.7, 4.08], stone),
         block([WALL, 2.4, WALL - 0.28], [TERRACE_EDGE_X, 2.5, WALL + 0.08], stone),
         // The bracket that holds the lamp.
         block([LAMP.x - 0.02, LAMP.y + 0.12, WALL], [LAMP.x + 0.02, LAMP.y + 0.15, LAMP.z + 0.02], iron),
         // A tower and a tree beyond the fence.
-        block(
-            [-3.4, 0.0, 5.6],
-            [-2.2, 4.6, 6.8],
-            Texture::Bricks { colors: [rgb(0.5, 0.46, 0.4), rgb(0.33, 0.31, 0.28)], size: [0.45, 0.3], joint: 0.03 },
-        ),
+        block([-3.4, 0.0, 5.6], [-2.2, 4.6, 6.8], masonry),
         block([-3.55, 4.6, 5.45], [-2.05, 4.8, 6.95], Texture::Solid(rgb(0.42, 0.16, 0.11))),
         block([-0.08, 0.0, 5.92], [0.08, 1.5, 6.08], wood),
         ball(DVec3::new(0.0, 2.3, 6.0), 0.85, Texture::Solid(rgb(0.12, 0.3, 0.08))),
         ball(DVec3::new(-0.55, 1.85, 5.8), 0.5, Texture::Solid(rgb(0.15, 0.36, 0.09))),
         // A crate and a planter on the terrace.
-        block(
-            [-3.5, 0.0, 0.9],
-            [-2.8, 0.7, 1.6],
-            Texture::Stripes { colors: [rgb(0.5, 0.34, 0.18), rgb(0.38, 0.24, 0.12)], wave: DVec3::Y * 7.0 },
-        ),
+        block([-3.5, 0.0, 0.9], [-2.8, 0.7, 1.6], planks),
         block([-0.2, 0.0, -3.3], [0.5, 0.45, -2.6], Texture::Solid(rgb(0.5, 0.26, 0.16))),
         ball(DVec3::new(0.15, 0.75, -2.95), 0.42, Texture::Solid(rgb(0.1, 0.26, 0.1))),
         Object::new(
