@@ -12,7 +12,6 @@ pub fn pretty(value: &impl Serialize) -> Result<String> {
     Ok(text + "\n")
 }
 
-/// A number that may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub f64);
 

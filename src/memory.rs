@@ -12,14 +12,12 @@ pub struct Budget {
     bytes: Option<u64>,
 }
 
-/// Memory of some work.
 #[derive(Debug, Clone, Copy)]
 pub struct Need<'a> {
     /// The work, for errors: `encoding the color of probe 00`.
     pub what: &'a str,
     /// Bytes regardless of the number of jobs.
     pub fixed: u64,
-    /// Bytes of each job.
     pub each: u64,
     /// What helps besides more memory, such as `` a smaller `keyframe_reach` ``; may be empty.
     pub instead: &'a str,

@@ -89,7 +89,6 @@ impl StreamReport {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// By kind, then probe, then face.
     pub streams: Vec<StreamReport>,
     pub missing: Vec<Missing>,
 }

@@ -65,7 +65,6 @@ pub struct SampleErrors {
 }
 
 impl SampleErrors {
-    /// Mean SSIM of the frames of which it was computed.
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
     }

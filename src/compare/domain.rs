@@ -66,7 +66,6 @@ pub struct ConvertedImage {
 
 pub struct Converter {
     domain: Coding,
-    /// How a container codes the stream; `None` for files.
     own: Option<Coding>,
     quantiser: Option<Quantiser>,
     metres: Option<CodeTable>,
@@ -106,17 +105,13 @@ impl Converter {
     pub fn convert(&self, image: Image) -> Result<ConvertedImage> {
         let unclipped = |image| Ok(ConvertedImage { image, clipped_pixels: 0 });
         match (image, self.domain) {
-            (Image::Coded(Picture::Depth(codes)), Coding::Depth(range)) => {
-                let metres = self.metres_of(&codes);
-                unclipped(Converted::Depth(if self.keeps_codes() {
-                    let width = codes.width();
-                    let codes = codes.data().iter().map(|&code| i32::from(code)).collect();
-                    DepthPicture { width, codes, metres: metres.into_data() }
-                } else {
-                    self.quantise(metres, range)
-                }))
+            (Image::Coded(Picture::Depth(codes)), Coding::Depth(_)) if self.keeps_codes() => {
+                let (width, metres) = (codes.width(), self.metres_of(&codes).into_data());
+                let codes = codes.data().iter().map(|&code| i32::from(code)).collect();
+                unclipped(Converted::Depth(DepthPicture { width, codes, metres }))
             }
-            (Image::File(Values::Metres(metres)), Coding::Depth(range)) => {
+            (image, Coding::Depth(range)) => {
+                let Values::Metres(metres) = self.values(&image) else { return Err(wrong_kind()) };
                 unclipped(Converted::Depth(self.quantise(metres, range)))
             }
             (Image::Coded(Picture::Color8(codes)), Coding::Color(ColorFormat::EightBit(_), _))

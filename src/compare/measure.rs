@@ -71,7 +71,6 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
     Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
 }
 
-/// How many groups of pairs that share files may be compared at once.
 fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
     if memory.bytes().is_none() {
         return Ok(usize::MAX);

@@ -218,7 +218,6 @@ fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     })
 }
 
-/// The value that all are.
 fn only_one<T: PartialEq>(mut values: impl Iterator<Item = T>) -> Option<T> {
     let first = values.next()?;
     values.all(|other| other == first).then_some(first)

@@ -108,7 +108,6 @@ pub(super) enum Content {
 pub struct Side {
     pub path: String,
     pub form: SideForm,
-    /// The selected streams, in the side's own order.
     #[serde(skip)]
     pub streams: Vec<SideStream>,
     #[serde(skip)]
@@ -122,7 +121,6 @@ pub enum Image {
     File(Values),
 }
 
-/// An image in the values of files.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Metres, +inf for background.

@@ -14,7 +14,6 @@ use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, pose_fault};
 use crate::error::{Error, Result};
 use crate::json;
 
-/// Version of the schema that this program reads and writes.
 pub const CAMERAS_VERSION: u32 = 1;
 
 /// The whole file. Unknown keys are errors, except inside `extra`.
@@ -22,7 +21,6 @@ pub const CAMERAS_VERSION: u32 = 1;
 #[serde(deny_unknown_fields)]
 pub struct CameraSet {
     pub lightfold_cameras: u32,
-    /// In order of placement.
     pub cameras: Vec<PlacedCamera>,
     /// Other data, such as the settings of the placement; kept, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]

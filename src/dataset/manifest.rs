@@ -34,7 +34,6 @@ pub struct Manifest {
     /// File layout of cube maps; six files when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces: Option<FaceFiles>,
-    /// Names of the faces present; all six when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces_present: Option<Vec<String>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -278,7 +277,6 @@ impl Manifest {
         self.faces.unwrap_or_default()
     }
 
-    /// The faces that the dataset has: cube faces, or the single view of a perspective one.
     pub fn faces(&self) -> Vec<Face> {
         if self.projection == Projection::Perspective {
             return vec![Face::View];

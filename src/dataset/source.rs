@@ -148,7 +148,6 @@ pub struct Source {
     material_channels: [String; 3],
     invalid_color: InvalidColor,
     limits: ReadLimits,
-    /// One for each face of a cube, where images are equirectangular.
     maps: Vec<FaceMap>,
 }
 
@@ -235,7 +234,6 @@ impl Source {
     }
 
     /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`Sequence::find`]).
-    ///
     /// The size is that of the first image.
     pub fn from_sequence(
         kind: StreamKind,

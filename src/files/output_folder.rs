@@ -59,7 +59,6 @@ impl OutputFolder {
     }
 }
 
-/// Replaces the folder `from` by `to` in an error's path.
 pub fn name_final_path(error: Error, from: &Path, to: &Path) -> Error {
     match error {
         Error::Io { file, source } => {

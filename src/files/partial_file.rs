@@ -118,7 +118,6 @@ impl PartialFile {
         done
     }
 
-    /// Empties the file and removes the journal.
     pub fn start_over(&mut self) -> Result<()> {
         truncate(self.writer.get_mut(), 0).map_err(|error| Error::io(&self.output, error))?;
         self.keep = false;

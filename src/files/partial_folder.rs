@@ -101,7 +101,6 @@ impl PartialFolder {
         written.and_then(|_| file.write_all(state.as_bytes())).and_then(|()| file.sync_all()).map_err(io)
     }
 
-    /// Lets dropping leave everything.
     pub fn keep(&mut self) {
         self.keep = true;
     }
@@ -142,7 +141,6 @@ fn path_for(output: &Path, suffix: &str) -> Result<PathBuf> {
 }
 
 impl FolderKind {
-    /// Removes files that are neither images nor manifest nor state.
     fn remove_foreign(&self, folder: &Path) -> std::io::Result<()> {
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;

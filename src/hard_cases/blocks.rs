@@ -128,7 +128,6 @@ fn codes_of_blocks([first, step, last]: [u16; 3], background: fn(u32, u32) -> bo
     source.compare(Clip::blocks(&source, EFFORT, 1)?)
 }
 
-/// Between two endpoints, in the mode that spaces this number of codes evenly.
 fn palette_error(codes: usize) -> Measured {
     let mut random = Random::new(8);
     let mut worst = Measured::nothing();

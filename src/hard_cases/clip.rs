@@ -108,7 +108,6 @@ impl Clip {
         Ok(Clip::new("DQTR", header, source, chunks))
     }
 
-    /// BC4w blocks (`DB4W`).
     pub(super) fn blocks(source: &Sequence<u16>, effort: Effort, interval: u32) -> Result<Clip> {
         let mut encoder = BlockEncoder::new(source.grid(), effort, interval);
         let chunks = source.encode(|frame| {
@@ -203,7 +202,6 @@ impl Sequence<u16> {
 }
 
 impl Sequence<[u8; 3]> {
-    /// The largest error of any byte of what a clip shows.
     pub(super) fn compare(&self, clip: Clip) -> Result<Measured> {
         let what = clip.what.clone();
         largest_error(clip, |worst, frame, picture| {

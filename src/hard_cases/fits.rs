@@ -15,7 +15,6 @@ use crate::math::random::Random;
 
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
 const SIDES: [usize; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
-/// Samples along a side that encoders solve for at most.
 const SAMPLES_ACROSS: usize = 32;
 type Matrix = [[f64; 6]; 6];
 
@@ -177,7 +176,6 @@ fn value_of(terms: &Terms, basis: Terms) -> f64 {
 }
 
 /// What rounding may do to [`Frame::project`] in any pixel, in codes.
-///
 /// With u = 2^-53, w columns and h rows, values of up to V = 65535 and functions of up to 1: columns are added up, and so
 /// are off by (w + 2) u, which squares double; sums of products over w, then over h, are off by (w + h + 4) u of V for each
 /// pixel; norms, sums of what is positive, by (w + h + 10) u of themselves. A coefficient is such a sum divided by the mean

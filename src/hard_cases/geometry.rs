@@ -132,7 +132,6 @@ fn corners() -> Vec<DVec3> {
     (0..8).map(|bits| DVec3::new(sign(bits, 0), sign(bits, 1), sign(bits, 2))).collect()
 }
 
-/// Places that are no sums of powers of two, inside of faces.
 fn inside() -> Vec<DVec3> {
     let mut found = Vec::new();
     for face in Face::CUBE {
@@ -219,7 +218,6 @@ fn borders(side: u32) -> Vec<Border> {
 }
 
 impl Border {
-    /// The direction just inside of its face, and that just outside of it.
     fn sides(&self) -> [DVec3; 2] {
         let place = on_face(self.face, self.at);
         // By half an ulp of 1 inward and by an ulp outward, which are the next numbers.

@@ -55,7 +55,6 @@ fn setup() -> Setup {
 }
 
 /// Whether a ray through a pixel's middle ends where no probe saw a surface; None where that hangs on rounding.
-///
 /// `across` and `down` are its direction's parts for each metre ahead. It comes into the shadow that a probe sees at the
 /// planar depth at which it is beside the line from the probe over the right edge, and stays in it up to the wall.
 fn is_hole([across, down]: [f64; 2]) -> Option<bool> {

@@ -13,7 +13,6 @@ const RANDOM_PICTURES: u32 = 40;
 
 /// Enters at every frame and takes one step of every legal length, then random paths; counts pictures that differ from those
 /// of decoding in order.
-///
 /// A legal path has steps of 1 to W frames. If a decoder's state is its picture alone, single steps prove all paths; random
 /// paths with a fresh decoder each, steps and jumps, test whether it is.
 pub(super) fn paths(clip: &Clip) -> Result<Measured> {

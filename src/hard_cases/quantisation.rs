@@ -37,11 +37,9 @@ const LOG_ROUNDING: f64 = 65534.0 * 8.0 * f64::EPSILON;
 const FLOAT_ROUNDING: f64 = 1.0 / 16_777_216.0;
 /// Relative rounding of near · exp(log) in binary64: an argument of up to 180, off by four units, and two operations.
 const EXP_ROUNDING: f64 = (180.0 * 4.0 + 4.0) * f64::EPSILON;
-/// Ratios that domains of depth and its inverse are tried with.
 const DOMAIN_RATIOS: [f32; 6] = [1.0035, 1.5, 74.5, 4000.0, 1e6, 1e12];
 
 /// ln(z / near) for 0 < near <= z, by 2 artanh((z − near) / (z + near)) after factors of two are taken out.
-///
 /// Floats are exact in binary64, and so is their difference where they are close.
 fn log_ratio(z: f32, near: f32) -> f64 {
     let (z, near) = (f64::from(z), f64::from(near));
@@ -69,7 +67,6 @@ impl Reference {
         if self.span == 0.0 { 0.0 } else { log_ratio(z, self.range.near_m()) / self.span * f64::from(FAR_CODE) }
     }
 
-    /// Half a step, in natural logarithm, with the logarithm's rounding.
     fn half_step(self) -> f64 {
         self.span * (0.5 + LOG_ROUNDING) / f64::from(FAR_CODE)
     }

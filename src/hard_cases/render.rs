@@ -71,7 +71,6 @@ const POSITIONS: [DVec3; 4] = [
     DVec3::new(-1.125, 0.0, 1.25),
 ];
 
-/// An eye that is in no probe.
 const BESIDE: DVec3 = DVec3::new(0.5, 0.25, -0.5);
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -168,7 +167,6 @@ fn steps_of_all() -> Setup {
     })
 }
 
-/// One probe in the origin, and an eye beside it.
 fn made(sight: fn(DVec3) -> Option<(f64, [u8; 3])>) -> Setup {
     Setup { eye: DVec3::new(0.25, 0.125, -0.5), range_m: [0.01, 200.0], ..alone(DVec3::ZERO, SIDE, &sight) }
 }

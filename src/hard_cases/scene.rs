@@ -231,7 +231,6 @@ fn among_broken() -> Measured {
     count_other_answers(wrong, 7, &plain, &other)
 }
 
-/// Counts rays at the middle whose nearest triangles in two meshes differ.
 fn count_other_answers(mut wrong: Measured, seed: u64, plain: &SceneMesh, other: &SceneMesh) -> Measured {
     for ray in rays(seed, |random, _| {
         let origin = 2.0 * inside(random);

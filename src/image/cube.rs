@@ -73,7 +73,6 @@ pub struct FacePoint {
 }
 
 /// The point of the cube that a direction of any length goes through.
-///
 /// On an edge or corner the axis that comes first in X, Y, Z wins. The zero vector answers as +X would.
 pub fn direction_to_face(direction: DVec3) -> FacePoint {
     let size = direction.abs();

@@ -12,7 +12,6 @@ use super::plane::{ColorPlane, Plane};
 use super::projection::ImageProjection;
 use crate::error::{Error, Result};
 
-/// Lookups along each side of a cube pixel.
 const SUPERSAMPLES: u32 = 4;
 
 /// Limit of a face's side, so that the filters of six faces stay within 30 GiB.
@@ -38,7 +37,6 @@ pub fn check_face_size(size: u32, width: u32) -> Result<()> {
 }
 
 /// Sample positions of a cube face in equirectangular images of one size.
-///
 /// Two tables are computed once for all frames, when first needed, since that costs far more than resampling. Nearest
 /// samples, for depth and material, take 4 bytes per pixel of the face; filters, for colour, about 75 bytes at a quarter of
 /// the image's width, and up to 520 for much smaller faces.
@@ -142,7 +140,6 @@ impl FaceMap {
 }
 
 /// Computes rows 0 to `count` on several threads.
-///
 /// Not on those of rayon: a worker that waits for the table must not steal work that waits for the same table.
 fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
     let next = AtomicU32::new(0);

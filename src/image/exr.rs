@@ -315,7 +315,6 @@ fn select<const N: usize>(
 }
 
 /// Copies what a block has of one channel into the plane, leaving out what lies outside.
-///
 /// `origin` is the corner of the data window, seen from the corner of the display window.
 fn paste<T: Sample, const N: usize>(
     block: &UncompressedBlock,

@@ -22,7 +22,6 @@ pub enum FaceLayout {
     Strip,
 }
 
-/// Places of the faces in an image.
 struct Cells {
     columns: u32,
     rows: u32,

@@ -21,7 +21,6 @@ impl ReadLimits {
     }
 
     /// Plausible bytes of pixels of a file of `file_len` bytes, within the limit.
-    ///
     /// `floor` is allowed to any file. Beyond it no compression of real images exceeds 4096 to 1, so a header that
     /// claims more is damaged or hostile.
     pub(crate) fn believable(&self, file_len: u64, floor: u64) -> u64 {

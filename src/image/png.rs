@@ -17,7 +17,6 @@ use crate::error::{Error, Result};
 /// Any file may claim this much; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;
 
-/// What the code values of an image mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorSpace {

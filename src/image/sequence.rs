@@ -71,7 +71,6 @@ impl FromStr for FrameRange {
 }
 
 /// A file name pattern with a field for the frame number.
-///
 /// Fields are `%d` and `%04d`, n `#` for n digits (a single `#` for four), n `@` for n digits. There is at most one, in the
 /// file name. `%%` is a percent sign. Longer numbers are written in full.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -41,7 +41,6 @@ impl TexelMap {
         [0, 1].map(|axis| plane[axis] * self.scale[axis] + self.centre[axis])
     }
 
-    /// Distance over planar depth at the centre of a pixel.
     pub fn ray_length_factor(&self, col: u32, row: u32) -> f32 {
         let [u, v] = self.plane([col, row].map(|at| at as f32 + 0.5));
         (1.0 + u * u + v * v).sqrt()

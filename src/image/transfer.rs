@@ -7,7 +7,6 @@ use std::sync::OnceLock;
 
 use half::f16;
 
-/// Transfer function from light to codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Transfer {

@@ -55,7 +55,6 @@ pub(super) struct Event {
 
 #[derive(Default)]
 pub(super) struct ChunkMeasure {
-    /// In order, at least one.
     pub events: Vec<Event>,
     /// Every record fills the unit with one value.
     pub constant: bool,

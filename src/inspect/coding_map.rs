@@ -104,7 +104,6 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
 
 type Frames = BTreeMap<u32, u64>;
 
-/// Adds pixels of frames counted from `first`.
 fn add(frames: &mut Frames, first: u32, others: impl IntoIterator<Item = (u32, u64)>) {
     others.into_iter().for_each(|(frame, pixels)| *frames.entry(first + frame).or_insert(0) += pixels);
 }

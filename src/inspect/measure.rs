@@ -123,7 +123,6 @@ struct UnitMeasure {
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
-    /// Only for frame rows.
     events: Vec<Event>,
     damaged: Vec<DamagedChunk>,
 }

@@ -180,7 +180,6 @@ struct ColorReport {
 }
 
 impl<'a> Inspection<'a> {
-    /// Everything but frames and damage.
     pub fn report(&self, decoder: &'a Decoder) -> ContainerReport<'a> {
         let (reader, index, all) = (decoder.reader(), decoder.reader().index(), self.totals(None));
         let probes = self.probes();

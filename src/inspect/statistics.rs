@@ -108,7 +108,6 @@ pub struct Totals {
     pub streams: u64,
     pub frames: u64,
     pub raw_bytes: u64,
-    /// Payloads before LZMA2.
     pub temporal_bytes: u64,
     pub bytes: u64,
     pub chunks: u64,

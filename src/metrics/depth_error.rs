@@ -8,7 +8,6 @@ use super::codes::BACKGROUND_CODE;
 use super::psnr::{SquaredError, U16_PEAK};
 use crate::json::{self, Number};
 
-/// Stands for a depth outside the range of the codes.
 pub const OUTSIDE: i32 = -1;
 
 /// A pixel of a frame of a stream.
@@ -21,7 +20,6 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// The pixel of an index in row order.
     pub fn at(frame: u32, index: usize, width: u32) -> Spot {
         let width = width.max(1) as usize;
         Spot { frame, x: (index % width) as u32, y: (index / width) as u32 }

@@ -11,7 +11,6 @@ use crate::image::Plane;
 pub const HVS_BLOCK: u32 = 8;
 
 /// PSNR-HVS-M in dB of the Rec. 709 luma of two display-referred RGB images; `+inf` for equal ones.
-///
 /// `None` when a side is shorter than [`HVS_BLOCK`].
 pub fn psnr_hvs_m_rgb8(reference: &Plane<[u8; 3]>, distorted: &Plane<[u8; 3]>) -> Result<Option<f64>> {
     let Some([reference, distorted]) = iqa_images([reference, distorted], HVS_BLOCK)? else { return Ok(None) };

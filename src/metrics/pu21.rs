@@ -21,7 +21,6 @@ pub const PU21_MIN_CD_M2: f64 = 0.005;
 /// Brightest luminance, in cd/m², that PU21 describes.
 pub const PU21_MAX_CD_M2: f64 = 10_000.0;
 
-/// Parameters p1 to p7 of the fit "banding + glare".
 const P: [f64; 7] = [
     0.353_487_901,
     0.373_465_862_9,
@@ -33,7 +32,6 @@ const P: [f64; 7] = [
 ];
 
 /// PU21 code of a luminance in cd/m²: about 0 at 0.005, 256 at 100, 595 at 10,000.
-///
 /// Luminance outside 0.005..10,000 is clamped, so 0, negative numbers and `−inf` give the code of the floor, `+inf` the
 /// code of the ceiling. NaN gives the floor as well.
 pub fn pu21_encode(luminance_cd_m2: f64) -> f64 {
@@ -59,7 +57,6 @@ impl std::fmt::Debug for PuTable {
 
 impl PuTable {
     /// The table in which the sample value 1.0 means `white_cd_m2` cd/m².
-    ///
     /// Negative samples and NaN have the code of the floor (0.005 cd/m²): neither is light.
     pub fn new(white_cd_m2: f64) -> Result<Self> {
         if !(white_cd_m2.is_finite() && white_cd_m2 > 0.0) {

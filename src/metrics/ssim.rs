@@ -10,7 +10,6 @@ use crate::image::Plane;
 pub const SSIM_WINDOW: u32 = 11;
 
 /// Mean SSIM of two display-referred RGB images, in −1..=1; exactly 1 for equal images.
-///
 /// Each of R, G and B is compared for itself and the three means averaged; only windows that lie wholly inside
 /// count. `None` when a side is shorter than [`SSIM_WINDOW`]: padding would invent the answer.
 pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
