@@ -13,7 +13,6 @@ use crate::math::{Camera, Lens};
 /// A principal point that is at most this many pixels beside the middle of its image is taken to be the middle.
 const CENTRE_TOLERANCE: f64 = 0.01;
 
-/// An image of a dataset, and its camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceImage {
     pub probe: String,

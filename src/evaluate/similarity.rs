@@ -10,7 +10,6 @@ use crate::json::Number;
 use crate::metrics::{SquaredError, U8_PEAK, psnr_hvs_m_rgb8, ssim_rgb8};
 use crate::streams::convert::color_codes;
 
-/// Errors of one picture or several, in 8-bit display codes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
     pub all: SquaredError,

@@ -61,7 +61,6 @@ pub struct GpuDecoder<'a> {
     decoder: &'a Decoder,
     pub streams: Vec<&'a StreamInfo>,
     family: Family,
-    /// Position of each stream's first unit among all units.
     first_units: Vec<usize>,
     units: Vec<Unit>,
     shown: Vec<Option<Shown>>,

@@ -33,7 +33,6 @@ impl Binding {
 pub struct Kernel {
     pub name: &'static str,
     pub entry: &'static str,
-    /// Files that are concatenated to its source.
     pub files: &'static [ShaderFile],
     pub bindings: &'static [Binding],
     /// Invocations per workgroup, at most 256.

@@ -145,7 +145,7 @@ impl Growing {
 }
 
 pub struct ResidentChunk {
-    /// Its row of the table of chunks.
+    /// In the table of chunks.
     pub row: u32,
     /// Invocations that the largest of its records takes.
     pub most_work: u32,

@@ -17,7 +17,6 @@ use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 /// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
 pub const CAMERA_EPSILON: f32 = 0.01;
 
-/// Result of testing a point against the depths of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
     /// Between the viewpoint and the surface that it sees in this direction.
@@ -28,7 +27,6 @@ pub enum Occupancy {
     Unknown,
 }
 
-/// A view relative to the eye.
 #[derive(Debug, Clone)]
 pub struct ActiveView<'a> {
     pub view: &'a View,
@@ -43,7 +41,6 @@ pub struct ActiveView<'a> {
 }
 
 impl<'a> ActiveView<'a> {
-    /// A view of weight 1 whose centre is at `from_eye`.
     pub fn new(view: &'a View, pyramids: Arc<ViewPyramids>, from_eye: Vec3) -> ActiveView<'a> {
         ActiveView {
             view,

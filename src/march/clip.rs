@@ -9,7 +9,6 @@ use glam::Vec3;
 use crate::march::{ActiveViews, Counters, Ray, RenderSettings, StepsFrom, intersect_from};
 use crate::math::Camera;
 
-/// Planes perpendicular to the axis of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipPlanes {
     /// The axis, of length 1.
@@ -71,7 +70,8 @@ mod tests {
     use crate::march::ray::Steps;
     use crate::march::render::{Rendered, render, render_plainly};
     use crate::march::settings::{Acceleration, SpecularMode};
-    use crate::march::synthetic::{SyntheticProbe, field, room};
+    use crate::march::synthetic::{SyntheticProbe, room};
+    use crate::march::tests::field;
     use crate::math::Lens;
     use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;

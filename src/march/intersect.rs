@@ -56,7 +56,8 @@ mod tests {
     use crate::image::transfer::ToneMap;
     use crate::march::render::render;
     use crate::march::settings::{RenderSettings, SpecularMode};
-    use crate::march::synthetic::{SyntheticProbe, field, room};
+    use crate::march::synthetic::{SyntheticProbe, room};
+    use crate::march::tests::field;
     use crate::math::{Camera, Lens};
     use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;

@@ -175,7 +175,6 @@ fn shade(
     }
 }
 
-/// Sums over the rays of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 struct PixelSum {
     color: Vec3,

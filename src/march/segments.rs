@@ -65,7 +65,6 @@ pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) ->
     view.pyramids.faces[face].greatest_between(texels, from, to) * farthest_m < SURELY_BELOW_ONE
 }
 
-/// Position on a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Walk {
     /// Number of the first point that is not skipped yet.
@@ -76,10 +75,8 @@ pub(crate) struct Walk {
     blocked: Option<(usize, bool)>,
 }
 
-/// The next test of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Next {
-    /// The next point is in a surface.
     Hit(usize),
     /// The segment from the first to the last point, both included; they may be one.
     Test(usize, usize),

@@ -18,7 +18,6 @@ pub enum RayResult {
     Disoccluded(Option<Vec3>),
 }
 
-/// Where a primary ray ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PrimaryHit {
     /// Metres to the surface, if it meets one.

@@ -5,7 +5,7 @@ use half::f16;
 
 use crate::image::projection::centre_of;
 use crate::image::{Face, ImageProjection, TexelMap};
-use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
+use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
 
 /// Distance in metres and colour in a direction of the world, of length 1. None is background.
 pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
@@ -35,13 +35,7 @@ impl SyntheticProbe {
         view
     }
 
-    pub fn perspective(&self, map: TexelMap, coding: ColorCoding, sight: Sight<'_>) -> View {
-        let mut view = self.view();
-        view.faces[Face::View as usize] = Some(self.face(Face::View, map, coding, sight));
-        view
-    }
-
-    fn view(&self) -> View {
+    pub fn view(&self) -> View {
         View {
             name: "made".into(),
             position: self.position,
@@ -52,7 +46,7 @@ impl SyntheticProbe {
         }
     }
 
-    fn face(&self, face: Face, map: TexelMap, coding: ColorCoding, sight: Sight<'_>) -> FaceTexels {
+    pub fn face(&self, face: Face, map: TexelMap, coding: ColorCoding, sight: Sight<'_>) -> FaceTexels {
         let mut texels = FaceTexels::unknown(self.size, map, coding);
         let [forward, right, down] = face.axes();
         let ([fx, fy], [cx, cy]) = (map.scale, map.centre);
@@ -73,10 +67,6 @@ impl SyntheticProbe {
         }
         texels
     }
-}
-
-pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
-    LightField { views, coding }
 }
 
 /// The inside of a box of half these sides around the origin, with a box of `pillar` times its width and depth in it, seen from

@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3, Vec3};
 use crate::error::Error;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::{Face, TexelMap};
 use crate::march::active_views::ActiveViews;
 use crate::march::baseline::splat::splat;
 use crate::march::counters::Counters;
@@ -18,10 +19,14 @@ use crate::march::pyramid::DepthPyramid;
 use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::render::{render, render_plainly};
 use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
-use crate::march::synthetic::{SyntheticProbe, field, room};
+use crate::march::synthetic::{SyntheticProbe, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
 use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, UNKNOWN, View};
+
+pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
+    LightField { views, coding }
+}
 
 const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
@@ -77,7 +82,10 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
     } else {
         let focal = size.map(|pixels| pixels as f32 * (0.2 + random.next() as f32));
         let centre = size.map(|pixels| pixels as f32 * random.next() as f32);
-        made.perspective(crate::image::TexelMap { scale: focal, centre }, coding, &sight)
+        let mut view = made.view();
+        let map = TexelMap { scale: focal, centre };
+        view.faces[Face::View as usize] = Some(made.face(Face::View, map, coding, &sight));
+        view
     };
     for face in &mut view.faces {
         let Some(texels) = face else { continue };

@@ -11,7 +11,6 @@ use crate::error::Result;
 use crate::ordered::try_map_ordered;
 use crate::views::{CachedUnit, FaceCache, FaceChanges, FaceTexels, InverseDepth};
 
-/// A face of a probe that is loaded; none of its texels is known yet.
 #[derive(Debug, Clone, Copy)]
 pub struct NewFace<'f> {
     pub face: usize,
@@ -23,7 +22,6 @@ pub struct NewFace<'f> {
     pub inverse: &'f Arc<InverseDepth>,
 }
 
-/// A face whose texels are to follow its decoded units.
 #[derive(Debug)]
 pub struct FaceUpdate<'f, 'a> {
     /// Index of the view in the light field.

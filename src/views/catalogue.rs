@@ -94,7 +94,6 @@ impl<'a> Catalogue<'a> {
     }
 }
 
-/// Near and far over all faces of a probe.
 fn range_of(streams: &[StreamInfo], probe: usize) -> Option<DepthRange> {
     let ranges = streams.iter().filter(|stream| stream.probe == probe).filter_map(|stream| match stream.header {
         CodecHeader::Depth(header) => Some([header.range.near_m(), header.range.far_m()]),

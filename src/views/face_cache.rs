@@ -48,7 +48,6 @@ pub struct UnitId {
     pub unit: u32,
 }
 
-/// A rectangle of a tile whose depths are to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DepthPart {
     pub unit: u32,

@@ -10,7 +10,6 @@ use crate::image::{DepthKind, Face, ImageProjection};
 use crate::math::camera::rotation;
 use crate::math::{Frustum, Window};
 
-/// Nearest and farthest surface of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSpan {
     /// Nearest, in metres, at least 0.
@@ -27,7 +26,6 @@ impl DepthSpan {
     }
 }
 
-/// An image of a probe, as part of the world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceImage {
     centre: DVec3,

@@ -110,7 +110,6 @@ impl FaceTexels {
         FaceTexels { material: Some(vec![[0; 4]; texels]), ..self }
     }
 
-    /// Updates `is_specular`, by all texels.
     pub fn update_specular(&mut self) {
         self.is_specular = self.material.as_ref().is_some_and(|texels| texels.iter().any(has_specular_weight));
     }

@@ -23,7 +23,6 @@ use crate::views::{
 /// Bytes of idle views that are kept where there is no memory budget.
 const KEPT_BYTES: u64 = 2 << 30;
 
-/// A rectangle of a face whose texels changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Change {
     /// Index of the view in the light field.

@@ -155,7 +155,6 @@ impl<'a> GpuBackend<'a> {
         self.probes.get(&probe).map(|units| &units.planes)
     }
 
-    /// The cells that overlap a rectangle of a face, each cut to the overlap.
     pub fn cells(&self, ImageId { probe, face }: ImageId, rect: Rect) -> Vec<TexelWords<'_>> {
         let Some(units) = self.probes.get(&probe) else { return Vec::new() };
         let Some([_, color]) = units.streams.get(&face) else { return Vec::new() };

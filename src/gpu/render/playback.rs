@@ -44,7 +44,6 @@ impl<'a> DeviceRenderer<'a> {
         self.renderer.as_ref().is_some_and(|renderer| renderer.backend.is_some())
     }
 
-    /// What decodes depth and colour, unless the CPU does.
     pub fn gpu_backend(&mut self) -> Option<&mut GpuBackend<'a>> {
         self.renderer.as_mut()?.backend.as_mut()
     }

@@ -243,7 +243,6 @@ impl DeviceTexels {
         }
     }
 
-    /// First row of a level of the pyramid of an image.
     fn level_origin(&self, origin: Origin, level: usize) -> [u32; 3] {
         let rows = self.pyramid_rows();
         [origin.pyramid[0], origin.pyramid[1] + rows - (rows >> level), origin.layer]

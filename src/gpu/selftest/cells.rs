@@ -44,7 +44,6 @@ impl CellSample for HalfKey {
     }
 }
 
-/// A keyframe as it is stored.
 #[derive(Clone)]
 enum Keyframe<S> {
     Samples(Vec<S>),
@@ -77,7 +76,6 @@ pub fn push_random_keyframe<S: CellSample>(format: &CellFormat<S>, builder: &mut
     Keyframe::random(format, random).push(format, builder);
 }
 
-/// A cell between two keyframes.
 struct Between<S> {
     format: CellFormat<S>,
     keyframes: [Keyframe<S>; 2],

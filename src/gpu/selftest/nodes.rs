@@ -173,7 +173,6 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
     cases
 }
 
-/// One node of each level and function that covers its unit, in each domain.
 fn roots(random: &mut Random) -> Case {
     let mut gathered = Gathered::default();
     for domain in &domains() {
@@ -189,7 +188,6 @@ fn roots(random: &mut Random) -> Case {
     gathered.case("roots of all levels")
 }
 
-/// Constants at the edges of all domains, and lines of platelets on all levels.
 fn lines() -> Case {
     let mut gathered = Gathered::default();
     for domain in &domains() {

@@ -109,7 +109,6 @@ pub fn run(gpu: &Gpu, case: &PictureCase) -> Result<PictureResult> {
     Ok(PictureResult { agreement: Agreement::of(&on_device, &on_cpu)?, on_device, on_cpu })
 }
 
-/// Runs those cases that a kernel renders.
 pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
     let mut report = KernelReport::new(kernel.name);
     let mut cases = cases()?;

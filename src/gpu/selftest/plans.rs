@@ -11,7 +11,6 @@ use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
-/// What a plan reads, and what must come of it.
 #[derive(Default)]
 struct Planned {
     all: Gathered,
@@ -56,7 +55,6 @@ impl Planned {
         }
     }
 
-    /// Adds a unit with a random chunk of records, and an item that goes somewhere in it.
     fn push_records(&mut self, random: &mut Random) {
         let frames: Vec<u32> = ascending(random);
         let last = frames.last().copied().unwrap_or(0);
@@ -97,7 +95,6 @@ impl Planned {
         self.push(item, [before, State { key, frame: shown, weight: 0 }], job, work);
     }
 
-    /// Adds a cell with a random chunk and the one after it, and an item that shows one of its frames.
     fn push_cell(&mut self, random: &mut Random) {
         let mut builder = CellBuilder::default();
         for _ in 0..=random.below(5) {
@@ -155,7 +152,6 @@ fn ascending(random: &mut Random) -> Vec<u32> {
     frames
 }
 
-/// Plans of few and many items, each added by `push`.
 fn cases(seed: u64, push: fn(&mut Planned, &mut Random)) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let case = |count: usize| {

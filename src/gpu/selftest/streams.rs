@@ -53,7 +53,6 @@ static DECODING: [&Kernel; 10] = [
 pub struct StreamsReport {
     pub streams: u64,
     pub images: u64,
-    /// Words that differ, and where the first of them is.
     #[serde(flatten)]
     pub verification: Verification,
 }
@@ -235,7 +234,6 @@ fn add_stream(
     Ok(())
 }
 
-/// Chunks that cover the frames of a unit.
 fn unit_chunks(
     header: &CodecHeader,
     size: [u32; 2],

@@ -93,7 +93,6 @@ impl Faces {
     }
 }
 
-/// Projections of four points into the images of a view.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Places {
     /// Lanes in an image, as bits; values of others mean nothing.
@@ -171,7 +170,6 @@ impl<'a> PacketView<'a> {
         }
     }
 
-    /// Vectors from the viewpoint to points.
     #[inline(always)]
     fn local(&self, points: &Points) -> Points {
         let x = points.x - self.from_eye[0];
@@ -229,7 +227,6 @@ impl<'a> PacketView<'a> {
         places
     }
 
-    /// Occupancy of points; `guess` as above.
     #[inline(always)]
     pub(crate) fn test(&self, points: &Points, guess: &mut usize) -> Occupancies {
         let Some(places) = self.guessed(points, *guess) else { return self.test_anywhere(points, guess) };
@@ -310,7 +307,6 @@ impl<'a> PacketView<'a> {
         [each(|map| map.size), each(|map| map.texels.scale), each(|map| map.texels.centre)]
     }
 
-    /// Inverse depths of the texels that contain points.
     #[inline(always)]
     fn nearest(&self, places: &Places) -> Lanes {
         let within = |axis: usize| places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0);
@@ -433,7 +429,6 @@ impl<'a> PacketView<'a> {
 
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
-    /// Whether colours are codes of 8 bits, and not light.
     pub(crate) are_codes: bool,
 }
 
@@ -452,7 +447,8 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::ToneMap;
-    use crate::march::synthetic::{SyntheticProbe, field, room};
+    use crate::march::synthetic::{SyntheticProbe, room};
+    use crate::march::tests::field;
 
     #[test]
     fn guesses_change_no_result() {

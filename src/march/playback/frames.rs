@@ -96,7 +96,6 @@ impl PictureOptions {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Stage<'s> {
-    /// The light field in this frame.
     pub field: &'s LightField,
     /// Its active views, in order of priority.
     pub views: &'s [usize],

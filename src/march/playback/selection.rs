@@ -42,7 +42,6 @@ pub struct SelectionSettings {
 pub struct Active {
     /// The place that it keeps while it stays.
     pub slot: usize,
-    /// Its number in the light field.
     pub view: usize,
     /// Metres from the eye.
     pub distance_m: f64,

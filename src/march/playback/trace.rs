@@ -12,7 +12,6 @@ pub struct FrameTrace {
     pub frame: u32,
     /// Mean position of the cameras in metres.
     pub eye: [f64; 3],
-    /// Active views, in order of priority.
     pub active: Vec<ActiveTrace>,
     /// Other views that have the frame.
     pub culled: Vec<CulledTrace>,
@@ -31,9 +30,7 @@ pub struct FrameTrace {
 pub struct ActiveTrace {
     pub slot: usize,
     pub probe: String,
-    /// Metres from the eye.
     pub distance_m: f64,
-    /// Degrees between eye and view at the reference point.
     pub angle_deg: f64,
 }
 

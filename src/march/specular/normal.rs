@@ -110,7 +110,6 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
-    /// The place at an offset in texels from the centre of the texel.
     fn place(&self, offset: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|axis| self.texel[axis] as f32 + 0.5 + offset[axis])
     }

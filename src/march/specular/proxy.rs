@@ -33,7 +33,6 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// Its environment map relative to the eye, of weight 1.
     pub fn environment_view(&self) -> ActiveView<'_> {
         ActiveView::new(&self.environment, Arc::clone(&self.pyramids), self.sphere.centre)
     }

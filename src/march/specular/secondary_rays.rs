@@ -50,7 +50,6 @@ struct Pending {
     bounces: u32,
 }
 
-/// How a ray leaves the surface where it starts.
 #[derive(Debug, Clone, Copy)]
 enum Departure {
     /// It is in empty space at the step of this number.

@@ -142,7 +142,8 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::ToneMap;
-    use crate::march::synthetic::{SyntheticProbe, field};
+    use crate::march::synthetic::SyntheticProbe;
+    use crate::march::tests::field;
     use crate::views::light_field::{ColorCoding, LightField};
 
     #[test]

@@ -57,7 +57,6 @@ impl ProxyProvider for SphereFit {
     }
 }
 
-/// Points that may lie on one sphere.
 struct Cluster {
     points: Vec<DVec3>,
     ior_sum: f64,
@@ -216,7 +215,8 @@ mod tests {
     use crate::error::Error;
     use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::specular::proxy::{Proxies, has_specular_in_frustum, proxies_in_sight};
-    use crate::march::synthetic::{SyntheticProbe, field};
+    use crate::march::synthetic::SyntheticProbe;
+    use crate::march::tests::field;
     use crate::math::{Camera, Lens};
     use crate::monitor::Silent;
     use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, View};

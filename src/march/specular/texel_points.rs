@@ -6,7 +6,6 @@ use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews};
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
-/// An image of an active view that has specular texels.
 #[derive(Debug, Clone, Copy)]
 pub struct SpecularImage<'a> {
     pub view: &'a ActiveView<'a>,

@@ -200,7 +200,6 @@ impl Search<'_> {
         Some(Exit { ray: Ray { origin, direction }, part })
     }
 
-    /// Colours of the map, as views code them.
     fn colors(&self, known: &[Option<Seen>], view: &View, ior: f32) -> Result<Vec<Vec3>> {
         let Search { views, sphere, steps, monitor, .. } = *self;
         let from_centre = ActiveView::new(view, ViewPyramids::of(view).into(), sphere.centre);

@@ -17,7 +17,6 @@ pub const MOST_PLANES: usize = 8;
 /// The vector whose product with a direction is 1 over the distance of the plane in it.
 pub type Plane = Vec3;
 
-/// A surface point beside a hidden direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
     /// Metres from the centre.
