@@ -9,10 +9,10 @@ pub trait ByteSource: std::fmt::Debug + Send + Sync {
     /// Number of bytes.
     ///
     /// # Errors
-    /// Where it cannot be found out.
+    /// Where the source cannot tell its size.
     fn byte_count(&self) -> io::Result<u64>;
 
-    /// Fills `bytes` with those from `offset` on.
+    /// Fills `bytes` with the bytes from `offset` on.
     ///
     /// # Errors
     /// Of kind [`io::ErrorKind::UnexpectedEof`] where the source ends before; any other where reading fails.

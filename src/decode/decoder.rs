@@ -54,7 +54,40 @@ impl Decoder {
         Self::new(Reader::from_memory(file)?)
     }
 
-    /// Opens a container in any source of bytes; errors call it `name`.
+    /// Opens a container in any source of byte ranges; errors call it `name`. Only head, foot and index are read.
+    ///
+    /// ```
+    /// # fn main() -> lightfold::Result<()> {
+    /// # let mut encoder = lightfold::Encoder::new("film", 24.0);
+    /// # let probe = encoder.add_probe("00", Default::default())?;
+    /// # let depth = encoder.add_depth(probe, lightfold::Face::View, [8, 4])?;
+    /// # encoder.push_depth(depth, &[1.5; 32])?;
+    /// # let (object, _) = encoder.finish(Vec::new())?;
+    /// use std::io::{Error, ErrorKind, Result};
+    ///
+    /// use lightfold::{ByteSource, Decoder};
+    ///
+    /// /// An object of a store that answers requests for ranges.
+    /// #[derive(Debug)]
+    /// struct Object(Vec<u8>);
+    ///
+    /// impl ByteSource for Object {
+    ///     fn byte_count(&self) -> Result<u64> {
+    ///         Ok(self.0.len() as u64)
+    ///     }
+    ///
+    ///     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
+    ///         let range = offset as usize..offset as usize + bytes.len();
+    ///         bytes.copy_from_slice(self.0.get(range).ok_or(Error::from(ErrorKind::UnexpectedEof))?);
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// let container = Decoder::from_source(Object(object), "store/film.lfold")?;
+    /// assert_eq!(container.streams().len(), 1);
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
     /// As for [`Self::open`].
