@@ -58,26 +58,34 @@ const fn mode(code: u32, precision: u32, delta: Option<[u32; 3]>, layout: &'stat
     Mode { code, subsets: if two { 2 } else { 1 }, precision, delta, layout }
 }
 
-const LAYOUT_BITS: usize = 80;
 /// Number of the partition among the values of a block; those before are the channels of endpoint w, of x, of y and of z.
 const PARTITION: usize = 12;
-/// Fills rows of [`TARGETS`] that are shorter than others.
-const NOTHING: u8 = 255;
+/// A run of bits of a block that go to neighbouring bits of one value.
+#[derive(Clone, Copy)]
+struct Run {
+    value: usize,
+    /// Lowest bit of the value, and lowest bit of the block.
+    to: u32,
+    from: u32,
+    count: u32,
+}
 
-/// For each mode and each bit that follows the code: the value (times 16) and its bit that it goes to.
-const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
-    let mut targets = [[NOTHING; LAYOUT_BITS]; MODES.len()];
+const RUNS: usize = 32;
+
+/// The runs of each mode; what is left of a row moves no bits.
+static RUNS_OF: [[Run; RUNS]; MODES.len()] = {
+    let mut runs = [[Run { value: 0, to: 0, from: 0, count: 0 }; RUNS]; MODES.len()];
     let mut mode = 0;
     while mode < MODES.len() {
-        targets[mode] = parse(MODES[mode].layout.as_bytes());
+        let code_bits = if MODES[mode].code < 2 { 2 } else { 5 };
+        runs[mode] = parse(MODES[mode].layout.as_bytes(), code_bits, runs[mode]);
         mode += 1;
     }
-    targets
+    runs
 };
 
-const fn parse(text: &[u8]) -> [u8; LAYOUT_BITS] {
-    let mut targets = [NOTHING; LAYOUT_BITS];
-    let (mut at, mut count) = (0, 0);
+const fn parse(text: &[u8], mut from: u32, mut runs: [Run; RUNS]) -> [Run; RUNS] {
+    let (mut at, mut run) = (0, 0);
     while at < text.len() {
         let mut value = PARTITION;
         if text[at] != b'd' {
@@ -91,68 +99,32 @@ const fn parse(text: &[u8]) -> [u8; LAYOUT_BITS] {
             at += 1;
         }
         at += 1;
-        let (first, behind) = number(text, at);
-        let (mut last, mut next) = (first, behind);
+        let (mut to, behind) = number(text, at);
+        let (mut last, mut next) = (to, behind);
         if behind < text.len() && text[behind] == b'-' {
             (last, next) = number(text, behind + 1);
         }
-        let mut bit = first;
-        loop {
-            targets[count] = (16 * value) as u8 + bit;
-            count += 1;
-            if bit == last {
-                break;
-            }
-            if last > first { bit += 1 } else { bit -= 1 }
+        // Descending bits are runs of one.
+        while to > last {
+            runs[run] = Run { value, to, from, count: 1 };
+            (run, from, to) = (run + 1, from + 1, to - 1);
         }
+        let count = last - to + 1;
+        runs[run] = Run { value, to, from, count };
+        (run, from) = (run + 1, from + count);
         at = next + 1;
     }
-    targets
+    runs
 }
 
-const fn number(text: &[u8], mut at: usize) -> (u8, usize) {
+const fn number(text: &[u8], mut at: usize) -> (u32, usize) {
     let mut value = 0;
     while at < text.len() && text[at].is_ascii_digit() {
-        value = 10 * value + (text[at] - b'0');
+        value = 10 * value + (text[at] - b'0') as u32;
         at += 1;
     }
     (value, at)
 }
-
-/// A run of bits of a block of BC6H that go to neighbouring bits of one value.
-#[derive(Clone, Copy)]
-struct Run {
-    value: usize,
-    /// Lowest bit of the value, and lowest bit of the block.
-    to: u32,
-    from: u32,
-    count: u32,
-}
-
-const RUNS: usize = 32;
-
-/// [`TARGETS`] in runs; what is left of a row moves no bits.
-static RUNS_OF: [[Run; RUNS]; MODES.len()] = {
-    let mut runs = [[Run { value: 0, to: 0, from: 0, count: 0 }; RUNS]; MODES.len()];
-    let mut mode = 0;
-    while mode < runs.len() {
-        let code_bits = if MODES[mode].code < 2 { 2 } else { 5 };
-        let (mut bit, mut run, mut before) = (0, 0, NOTHING);
-        while bit < LAYOUT_BITS && TARGETS[mode][bit] != NOTHING {
-            let target = TARGETS[mode][bit];
-            if bit == 0 || target != before + 1 {
-                let from = bit as u32 + code_bits;
-                runs[mode][run] = Run { value: target as usize >> 4, to: target as u32 & 15, from, count: 0 };
-                run += 1;
-            }
-            runs[mode][run - 1].count += 1;
-            before = target;
-            bit += 1;
-        }
-        mode += 1;
-    }
-    runs
-};
 
 /// The mode by the lowest five bits of a block; 255 where they are reserved.
 const MODE_OF: [u8; 32] = {

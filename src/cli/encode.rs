@@ -250,7 +250,7 @@ impl Encode<'_> {
         let intact =
             recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
-        let resumable = Resumable { out: &mut file, journal, recovered };
+        let resumable = Resumable { out: &mut file, journal: Some(journal), recovered };
         let done = encode::encode_resumable(self.source, self.settings, resumable, progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,

@@ -19,11 +19,8 @@ pub const FOOT_BYTES: usize = 40;
 pub fn read_head(bytes: &[u8]) -> Result<u16> {
     let mut fields = Fields::new(bytes, 0, "container.md 3");
     if fields.bytes(8)? != MAGIC {
-        return Err(Error::invalid_at(
-            "container.md 3",
-            0,
-            "this is not a lightfold container: its first 8 bytes are other",
-        ));
+        let message = "this is not a lightfold container: its first 8 bytes are other";
+        return Err(Error::invalid_at("container.md 3", 0, message));
     }
     let (major, minor) = (fields.u16()?, fields.u16()?);
     if major != VERSION_MAJOR {
@@ -47,30 +44,25 @@ impl Foot {
     pub fn read(bytes: &[u8], file_bytes: u64) -> Result<Foot> {
         const SECTION: &str = "container.md 7";
         let start = file_bytes.saturating_sub(FOOT_BYTES as u64);
+        let wrong = |at: u64, message: String| Err(Error::invalid_at(SECTION, at, message));
         if bytes.len() != FOOT_BYTES || bytes[36..] != FOOT_MAGIC {
-            return Err(Error::invalid_at(
-                SECTION,
-                start,
-                "the container has no foot: it was cut short, so copy or encode it again",
-            ));
+            let message = "the container has no foot: it was cut short, so copy or encode it again";
+            return wrong(start, message.into());
         }
         let mut fields = Fields::new(bytes, start, SECTION);
         let foot = Foot { index_offset: fields.u64()?, index_bytes: fields.u64()?, index_crc32: fields.u32()? };
         fields.zeros(4)?;
         let said = fields.u64()?;
         if fields.u32()? != crc32fast::hash(&bytes[..32]) {
-            return Err(Error::invalid_at(SECTION, start, "the foot's CRC-32 does not match: the file is damaged"));
+            return wrong(start, "the foot's CRC-32 does not match: the file is damaged".into());
         }
         if said != file_bytes {
-            return Err(Error::invalid_at(
-                SECTION,
-                start + 24,
-                format!("the foot speaks of a file of {said} bytes, this one has {file_bytes}"),
-            ));
+            let message = format!("the foot speaks of a file of {said} bytes, this one has {file_bytes}");
+            return wrong(start + 24, message);
         }
         let end = foot.index_offset.checked_add(foot.index_bytes);
         if foot.index_offset < HEAD_BYTES as u64 || end != Some(start) {
-            return Err(Error::invalid_at(SECTION, start, "the index does not lie between the chunks and the foot"));
+            return wrong(start, "the index does not lie between the chunks and the foot".into());
         }
         Ok(foot)
     }

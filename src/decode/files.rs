@@ -116,28 +116,34 @@ pub fn decode_to_files(
     Ok(decoded)
 }
 
+/// Between the domain of a codec and that of a file.
+enum Table {
+    Metres(CodeTable),
+    Light(DecodeTable),
+    /// Of half floats in PNG.
+    Codes(EncodeTable),
+    None,
+}
+
 struct ImageWriter {
     format: FileFormat,
-    depth: Option<CodeTable>,
-    light: Option<DecodeTable>,
-    /// For half-float colour in PNG.
-    codes: Option<EncodeTable>,
+    table: Table,
 }
 
 impl ImageWriter {
     fn new(stream: &StreamInfo, format: FileFormat) -> ImageWriter {
-        let (mut depth, mut light, mut codes) = (None, None, None);
-        match stream.header {
-            CodecHeader::Depth(header) => depth = Some(CodeTable::new(header.range, header.background)),
+        let table = match stream.header {
+            CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
             CodecHeader::Color(header) => match header.format {
-                ColorFormat::EightBit(tone) => light = Some(DecodeTable::new(&tone)),
-                ColorFormat::Half { .. } => codes = Some(EncodeTable::new(&ToneMap::default())),
+                ColorFormat::EightBit(tone) => Table::Light(DecodeTable::new(&tone)),
+                ColorFormat::Half { .. } => Table::Codes(EncodeTable::new(&ToneMap::default())),
             },
-            CodecHeader::Material(_) => {}
-        }
-        ImageWriter { format, depth, light, codes }
+            CodecHeader::Material(_) => Table::None,
+        };
+        ImageWriter { format, table }
     }
 
+    /// Writes a file, and its folder where there is none; returns its bytes.
     fn write_new(&self, path: &Path, picture: Picture) -> Result<u64> {
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
@@ -147,25 +153,24 @@ impl ImageWriter {
     }
 
     fn write(&self, path: &Path, picture: Picture) -> Result<()> {
-        match (self.format, picture) {
-            (FileFormat::Png, Picture::Depth(codes)) => png::write_depth16(path, &codes),
-            (FileFormat::Png, Picture::Color8(codes) | Picture::Material(codes)) => png::write_color8(path, &codes),
-            (FileFormat::Png, Picture::ColorHalf(light)) => match &self.codes {
-                Some(table) => png::write_color8(path, &convert::color_codes(&light, table).0),
-                None => Ok(()),
-            },
-            (FileFormat::Exr, Picture::Depth(codes)) => match &self.depth {
-                Some(table) => exr::write_depth(path, &codes.map(|&code| table.metres(code))),
-                None => Ok(()),
-            },
-            (FileFormat::Exr, Picture::Color8(codes)) => match &self.light {
-                Some(table) => exr::write_color(path, &convert::color_light(&codes, table)),
-                None => Ok(()),
-            },
-            (FileFormat::Exr, Picture::ColorHalf(light)) => exr::write_color(path, &light),
-            (FileFormat::Exr, Picture::Material(codes)) => {
+        match (self.format, picture, &self.table) {
+            (FileFormat::Png, Picture::Depth(codes), _) => png::write_depth16(path, &codes),
+            (FileFormat::Png, Picture::Color8(codes) | Picture::Material(codes), _) => png::write_color8(path, &codes),
+            (FileFormat::Png, Picture::ColorHalf(light), Table::Codes(table)) => {
+                png::write_color8(path, &convert::color_codes(&light, table).0)
+            }
+            (FileFormat::Exr, Picture::Depth(codes), Table::Metres(table)) => {
+                exr::write_depth(path, &codes.map(|&code| table.metres(code)))
+            }
+            (FileFormat::Exr, Picture::Color8(codes), Table::Light(table)) => {
+                exr::write_color(path, &convert::color_light(&codes, table))
+            }
+            (FileFormat::Exr, Picture::ColorHalf(light), _) => exr::write_color(path, &light),
+            (FileFormat::Exr, Picture::Material(codes), _) => {
                 exr::write_material(path, &convert::material_values(&codes), MATERIAL_CHANNELS)
             }
+            // A stream's pictures and its table are of one kind.
+            _ => Err(Error::invalid("a picture of another kind than its stream")),
         }
     }
 }

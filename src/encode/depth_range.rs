@@ -16,18 +16,11 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::convert::DepthExtent;
 
-/// Near and far of a probe, and the images that were read to find them.
+/// Near and far of a probe, and the scan of its images, if one was made now.
 #[derive(Debug)]
 pub(super) struct ProbeDepth {
     pub range: DepthRange,
-    /// By index of the group and frame.
-    pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
-    /// Time that threads spent reading these.
-    pub reading: Duration,
-    /// Time that threads spent reading images that were not kept.
-    pub scanning: Duration,
-    /// The result of a scan that was made now.
-    pub scan: Option<Scan>,
+    pub scanned: Option<ScannedProbe>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -53,21 +46,15 @@ pub(super) fn depth_of_probe(
     monitor: &dyn Monitor,
 ) -> Result<ProbeDepth> {
     let given = given_range(source, settings);
-    let without_images = |range| {
-        let (kept, reading, scanning) = (HashMap::new(), Duration::ZERO, Duration::ZERO);
-        ProbeDepth { range, kept, reading, scanning, scan: None }
-    };
     if let [Some(near), Some(far)] = given {
-        return Ok(without_images(DepthRange::new(near, far)?));
+        return Ok(ProbeDepth { range: DepthRange::new(near, far)?, scanned: None });
     }
     let probe = groups.first().map_or("", |group| source.probes()[group.group.probe].name.as_str());
     if let Some(known) = known {
-        return Ok(without_images(found_range(probe, given, known)?));
+        return Ok(ProbeDepth { range: found_range(probe, given, known)?, scanned: None });
     }
     let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
-    let range = found_range(probe, given, scanned.scan)?;
-    let ScannedProbe { scan, kept, reading, scanning } = scanned;
-    Ok(ProbeDepth { range, kept, reading, scanning, scan: Some(scan) })
+    Ok(ProbeDepth { range: found_range(probe, given, scanned.scan)?, scanned: Some(scanned) })
 }
 
 /// The range from what was given, which is at most one of near and far, and what was found.
@@ -94,9 +81,12 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: Scan) -> Result<Dept
 #[derive(Debug)]
 pub(super) struct ScannedProbe {
     pub scan: Scan,
-    kept: HashMap<(usize, u32), Vec<DepthPlane>>,
-    reading: Duration,
-    scanning: Duration,
+    /// By index of the group and frame.
+    pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
+    /// Time that threads spent reading these.
+    pub reading: Duration,
+    /// Time that threads spent reading images that were not kept.
+    pub scanning: Duration,
 }
 
 pub(super) fn scan_probe(

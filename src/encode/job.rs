@@ -17,7 +17,7 @@ use crate::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry,
 use crate::dataset::SourceGroup;
 use crate::depth::{DepthRange, Quantiser};
 use crate::encode::budget::{self, ColorMemory};
-use crate::encode::depth_range::{self, depth_of_probe, given_range};
+use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
 use crate::encode::order::Order;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, Stamp, stamps};
@@ -101,27 +101,17 @@ pub fn encode<W: Write>(
     out: W,
     monitor: &dyn Monitor,
 ) -> Result<(W, EncodeSummary)> {
-    run(source, settings, Sink::Plain(out), monitor).map_err(|stopped| stopped.error)
+    let plain = Resumable { out, journal: None, recovered: None };
+    encode_resumable(source, settings, plain, monitor).map_err(|stopped| stopped.error)
 }
 
 pub struct Resumable<W> {
     /// The container: empty, or the sound part of what was recovered, which is appended to.
     pub out: W,
-    /// The journal, likewise.
-    pub journal: Box<dyn Write + Send>,
+    /// The journal, likewise; `None` for an encode that is not to be continued.
+    pub journal: Option<Box<dyn Write + Send>>,
     /// The work of an earlier run; `None` starts anew.
     pub recovered: Option<Recovered>,
-}
-
-/// As [`encode`], with a journal: an encode that was stopped at any moment continues behind the last complete chunk, and the
-/// container has the same bytes as one that was written in one go.
-pub fn encode_resumable<W: Write>(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    resumable: Resumable<W>,
-    monitor: &dyn Monitor,
-) -> Result<(W, EncodeSummary), Stopped> {
-    run(source, settings, Sink::Resumable(resumable), monitor)
 }
 
 /// Refuses settings that are out of range, and a source without the streams that they ask for.
@@ -148,22 +138,16 @@ pub fn describe_recovered(
     Order::of(source, settings).describe(source, recovered.safe())
 }
 
-enum Sink<W> {
-    Plain(W),
-    Resumable(Resumable<W>),
-}
-
-fn run<W: Write>(
+/// As [`encode`], with a journal: an encode that was stopped at any moment continues behind the last complete chunk, and the
+/// container has the same bytes as one that was written in one go.
+pub fn encode_resumable<W: Write>(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
-    sink: Sink<W>,
+    resumable: Resumable<W>,
     monitor: &dyn Monitor,
 ) -> Result<(W, EncodeSummary), Stopped> {
     let order = Order::of(source, settings);
-    let recovered = match &sink {
-        Sink::Resumable(Resumable { recovered, .. }) => recovered.as_ref(),
-        Sink::Plain(_) => None,
-    };
+    let recovered = resumable.recovered.as_ref();
     let kept = |safe| order.describe(source, safe).map_or(Kept::Nothing, Kept::Chunks);
     let before = recovered.map(Recovered::safe).unwrap_or_default();
     let continues = recovered.is_some();
@@ -176,7 +160,7 @@ fn run<W: Write>(
         Stopped { error, kept }
     })?;
     let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
-    let writer = open(source, settings, sink).map_err(|error| Stopped { error, kept: kept(before) })?;
+    let writer = open(source, settings, resumable).map_err(|error| Stopped { error, kept: kept(before) })?;
     let mut job = Job { source, settings, writer, monitor, completed, summary };
     let ran = job.run(&selected_groups(source, settings));
     let Job { writer, mut summary, .. } = job;
@@ -208,19 +192,19 @@ fn prepare(
 }
 
 /// A writer at the start of the container, or behind what was recovered, with the probes.
-fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, sink: Sink<W>) -> Result<Writer<W>> {
+fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, to: Resumable<W>) -> Result<Writer<W>> {
     let projection = u8::from(source.projection() == Projection::Perspective);
     let (name, fps) = (source.name(), source.fps());
-    let mut writer = match sink {
-        Sink::Plain(out) => Writer::new(out, name, fps, projection)?,
-        Sink::Resumable(Resumable { out, journal, recovered: Some(recovered) }) => {
+    let mut writer = match (to.journal, to.recovered) {
+        (Some(journal), Some(recovered)) => {
             let journal = Journal::go_on(journal, &recovered);
-            Writer::go_on(out, name, fps, projection, (recovered, journal))
+            Writer::go_on(to.out, name, fps, projection, (recovered, journal))
         }
-        Sink::Resumable(Resumable { out, journal, recovered: None }) => {
+        (Some(journal), None) => {
             let head = configuration::to_bytes(&configuration::of(source, settings).0)?;
-            Writer::new(out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
+            Writer::new(to.out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
         }
+        (None, _) => Writer::new(to.out, name, fps, projection)?,
     };
     for probe in source.probes() {
         writer.add_probe(ProbeEntry {
@@ -294,15 +278,16 @@ impl<W: Write> Job<'_, W> {
         // Files as they are before they are read.
         let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
         let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
-        let found = depth_of_probe(self.source, self.settings, groups, known, self.monitor)?;
-        let depth_range::ProbeDepth { range, mut kept, reading, scanning, scan } = found;
-        let note = scan.map(|scan| ScanNote { scan, files });
-        if let Some(note) = &note {
-            self.writer.note(&note.to_bytes(probe)?);
+        let ProbeDepth { range, scanned } = depth_of_probe(self.source, self.settings, groups, known, self.monitor)?;
+        let (mut kept, mut note) = (HashMap::new(), None);
+        if let Some(scanned) = scanned {
+            let scan_note = ScanNote { scan: scanned.scan, files };
+            self.writer.note(&scan_note.to_bytes(probe)?);
             self.writer.checkpoint()?;
+            self.summary.reading += scanned.reading;
+            self.summary.scanning += scanned.scanning;
+            (kept, note) = (scanned.kept, Some(scan_note));
         }
-        self.summary.reading += reading;
-        self.summary.scanning += scanning;
         let mut quantiser = None;
         for &group in groups {
             let header = CodecHeader::Depth(DepthHeader {

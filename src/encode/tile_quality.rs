@@ -8,7 +8,7 @@ use crate::depth::Quantiser;
 use crate::depth::domain::Domain;
 use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
 use crate::encode::EncodeSettings;
-use crate::encode::depth_range::depth_of_probe;
+use crate::encode::depth_range::{ProbeDepth, depth_of_probe};
 use crate::encode::source::{FrameSource, GroupRef, name_frame, selected_groups};
 use crate::error::Result;
 use crate::image::StreamKind;
@@ -32,13 +32,13 @@ pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dy
     let mut found = TilePsnr::default();
     let all = depth_groups(source);
     for groups in all.chunk_by(|one, next| one.group.probe == next.group.probe) {
-        let mut probe = depth_of_probe(source, settings, groups, None, monitor)?;
-        let quantiser = Quantiser::new(probe.range);
-        let domain = Domain::new(settings.depth.domain, probe.range)?;
+        let ProbeDepth { range, scanned } = depth_of_probe(source, settings, groups, None, monitor)?;
+        let mut kept = scanned.map(|scanned| scanned.kept).unwrap_or_default();
+        let (quantiser, domain) = (Quantiser::new(range), Domain::new(settings.depth.domain, range)?);
         for &GroupRef { at, group } in groups {
             for frame in group.frames.iter() {
                 monitor.check()?;
-                let planes = match probe.kept.remove(&(at, frame)) {
+                let planes = match kept.remove(&(at, frame)) {
                     Some(planes) => planes,
                     None => source.read_depth(group, frame)?,
                 };

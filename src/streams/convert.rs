@@ -8,26 +8,36 @@ use crate::image::transfer::{DecodeTable, EncodeTable};
 /// Range of the 8-bit index of refraction (CALF 7.1).
 pub const IOR_RANGE: [f32; 2] = [1.0, 3.0];
 
-pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
+/// Codes of all pixels; `expected` completes the error of the first one that has none.
+fn codes<S: Copy, C: Default + Clone>(
+    plane: &Plane<S>,
+    code: impl Fn(S) -> Option<C>,
+    expected: impl Fn(S) -> String,
+) -> Result<Plane<C>> {
     let mut outside = None;
-    let codes = plane.data().iter().enumerate().map(|(at, &z)| {
-        quantiser.code(z).unwrap_or_else(|| {
-            outside.get_or_insert((at, z));
-            0
+    let codes = plane.data().iter().enumerate().map(|(at, &value)| {
+        code(value).unwrap_or_else(|| {
+            outside.get_or_insert((at, value));
+            C::default()
         })
     });
     let codes = codes.collect();
-    if let Some((at, z)) = outside {
+    if let Some((at, value)) = outside {
         let (x, y) = (at % plane.width() as usize, at / plane.width() as usize);
-        let range = quantiser.range();
-        return Err(Error::invalid(format!(
-            "pixel ({x}, {y}) lies at {z} m, outside the given range of {} m to {} m: widen `near` and `far`, or leave \
-             them to be found",
-            range.near_m(),
-            range.far_m()
-        )));
+        return Err(Error::invalid(format!("pixel ({x}, {y}) {}", expected(value))));
     }
     Plane::new(plane.width(), plane.height(), codes)
+}
+
+pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
+    let range = quantiser.range();
+    codes(plane, |z| quantiser.code(z), |z| {
+        format!(
+            "lies at {z} m, outside the given range of {} m to {} m: widen `near` and `far`, or leave them to be found",
+            range.near_m(),
+            range.far_m()
+        )
+    })
 }
 
 /// 8-bit colour and the number of its pixels that were clipped.
@@ -46,24 +56,18 @@ pub fn color_light(codes: &Plane<[u8; 3]>, table: &DecodeTable) -> ColorPlane {
 
 pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     let [low, high] = IOR_RANGE;
-    let mut outside = None;
-    let codes = plane.data().iter().enumerate().map(|(at, &[reflect, refract, ior])| {
+    let code = |[reflect, refract, ior]: [f32; 3]| {
         let unit = [reflect, refract, (ior - low) / (high - low)];
         // Half floats a hair outside still mean the end of the range.
-        if unit.iter().any(|value| !(-0.002..=1.002).contains(value)) {
-            outside.get_or_insert((at, [reflect, refract, ior]));
-        }
-        unit.map(|value| (value * 255.0).round() as u8)
-    });
-    let codes = codes.collect();
-    if let Some((at, [reflect, refract, ior])) = outside {
-        let (x, y) = (at % plane.width() as usize, at / plane.width() as usize);
-        return Err(Error::invalid(format!(
-            "pixel ({x}, {y}) has material weights {reflect} and {refract} and index {ior}: weights of 0 to 1 and an \
-             index of {low} to {high} were expected"
-        )));
-    }
-    Plane::new(plane.width(), plane.height(), codes)
+        let fits = unit.iter().all(|value| (-0.002..=1.002).contains(value));
+        fits.then(|| unit.map(|value| (value * 255.0).round() as u8))
+    };
+    codes(plane, code, |[reflect, refract, ior]| {
+        format!(
+            "has material weights {reflect} and {refract} and index {ior}: weights of 0 to 1 and an index of {low} to \
+             {high} were expected"
+        )
+    })
 }
 
 pub fn material_value(&[reflect, refract, ior]: &[u8; 3]) -> [f32; 3] {

@@ -68,7 +68,7 @@ impl State {
         let of = |bytes: &[u8], sound: Option<u64>| Shared::new(&bytes[..sound.unwrap_or(0) as usize]);
         let container = of(&self.container, recovered.as_ref().map(|found| found.container_bytes));
         let journal = of(&self.journal, recovered.as_ref().map(|found| found.journal_bytes));
-        let resumable = Resumable { out: container.clone(), journal: Box::new(journal.clone()), recovered };
+        let resumable = Resumable { out: container.clone(), journal: Some(Box::new(journal.clone())), recovered };
         let done = encode::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
         let state = State { container: container.bytes(), journal: journal.bytes() };
         (state, done.map(|(_, summary)| summary))
@@ -413,7 +413,7 @@ fn write_errors_leave_what_is_safe() {
             let out =
                 Failing { out: container.clone(), room: room(&whole.0.container, in_container, &mut random), code };
             let log = Failing { out: journal.clone(), room: room(&whole.0.journal, !in_container, &mut random), code };
-            let resumable = Resumable { out: BufWriter::new(out), journal: Box::new(log), recovered: None };
+            let resumable = Resumable { out: BufWriter::new(out), journal: Some(Box::new(log)), recovered: None };
             let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
             // What a buffer still holds is written, or not, when it goes.
             let Err(Stopped { error, kept: left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
