@@ -99,7 +99,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let selection = args.selection.with(args.frames.frames);
     let memory = args.memory.get();
     let asked = decode::stored_bytes(&decoder, &selection.choose(&decoder)?);
-    let limit = load_limit(decoder.reader().file_bytes(), asked, memory);
+    let limit = load_limit(decoder.reader().file_bytes, asked, memory);
     let start = Instant::now();
     // Without output the time counts: the file is read before the clock starts, if it fits.
     let in_memory = args.output.is_none() && decoder.load(limit)?;

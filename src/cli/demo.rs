@@ -138,7 +138,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let [capture, encode, decode] =
         [captured, encoded - captured, start.elapsed() - encoded].map(|time| time.as_secs_f64());
     let comparison = compare(&places, global)?;
-    let (bytes, all) = (decoder.reader().file_bytes(), measure(&decoder, global)?);
+    let (bytes, all) = (decoder.reader().file_bytes, measure(&decoder, global)?);
     let raw_bytes = all.iter().map(|kind| kind.raw_bytes).sum();
     let lowest_db = |total: compare::SampleTotal| total.lowest_cell.map_or(f64::INFINITY, |(_, lowest)| lowest.psnr_db);
     let report = Report {

@@ -69,7 +69,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         pack::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
     drop(progress);
-    let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
+    let input_bytes: u64 = inputs.iter().map(|reader| reader.file_bytes).sum();
     let report = PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() };
     global.report(args.output.store.json, &report, || {
         let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));

@@ -61,11 +61,11 @@ pub struct Blend {
 
 #[derive(Debug, Clone)]
 pub struct CellChunk<S> {
-    payload: Payload,
-    keyframes: Vec<u32>,
+    pub payload: Payload,
+    pub keyframes: Vec<u32>,
     places: Vec<Place>,
     weights: std::ops::Range<usize>,
-    format: CellFormat<S>,
+    pub format: CellFormat<S>,
 }
 
 impl<S: Sample> CellChunk<S> {
@@ -138,18 +138,6 @@ impl<S: Sample> CellChunk<S> {
 
     pub fn into_spare(self) -> Vec<u8> {
         self.payload.into_spare()
-    }
-
-    pub fn keyframes(&self) -> &[u32] {
-        &self.keyframes
-    }
-
-    pub fn format(&self) -> &CellFormat<S> {
-        &self.format
-    }
-
-    pub fn payload(&self) -> &[u8] {
-        &self.payload
     }
 
     /// Offset in the payload of the weights, and the weights: of the first frames; all later ones have weight 0.

@@ -22,11 +22,11 @@ const FOOT_SEARCH_BYTES: u64 = 1 << 16;
 pub struct Reader {
     path: PathBuf,
     source: Box<dyn ByteSource>,
-    file_bytes: u64,
+    pub file_bytes: u64,
     index_bytes: u64,
-    minor_version: u16,
+    pub minor_version: u16,
     index: Index,
-    limits: OpenLimits,
+    pub limits: OpenLimits,
 }
 
 impl Reader {
@@ -130,20 +130,8 @@ impl Reader {
         &self.index
     }
 
-    pub fn limits(&self) -> OpenLimits {
-        self.limits
-    }
-
-    pub fn file_bytes(&self) -> u64 {
-        self.file_bytes
-    }
-
     pub fn bytes_in_memory(&self) -> u64 {
         if self.source.memory().is_some() { self.file_bytes } else { 0 }
-    }
-
-    pub fn minor_version(&self) -> u16 {
-        self.minor_version
     }
 
     pub fn overhead_bytes(&self) -> u64 {
@@ -355,7 +343,7 @@ mod tests {
         let mut bytes = sample();
         bytes[10] = 3;
         let reader = Reader::from_memory(bytes.clone()).unwrap();
-        assert_eq!(reader.minor_version(), 3);
+        assert_eq!(reader.minor_version, 3);
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl Decoder {
     pub fn new(reader: Reader) -> Result<Decoder> {
         let named = |error: Error| error.in_file(reader.path());
         let streams = streams::streams(reader.index()).map_err(named)?;
-        streams::check_memory(&streams, reader.index(), reader.file_bytes(), reader.limits()).map_err(named)?;
+        streams::check_memory(&streams, reader.index(), reader.file_bytes, reader.limits).map_err(named)?;
         Ok(Decoder { reader, streams })
     }
 

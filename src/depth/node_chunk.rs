@@ -82,18 +82,18 @@ impl NodeChunk {
 
     /// Whether every record fills the unit with one code.
     pub fn is_constant(&self) -> bool {
-        let is_root = |place: Place| place == self.runtime.grid().root();
+        let is_root = |place: Place| place == self.runtime.grid.root();
         let constant = |(place, c): (Place, &[u8; COEFFICIENT_BYTES])| {
             is_root(place) && function_of(place.level, c) == Function::Biquadratic && c[..20] == [0; 20]
         };
-        self.runtime.frames().iter().all(|&frame| self.runtime.nodes(frame).all(constant))
+        self.runtime.frames.iter().all(|&frame| self.runtime.nodes(frame).all(constant))
     }
 
     pub fn mode_statistics(&self) -> ModeStatistics {
         let mut statistics = ModeStatistics::default();
-        for &frame in self.runtime.frames() {
+        for &frame in &self.runtime.frames {
             for (place, &coefficients) in self.runtime.nodes(frame) {
-                statistics.count(self.runtime.grid(), &Node { place, coefficients });
+                statistics.count(self.runtime.grid, &Node { place, coefficients });
             }
         }
         statistics
@@ -102,7 +102,7 @@ impl NodeChunk {
     /// Brings `picture` from frame `at` of this chunk (`None`: nothing yet) to `target` in steps of at most `window`
     /// frames; answers how many pixels were written.
     pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
-        let frames = self.runtime.frames();
+        let frames = &self.runtime.frames;
         record_table::steps(frames, |frame| frame.frame, at, target, window)
             .map(|found| self.apply(picture, frames[found]))
             .sum()

@@ -83,7 +83,7 @@ impl DepthRange {
 
 #[derive(Debug, Clone)]
 pub struct CodeTable {
-    metres: Vec<f32>,
+    pub metres: Vec<f32>,
 }
 
 impl CodeTable {
@@ -96,10 +96,6 @@ impl CodeTable {
     pub fn metres(&self, code: u16) -> f32 {
         self.metres[usize::from(code)]
     }
-
-    pub fn as_slice(&self) -> &[f32] {
-        &self.metres
-    }
 }
 
 /// The fast form of [`DepthRange::code`]: the same codes by table.
@@ -108,7 +104,7 @@ impl CodeTable {
 /// float; the first float of each code settles the rest in a step or two.
 #[derive(Debug, Clone)]
 pub struct Quantiser {
-    range: DepthRange,
+    pub range: DepthRange,
     near_bits: u32,
     far_bits: u32,
     shift: u32,
@@ -141,10 +137,6 @@ impl Quantiser {
         let bucket_codes =
             (0..=span >> shift).map(|bucket| range.code(f32::from_bits(near_bits + (bucket << shift)))).collect();
         Quantiser { range, near_bits, far_bits, shift, bucket_codes, first_bits }
-    }
-
-    pub fn range(&self) -> DepthRange {
-        self.range
     }
 
     /// The code of a depth: `+inf` is the background, `0.0` (an invalid reading taken as near) is code 0; `None` for

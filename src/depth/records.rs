@@ -41,7 +41,7 @@ pub struct Record {
 #[derive(Debug, Clone)]
 pub struct TemporalChunk<T> {
     pub layout: Layout,
-    payload: Payload,
+    pub payload: Payload,
     /// In order of their frames; frames without one change nothing.
     pub records: Vec<Record>,
     boxes: Vec<(PixelBox, usize)>,
@@ -130,10 +130,6 @@ impl<T: Texel> TemporalChunk<T> {
             }
             other => Err(fields.error(format!("a record of kind {other}, which is unknown"))),
         }
-    }
-
-    pub fn payload(&self) -> &[u8] {
-        &self.payload
     }
 
     pub fn into_spare(self) -> Vec<u8> {

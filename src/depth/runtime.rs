@@ -26,26 +26,14 @@ pub struct RuntimeFrame {
 
 #[derive(Debug, Clone)]
 pub struct Runtime {
-    grid: Grid,
-    buffer: Vec<u8>,
-    frames: Vec<RuntimeFrame>,
+    pub grid: Grid,
+    pub buffer: Vec<u8>,
+    pub frames: Vec<RuntimeFrame>,
 }
 
 impl Runtime {
     pub fn new(grid: Grid) -> Runtime {
         Runtime { grid, buffer: Vec::new(), frames: Vec::new() }
-    }
-
-    pub fn grid(&self) -> Grid {
-        self.grid
-    }
-
-    pub fn buffer(&self) -> &[u8] {
-        &self.buffer
-    }
-
-    pub fn frames(&self) -> &[RuntimeFrame] {
-        &self.frames
     }
 
     /// Nodes do not overlap, come in the order of the walk, and lie in the picture. Answers how many pixels they cover.
@@ -84,10 +72,6 @@ impl Runtime {
             decode_node(place, coefficients, domain, &mut BlockMut::of(picture, width, place.level, place.pixel()));
         }
         frame.updated_pixels
-    }
-
-    pub fn into_spare(self) -> Vec<u8> {
-        self.buffer
     }
 }
 

@@ -433,11 +433,11 @@ mod tests {
             prop_assert_eq!(&back, &nodes);
             let mut runtime = Runtime::new(GRID);
             runtime.push(3, &nodes);
-            let nodes_of_frame = runtime.nodes(runtime.frames()[0]);
+            let nodes_of_frame = runtime.nodes(runtime.frames[0]);
             let mut walked: Vec<Node> = nodes_of_frame.map(|(place, &coefficients)| Node { place, coefficients }).collect();
             walked.sort_by_key(|node| node.place.walk_key());
             prop_assert_eq!(&walked, &nodes);
-            prop_assert_eq!(runtime.buffer().len() % 16, 0);
+            prop_assert_eq!(runtime.buffer.len() % 16, 0);
             let mut again = Vec::new();
             write_nodes(GRID, &walked, &mut again);
             prop_assert_eq!(again, stored);

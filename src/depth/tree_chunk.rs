@@ -49,7 +49,7 @@ impl TreeChunk {
 
     pub fn mode_statistics(&self) -> ModeStatistics {
         let mut statistics = self.leaves.mode_statistics();
-        let grid = self.leaves.runtime.grid();
+        let grid = self.leaves.runtime.grid;
         self.trees.iter().flatten().for_each(|found| statistics.count(grid, &found.node));
         statistics
     }

@@ -37,7 +37,7 @@ impl<T: Texel> TemporalChunk<T> {
 
 impl NodeChunk {
     pub fn check_window(&self, window: u8, frame_count: u32) -> Result<()> {
-        let (grid, rows) = (self.runtime.grid(), self.runtime.frames());
+        let (grid, rows) = (self.runtime.grid, &self.runtime.frames);
         let size = [grid.width as usize, grid.height as usize];
         let frames = rows.iter().map(|row| row.frame).collect();
         let rectangles = |at: usize| {

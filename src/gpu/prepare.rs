@@ -90,14 +90,14 @@ pub fn words_from(bytes: &[u8]) -> Vec<u32> {
 }
 
 pub fn of_nodes(runtime: &Runtime) -> Prepared {
-    let records = runtime.frames().iter().map(|&frame| {
+    let records = runtime.frames.iter().map(|&frame| {
         let parts = runtime.nodes(frame).map(|(place, _)| 1u32 << (2 * place.level)).sum();
         Record { frame: frame.frame, at: frame.offset as u32 / 4, work: parts, ..Record::default() }
     });
     let pixels = runtime.frames().iter().map(|frame| (frame.frame, frame.updated_pixels));
     Prepared {
         records: records.collect(),
-        stream: words_from(runtime.buffer()),
+        stream: words_from(&runtime.buffer),
         boxes: Vec::new(),
         weights: [0; 2],
         timeline: Timeline { records: pixels.collect(), ..Timeline::default() },
@@ -117,7 +117,7 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
         };
         let mut parts = |[left, top, width, height]: [u32; 4], at: usize| {
             let size = [width as usize, height as usize];
-            for part in chunk.layout.parts::<T>(&chunk.payload()[at..], size) {
+            for part in chunk.layout.parts::<T>(&chunk.payload[at..], size) {
                 let [x, y, width, height] = part.rect.map(|side| side as u32);
                 let coding = if part.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
                 let at = (at + part.start) as u32;
@@ -144,11 +144,11 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
 }
 
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
-    let format = chunk.format();
+    let format = &chunk.format;
     let [columns, rows] = block::grid(format.size[0], format.size[1]);
     // Kernels of blocks take a block at a time.
     let work = if format.blocks.is_some() { columns * rows } else { format.pixels() } as u32;
-    let records = chunk.keyframes().iter().enumerate().map(|(at, &frame)| {
+    let records = chunk.keyframes.iter().enumerate().map(|(at, &frame)| {
         let start = chunk.keyframe_at(at) as u32;
         let coding = if chunk.in_blocks(at) { KEYFRAME_BLOCKS } else { KEYFRAME_SAMPLES };
         Record { frame, at: start, coding, work, ..Record::default() }
@@ -156,7 +156,7 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     let (weights_at, weights) = chunk.weights();
     Prepared {
         records: records.collect(),
-        stream: words_from(chunk.payload()),
+        stream: words_from(&chunk.payload),
         boxes: Vec::new(),
         weights: [weights_at as u32, weights.len() as u32],
         timeline: Timeline { records: Vec::new(), keyframes: chunk.keyframes().to_vec(), weights: weights.to_vec() },

@@ -212,7 +212,7 @@ fn changed_keyframes(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
     for chunk in &clip.chunks {
         let format = header.cell_of_halves(clip.size);
         let parsed = CellChunk::<HalfKey>::parse(chunk.payload.clone(), format, chunk.frame_count)?;
-        for (at, frame) in parsed.keyframes().iter().enumerate() {
+        for (at, frame) in parsed.keyframes.iter().enumerate() {
             exact[(chunk.first_frame + frame) as usize] = !parsed.in_blocks(at);
             in_blocks += u32::from(parsed.in_blocks(at));
         }

@@ -127,17 +127,17 @@ fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasu
 }
 
 fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasure {
-    let format = chunk.format();
+    let format = &chunk.format;
     // Behind the weights nothing changes but at keyframes.
     let mut frames: Vec<u32> = (0..frame_count.min(chunk.weight_count().saturating_add(1))).collect();
-    frames.extend_from_slice(chunk.keyframes());
+    frames.extend_from_slice(&chunk.keyframes);
     frames.sort_unstable();
     frames.dedup();
     let mut measure = ChunkMeasure::default();
     if format.blocks.is_some() {
-        let in_blocks = (0..chunk.keyframes().len()).filter(|&at| chunk.in_blocks(at)).count() as u64;
+        let in_blocks = (0..chunk.keyframes.len()).filter(|&at| chunk.in_blocks(at)).count() as u64;
         measure.blocks.keyframes =
-            BlockTileCount { blocks: in_blocks, raw: chunk.keyframes().len() as u64 - in_blocks };
+            BlockTileCount { blocks: in_blocks, raw: chunk.keyframes.len() as u64 - in_blocks };
     }
     let mut shown = None;
     for frame in frames {

@@ -190,7 +190,7 @@ impl<'a> Inspection<'a> {
             fps: index.fps,
             projection: projection_name(index.projection),
             format_version: VERSION_MAJOR,
-            file_bytes: reader.file_bytes(),
+            file_bytes: reader.file_bytes,
             bytes,
             raw_bytes: all.raw_bytes,
             ratio_percent: percent(bytes, all.raw_bytes),
@@ -241,7 +241,7 @@ impl<'a> Inspection<'a> {
 
     /// Bytes of the file or, of some streams, of their chunks.
     pub fn bytes(&self, decoder: &Decoder) -> u64 {
-        if self.is_partial(decoder) { self.totals(None).bytes } else { decoder.reader().file_bytes() }
+        if self.is_partial(decoder) { self.totals(None).bytes } else { decoder.reader().file_bytes }
     }
 
     pub fn probes(&self) -> Vec<usize> {

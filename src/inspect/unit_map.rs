@@ -48,8 +48,8 @@ pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap 
 }
 
 fn nodes_at(runtime: &Runtime, at: u32) -> Vec<(Place, Function)> {
-    let Ok(found) = runtime.frames().binary_search_by_key(&at, |frame| frame.frame) else { return Vec::new() };
-    let nodes = runtime.nodes(runtime.frames()[found]);
+    let Ok(found) = runtime.frames.binary_search_by_key(&at, |frame| frame.frame) else { return Vec::new() };
+    let nodes = runtime.nodes(runtime.frames[found]);
     nodes.map(|(place, coefficients)| (place, function_of(place.level, coefficients))).collect()
 }
 
@@ -59,12 +59,12 @@ fn of_places(grid: Grid, places: impl Iterator<Item = (Place, Writing)>) -> Vec<
 
 fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
     let nodes = nodes_at(&chunk.runtime, at).into_iter();
-    of_places(chunk.runtime.grid(), nodes.map(|(place, function)| (place, Writing::Function(function))))
+    of_places(chunk.runtime.grid, nodes.map(|(place, function)| (place, Writing::Function(function))))
 }
 
 /// The leaves of a tree, each with its coarsest function.
 fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
-    let (grid, known) = (chunk.leaves.runtime.grid(), chunk.known(at));
+    let (grid, known) = (chunk.leaves.runtime.grid, chunk.known(at));
     let coarsest = |leaf: Place| {
         let above =
             |level: u8| Place { level, x: leaf.x.unbounded_shr(level.into()), y: leaf.y.unbounded_shr(level.into()) };
@@ -118,13 +118,13 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
     if at.checked_sub(1).is_some_and(|before| chunk.blend(before) == shown) {
         return UnitMap::default();
     }
-    let keyframe = chunk.keyframes()[shown.keyframe] == at;
+    let keyframe = chunk.keyframes[shown.keyframe] == at;
     let writing = match keyframe {
         true if chunk.in_blocks(shown.keyframe) => Writing::Blocks,
         true => Writing::Values,
         false => Writing::Blend,
     };
-    let [width, height] = chunk.format().size.map(|pixels| pixels as u32);
+    let [width, height] = chunk.format.size.map(|pixels| pixels as u32);
     UnitMap { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
 }
 
@@ -148,18 +148,18 @@ fn changes<T: Texel>(chunk: &TemporalChunk<T>) -> Vec<(u32, u64)> {
 }
 
 fn node_changes(runtime: &Runtime) -> Vec<(u32, u64)> {
-    runtime.frames().iter().skip(1).map(|frame| (frame.frame, frame.updated_pixels)).collect()
+    runtime.frames.iter().skip(1).map(|frame| (frame.frame, frame.updated_pixels)).collect()
 }
 
 fn survey_cell<S: Sample>(chunk: &CellChunk<S>) -> ChunkSurvey {
-    let keyframes = chunk.keyframes().len();
+    let keyframes = chunk.keyframes.len();
     let in_blocks = (0..keyframes).filter(|&keyframe| chunk.in_blocks(keyframe)).count();
     let between = (0..).zip(chunk.weights().1).filter(|(_, weight)| **weight != 0);
-    let pixels = chunk.format().pixels() as u64;
+    let pixels = chunk.format.pixels() as u64;
     ChunkSurvey {
         keyframes_in_blocks: in_blocks as u64,
         keyframes_in_samples: (keyframes - in_blocks) as u64,
         changed: between.map(|(frame, _)| (frame, pixels)).collect(),
-        later_keyframes: chunk.keyframes().iter().skip(1).map(|&frame| (frame, pixels)).collect(),
+        later_keyframes: chunk.keyframes.iter().skip(1).map(|&frame| (frame, pixels)).collect(),
     }
 }

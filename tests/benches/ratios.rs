@@ -191,7 +191,7 @@ fn measure_nodes(name: &str, path: &str) -> Result<()> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             let decode = |(chunk, pixels): &(NodeChunk, usize)| {
                 let mut picture = vec![0u16; *pixels];
-                let records = chunk.runtime.frames();
+                let records = &chunk.runtime.frames;
                 let records = if later { &records[1..] } else { &records[..1] };
                 let written: u64 = records.iter().map(|&record| chunk.apply(&mut picture, record)).sum();
                 std::hint::black_box(&picture);
@@ -201,7 +201,7 @@ fn measure_nodes(name: &str, path: &str) -> Result<()> {
             let total: u64 = written.iter().sum();
             let of: u64 = chunks
                 .iter()
-                .map(|(chunk, pixels)| (*pixels * if later { chunk.runtime.frames().len() - 1 } else { 1 }) as u64)
+                .map(|(chunk, pixels)| (*pixels * if later { chunk.runtime.frames.len() - 1 } else { 1 }) as u64)
                 .sum();
             if total == 0 {
                 continue;

@@ -65,8 +65,8 @@ fn heading(report: &Report<'_>) -> String {
     if report.inspection.unreferenced_bytes > 0 {
         let _ = writeln!(out, "{} outside of chunks", human_bytes(report.inspection.unreferenced_bytes));
     }
-    if reader.minor_version() > VERSION_MINOR {
-        let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version());
+    if reader.minor_version > VERSION_MINOR {
+        let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version);
     }
     out
 }

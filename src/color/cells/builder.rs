@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn keyframes_and_weights_come_back() {
         let chunk = CellChunk::<u8>::parse(sample(), CellFormat::of_samples(2, 1), 8).unwrap();
-        assert_eq!(chunk.keyframes(), [0, 4]);
+        assert_eq!(chunk.keyframes, [0, 4]);
         assert_eq!((chunk.weight_count(), chunk.keyframe_bytes(1)), (4, 10));
         let blends: Vec<_> = (0..8).map(|frame| chunk.blend(frame)).map(|b| (b.keyframe, b.weight)).collect();
         assert_eq!(blends, [(0, 0), (0, 100), (0, 200), (0, 200), (1, 0), (1, 0), (1, 0), (1, 0)]);

@@ -61,7 +61,7 @@ fn encode(frames: &[Vec<u8>], settings: SearchSettings) -> Chunks<u8> {
 fn check(frames: &[Vec<u8>], settings: SearchSettings) -> usize {
     let chunks = encode(frames, settings);
     check_frames(&chunks, frames, settings.min_psnr_db, &EightBit);
-    chunks.iter().map(|(_, cell)| cell.keyframes().len()).sum()
+    chunks.iter().map(|(_, cell)| cell.keyframes.len()).sum()
 }
 
 fn footage(n: usize, samples: usize) -> Vec<Vec<u8>> {
@@ -127,7 +127,7 @@ fn check_blocks<S: Sample, Q: Quality<S>>(
     check_frames(&chunks, frames, stage.final_psnr_db, quality);
     let mut counts = [0; 2];
     for (_, cell) in &chunks {
-        (0..cell.keyframes().len()).for_each(|at| counts[usize::from(!cell.in_blocks(at))] += 1);
+        (0..cell.keyframes.len()).for_each(|at| counts[usize::from(!cell.in_blocks(at))] += 1);
     }
     counts
 }

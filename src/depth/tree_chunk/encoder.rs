@@ -18,14 +18,14 @@ impl TreeChunk {
     /// The approximations of a frame, and the leaves that they were searched for. Squared errors are not stored and read 0.
     pub fn known(&self, frame: u32) -> Known {
         let runtime = &self.leaves.runtime;
-        let [columns, rows] = runtime.grid().leaves();
+        let [columns, rows] = runtime.grid.leaves();
         let mut known = Known { leaves: vec![false; columns * rows], ..Known::default() };
-        if let Ok(at) = runtime.frames().binary_search_by_key(&frame, |row| row.frame) {
+        if let Ok(at) = runtime.frames.binary_search_by_key(&frame, |row| row.frame) {
             let found = self.trees[at].iter().map(|&TreeFunction { node, max_error }| {
                 (node.place, Approximation { node, accuracy: Accuracy { max_error, squared_error: 0 } })
             });
             known.tree = found.collect();
-            for (place, _) in runtime.nodes(runtime.frames()[at]) {
+            for (place, _) in runtime.nodes(runtime.frames[at]) {
                 known.leaves[usize::from(place.y) * columns + usize::from(place.x)] = true;
             }
         }

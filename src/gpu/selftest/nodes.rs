@@ -15,7 +15,7 @@ fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
     let mut runtime = Runtime::new(grid);
     runtime.push(0, nodes);
     let mut picture = vec![0u16; grid.pixel_count() as usize];
-    for &frame in runtime.frames() {
+    for &frame in &runtime.frames {
         all.pixels += runtime.apply(&mut picture, frame, domain);
     }
     let work: u32 = nodes.iter().map(|node| 1u32 << (2 * node.place.level)).sum();
@@ -30,7 +30,7 @@ fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
     };
     let record = Record { at: all.stream.len() as u32, work, ..Record::default() };
     all.push(unit, record, pack_codes(&picture, grid.width as usize));
-    all.stream.extend(words_from(runtime.buffer()));
+    all.stream.extend(words_from(&runtime.buffer));
     all.inputs += nodes.len() as u64;
 }
 
