@@ -94,7 +94,7 @@ pub fn of_nodes(runtime: &Runtime) -> Prepared {
         let parts = runtime.nodes(frame).map(|(place, _)| 1u32 << (2 * place.level)).sum();
         Record { frame: frame.frame, at: frame.offset as u32 / 4, work: parts, ..Record::default() }
     });
-    let pixels = runtime.frames().iter().map(|frame| (frame.frame, frame.updated_pixels));
+    let pixels = runtime.frames.iter().map(|frame| (frame.frame, frame.updated_pixels));
     Prepared {
         records: records.collect(),
         stream: words_from(&runtime.buffer),
@@ -140,7 +140,7 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     }
     let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
     let timeline = Timeline { records: pixels.collect(), ..Timeline::default() };
-    Prepared { stream: words_from(chunk.payload()), records, boxes, weights: [0; 2], timeline }
+    Prepared { stream: words_from(&chunk.payload), records, boxes, weights: [0; 2], timeline }
 }
 
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
@@ -159,7 +159,7 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
         stream: words_from(&chunk.payload),
         boxes: Vec::new(),
         weights: [weights_at as u32, weights.len() as u32],
-        timeline: Timeline { records: Vec::new(), keyframes: chunk.keyframes().to_vec(), weights: weights.to_vec() },
+        timeline: Timeline { records: Vec::new(), keyframes: chunk.keyframes.to_vec(), weights: weights.to_vec() },
     }
 }
 
