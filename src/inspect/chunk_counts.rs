@@ -136,8 +136,7 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasu
     let mut measure = ChunkMeasure::default();
     if format.blocks.is_some() {
         let in_blocks = (0..chunk.keyframes.len()).filter(|&at| chunk.in_blocks(at)).count() as u64;
-        measure.blocks.keyframes =
-            BlockTileCount { blocks: in_blocks, raw: chunk.keyframes.len() as u64 - in_blocks };
+        measure.blocks.keyframes = BlockTileCount { blocks: in_blocks, raw: chunk.keyframes.len() as u64 - in_blocks };
     }
     let mut shown = None;
     for frame in frames {

@@ -31,13 +31,17 @@ fn codes<S: Copy, C: Default + Clone>(
 
 pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
     let range = quantiser.range;
-    codes(plane, |z| quantiser.code(z), |z| {
-        format!(
-            "lies at {z} m, outside the given range of {} m to {} m: widen `near` and `far`, or leave them to be found",
-            range.near_m(),
-            range.far_m()
-        )
-    })
+    codes(
+        plane,
+        |z| quantiser.code(z),
+        |z| {
+            format!(
+                "lies at {z} m, outside the given range of {} m to {} m: widen `near` and `far`, or leave them to be found",
+                range.near_m(),
+                range.far_m()
+            )
+        },
+    )
 }
 
 /// 8-bit colour and the number of its pixels that were clipped.
