@@ -7,13 +7,14 @@ use serde::Serialize;
 
 use crate::cli::damage;
 use crate::cli::device::{self, DEVICES, GpuArgs};
-use crate::cli::options::{CameraArgs, Choices, FrameArgs, MemoryArgs, SelectionArgs, View, one_of};
+use crate::cli::options::{CameraArgs, Choices, FrameArgs, MemoryArgs, SelectionArgs, one_of};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::MANIFEST_NAME;
 use crate::decode::{
-    self, DecodeReport, DecodeTimes, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu, OnDamage, Request,
+    self, DecodeReport, DecodeSummary, DecodeTimes, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu,
+    OnDamage, Request,
 };
 use crate::error::{Error, Result};
 use crate::files::{OutputFolder, parent_of};
@@ -155,8 +156,20 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.keep_going && !args.json {
         output::note(damage::lines(&decoder, &decoded.damaged).trim_end());
     }
-    let run = Run { decoder: &decoder, decoded: &decoded, view: &view, times: &times, verification: found.as_ref() };
-    run.report(args, global)?;
+    let report = DecodeReport::new(&decoded, &times);
+    if args.json {
+        let report = if args.keep_going { report.with_damage(&decoder, &decoded) } else { report };
+        let document = Document { decoded: report, seen: view.report(), verification: found.as_ref() };
+        output::print_json(&output::with_memory(document))?;
+    } else {
+        let (summary, speed) = (&decoded.summary, report.megapixels_per_second);
+        let (line, range) = (speed_text(args, summary, &times, speed), range_text(&times));
+        let line = format!("{line}{}{range}{}", view.line(summary), verification_text(found.as_ref()));
+        match &args.output {
+            None => output::print_text(&format!("{line}\n"))?,
+            Some(output) => global.note(format_args!("{}: {line}", output.display())),
+        }
+    }
     match found {
         Some(found) if found.mismatched_words > 0 => Ok(ExitStatus::Failed),
         _ if !decoded.damaged.is_empty() => Err(verdict(&decoded, images).in_file(input)),
@@ -293,54 +306,35 @@ struct Document<'a> {
     verification: Option<&'a Verification>,
 }
 
-struct Run<'a> {
-    decoder: &'a Decoder,
-    decoded: &'a Decoded,
-    view: &'a View,
-    times: &'a DecodeTimes,
-    verification: Option<&'a Verification>,
+fn speed_text(args: &Args, summary: &DecodeSummary, times: &DecodeTimes, megapixels_per_second: f64) -> String {
+    let on = if times.device == "cpu" { String::new() } else { format!(", on {}", times.device) };
+    format!(
+        "{} images, {:.1} Mpixel of which {:.2}% changed, {} read, {} {}, {:.3} s, {megapixels_per_second:.0} Mpixel/s{on}",
+        summary.frames,
+        summary.pixels as f64 / 1e6,
+        100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64,
+        human_bytes(summary.cost.bytes_read),
+        human_bytes(summary.bytes_out),
+        if args.output.is_none() { "decoded" } else { "written" },
+        times.seconds,
+    )
 }
 
-impl Run<'_> {
-    fn report(&self, args: &Args, global: &GlobalArgs) -> Result<()> {
-        let decoded = DecodeReport::new(self.decoded, self.times);
-        if args.json {
-            let decoded = if args.keep_going { decoded.with_damage(self.decoder, self.decoded) } else { decoded };
-            let (seen, verification) = (self.view.report(), self.verification);
-            return output::print_json(&output::with_memory(Document { decoded, seen, verification }));
-        }
-        let line = self.text(args, decoded.megapixels_per_second);
-        let Some(output) = &args.output else { return output::print_text(&format!("{line}\n")) };
-        global.note(format_args!("{}: {line}", output.display()));
-        Ok(())
-    }
+fn range_text(times: &DecodeTimes) -> String {
+    let runs = times.runs_seconds.as_deref();
+    let range = runs.and_then(|runs| Some((runs.len(), spread(runs)?)));
+    range.map_or_else(String::new, |(count, Spread { low, high })| {
+        format!("; median of {count} runs of {low:.4} to {high:.4} s")
+    })
+}
 
-    fn text(&self, args: &Args, megapixels_per_second: f64) -> String {
-        let (summary, times) = (&self.decoded.summary, self.times);
-        let line = format!(
-            "{} images, {:.1} Mpixel of which {:.2}% changed, {} read, {} {}, {:.3} s, {megapixels_per_second:.0} Mpixel/s",
-            summary.frames,
-            summary.pixels as f64 / 1e6,
-            100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64,
-            human_bytes(summary.cost.bytes_read),
-            human_bytes(summary.bytes_out),
-            if args.output.is_none() { "decoded" } else { "written" },
-            times.seconds,
-        );
-        let on = if times.device == "cpu" { String::new() } else { format!(", on {}", times.device) };
-        let compared = match self.verification {
-            None => String::new(),
-            Some(Verification { first: Some(first), mismatched_words }) => {
-                format!("\n{mismatched_words} words differ from the CPU's, the first in {first}")
-            }
-            Some(_) => "\nall words equal those of the CPU".to_owned(),
-        };
-        let runs = times.runs_seconds.as_deref();
-        let range = runs.and_then(|runs| Some((runs.len(), spread(runs)?)));
-        let range = range.map_or_else(String::new, |(count, Spread { low, high })| {
-            format!("; median of {count} runs of {low:.4} to {high:.4} s")
-        });
-        format!("{line}{on}{}{range}{compared}", self.view.line(summary))
+fn verification_text(verification: Option<&Verification>) -> String {
+    match verification {
+        None => String::new(),
+        Some(Verification { first: Some(first), mismatched_words }) => {
+            format!("\n{mismatched_words} words differ from the CPU's, the first in {first}")
+        }
+        Some(_) => "\nall words equal those of the CPU".to_owned(),
     }
 }
 
