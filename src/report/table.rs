@@ -25,7 +25,6 @@ impl Table {
 
     /// Breaks words in the widest columns, so that no line is longer than `columns`; later lines of a cell stand under its
     /// first.
-    #[must_use]
     pub fn wrapped(mut self, columns: u16) -> Table {
         self.table.set_content_arrangement(ContentArrangement::Dynamic).set_width(columns);
         self

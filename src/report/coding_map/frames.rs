@@ -88,7 +88,6 @@ fn significant(value: f64) -> String {
     format!("{value:.*}", (2 - digits).clamp(0, 9) as usize)
 }
 
-/// The image with what is written in it tinted and outlined.
 pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: &CodingMap) -> Plane<Rgb> {
     let size = subject.size();
     let mut writings: Plane<Option<Writing>> = Plane::filled(size[0], size[1], None);
@@ -167,7 +166,6 @@ pub(super) fn key(subject: &Subject<'_>, map: &CodingMap) -> Vec<Entry> {
     key
 }
 
-/// What the frame's record comes to, in a sentence.
 pub(super) fn sentence(subject: &Subject<'_>, map: &CodingMap, parts: Option<&str>) -> String {
     if map.patches.is_empty() {
         return "No pixel is written in this frame: the image is that of an earlier one.".to_owned();

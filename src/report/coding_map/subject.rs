@@ -10,7 +10,6 @@ pub enum What {
     Nodes,
     /// Boxes around what changes.
     Boxes,
-    /// Cells of colour: what a frame shows, and how many keyframes each has.
     Keyframes,
     Error,
 }

@@ -37,7 +37,6 @@ pub enum Swatch {
     Dashed(Rgb),
 }
 
-/// A line of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     pub swatch: Swatch,
@@ -66,7 +65,6 @@ pub struct Panel {
 #[derive(Debug, Clone)]
 pub struct Sheet {
     pub title: String,
-    /// Sentences below the title.
     pub facts: Vec<String>,
     /// At least one, from left to right.
     pub panels: Vec<Panel>,
@@ -122,7 +120,6 @@ impl Panel {
     }
 }
 
-/// Copies a plane into a larger one.
 pub fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) {
     let columns = left as usize..(left + plane.width()) as usize;
     for y in 0..plane.height() {
@@ -138,7 +135,6 @@ fn written(width: u32, zoom: f64, write: impl FnOnce(&mut Lines)) -> Result<Plan
     to_pixels(&lines.drawing, 1)
 }
 
-/// What is written, from the top down.
 struct Lines {
     drawing: Drawing,
     y: f64,

@@ -21,7 +21,6 @@ impl Scale {
         }
     }
 
-    /// The value of a place.
     fn inverse(self, place: f64) -> f64 {
         match self {
             Scale::Linear => place,
@@ -34,7 +33,6 @@ impl Scale {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     pub label: String,
-    /// Values with what stands beside their ticks.
     pub ticks: Vec<(f64, String)>,
     /// What infinite values are called; they have a place of their own beyond the last value.
     pub infinite: Option<String>,
@@ -134,7 +132,6 @@ impl Axis {
         Axis::new(label, scale, low, high).widened().with_ticks(finite.map(|&value| (value, number::short(value))))
     }
 
-    /// An axis of words, which are the values 0, 1, 2 and so on.
     pub fn of_words(label: impl Into<String>, words: &[String]) -> Axis {
         let axis = Axis::new(label, Scale::Linear, 0.0, words.len().saturating_sub(1) as f64);
         axis.widened().with_ticks(words.iter().enumerate().map(|(at, word)| (at as f64, word.clone())))
@@ -146,7 +143,6 @@ impl Axis {
         Axis::new(label, Scale::Linear, low, high).with_ticks(ticks(low, step, count))
     }
 
-    #[must_use]
     pub fn with_infinite(self, name: impl Into<String>) -> Axis {
         Axis { infinite: Some(name.into()), ..self }
     }
@@ -171,7 +167,6 @@ impl Axis {
         (self.low - room..=self.high + room).contains(&value)
     }
 
-    /// With room at the outer sides of the first and the last value.
     fn widened(self) -> Axis {
         let (low, high) = (self.scale.of(self.low), self.scale.of(self.high));
         let room = if high > low { (high - low) * 0.06 } else { 1.0 };
@@ -179,12 +174,10 @@ impl Axis {
     }
 }
 
-/// A tick at a value, and at so many steps from it.
 fn ticks(low: f64, step: f64, count: usize) -> impl Iterator<Item = (f64, String)> {
     (0..=count).map(move |at| low + at as f64 * step).map(move |value| (value, number::tick(value, step)))
 }
 
-/// The least and the largest of finite values; 0 and 0 without any.
 fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let bounds = finite.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));

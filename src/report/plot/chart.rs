@@ -9,18 +9,14 @@ use super::marker::Look;
 use super::palette;
 use super::style::{LONGEST_LABEL, MARGIN, MARKER, NAME_EM, TICK_EM, TITLE_EM, name, tick, widest, write_title};
 
-/// Half the width of the ends of bars of spreads, in pixels.
 const CAP: f64 = 4.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A line through markers.
     Line,
     /// A thin line through markers, where the markers are what counts.
     Thread,
-    /// Markers alone.
     Points,
-    /// A line alone.
     Curve,
     /// Bars from the beginning of the vertical axis, as wide as the distance to the next one.
     Bars,
@@ -36,7 +32,6 @@ pub struct Mark {
     pub name: Option<String>,
 }
 
-/// Marks in the order of their line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// What the legend calls it; it has no entry there if this is empty.
@@ -46,7 +41,6 @@ pub struct Series {
     pub marks: Vec<Mark>,
 }
 
-/// A line across the chart at a value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     pub y: f64,
@@ -60,7 +54,6 @@ pub struct Chart {
     pub y: Axis,
     /// What the names in the legend are, such as the knob whose values they are; may be empty.
     pub legend: String,
-    /// The last on top.
     pub series: Vec<Series>,
     pub rules: Vec<Rule>,
     /// A line through these, without markers and under those of the series, such as a Pareto front.
@@ -71,7 +64,6 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// A chart without anything in it.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Chart {
         let (legend, key_title) = (String::new(), String::new());
         let (series, rules, front, key) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -168,10 +160,8 @@ impl Chart {
 }
 
 const RULE: Stroke = Stroke { ink: Ink::opaque([60, 60, 60]), width: 1.5, dash: Some([8.0, 4.0]) };
-/// A leg of a front to or from what is infinite.
 const BEYOND: Stroke = Stroke { ink: palette::FAINT_LINE, width: 1.2, dash: Some([1.5, 3.5]) };
 
-/// The rectangle that data is drawn in, and its axes.
 struct Plot<'a> {
     x: &'a Axis,
     y: &'a Axis,
@@ -182,12 +172,10 @@ struct Plot<'a> {
 }
 
 impl Plot<'_> {
-    /// A place from shares of both axes.
     fn at(&self, x: f64, y: f64) -> Spot {
         [self.left + (self.right - self.left) * x, self.bottom - (self.bottom - self.top) * y]
     }
 
-    /// The place of a value, if it has one.
     fn spot(&self, x: f64, y: f64) -> Option<Spot> {
         Some(self.at(self.x.place(x)?, self.y.place(y)?))
     }

@@ -19,7 +19,6 @@ impl Ink {
         Ink { rgb, alpha: 1.0 }
     }
 
-    #[must_use]
     pub const fn with_alpha(self, alpha: f64) -> Ink {
         Ink { alpha, ..self }
     }
@@ -74,27 +73,22 @@ impl Text {
         Text { text, em, weight: Weight::Regular, ink: Ink::BLACK, anchor: Anchor::Start, direction: Direction::Across }
     }
 
-    #[must_use]
     pub fn bold(self) -> Text {
         Text { weight: Weight::Bold, ..self }
     }
 
-    #[must_use]
     pub fn ink(self, ink: Ink) -> Text {
         Text { ink, ..self }
     }
 
-    #[must_use]
     pub fn anchor(self, anchor: Anchor) -> Text {
         Text { anchor, ..self }
     }
 
-    #[must_use]
     pub fn up(self) -> Text {
         Text { direction: Direction::Up, ..self }
     }
 
-    #[must_use]
     pub fn fit(self, room: f64) -> Text {
         Text { text: font::fit(&self.text, self.em, self.weight, room), ..self }
     }

@@ -8,7 +8,6 @@ use super::{number, palette};
 
 const SMALLEST_CELL: [f64; 2] = [30.0, 22.0];
 const SMALLEST_EM: f64 = 7.0;
-/// Width of the colour bar in pixels.
 const BAR: f64 = 14.0;
 /// Colours follow logarithms where the largest value is more than this many times the least.
 const LOG_FROM: f64 = 12.0;
@@ -57,7 +56,6 @@ impl Shades {
     }
 }
 
-/// Where the cells are.
 #[derive(Clone, Copy)]
 struct Grid {
     left: f64,
@@ -135,7 +133,6 @@ impl HeatMap {
         drawing.text([MARGIN + NAME_EM, bottom - up], name(&self.rows.0, up * 2.0 + 60.0).up());
     }
 
-    /// The axis of the colour bar; none where there is nothing to show a range of.
     fn bar_axis(&self, shades: &Shades) -> Option<Axis> {
         let range = [shades.low, shades.high];
         if !range.iter().all(|value| value.is_finite()) || shades.high <= shades.low {

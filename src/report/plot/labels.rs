@@ -37,13 +37,10 @@ impl Labels {
                 [spot[0] + across * (reach + half_width), spot[1] + down * (reach + half_height)]
             })
         });
-        let free = |bounds: &Bounds| {
-            let [left, top, right, bottom] = self.inside;
-            bounds[0] >= left
-                && bounds[1] >= top - 10.0
-                && bounds[2] <= right + 10.0
-                && bounds[3] <= bottom
-                && !self.taken.iter().any(|taken| overlap(taken, bounds))
+        let [left, top, right, bottom] = self.inside;
+        let free = |at: &Bounds| {
+            let is_inside = at[0] >= left && at[1] >= top - 10.0 && at[2] <= right + 10.0 && at[3] <= bottom;
+            is_inside && !self.taken.iter().any(|taken| overlap(taken, at))
         };
         let near = [spot[0] + 6.0 + half_width, spot[1]];
         let own = |centre: &Spot| {

@@ -21,7 +21,6 @@ impl Look {
     }
 
     /// The look with a line of dashes, under which another line is seen: pixels drawn and left out in turn.
-    #[must_use]
     pub fn dashed(self, dash: [f64; 2]) -> Look {
         Look { dash: Some(dash), ..self }
     }

@@ -172,10 +172,7 @@ impl<B: DrawingBackend> Pen<B> {
             Anchor::Middle => HPos::Center,
             Anchor::End => HPos::Right,
         };
-        let weight = match text.weight {
-            Weight::Regular => FontStyle::Normal,
-            Weight::Bold => FontStyle::Bold,
-        };
+        let weight = if text.weight == Weight::Bold { FontStyle::Bold } else { FontStyle::Normal };
         let size = text.em * self.steps * SVG_SIZE_PER_EM;
         let font = FontDesc::new(FontFamily::Name(font::FAMILY), size, weight).transform(transform);
         let ink = color(text.ink);

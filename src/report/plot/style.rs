@@ -8,13 +8,11 @@ use super::palette;
 pub const TITLE_EM: f64 = 14.0;
 pub const NAME_EM: f64 = 12.0;
 pub const TICK_EM: f64 = 11.0;
-/// Radius of markers in pixels.
 pub const MARKER: f64 = 4.0;
 pub const MARGIN: f64 = 12.0;
 /// Longest label of a tick or a row in pixels.
 pub const LONGEST_LABEL: f64 = 110.0;
 
-/// Text of a tick.
 pub fn tick(label: &str) -> Text {
     Text::new(label, TICK_EM).ink(palette::TEXT)
 }
@@ -24,7 +22,6 @@ pub fn name(label: &str, room: f64) -> Text {
     Text::new(label, NAME_EM).ink(palette::TEXT).anchor(Anchor::Middle).fit(room)
 }
 
-/// Writes the title of a drawing of a width.
 pub fn write_title(drawing: &mut Drawing, title: &str, width: f64) {
     let text = Text::new(title, TITLE_EM).bold().ink(palette::TEXT).fit(width - 2.0 * MARGIN);
     drawing.text([MARGIN, MARGIN + TITLE_EM], text);

@@ -82,7 +82,6 @@ pub enum Format {
     Even,
 }
 
-/// Where the value of a measure comes from.
 #[derive(Debug, Clone, Copy)]
 pub enum Source {
     /// A stored count of at least this much; `None` where it may be missing.
@@ -144,7 +143,6 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// A line of a [`Panel`].
 #[derive(Debug, Clone, Copy)]
 pub struct PanelLine {
     /// Name in the legend; empty for a single line.
@@ -153,16 +151,11 @@ pub struct PanelLine {
 }
 
 impl PanelLine {
-    pub const fn new(label: &'static str, measure: &'static str) -> PanelLine {
-        PanelLine { label, measure }
-    }
-
     pub const fn of(measure: &'static str) -> PanelLine {
-        PanelLine::new("", measure)
+        PanelLine { label: "", measure }
     }
 }
 
-/// A chart of measures along a knob.
 #[derive(Debug, Clone, Copy)]
 pub struct Panel {
     /// Title with unit; that of bytes follows from the values.
@@ -192,7 +185,6 @@ impl Panel {
     }
 }
 
-/// An axis of a [`Trade`].
 #[derive(Debug, Clone, Copy)]
 pub struct TradeAxis {
     pub label: &'static str,
@@ -273,7 +265,6 @@ pub enum Value {
     Runs(Vec<f64>),
 }
 
-/// What was measured of a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     pub kind: &'static SweepKind,
@@ -286,7 +277,6 @@ impl Measured {
         Measured { kind, point, values: BTreeMap::new() }
     }
 
-    /// The same values of another point.
     /// Stores a value; `None` changes nothing.
     pub fn set(&mut self, name: &'static str, value: impl Into<Option<Value>>) {
         debug_assert!(self.kind.measure(name).is_some(), "{name}");
@@ -321,7 +311,6 @@ impl Measured {
         }
     }
 
-    /// A number as charts have it.
     pub fn drawn(&self, name: &str) -> Option<f64> {
         Some(self.number(name)? * self.kind.measure(name)?.factor())
     }

@@ -9,9 +9,7 @@ pub enum Stage {
     Decode,
     /// Encoding and decoding.
     Both,
-    /// Placing cameras in a scene.
     Place,
-    /// Rendering a left-out probe.
     Render,
 }
 

@@ -78,7 +78,10 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
     }
     least_points(&mut page, results);
     findings_of(&mut page, findings);
-    left_out(&mut page, results);
+    if !results.left_out.is_empty() {
+        let sentences: Vec<String> = results.left_out.iter().map(|of| format!("<li>{}</li>\n", escape(of))).collect();
+        let _ = write!(page, "<h2>Left out</h2>\n<ul>\n{}</ul>\n", sentences.concat());
+    }
     page.push_str("<h2>All points</h2>\n");
     tables(&mut page, results);
     foot(&mut page, results);
@@ -99,9 +102,8 @@ fn findings_of(page: &mut String, findings: &[Finding]) {
         findings.iter().partition(|finding| finding.verdict == Verdict::NotMeasured);
     page.push_str("<h2>Findings of the papers on this footage</h2>\n");
     if !judged.is_empty() {
-        page.push_str("<ol class=\"findings\">\n");
-        judged.iter().for_each(|finding| page.push_str(&item(finding)));
-        page.push_str("</ol>\n");
+        let items: Vec<String> = judged.into_iter().map(item).collect();
+        let _ = write!(page, "<ol class=\"findings\">\n{}</ol>\n", items.concat());
     }
     if !unmeasured.is_empty() {
         let each = unmeasured.iter().map(|finding| {
@@ -123,27 +125,18 @@ fn item(finding: &Finding) -> String {
     )
 }
 
-fn left_out(page: &mut String, results: &Results) {
-    if results.left_out.is_empty() {
-        return;
-    }
-    page.push_str("<h2>Left out</h2>\n<ul>\n");
-    for sentence in &results.left_out {
-        let _ = writeln!(page, "<li>{}</li>", escape(sentence));
-    }
-    page.push_str("</ul>\n");
-}
-
 fn least_points(page: &mut String, results: &Results) {
     let mut items = String::new();
-    let mut any_differs = false;
+    let mut warning = "";
     for study in &results.studies {
         let scored = Scored::of_study(results, study);
         let Some(point) = scored.winner() else { continue };
-        let differs = scored.quality_differs();
-        any_differs |= differs;
-        let (what, alike) =
-            if differs { ("least bytes and time", "") } else { ("best compromise", " of the same quality") };
+        let (mut what, mut alike) = ("best compromise", " of the same quality");
+        if scored.quality_differs() {
+            (what, alike) = ("least bytes and time", "");
+            warning = " It ignores quality: where a knob that changes quality is swept, the worst quality often has the least \
+                       score. Compare such settings by the Pareto fronts of the figures.";
+        }
         let _ = writeln!(
             items,
             "<li>{}: {what} of {} points{alike}: <code>{}</code>: {}, {} ms a frame, {}</li>",
@@ -158,12 +151,6 @@ fn least_points(page: &mut String, results: &Results) {
     if items.is_empty() {
         return;
     }
-    let warning = if any_differs {
-        " It ignores quality: where a knob that changes quality is swept, the worst quality often has the least score. Compare \
-         such settings by the Pareto fronts of the figures."
-    } else {
-        ""
-    };
     let _ = write!(
         page,
         "<h2>Least bytes and time</h2>\n<ul>\n{items}</ul>\n<p>The score weighs bytes and decoding time only.{warning}</p>\n\

@@ -67,7 +67,6 @@ pub struct Request<'a> {
     pub streams: &'a [StreamKind],
     pub sweeps: &'a [Sweep],
     pub preset: Option<Preset>,
-    /// Settings of all points.
     pub fixed: &'a [Setting],
 }
 
@@ -83,7 +82,6 @@ pub struct Plan {
 struct PresetStudy {
     name: &'static str,
     title: &'static str,
-    /// The figures of papers that show it.
     figures: &'static str,
     stream: StreamKind,
     axes: &'static [PresetAxis],

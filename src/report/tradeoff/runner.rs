@@ -48,7 +48,6 @@ pub trait Bench {
         None
     }
 
-    /// Graphics devices that were used.
     fn devices(&self) -> &[String] {
         &[]
     }
@@ -58,7 +57,6 @@ pub trait Bench {
 pub trait CommandBench {
     fn kind(&self) -> &'static SweepKind;
 
-    /// What the sweep is about, a sentence.
     fn about(&self) -> String;
 
     /// What the JSON report says of the input.
@@ -77,7 +75,6 @@ pub trait CommandBench {
         shell_line(&self.line(point, Path::new("")))
     }
 
-    /// Adds the times of a run.
     fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()>;
 
     /// Adds all other values of a point, whose files are in the folder of `commands`.
@@ -98,7 +95,6 @@ pub struct Lines<'a> {
     pub work: &'a Path,
 }
 
-/// A [`Bench`] of commands whose files are in a folder.
 pub struct Commands<B> {
     pub bench: B,
     pub work: PathBuf,

@@ -93,7 +93,6 @@ struct Measurement<'a> {
     lab: Lab<'a>,
     monitor: &'a dyn Monitor,
     extent: Extent,
-    /// Costs of points that this process measured.
     known: BTreeMap<Point, Cost>,
     failed: Vec<(Point, Error)>,
     /// Whether this process has measured anything.
@@ -351,7 +350,6 @@ struct Grid<'a> {
     study: &'a Study,
     taken: Vec<Vec<bool>>,
     tried: Vec<Vec<bool>>,
-    /// The axis and the value to be tried next.
     next: Option<(usize, usize)>,
 }
 
@@ -360,7 +358,6 @@ impl<'a> Grid<'a> {
         Grid::of(study, |axis, at| at == 0 || at + 1 == axis.values.len())
     }
 
-    /// The values that are chosen by their axis and their place on it.
     fn of(study: &'a Study, chosen: impl Fn(&Axis, usize) -> bool) -> Grid<'a> {
         let of_axis = |axis: &Axis| (0..axis.values.len()).map(|at| chosen(axis, at)).collect();
         let taken: Vec<Vec<bool>> = study.axes.iter().map(of_axis).collect();

@@ -18,7 +18,6 @@ const BETWEEN: &str = ";";
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredPoint {
-    /// Names of the studies that the point belongs to.
     pub studies: Vec<String>,
     pub measured: Measured,
     pub command: String,
@@ -89,7 +88,6 @@ impl Store {
         self.rows.iter_mut().find(|row| row.measured.point == *point)
     }
 
-    /// Timed runs of a point that are complete.
     pub fn runs(&self, point: &Point) -> usize {
         self.row(point).map_or(0, |row| row.measured.timed_runs())
     }

@@ -64,7 +64,6 @@ fn print(value: f64, format: Format) -> String {
 }
 
 impl PointTable<'_> {
-    /// For standard output, without ranges.
     pub fn text(&self) -> String {
         let mut table = Table::new(&format!(">{}", self.headings.join("|>")));
         for row in &self.rows {

@@ -128,7 +128,6 @@ impl Input {
     }
 }
 
-/// Compresses a container with LZMA2 as well.
 pub fn pack(container: &Path, output: &Path) -> Vec<OsString> {
     let level = format!("--lzma2={LZMA2_LEVEL}");
     vec!["pack".into(), container.into(), level.into(), "-o".into(), output.into(), "--json".into()]
@@ -139,7 +138,6 @@ pub fn into_file(mut words: Vec<OsString>, output: &Path) -> Vec<OsString> {
     words
 }
 
-/// Points of coding have one.
 fn stream_of(point: &Point) -> StreamKind {
     point.stream.unwrap_or(StreamKind::Color)
 }

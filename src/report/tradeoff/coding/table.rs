@@ -130,9 +130,14 @@ fn percent(of: &Measured, part: &str, whole: &str) -> f64 {
     100.0 * of.count(part) as f64 / of.count(whole).max(1) as f64
 }
 
-const SIZES: &[PanelLine] =
-    &[PanelLine::new("container", "bytes_container"), PanelLine::new("with LZMA2", "bytes_lzma2")];
-const PSNRS: &[PanelLine] = &[PanelLine::new("all samples", "psnr_db"), PanelLine::new("worst cell", "min_psnr_db")];
+const SIZES: &[PanelLine] = &[
+    PanelLine { label: "container", measure: "bytes_container" },
+    PanelLine { label: "with LZMA2", measure: "bytes_lzma2" },
+];
+const PSNRS: &[PanelLine] = &[
+    PanelLine { label: "all samples", measure: "psnr_db" },
+    PanelLine { label: "worst cell", measure: "min_psnr_db" },
+];
 
 const PANELS: &[Panel] = &[
     Panel::new("Container", Scale::Bytes, SIZES).mapped(Better::Less),

@@ -90,13 +90,11 @@ pub fn axis_of(scale: Scale, label: &str, values: &[f64]) -> axis::Axis {
 /// The unit of a panel's values, and its title with the unit.
 pub struct PanelUnit {
     pub size: f64,
-    /// Empty where the title has it.
     pub name: &'static str,
     pub title: String,
 }
 
 impl PanelUnit {
-    /// The unit in which the largest of some values is shown.
     pub fn new(scale: Scale, title: &str, values: impl Iterator<Item = f64>) -> PanelUnit {
         if scale == Scale::Bytes {
             let unit = number::bytes_unit(values.fold(0.0, f64::max));
@@ -117,7 +115,6 @@ pub fn fixed_words(settings: &[Setting]) -> String {
 /// Height of the title, and of each line under it, in pixels.
 const HEAD: f64 = 30.0;
 const LINE: f64 = 16.0;
-/// Between drawings, in pixels.
 const GAP: f64 = 8.0;
 
 /// A picture with a title, lines under it, and rows of drawings below.

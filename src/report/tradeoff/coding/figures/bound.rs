@@ -10,7 +10,7 @@ use crate::report::tradeoff::study::{Axis, Results, Study};
 const CHART: [u32; 2] = [500, 330];
 
 const fn line(measure: &'static str) -> PanelLine {
-    PanelLine::new("modelling functions", measure)
+    PanelLine { label: "modelling functions", measure }
 }
 
 const PANELS: [Panel; 3] = [
