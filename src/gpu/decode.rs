@@ -363,8 +363,7 @@ impl<'a> GpuDecoder<'a> {
             .map_err(|error| reader.blame(entry, error))
     }
 
-    /// Fetches and checks the missing chunks of the first units, in parallel; answers the number of units, at least one, and the
-    /// chunks.
+    /// Fetches missing chunks of the first units, in parallel; answers the units, at least one, and the chunks.
     fn fetch_missing(&mut self, wanted: &[UnitFrame]) -> Result<(usize, HashMap<u32, Prepared>)> {
         let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
         for &one in wanted.iter().take(FETCH_TOGETHER) {

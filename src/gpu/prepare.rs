@@ -53,8 +53,7 @@ impl Prepared {
     }
 }
 
-/// Checks a payload of `frames` frames, which stands at `place` in its unit of `size` (width, height) pixels, and brings it into
-/// the device's form.
+/// Checks a payload of `frames` frames, at `place` in its unit of `size` pixels, and converts it for the device.
 pub fn prepare(
     header: &CodecHeader,
     payload: Payload,

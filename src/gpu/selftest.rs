@@ -12,6 +12,7 @@ mod texels;
 
 use std::time::Duration;
 
+use crate::color::KeyframeBlocks;
 use crate::depth::block_tiles::Layout;
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -20,6 +21,7 @@ pub use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
 
 use Inputs::Words;
+use plans::Planned;
 
 pub const SEED: u64 = 1;
 const CLOCK: Duration = Duration::from_millis(200);
@@ -46,11 +48,11 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::CELLS_HALF, inputs: Words(cells::halves) },
     Row { kernel: &kernels::BOXES_BC5, inputs: Words(|seed| boxes::cases::<u16>(Layout::BlockTiles, seed)) },
     Row { kernel: &kernels::BOXES_BC1, inputs: Words(|seed| boxes::cases::<[u8; 3]>(Layout::BlockTiles, seed)) },
-    Row { kernel: &kernels::CELLS_BC1, inputs: Words(cells::bc1) },
-    Row { kernel: &kernels::CELLS_BC7, inputs: Words(cells::bc7) },
-    Row { kernel: &kernels::CELLS_BC6H, inputs: Words(cells::bc6h) },
-    Row { kernel: &kernels::PLAN_RECORDS, inputs: Words(plans::records) },
-    Row { kernel: &kernels::PLAN_CELLS, inputs: Words(plans::cells) },
+    Row { kernel: &kernels::CELLS_BC1, inputs: Words(|seed| cells::random_cases(seed, Some(KeyframeBlocks::BC1))) },
+    Row { kernel: &kernels::CELLS_BC7, inputs: Words(|seed| cells::random_cases(seed, Some(KeyframeBlocks::BC7))) },
+    Row { kernel: &kernels::CELLS_BC6H, inputs: Words(|seed| cells::random_cases(seed, Some(KeyframeBlocks::BC6H))) },
+    Row { kernel: &kernels::PLAN_RECORDS, inputs: Words(|seed| plans::cases(seed, Planned::push_records)) },
+    Row { kernel: &kernels::PLAN_CELLS, inputs: Words(|seed| plans::cases(seed, Planned::push_cell)) },
     Row { kernel: &kernels::BC1, inputs: Words(blocks::bc1) },
     Row { kernel: &kernels::BC4, inputs: Words(blocks::bc4) },
     Row { kernel: &kernels::BC5, inputs: Words(blocks::bc5) },

@@ -31,8 +31,7 @@ impl ClipPlanes {
         (self.near_m..=self.far_m).contains(&depth_m)
     }
 
-    /// The distance in metres at which a ray from the eye meets a surface between the planes, where it first meets one
-    /// at `hit_m`.
+    /// The distance in metres at which a ray, which first hits at `hit_m`, hits a surface between the planes.
     pub fn visible_hit(
         &self,
         views: &ActiveViews<'_>,

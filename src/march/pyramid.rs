@@ -13,9 +13,7 @@ use crate::views::{Change, FaceTexels, LightField, UNKNOWN, View};
 /// Points of an axis that are nearer to 0 than this, in metres, have no inverse that is a number to rely on.
 pub const LEAST_M: f32 = 1e-18;
 
-/// The greatest inverse depths of squares of texels, in 1/m; [`UNKNOWN`] where of one of them nothing is known.
-///
-/// An empty one proves nothing.
+/// Greatest inverse depths of squares of texels, in 1/m; [`UNKNOWN`] where one is. An empty pyramid proves nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DepthPyramid {
     /// Squares of level `at` have 2^(`at` + 1) texels a side, the last ones perhaps fewer.

@@ -24,8 +24,7 @@ pub struct Rendered {
     pub counters: Counters,
 }
 
-/// Rays of a row that are in flight at once, and between two checks of the monitor: a multiple of four, so that packets
-/// stay whole.
+/// Rays of a row in flight at once, and between two checks of the monitor; packets stay whole with a multiple of four.
 pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
 /// Renders. The monitor advances by one for each row.

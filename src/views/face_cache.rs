@@ -226,8 +226,7 @@ impl<'a> FaceCache<'a> {
         self.changes(depth, color, texels)
     }
 
-    /// What changes where a backend keeps depth and colour, and writes these parts of the depths. Brings materials to what the
-    /// units show.
+    /// The same where a backend keeps depth and colour, and writes these depths; materials are written here.
     pub fn update_in_backend(&self, parts: &[DepthPart], texels: &mut FaceTexels) -> FaceChanges {
         let depth = joined(parts.iter().map(|part| part.rect).collect());
         let new = self.color.units.iter().filter(|unit| unit.is_new());

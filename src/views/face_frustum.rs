@@ -38,10 +38,7 @@ pub struct FaceImage {
 }
 
 impl FaceImage {
-    /// The image of `size` (width, height) pixels of a face of a probe.
-    ///
-    /// None where there is nothing to tell directions by: a view without intrinsics, or an orientation whose length
-    /// is not 1.
+    /// None without known directions: a view without intrinsics, or an orientation whose length is not 1.
     pub fn new(probe: &ProbeEntry, face: Face, size: [u32; 2], depth: DepthSpan) -> Option<FaceImage> {
         let turn = rotation(probe.orientation)?;
         let projection = ImageProjection::of_face(face, size, probe.intrinsics);

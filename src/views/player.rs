@@ -151,8 +151,7 @@ impl<'a> Player<'a> {
         faces.flat_map(FaceStreams::all).collect()
     }
 
-    /// Changes since the last call. Rectangles of one kind do not overlap within a frame. A view that is loaded begins with all
-    /// of its texels.
+    /// Changes since the last call; rectangles of one kind do not overlap. A loaded view begins with all its texels.
     pub fn take_changes(&mut self) -> Vec<Change> {
         std::mem::take(&mut self.changes)
     }

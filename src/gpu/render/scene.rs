@@ -55,8 +55,7 @@ pub struct SceneRows {
 }
 
 impl SceneRows {
-    /// The input for a picture. `pyramid_rows` is [`super::texels::DeviceTexels::pyramid_rows`]; `origin` is where the image
-    /// of a probe's face lies.
+    /// `pyramid_rows` is [`super::texels::DeviceTexels::pyramid_rows`]; `origin` is where the image of a face lies.
     pub fn new(
         views: &ActiveViews<'_>,
         proxies: &Proxies,

@@ -143,19 +143,8 @@ pub(super) fn halves(seed: u64) -> Vec<Case> {
     cases(seed, "every pair of edges at every weight", &cell, 1)
 }
 
-pub(super) fn bc1(seed: u64) -> Vec<Case> {
-    random_cases(seed, Some(KeyframeBlocks::BC1))
-}
-
-pub(super) fn bc7(seed: u64) -> Vec<Case> {
-    random_cases(seed, Some(KeyframeBlocks::BC7))
-}
-
-pub(super) fn bc6h(seed: u64) -> Vec<Case> {
-    random_cases(seed, Some(KeyframeBlocks::BC6H))
-}
-
-fn random_cases<S: CellSample>(seed: u64, blocks: Option<KeyframeBlocks<S>>) -> Vec<Case> {
+/// Keyframes of samples, or in blocks.
+pub(super) fn random_cases<S: CellSample>(seed: u64, blocks: Option<KeyframeBlocks<S>>) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let mut odd = Gathered::default();
     for lead in 0..60 {

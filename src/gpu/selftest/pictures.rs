@@ -46,8 +46,8 @@ impl PictureCase {
 pub fn cases() -> Result<Vec<PictureCase>> {
     let codes = ColorCoding::Codes(ToneMap::default());
     let dark = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
-    let courtyard = Captured::of(DemoKind::Courtyard);
-    let interior = Captured::of(DemoKind::Interior);
+    let [courtyard, interior, cornell, object] =
+        [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Cornell, DemoKind::Object].map(Captured::of);
     let mirrors = Captured { has_material: true, ..Captured::of(DemoKind::Mirrors) };
     let dull = Captured { has_material: true, ..Captured::of(DemoKind::Courtyard) };
     let (eye, reach) = (courtyard.middle + courtyard.reach * DVec3::new(0.3, -0.2, 0.4), courtyard.reach);
@@ -57,8 +57,8 @@ pub fn cases() -> Result<Vec<PictureCase>> {
         interior.case("light, four rays a pixel", &corners(interior.middle, interior.reach), ColorCoding::Light, {
             interior.middle + interior.reach * 0.2
         })?,
-        Captured::of(DemoKind::Cornell).case_at_middle("exposure and no curve", dark)?,
-        Captured::of(DemoKind::Object).case_at_middle("background", codes)?,
+        cornell.case("exposure and no curve", &corners(cornell.middle, cornell.reach), dark, cornell.middle)?,
+        object.case("background", &corners(object.middle, object.reach), codes, object.middle)?,
         courtyard.case("eye at a probe, which is there twice", &[eye, eye, courtyard.middle], codes, eye)?,
         courtyard.case("far from the origin", &around(courtyard.middle), codes, eye)?,
         courtyard.case("images missing, texels not known", &around(courtyard.middle), codes, eye)?,
@@ -151,10 +151,6 @@ impl Captured {
         let scene = DemoScene::new(kind);
         let (middle, reach) = scene.probe_region();
         Captured { scene: scene.at(0.4), middle, reach, has_material: false }
-    }
-
-    fn case_at_middle(&self, label: &'static str, coding: ColorCoding) -> Result<PictureCase> {
-        self.case(label, &corners(self.middle, self.reach), coding, self.middle)
     }
 
     /// A picture of cube maps captured at these places.

@@ -12,7 +12,7 @@ use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
 #[derive(Default)]
-struct Planned {
+pub(super) struct Planned {
     all: Gathered,
     chunks: Vec<Chunk>,
     items: Vec<Item>,
@@ -55,7 +55,7 @@ impl Planned {
         }
     }
 
-    fn push_records(&mut self, random: &mut Random) {
+    pub(super) fn push_records(&mut self, random: &mut Random) {
         let frames: Vec<u32> = ascending(random);
         let last = frames.last().copied().unwrap_or(0);
         let far = if random.one_in(8) { 1 << 31 } else { last + 9 };
@@ -95,7 +95,7 @@ impl Planned {
         self.push(item, [before, State { key, frame: shown, weight: 0 }], job, work);
     }
 
-    fn push_cell(&mut self, random: &mut Random) {
+    pub(super) fn push_cell(&mut self, random: &mut Random) {
         let mut builder = CellBuilder::default();
         for _ in 0..=random.below(5) {
             builder.push_keyframe::<u8>(&[random.word() as u8; 3]);
@@ -152,7 +152,7 @@ fn ascending(random: &mut Random) -> Vec<u32> {
     frames
 }
 
-fn cases(seed: u64, push: fn(&mut Planned, &mut Random)) -> Vec<Case> {
+pub(super) fn cases(seed: u64, push: fn(&mut Planned, &mut Random)) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let case = |count: usize| {
         let mut planned = Planned::default();
@@ -160,12 +160,4 @@ fn cases(seed: u64, push: fn(&mut Planned, &mut Random)) -> Vec<Case> {
         planned.case(&format!("{count} items"))
     };
     [1, 255, 256, 257, 3000].map(case).into()
-}
-
-pub(super) fn records(seed: u64) -> Vec<Case> {
-    cases(seed, Planned::push_records)
-}
-
-pub(super) fn cells(seed: u64) -> Vec<Case> {
-    cases(seed, Planned::push_cell)
 }

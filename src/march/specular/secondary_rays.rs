@@ -143,8 +143,7 @@ impl<'a> SecondaryRays<'a> {
         on_proxy().or_else(on_texels)
     }
 
-    /// The light of a ray from a front. A surface that it hits is left pending, with no light yet. None where no view saw
-    /// anything.
+    /// The light of a ray from a front; a surface that it hits is left pending. None where no view saw anything.
     fn trace(&mut self, ray: &Ray, front: &Front, share: f32, bounces: u32, counters: &mut Counters) -> Option<Vec3> {
         counters.secondary_rays += 1;
         let (steps, acceleration) = (&self.settings.steps, self.settings.acceleration);
