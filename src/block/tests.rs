@@ -2,29 +2,15 @@
 
 use super::*;
 use crate::effort::Effort;
+use crate::math::random::Random;
 
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Normal, Effort::Exhaustive];
 
-/// Numbers that are the same in each run (xorshift of Marsaglia).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    /// A block of 16 bytes: any bits, or, in one of four, only zeros or only ones from some bit on.
-    fn block(&mut self) -> u128 {
-        let any = u128::from(self.next()) << 64 | u128::from(self.next());
-        let (shift, ones) = (self.next() % 128, u128::MAX * u128::from(self.next() % 2));
-        match self.next() % 4 {
-            0 => any & ((1 << shift) - 1) | ones << shift,
-            _ => any,
-        }
-    }
+/// A block of 16 bytes: any bits, or, in one of four, only zeros or only ones from some bit on.
+fn random_block(random: &mut Random) -> u128 {
+    let any = u128::from(random.bits()) << 64 | u128::from(random.bits());
+    let (shift, ones) = (random.below(128), u128::MAX * u128::from(random.below(2)));
+    if random.one_in(4) { any & ((1 << shift) - 1) | ones << shift } else { any }
 }
 
 /// Blocks compared with another decoder, for each mode.
@@ -32,8 +18,8 @@ const BLOCKS: usize = 20_000;
 
 /// `low` put in place of the lowest `count` bits of random blocks.
 fn blocks_of(low: u128, count: u32) -> impl Iterator<Item = [u8; 16]> {
-    let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ u64::from(count) << 32 ^ low as u64);
-    (0..BLOCKS).map(move |_| (random.block() >> count << count | low).to_le_bytes())
+    let mut random = Random::new(0x9E37_79B9_7F4A_7C15 ^ u64::from(count) << 32 ^ low as u64);
+    (0..BLOCKS).map(move |_| (random_block(&mut random) >> count << count | low).to_le_bytes())
 }
 
 #[test]

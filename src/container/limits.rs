@@ -44,14 +44,6 @@ impl OpenLimits {
     pub fn all_streams_bytes(&self, file_bytes: u64) -> u64 {
         self.stream_bytes(file_bytes).saturating_mul(Self::ALL_STREAMS)
     }
-
-    pub fn unit_frames(&self, file_bytes: u64) -> u64 {
-        self.unit_frames_floor.saturating_add(self.unit_frames_ratio.saturating_mul(file_bytes))
-    }
-
-    pub fn pixels(&self, file_bytes: u64) -> u64 {
-        self.pixels_floor.saturating_add(self.pixels_ratio.saturating_mul(file_bytes))
-    }
 }
 
 impl Default for OpenLimits {
@@ -92,7 +84,10 @@ pub fn check(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
             index.streams.len()
         )));
     }
-    if unit_frames > limits.unit_frames(file_bytes) || pixels > limits.pixels(file_bytes) {
+    let most = |floor: u64, ratio: u64| floor.saturating_add(ratio.saturating_mul(file_bytes));
+    if unit_frames > most(limits.unit_frames_floor, limits.unit_frames_ratio)
+        || pixels > most(limits.pixels_floor, limits.pixels_ratio)
+    {
         return Err(Error::invalid(format!(
             "the streams claim {unit_frames} units and {pixels} pixels in all their frames, more than a file of \
              {file_bytes} bytes justifies"

@@ -50,7 +50,6 @@ impl<'a> FaceDecoder<'a> {
     pub fn decode_into(&mut self, frame: u32, mut pixels: PixelsMut<'_>) -> Result<()> {
         let size @ [width, _] = self.stream.size();
         pixels.check_size(size)?;
-        self.conversion.prepare(&pixels);
         let units = try_map_ordered(self.units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| {
             unit.decode(frame)?;
             Ok(&*unit)

@@ -1,12 +1,14 @@
 //! Decoded pixels in the caller's slices: codes, metres, 8-bit or half-float colour, material weights.
 
+use std::sync::OnceLock;
+
 use half::f16;
 
 use crate::color::HalfKey;
 use crate::depth::CodeTable;
 use crate::error::{Error, Result};
 use crate::image::transfer::DecodeTable;
-use crate::streams::{CodecHeader, ColorFormat, convert};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
 /// The pixels of a unit in the domain of its codec, row by row.
 #[derive(Debug, Clone, Copy)]
@@ -56,57 +58,46 @@ impl PixelsMut<'_> {
 #[derive(Debug)]
 pub(super) struct Conversion {
     header: CodecHeader,
-    metres: Option<CodeTable>,
-    light: Option<DecodeTable>,
+    metres: OnceLock<CodeTable>,
+    light: OnceLock<DecodeTable>,
 }
 
 impl Conversion {
     pub fn new(header: CodecHeader) -> Conversion {
-        Conversion { header, metres: None, light: None }
-    }
-
-    pub fn prepare(&mut self, target: &PixelsMut<'_>) {
-        match (self.header, target) {
-            (CodecHeader::Depth(header), PixelsMut::DepthMetres(_)) => {
-                self.metres.get_or_insert_with(|| CodeTable::new(header.range, header.background));
-            }
-            (CodecHeader::Color(header), PixelsMut::ColorHalf(_)) => {
-                if let ColorFormat::EightBit(tone) = header.format {
-                    self.light.get_or_insert_with(|| DecodeTable::new(&tone));
-                }
-            }
-            _ => {}
-        }
+        Conversion { header, metres: OnceLock::new(), light: OnceLock::new() }
     }
 
     /// Writes a unit's pixels into a rectangle (left, top, width, height) of an image of `stride` columns.
     pub fn write(&self, unit: UnitPixels<'_>, rect: [u32; 4], target: &mut PixelsMut<'_>, stride: u32) -> Result<()> {
-        match (unit, target) {
-            (UnitPixels::Depth(codes), PixelsMut::DepthCodes(out)) => copy(codes, rect, out, stride, |&code| code),
-            (UnitPixels::Depth(codes), PixelsMut::DepthMetres(out)) => {
-                let Some(table) = &self.metres else { return Err(wrong_kind()) };
+        match (unit, target, self.header) {
+            (UnitPixels::Depth(codes), PixelsMut::DepthCodes(out), _) => copy(codes, rect, out, stride, |&code| code),
+            (UnitPixels::Depth(codes), PixelsMut::DepthMetres(out), CodecHeader::Depth(header)) => {
+                let table = self.metres.get_or_init(|| CodeTable::new(header.range, header.background));
                 copy(codes, rect, out, stride, |&code| table.metres(code));
             }
-            (UnitPixels::Color8(codes), PixelsMut::Color8(out)) => copy(codes, rect, out, stride, |&code| code),
-            (UnitPixels::Color8(codes), PixelsMut::ColorHalf(out)) => {
-                let Some(table) = &self.light else { return Err(wrong_kind()) };
+            (UnitPixels::Color8(codes), PixelsMut::Color8(out), _) => copy(codes, rect, out, stride, |&code| code),
+            (
+                UnitPixels::Color8(codes),
+                PixelsMut::ColorHalf(out),
+                CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }),
+            ) => {
+                let table = self.light.get_or_init(|| DecodeTable::new(&tone));
                 copy(codes, rect, out, stride, |pixel| pixel.map(|code| table.value(code)));
             }
-            (UnitPixels::ColorHalf(keys), PixelsMut::ColorHalf(out)) => {
+            (UnitPixels::ColorHalf(keys), PixelsMut::ColorHalf(out), _) => {
                 copy(keys, rect, out, stride, |pixel| pixel.map(|key| key.to_half()));
             }
-            (UnitPixels::Material(codes), PixelsMut::Material8(out)) => copy(codes, rect, out, stride, |&code| code),
-            (UnitPixels::Material(codes), PixelsMut::Material(out)) => {
+            (UnitPixels::Material(codes), PixelsMut::Material8(out), _) => copy(codes, rect, out, stride, |&code| code),
+            (UnitPixels::Material(codes), PixelsMut::Material(out), _) => {
                 copy(codes, rect, out, stride, convert::material_value);
             }
-            _ => return Err(wrong_kind()),
+            _ => {
+                let message = "pixels of the stream cannot be converted into a slice of this kind";
+                return Err(Error::Usage(message.into()));
+            }
         }
         Ok(())
     }
-}
-
-fn wrong_kind() -> Error {
-    Error::Usage("pixels of the stream cannot be converted into a slice of this kind".into())
 }
 
 fn copy<S, T>(source: &[S], rect: [u32; 4], target: &mut [T], stride: u32, convert: impl Fn(&S) -> T) {

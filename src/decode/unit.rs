@@ -84,7 +84,6 @@ impl<'a> UnitDecoder<'a> {
     pub fn decode_into(&mut self, frame: u32, mut pixels: PixelsMut<'_>) -> Result<()> {
         let [_, _, width, height] = self.rect;
         pixels.check_size([width, height])?;
-        self.conversion.prepare(&pixels);
         self.decode(frame)?;
         self.conversion.write(self.pixels(), [0, 0, width, height], &mut pixels, width)
     }
