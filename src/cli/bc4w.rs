@@ -18,7 +18,6 @@ use crate::error::Result;
 use crate::image::StreamKind;
 use crate::report::Table;
 
-/// Length of the longest bar of the histogram.
 const BAR_COLUMNS: u64 = 8;
 
 #[derive(Debug, clap::Args)]

@@ -16,7 +16,6 @@ use crate::streams::ColorFormat;
 
 /// Up to this many streams have rows by default.
 pub const FEW_ROWS: usize = 12;
-/// Most lines about missing streams.
 const MISSING_LINES: usize = 8;
 
 /// The whole report; streams have rows if there are at most `most_rows`.

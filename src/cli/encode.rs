@@ -62,7 +62,6 @@ pub trait Encodes {
     fn target(&self) -> Target<'_>;
 }
 
-/// What is coded from one image sequence.
 pub trait SequenceCodec: clap::Args {
     const KIND: StreamKind;
     fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()>;
@@ -197,7 +196,6 @@ impl Encode<'_> {
         Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
     }
 
-    /// Whether the output is an input file.
     fn is_input(&self, path: &Path) -> bool {
         let Ok(output) = path.canonicalize() else { return false };
         let same = |file: PathBuf| file.canonicalize().is_ok_and(|file| file == output);

@@ -20,7 +20,6 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print_text(&json::pretty(value)?)
 }
 
-/// Prints a report on standard output as JSON, or as text.
 pub fn print_either(as_json: bool, report: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
     if as_json { print_json(report) } else { print_text(&text()) }
 }

@@ -44,7 +44,6 @@ use truth::TruthRun;
 
 const DEFAULT_SIZE: u32 = 512;
 
-/// Bytes of an image on a contact sheet.
 const SHEET_BYTES: u64 = 1 << 20;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -220,7 +219,6 @@ impl Args {
         Ok(fixed)
     }
 
-    /// Refuses outputs that are inputs, or each other.
     fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {
         let mut outputs: Vec<outputs::Output> = Vec::new();
         let names = || jobs.iter().flat_map(|job| &job.names);

@@ -70,7 +70,7 @@ pub struct Args {
         value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::scene::capture::MAX_SAMPLES)))]
     pub samples: u32,
     /// Outputs besides colour: depth, normal, material, or none
-    #[arg(long, value_parser = one_of(OUTPUTS), value_name = "KIND", value_delimiter = ',', default_value = "depth")]
+    #[arg(long, value_parser = one_of(AOVS), value_name = "KIND", value_delimiter = ',', default_value = "depth")]
     pub aov: Vec<OutputPass>,
     /// Leave colour out
     #[arg(long)]
@@ -98,15 +98,13 @@ const PROJECTIONS: &Choices<Projection> = &[
 /// An output besides colour, or none: an alias, as clap takes an `Option` for an option that may be absent.
 type OutputPass = Option<Pass>;
 
-/// `--aov`.
-const OUTPUTS: &Choices<OutputPass> = &[
+const AOVS: &Choices<OutputPass> = &[
     ("depth", Some(Pass::Depth), "Metres to the surface"),
     ("normal", Some(Pass::Normal), "Shading normals in world axes"),
     ("material", Some(Pass::Material), "Weights of reflection and refraction, index of refraction"),
     ("none", None, "Nothing: colour alone"),
 ];
 
-/// `--depth`.
 const DEPTHS: &Choices<DepthKind> = &[
     ("distance", DepthKind::Distance, "From the camera along the ray"),
     ("planar", DepthKind::Planar, "Along the viewing axis"),

@@ -23,7 +23,6 @@ const MAX_STREAM_ROWS: usize = 24;
 /// Most settings listed for one kind of stream.
 const MAX_SETTINGS: usize = 4;
 
-/// The whole report without `--frames`.
 pub fn summary(report: &Report<'_>) -> String {
     let mut out = format!("{}\n{}\n{}", heading(report), kinds(report), streams(report));
     for table in [nodes(report), blocks(report)].into_iter().flatten() {

@@ -15,8 +15,7 @@ use crate::streams::{ColorBlocks, ColorFormat};
 /// Blocks of keyframes, none for raw samples: an alias, as clap takes an `Option` for an option that may be absent.
 type KeyframeBlocks = Option<ColorBlocks>;
 
-/// `--color-block`.
-const BLOCKS: &Choices<KeyframeBlocks> = &[
+const COLOR_BLOCKS: &Choices<KeyframeBlocks> = &[
     ("none", None, "Raw samples"),
     ("bc1", Some(ColorBlocks::Bc1), "8 bytes for 4x4 pixels"),
     ("bc7", Some(ColorBlocks::Bc7), "16 bytes for 4x4 pixels"),
@@ -40,7 +39,7 @@ pub struct ColorArgs {
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
     /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the loss
-    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(BLOCKS), default_value = "none")]
+    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(COLOR_BLOCKS), default_value = "none")]
     pub color_block: KeyframeBlocks,
     /// Least PSNR of each frame of each cell with keyframes in blocks, in dB, at most --psnr [default: 30 for bc1, 40 for
     /// bc7 and bc6h]

@@ -31,8 +31,7 @@ const DEPTH_CODECS: &Choices<DepthCodec> = &[
     ("bc4w", DepthCodec::Blocks, "Blocks of 8x8 pixels at a fixed 4:1, without an error bound"),
 ];
 
-/// `--depth-block`.
-const BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes for 4x4 pixels")];
+const DEPTH_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes for 4x4 pixels")];
 
 const DEPTH_DOMAINS: &Choices<DomainKind> = &[
     ("log", DomainKind::Log, "Log codes"),
@@ -40,8 +39,7 @@ const DEPTH_DOMAINS: &Choices<DomainKind> = &[
     ("inverse", DomainKind::Inverse, "Inverse metres, in which planes are exact"),
 ];
 
-/// `--optimize`.
-const GOALS: &Choices<Decide> = &[
+const OPTIMIZE_GOALS: &Choices<Decide> = &[
     ("quality", Decide::Mse, "The least squared error"),
     ("mse", Decide::Mse, ""),
     ("size", Decide::Size, "The fewest bytes"),
@@ -66,7 +64,7 @@ pub struct DepthArgs {
     pub depth_codec: DepthCodec,
     /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
     /// defaults to 100
-    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(BLOCKS), default_value = "none")]
+    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(DEPTH_BLOCKS), default_value = "none")]
     pub depth_block: InBlocks,
     /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless [default: 100]
     #[arg(long, alias = "error", value_name = "CODES", conflicts_with = "max_error_relative",
@@ -101,7 +99,7 @@ pub struct DomainArgs {
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
     /// What to optimize when several modelling functions of a node are within the bound
-    #[arg(long, alias = "decide", value_name = "GOAL", value_parser = one_of(GOALS), default_value = "quality")]
+    #[arg(long, alias = "decide", value_name = "GOAL", value_parser = one_of(OPTIMIZE_GOALS), default_value = "quality")]
     pub optimize: Decide,
     /// Changed children of a node that make the encoder try one function for the whole node
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,

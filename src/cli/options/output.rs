@@ -87,7 +87,6 @@ pub enum Unfinished {
     Resume,
 }
 
-/// Where an encode goes, and how it is reported.
 #[derive(Debug, Clone, Copy)]
 pub struct Target<'a> {
     /// The container, - for standard output.

@@ -36,7 +36,6 @@ pub struct SelectionArgs {
 }
 
 impl SelectionArgs {
-    /// The selection of these streams and of `frames`.
     pub fn with(&self, frames: Option<FrameRange>) -> Selection {
         Selection { probes: self.probe.clone(), faces: self.face.clone(), kinds: self.stream.clone(), frames }
     }

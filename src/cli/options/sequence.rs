@@ -68,7 +68,6 @@ impl SequenceInputArgs {
         self.effort.apply(settings);
     }
 
-    /// Opens the sequence as a source of one kind of stream.
     pub fn open(&self, kind: StreamKind, options: &SourceOptions) -> Result<Source> {
         let images = self.images.layout()?;
         let arrangement = match images.arrangement {

@@ -30,7 +30,6 @@ pub struct SideArgs {
 }
 
 impl SideArgs {
-    /// Whether all options have their defaults.
     pub fn is_usual(&self) -> bool {
         let (depth, images) = (&self.depth, &self.images);
         self.color_space.is_none()

@@ -136,7 +136,6 @@ impl Args {
         }
     }
 
-    /// Whether the number of cameras is open.
     pub(super) fn is_endless(&self) -> bool {
         self.cameras.is_none() && self.uniform.is_none()
     }

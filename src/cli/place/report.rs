@@ -34,13 +34,9 @@ pub struct Report<'a> {
     pub comparison: Option<Placement>,
     /// The same for each K of --compare-k.
     pub decays: Vec<DecayPlacement>,
-    /// The cameras as they are written.
     pub set: &'a CameraSet,
-    /// First and last frame that cameras serve.
     pub range: [u32; 2],
-    /// Frames in which surfaces were sampled.
     pub frames: Vec<u32>,
-    /// Time for reading, searching and placing.
     pub seconds: f64,
 }
 
@@ -76,7 +72,6 @@ impl Report<'_> {
         self.placements().map(|placement| self.curve(placement, self.search.problem.rate_per_m)).collect()
     }
 
-    /// The curves of `--compare-k`.
     pub fn decays(&self) -> Vec<Curve> {
         self.decays.iter().map(|decay| self.curve(&decay.placement, decay.rate_per_m)).collect()
     }

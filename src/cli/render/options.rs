@@ -49,8 +49,7 @@ const VIEW_PRIORITIES: &Choices<ViewPriority> = &[
     ("angle", ViewPriority::Angle, "By angle to the eye at --pivot"),
 ];
 
-/// `--decode`.
-const SCOPES: &Choices<DecodeScope> = &[
+const DECODE_SCOPES: &Choices<DecodeScope> = &[
     ("seen", DecodeScope::Seen, "Visible tiles and cells; all of them with reflective or refractive materials"),
     ("all", DecodeScope::All, "All tiles and cells"),
 ];
@@ -118,7 +117,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Parts to decode
-    #[arg(long, value_parser = one_of(SCOPES), default_value = "seen")]
+    #[arg(long, value_parser = one_of(DECODE_SCOPES), default_value = "seen")]
     pub decode: DecodeScope,
 }
 

@@ -7,7 +7,6 @@ use crate::cli::refuse;
 use crate::error::Result;
 use crate::files::parent_of;
 
-/// An option and its output file.
 pub type Output = (&'static str, PathBuf);
 
 /// Refuses outputs that are inputs or equal to another output, except `-`.

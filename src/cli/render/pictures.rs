@@ -18,12 +18,9 @@ use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
 use crate::report::picture::contact_sheet::ContactSheet;
 
-/// Field of the eye in a pattern.
 const EYE_FIELD: &str = "%V";
-/// Their names, from left to right.
 const EYES: [&str; 2] = ["left", "right"];
 
-/// Name of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PictureName {
     /// Its number in patterns: the frame, or the place of its camera where several look in one frame.
@@ -33,7 +30,6 @@ pub struct PictureName {
 }
 
 impl PictureName {
-    /// The name of its file in a folder.
     pub fn png(&self) -> String {
         format!("{}.{:04}.png", self.subject, self.number)
     }
@@ -44,7 +40,6 @@ pub struct Job {
     pub request: FrameRequest,
     /// Name of each image; stereo pairs have one.
     pub names: Vec<PictureName>,
-    /// Width and height of each image.
     pub size: [u32; 2],
     /// Indices of reference images, in the order of the cameras.
     pub references: Vec<usize>,
@@ -71,7 +66,6 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Opens the outputs, before anything is rendered.
     pub fn open(args: &Args, jobs: &[Job], tone: ToneMap) -> Result<Pictures> {
         let numbers: Vec<u32> = jobs.iter().flat_map(|job| &job.names).map(|name| name.number).collect();
         let destination = match &args.output {
@@ -203,7 +197,6 @@ impl Pictures {
         out.write_all(&bytes).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
     }
 
-    /// Lets all files appear under their names.
     pub fn commit(self) -> Result<()> {
         match self.destination {
             Destination::Nowhere | Destination::StandardOutput => {}

@@ -23,18 +23,15 @@ impl FixedOption {
         }
     }
 
-    /// All values; none for a switch.
     pub fn value(&self) -> Option<String> {
         (!self.values.is_empty()).then(|| self.values.join(","))
     }
 }
 
-/// The subcommand whose options are read.
 pub struct OptionsOf<'a> {
     pub command: &'a str,
     /// Words that make a line of it complete.
     pub line: &'a [&'a str],
-    /// Options that tradeoff sets itself.
     pub own: &'a [&'a str],
     /// Options of another subcommand that are taken as well: its name, and theirs.
     pub also: Option<(&'a str, &'a [&'a str])>,

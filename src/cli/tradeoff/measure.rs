@@ -78,7 +78,6 @@ pub struct Sweeping<'a> {
     pub studies: Vec<Study>,
     /// What a preset has and the input has no streams for.
     pub left_out: Vec<String>,
-    /// A sentence.
     pub about: String,
     pub commands: Vec<ExampleCommand>,
 }

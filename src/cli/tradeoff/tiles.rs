@@ -21,7 +21,6 @@ const LATE: &str = "The statistics of tiles were left out: they did not fit into
 struct Until<'a> {
     progress: &'a dyn Monitor,
     start: Instant,
-    /// How long it may take.
     most: Option<Duration>,
     steps: u64,
     done: AtomicU64,
