@@ -9,10 +9,9 @@ use crate::depth::domain::Domain;
 use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
-use crate::depth::{BACKGROUND_CODE, DepthRange, TemporalEncoder, TemporalSettings, Texel};
+use crate::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
-use crate::hard_cases::case::Measured;
 use crate::image::DepthKind;
 use crate::math::random::Random;
 use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
@@ -172,47 +171,9 @@ impl<T> Sequence<T> {
     }
 }
 
-fn largest_error(clip: Clip, mut see: impl FnMut(&mut Measured, usize, &Picture) -> Result<()>) -> Result<Measured> {
-    let mut worst = Measured { place: Some("everywhere alike".to_owned()), ..Measured::count(0) };
-    clip.show(|frame, picture| see(&mut worst, frame, picture))?;
-    Ok(worst.with_clip(clip))
-}
-
 impl Sequence<u16> {
     pub(super) fn grid(&self) -> Grid {
         Grid { width: self.size[0], height: self.size[1] }
-    }
-
-    /// The largest error of what a clip shows, in codes; infinite where background and surface are mixed up.
-    pub(super) fn compare(&self, clip: Clip) -> Result<Measured> {
-        let what = clip.what.clone();
-        largest_error(clip, |worst, frame, picture| {
-            let Picture::Depth(shown) = picture else { return Err(Error::invalid("depth was expected")) };
-            for (at, (&shown, &source)) in shown.data().iter().zip(&self.frames[frame]).enumerate() {
-                let mixed = (shown == BACKGROUND_CODE) != (source == BACKGROUND_CODE);
-                let error = if mixed { f64::INFINITY } else { f64::from(shown.abs_diff(source)) };
-                worst.greatest(error, || {
-                    let (x, y) = (at % self.size[0] as usize, at / self.size[0] as usize);
-                    format!("{what}, frame {frame}, pixel ({x}, {y}): {source} became {shown}")
-                });
-            }
-            Ok(())
-        })
-    }
-}
-
-impl Sequence<[u8; 3]> {
-    pub(super) fn compare(&self, clip: Clip) -> Result<Measured> {
-        let what = clip.what.clone();
-        largest_error(clip, |worst, frame, picture| {
-            let Picture::Material(shown) = picture else { return Err(Error::invalid("material was expected")) };
-            for (at, (shown, source)) in shown.data().iter().zip(&self.frames[frame]).enumerate() {
-                let error = shown.iter().zip(source).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
-                let place = || format!("{what}, frame {frame}, pixel {at}: {source:?} became {shown:?}");
-                worst.greatest(f64::from(error), place);
-            }
-            Ok(())
-        })
     }
 }
 

@@ -8,6 +8,7 @@ mod blocks;
 mod case;
 mod clip;
 mod color;
+mod compare;
 pub mod device;
 mod fits;
 mod geometry;
