@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Budget {
-    bytes: Option<u64>,
+    pub bytes: Option<u64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -29,10 +29,6 @@ impl Budget {
 
     pub fn of(bytes: u64) -> Budget {
         Budget { bytes: Some(bytes) }
-    }
-
-    pub fn bytes(self) -> Option<u64> {
-        self.bytes
     }
 
     /// The budget without `taken` bytes, at least 0.

@@ -192,7 +192,7 @@ fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
     if file > LOAD_ANY_BYTES && asked < file / 8 {
         return 0;
     }
-    memory.bytes().map_or(LOAD_BYTES, |bytes| bytes / 4)
+    memory.bytes.map_or(LOAD_BYTES, |bytes| bytes / 4)
 }
 
 /// The graphics device that decodes, if one does; --verify needs one.

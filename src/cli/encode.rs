@@ -137,7 +137,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{}: the input manifest would be overwritten", args.output.container.path.display()));
     }
     let source = args.open(&options)?;
-    let (asked, there) = (args.frames.frames, source.manifest().map(|manifest| manifest.frame_range()));
+    let (asked, there) = (args.frames.frames, source.manifest.as_ref().map(|manifest| manifest.frame_range()));
     if let (Some(asked), Some(there)) = (asked, there)
         && (asked.first < there.first || asked.last > there.last)
     {

@@ -72,7 +72,7 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
 }
 
 fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
-    if memory.bytes().is_none() {
+    if memory.bytes.is_none() {
         return Ok(usize::MAX);
     }
     let of_pair = |pair: &Pair<'_>| {

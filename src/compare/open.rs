@@ -246,7 +246,7 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
                 frames: group.frames,
                 size: [group.width, group.height],
                 coding: known,
-                depth_kind: source.depth_stored(),
+                depth_kind: source.depth_stored,
                 place: Place::Plane { group: at, plane },
             });
         }

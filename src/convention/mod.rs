@@ -62,7 +62,7 @@ pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
 
 /// Runs all checks. The result does not depend on the number of threads.
 pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Report> {
-    let manifest = source.manifest();
+    let manifest = source.manifest.as_ref();
     let depth = manifest.and_then(|manifest| manifest.depth.as_ref());
     let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
     let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);

@@ -132,14 +132,16 @@ pub struct Source {
     groups: Vec<SourceGroup>,
     /// Files of each group, by kind, probe and first face.
     sequences: BTreeMap<(StreamKind, usize, Face), Sequence>,
-    manifest: Option<Manifest>,
+    /// Where the source was opened by one.
+    pub manifest: Option<Manifest>,
     content: Content,
     file_size: (u32, u32),
     delivered_size: (u32, u32),
     pub rules: DepthRules,
     /// Whether the scale of depth is stated.
     scale_stated: bool,
-    depth_stored: DepthKind,
+    /// What delivered depth measures: distance, or planar Z where the camera is not known well enough to convert.
+    pub depth_stored: DepthKind,
     /// The declared kind of stored depth.
     pub depth_kind: DepthKind,
     pub color_space: Option<ColorSpace>,
@@ -249,7 +251,7 @@ impl Source {
             check_intrinsics(intrinsics).map_err(|error| Error::Usage(error.to_string()))?;
         }
         let sequence = Sequence::find(spec, options.frames)?;
-        let first = sequence.path(sequence.frames().first);
+        let first = sequence.path(sequence.frames.first);
         let size = if is_png(&first) {
             png::read_size(&first, &options.limits)
         } else {
@@ -290,7 +292,7 @@ impl Source {
             name: layout.probe.clone(),
             position: [0.0; 3],
             orientation: [0.0, 0.0, 0.0, 1.0],
-            frames: sequence.frames(),
+            frames: sequence.frames,
             intrinsics: if view { layout.intrinsics } else { None },
         });
         source.add(kind, 0, &faces, sequence);
@@ -369,7 +371,7 @@ impl Source {
 
     fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], sequence: Sequence) {
         let (width, height) = self.delivered_size;
-        let frames = sequence.frames();
+        let frames = sequence.frames;
         self.groups.push(SourceGroup { kind, probe, faces: faces.to_vec(), frames, width, height });
         self.sequences.insert((kind, probe, faces[0]), sequence);
     }
@@ -399,15 +401,6 @@ impl Source {
     /// What can be read: colour, depth, material; within a kind by probe, then by face.
     pub fn groups(&self) -> &[SourceGroup] {
         &self.groups
-    }
-
-    pub fn manifest(&self) -> Option<&Manifest> {
-        self.manifest.as_ref()
-    }
-
-    /// What delivered depth measures: distance, or planar Z where the camera is not known well enough to convert.
-    pub fn depth_stored(&self) -> DepthKind {
-        self.depth_stored
     }
 
     /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
@@ -486,7 +479,7 @@ impl Source {
     fn path(&self, kind: StreamKind, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
         let found = group.faces.first().and_then(|face| self.sequences.get(&(kind, group.probe, *face)));
         match found {
-            Some(sequence) if group.kind == kind && sequence.frames().contains(frame) => Ok(sequence.path(frame)),
+            Some(sequence) if group.kind == kind && sequence.frames.contains(frame) => Ok(sequence.path(frame)),
             _ => Err(Error::Usage(format!("there is no {} of probe {} at frame {frame}", kind.name(), group.probe))),
         }
     }

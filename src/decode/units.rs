@@ -133,7 +133,7 @@ pub fn decode_units(
 }
 
 pub(super) fn jobs_at_once(decoder: &Decoder, memory: Budget, largest: impl FnOnce() -> Option<u64>) -> Result<usize> {
-    if memory.bytes().is_none() {
+    if memory.bytes.is_none() {
         return Ok(usize::MAX);
     }
     let fixed = memory::container_bytes(decoder.reader());

@@ -85,7 +85,7 @@ impl GroupNeed {
             _ => tile_state(group, settings),
         };
         let mut need = GroupNeed { state, frame, keep: KEEP_BYTES };
-        if let Some(bytes) = settings.memory.bytes() {
+        if let Some(bytes) = settings.memory.bytes {
             need.keep = need.keep.min(bytes.saturating_sub(state + frame) / 2);
         }
         need
@@ -103,7 +103,7 @@ impl GroupNeed {
 
 /// Refuses groups that would not fit into the settings' memory.
 pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, groups: &[GroupRef<'_>]) -> Result<()> {
-    if settings.memory.bytes().is_none() {
+    if settings.memory.bytes.is_none() {
         return Ok(());
     }
     for GroupRef { group, .. } in groups {

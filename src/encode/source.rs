@@ -98,11 +98,11 @@ impl FrameSource for Source {
     }
 
     fn depth_kind(&self) -> DepthKind {
-        self.depth_stored()
+        self.depth_stored
     }
 
     fn stated_range(&self) -> [Option<f32>; 2] {
-        let depth = self.manifest().and_then(|manifest| manifest.depth.as_ref());
+        let depth = self.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
         depth.map_or([None; 2], |depth| [depth.near, depth.far].map(|bound| bound.map(|metres| metres as f32)))
     }
 

@@ -227,7 +227,7 @@ fn percent_field(text: &str) -> Option<(usize, usize)> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sequence {
     pattern: Pattern,
-    frames: FrameRange,
+    pub frames: FrameRange,
 }
 
 impl Sequence {
@@ -307,13 +307,9 @@ impl Sequence {
         Ok(Sequence { pattern, frames: FrameRange { first, last } })
     }
 
-    /// The file of a frame; outside [`Sequence::frames`] it may not exist.
+    /// The file of a frame; outside `frames` it may not exist.
     pub fn path(&self, frame: u32) -> PathBuf {
         self.pattern.path(frame)
-    }
-
-    pub fn frames(&self) -> FrameRange {
-        self.frames
     }
 }
 
@@ -435,13 +431,13 @@ mod tests {
         let range = FrameRange { first: 3, last: 4 };
         let some = Some(range);
         let sequence = Sequence::find(&spec(at, "c.####.exr"), some).unwrap();
-        assert_eq!((sequence.frames(), sequence.path(4)), (range, at.join("c.0004.exr")));
+        assert_eq!((sequence.frames, sequence.path(4)), (range, at.join("c.0004.exr")));
         let message = Sequence::find(&spec(at, "c.%04d.exr"), Some(FrameRange { first: 2, last: 3 })).unwrap_err();
         assert!(message.to_string().contains("c.0002.exr"), "{message}");
         assert!(Sequence::find(&spec(at, "d.%04d.exr"), None).is_err());
         assert!(Sequence::find(&spec(at, "nowhere/d.%04d.exr"), None).is_err());
         let single = Sequence::find(&spec(at, "c.0006.exr"), None).unwrap();
-        assert_eq!(single.frames(), FrameRange { first: 6, last: 6 });
+        assert_eq!(single.frames, FrameRange { first: 6, last: 6 });
         assert_eq!(single.path(6), at.join("c.0006.exr"));
         assert!(Sequence::find(&spec(at, "c.0006.exr"), some).is_err());
     }
@@ -477,7 +473,7 @@ mod tests {
         let here = at.to_str().unwrap().to_string();
         assert!(Sequence::find(&here, None).is_err(), "empty");
         touch(at, &["z8.exr", "z9.exr", "z10.exr", "notes.txt"]);
-        assert_eq!(Sequence::find(&here, None).unwrap().frames(), FrameRange { first: 8, last: 10 });
+        assert_eq!(Sequence::find(&here, None).unwrap().frames, FrameRange { first: 8, last: 10 });
         touch(at, &["c.0001.png"]);
         let message = Sequence::find(&here, None).unwrap_err().to_string();
         assert!(message.contains("z%d.exr") && message.contains("c.%04d.png"), "{message}");

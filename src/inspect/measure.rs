@@ -73,7 +73,7 @@ pub fn statistics(decoder: &Decoder) -> Result<Inspection<'_>> {
 }
 
 fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, threads: usize) -> Result<usize> {
-    if memory.bytes().is_none() {
+    if memory.bytes.is_none() {
         return Ok(usize::MAX);
     }
     let of_stream = |stream: &&StreamInfo| {

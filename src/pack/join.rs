@@ -146,7 +146,7 @@ pub fn pack<W: Write>(
 
 /// How many chunks are worked on at once, and how many bytes of chunks make a batch.
 fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
-    let Some(bytes) = settings.memory.bytes() else { return Ok((usize::MAX, BATCH_BYTES)) };
+    let Some(bytes) = settings.memory.bytes else { return Ok((usize::MAX, BATCH_BYTES)) };
     let of_chunk = |reader: &Reader, chunk: &ChunkEntry| {
         let stream = &reader.index().streams[chunk.key.stream as usize];
         let raw = u64::from(chunk.raw_bytes);

@@ -65,7 +65,7 @@ pub fn from_images(probe: usize, entry: &ProbeEntry, images: &[FaceImages], codi
 
 /// The views of all probes of a dataset in a frame: their faces with both colour and depth.
 pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<LightField> {
-    let kind = source.depth_stored();
+    let kind = source.depth_stored;
     let mut views = Vec::new();
     for (probe, info) in source.probes().iter().enumerate() {
         let groups = |kind: StreamKind| {

@@ -92,7 +92,7 @@ fn six_face_files() {
         (StreamKind::Depth, nz),
     ];
     assert_eq!(order, expected);
-    assert_eq!((source.projection(), source.depth_stored()), (Projection::Cubemap, DepthKind::Distance));
+    assert_eq!((source.projection(), source.depth_stored), (Projection::Cubemap, DepthKind::Distance));
     assert_eq!(source.read_color(&source.groups()[1], 1).unwrap(), [face_image(Face::Nz, 4)]);
     assert_eq!(source.read_depth(&source.groups()[2], 0).unwrap(), [ramp(4, 4)]);
     assert!(source.read_depth(&source.groups()[0], 0).is_err(), "a colour group is no depth");
@@ -228,7 +228,7 @@ fn perspective_without_a_lens() {
             continue;
         };
         let source = set.open().unwrap();
-        assert_eq!(source.depth_stored(), stored, "{kind} {a} {b}");
+        assert_eq!(source.depth_stored, stored, "{kind} {a} {b}");
         let converted = kind == "planar" && stored == DepthKind::Distance;
         assert_eq!(source.read_depth(&source.groups()[0], 0).unwrap()[0] != ramp(3, 2), converted);
         let distance = SourceOptions { depth_kind: Some(DepthKind::Distance), ..SourceOptions::default() };
@@ -294,7 +294,7 @@ fn perspective_planar_depth() {
     let spec = set.path("z.%04d.png");
     let layout = SequenceLayout::default();
     let lone = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
-    assert_eq!((lone.depth_stored(), lone.name()), (DepthKind::Planar, "z"));
+    assert_eq!((lone.depth_stored, lone.name()), (DepthKind::Planar, "z"));
     assert_eq!(lone.read_depth(&lone.groups()[0], 1).unwrap()[0].get(1, 0), 1.0);
     assert_eq!(lone.rules.background, 0.0);
 }
@@ -461,7 +461,7 @@ fn single_sequences() {
         (f64::from(ramp(4, 4).get(x, y)) * ImageProjection::cube_face(Face::Px, 4).ray_length_factor(x, y)) as f32
     });
     assert_eq!(
-        (source.read_depth(&source.groups()[0], 7).unwrap(), source.depth_stored()),
+        (source.read_depth(&source.groups()[0], 7).unwrap(), source.depth_stored),
         (vec![exact], DepthKind::Distance)
     );
 }

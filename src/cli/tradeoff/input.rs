@@ -172,7 +172,7 @@ pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
     add(machine::processor().as_bytes());
     let full = input.path.canonicalize().unwrap_or_else(|_| input.path.clone());
     add(full.as_os_str().as_encoded_bytes());
-    if source.manifest().is_some() {
+    if source.manifest.is_some() {
         add(&crc_of(&manifest::manifest_path(&full))?.to_le_bytes());
     }
     for word in input.encode.iter().chain(&input.diff).chain(&input.decode) {
