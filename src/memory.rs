@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn sizes_are_read_with_and_without_units() {
-        let bytes = |text: &str| text.parse::<Budget>().ok().and_then(Budget::bytes);
+        let bytes = |text: &str| text.parse::<Budget>().ok().and_then(|budget| budget.bytes);
         for (text, expected) in [
             ("1", 1),
             ("4096", 4096),

@@ -373,8 +373,8 @@ fn probes_keep_their_own_frames() {
     let ranges: Vec<_> = source.groups().iter().map(|group| (group.probe, group.frames.to_string())).collect();
     assert_eq!(ranges, [(0, "0-1".to_string()), (1, "2-3".to_string())]);
     assert_eq!((source.probes().len(), source.fps()), (3, 12.5));
-    let again = source.manifest().unwrap().to_json().unwrap();
-    assert_eq!(&lightfold::dataset::Manifest::from_json(again.as_bytes()).unwrap(), source.manifest().unwrap());
+    let again = source.manifest.as_ref().unwrap().to_json().unwrap();
+    assert_eq!(&lightfold::dataset::Manifest::from_json(again.as_bytes()).unwrap(), source.manifest.as_ref().unwrap());
 }
 
 #[test]
