@@ -8,7 +8,7 @@ use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use crate::image::StreamKind;
 use crate::image::plane::Plane;
 use crate::inspect::{CodingMap, Writing};
-use crate::report::picture::raster::{MAX_SIDE, Scale, hatch, outline, parts_of, render, unit_borders};
+use crate::report::picture::raster::{MAX_SIDE, Scale, filled, hatch, outline, render, unit_borders};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
 use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding, DepthHeader};
@@ -90,18 +90,12 @@ fn significant(value: f64) -> String {
 
 pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: &CodingMap) -> Plane<Rgb> {
     let size = subject.size();
-    let mut writings: Plane<Option<Writing>> = Plane::filled(size[0], size[1], None);
-    for patch in &map.patches {
-        let [left, top, width, height] = patch.rect;
-        for y in top..top + height {
-            writings.row_mut(y)[left as usize..(left + width) as usize].fill(Some(patch.writing));
-        }
-    }
+    let writings = filled(size, &map.patches, None, |patch| Some(patch.writing));
     let mut drawn = render(size, scale, |x, y| {
         let color = shades.pixels.get(x, y).map_or(palette::BACKGROUND, |part| palette::grey(f64::from(part)));
         writings.get(x, y).map_or(color, |writing| tints::tinted(color, writing))
     });
-    outline(&mut drawn, scale, &parts_of(size, &map.patches));
+    outline(&mut drawn, scale, &filled(size, &map.patches, 0, |patch| patch.part + 1));
     let entry = &subject.stream.entry;
     unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));
     hatch(&mut drawn, scale, |x, y| shades.pixels.get(x, y).is_none());

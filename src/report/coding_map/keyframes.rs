@@ -66,16 +66,13 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, s
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
     let has_blocks = matches!(subject.stream.header, CodecHeader::Color(ColorHeader { blocks: Some(_), .. }));
     let part = |count: u64| (count - least) as f64 / (most - least).max(1) as f64;
-    let marks: Vec<CellMark> = survey
-        .cells
-        .iter()
-        .map(|cell| CellMark {
-            rect: cell.rect,
-            color: palette::heat(part(cell.count())),
-            words: cell.count().to_string(),
-            corner: has_blocks && cell.samples > 0,
-        })
-        .collect();
+    let marks = survey.cells.iter().zip(counts()).map(|(cell, count)| CellMark {
+        rect: cell.rect,
+        color: palette::heat(part(count)),
+        words: count.to_string(),
+        corner: has_blocks && cell.samples > 0,
+    });
+    let marks: Vec<CellMark> = marks.collect();
     let cornered = marks.iter().filter(|mark| mark.corner).count() as u64;
     let mut cell_key = Vec::new();
     if least == most {
@@ -100,10 +97,11 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, s
     };
     let total: u64 = counts().sum();
     let blocks: u64 = survey.cells.iter().map(|cell| cell.blocks).sum();
-    let samples = total - blocks;
     let mean = total as f64 / survey.cells.len().max(1) as f64;
-    let ways =
-        if has_blocks { format!(", {blocks} of them in blocks and {samples} in samples") } else { String::new() };
+    let ways = match total - blocks {
+        samples if has_blocks => format!(", {blocks} of them in blocks and {samples} in samples"),
+        _ => String::new(),
+    };
     let spread = match least == most {
         true => format!("{least} in each"),
         false => format!("{least} to {most} in each, {mean:.2} in the mean"),

@@ -86,16 +86,16 @@ fn mean(colors: impl Iterator<Item = Rgb>) -> Rgb {
     sums.map(|sum| ((sum + count / 2) / count.max(1)) as u8)
 }
 
-/// The part that each pixel of an image belongs to, counted from 1; 0 where none is.
-pub fn parts_of([width, height]: [u32; 2], patches: &[Patch]) -> Plane<u32> {
-    let mut parts = Plane::filled(width, height, 0);
+/// A value of the patch that each pixel of an image belongs to, or `none`.
+pub fn filled<T: Copy>([width, height]: [u32; 2], patches: &[Patch], none: T, value: impl Fn(&Patch) -> T) -> Plane<T> {
+    let mut values = Plane::filled(width, height, none);
     for patch in patches {
-        let [left, top, width, height] = patch.rect.map(|pixels| pixels as usize);
+        let [left, top, width, height] = patch.rect;
         for y in top..top + height {
-            parts.row_mut(y as u32)[left..left + width].fill(patch.part + 1);
+            values.row_mut(y)[left as usize..(left + width) as usize].fill(value(patch));
         }
     }
-    parts
+    values
 }
 
 fn repaint(drawn: &mut Plane<Rgb>, [x, y]: [u32; 2], with: impl Fn(Rgb) -> Rgb) {
@@ -103,7 +103,7 @@ fn repaint(drawn: &mut Plane<Rgb>, [x, y]: [u32; 2], with: impl Fn(Rgb) -> Rgb) 
     *pixel = with(*pixel);
 }
 
-/// Draws lines of one pixel where parts meet, and a frame around the image.
+/// Draws lines of one pixel where parts meet, and a frame around the image; pixels of no part have 0.
 pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
     let part = |x: u32, y: u32| {
         let (x, y) = scale.source(x, y);
@@ -196,7 +196,8 @@ mod tests {
     #[test]
     fn outlines_are_where_parts_meet() {
         let patch = |rect, part| Patch { rect, writing: Writing::Values, part };
-        let parts = parts_of([4, 2], &[patch([0, 0, 2, 2], 0), patch([2, 0, 1, 1], 1), patch([2, 1, 1, 1], 1)]);
+        let patches = [patch([0, 0, 2, 2], 0), patch([2, 0, 1, 1], 1), patch([2, 1, 1, 1], 1)];
+        let parts = filled([4, 2], &patches, 0, |patch| patch.part + 1);
         assert_eq!(parts.data(), [1, 1, 2, 0, 1, 1, 2, 0]);
         let mut drawn = Plane::filled(16, 8, [200; 3]);
         outline(&mut drawn, Scale { up: 4, down: 1 }, &parts);

@@ -42,11 +42,10 @@ impl Legend {
     }
 
     pub fn width(&self) -> f64 {
-        let of = |text: &str, em: f64, weight: Weight| font::width(text, em, weight);
-        let titles = [&self.title, &self.key_title].map(|title| of(title, TICK_EM, Weight::Bold));
-        let entries = self.entries.iter().map(|entry| SWATCH + of(&entry.name, TICK_EM, Weight::Regular));
+        let titles = [&self.title, &self.key_title].map(|title| font::width(title, TICK_EM, Weight::Bold));
+        let entries = self.entries.iter().map(|entry| SWATCH + font::width(&entry.name, TICK_EM, Weight::Regular));
         let indent = self.key_indent();
-        let key = self.key.iter().map(|(_, text)| indent + of(text, TICK_EM, Weight::Regular));
+        let key = self.key.iter().map(|(_, text)| indent + font::width(text, TICK_EM, Weight::Regular));
         entries.chain(key).chain(titles).fold(0.0, f64::max).min(self.room)
     }
 

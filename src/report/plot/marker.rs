@@ -50,7 +50,11 @@ impl Look {
             3 => drawing.polygon(&ring(4, 0.0, 1.35), ink),
             4 => drawing.polygon(&ring(3, 90.0, 1.35), ink),
             5 => drawing.polygon(&ring(6, 0.0, 1.15), ink),
-            6 => cross(drawing, at, radius, ink),
+            6 => {
+                let ([x, y], reach, half) = (at, radius * 1.2, radius * 0.42);
+                drawing.rectangle([x - reach, y - half], [x + reach, y + half], ink);
+                drawing.rectangle([x - half, y - reach], [x + half, y + reach], ink);
+            }
             _ => {
                 let star: Vec<Spot> =
                     (0..10).map(|at| corner(-90.0 + 36.0 * f64::from(at), [1.5, 0.65][at as usize % 2])).collect();
@@ -58,10 +62,4 @@ impl Look {
             }
         }
     }
-}
-
-fn cross(drawing: &mut Drawing, [x, y]: Spot, radius: f64, ink: Ink) {
-    let (reach, half) = (radius * 1.2, radius * 0.42);
-    drawing.rectangle([x - reach, y - half], [x + reach, y + half], ink);
-    drawing.rectangle([x - half, y - reach], [x + half, y + reach], ink);
 }

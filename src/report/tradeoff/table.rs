@@ -23,12 +23,6 @@ pub struct Cell {
     pub range: Option<String>,
 }
 
-impl Cell {
-    fn plain(text: impl Into<String>) -> Cell {
-        Cell { text: text.into(), range: None }
-    }
-}
-
 pub fn of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
     let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.stream == stream).collect();
     let has = |name: &str| points.iter().any(|of| of.point.value(name).is_some());
@@ -37,7 +31,8 @@ pub fn of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
     let measures: Vec<&Measure> =
         shown.filter(|measure| points.iter().any(|of| of.number(measure.name).is_some())).collect();
     let row = |point: &&'_ Measured| {
-        let values = knobs.iter().map(|name| Cell::plain(point.point.value(name).unwrap_or("default")));
+        let values = knobs.iter().map(|name| point.point.value(name).unwrap_or("default").to_owned());
+        let values = values.map(|text| Cell { text, range: None });
         values.chain(measures.iter().map(|measure| cell(point, measure))).collect()
     };
     let rows = points.iter().map(|point| PointRow { point, cells: row(point) }).collect();
@@ -46,7 +41,7 @@ pub fn of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
 }
 
 fn cell(point: &Measured, measure: &Measure) -> Cell {
-    let Some(value) = point.number(measure.name) else { return Cell::plain("–") };
+    let Some(value) = point.number(measure.name) else { return Cell { text: "–".to_owned(), range: None } };
     let print = |value: f64| print(value, measure.format);
     let runs = measure.runs.map_or(0, |runs| point.runs(runs).len());
     let spread = point.spread(measure.name).filter(|_| runs > 1);

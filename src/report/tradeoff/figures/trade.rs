@@ -118,9 +118,7 @@ fn by_last_knob(studies: &[&Study], points: &[PlacedPoint<'_>], front: &[usize])
         let mark = mark(points, front, at);
         match all.iter_mut().find(|series| series.name == name) {
             Some(series) => series.marks.push(mark),
-            None => {
-                all.push(Series { name, kind: Kind::Thread, look: Look::of(all.len()), marks: vec![mark] });
-            }
+            None => all.push(Series { name, kind: Kind::Thread, look: Look::of(all.len()), marks: vec![mark] }),
         }
     }
     all
