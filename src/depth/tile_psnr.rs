@@ -66,7 +66,7 @@ pub struct PsnrDistribution {
     pub min_db: f64,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct TilePsnr {
     models: [PsnrDistribution; 5],
     /// Largest error in codes of any pixel of the BC4w blocks.
@@ -123,12 +123,6 @@ impl PsnrDistribution {
     /// Tiles in bins of [`BIN_DB`] from 0 dB on; exact ones are in none.
     pub fn histogram(&self) -> Vec<u64> {
         self.steps.chunks(BIN_DB * STEPS_PER_DB).map(|steps| steps.iter().sum()).collect()
-    }
-}
-
-impl Default for TilePsnr {
-    fn default() -> Self {
-        TilePsnr { models: std::array::from_fn(|_| PsnrDistribution::default()), bc4w_max_error: 0 }
     }
 }
 
