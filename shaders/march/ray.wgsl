@@ -33,7 +33,7 @@ struct FromSurface {
 
 const IN_SURFACE = FromSurface(0.0, 0u, false, 0u);
 
-// `Steps::from_surface`: texels before the first step, then the steps. There must be another one.
+// `Steps::off_surface`: texels before the first step, then the steps. There must be another one.
 fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
     let next_m = last.distance_m + max(texel_m, GROWTH * last.distance_m);
     if (!last.is_step && last.before < MOST_BEFORE_STEPS && next_m < distances_m[0]) {

@@ -110,6 +110,9 @@ impl Converter {
                 let codes = codes.data().iter().map(|&code| i32::from(code)).collect();
                 unclipped(Converted::Depth(DepthPicture { width, codes, metres }))
             }
+            (Image::File(Values::Metres(metres)), Coding::Depth(range)) => {
+                unclipped(Converted::Depth(self.quantise(metres, range)))
+            }
             (image, Coding::Depth(range)) => {
                 let Values::Metres(metres) = self.values(&image) else { return Err(wrong_kind()) };
                 unclipped(Converted::Depth(self.quantise(metres, range)))

@@ -68,6 +68,17 @@ pub struct StoredTile {
     pub bytes: usize,
 }
 
+/// The block tiles of a rectangle, whose stored bytes these start with.
+fn stored_tiles<T: Texel>(bytes: &[u8], size: [usize; 2]) -> impl Iterator<Item = StoredTile> {
+    let mut start = tile_count(size).div_ceil(8);
+    tiles_of(size).enumerate().map(move |(at, rect)| {
+        let in_blocks = in_blocks(bytes, at);
+        let tile = StoredTile { rect, in_blocks, start, bytes: tile_bytes::<T>(rect, in_blocks) };
+        start += tile.bytes;
+        tile
+    })
+}
+
 impl Layout {
     /// Boxes start at multiples of this, in pixels, and end at multiples of it or at the unit's edge.
     pub fn grid(self) -> u32 {
@@ -96,14 +107,7 @@ impl Layout {
             let rect = [0, 0, size[0], size[1]];
             return vec![StoredTile { rect, in_blocks: false, start: 0, bytes: tile_bytes::<T>(rect, false) }];
         }
-        let mut start = tile_count(size).div_ceil(8);
-        let tiles = tiles_of(size).enumerate().map(|(at, rect)| {
-            let in_blocks = in_blocks(bytes, at);
-            let tile = StoredTile { rect, in_blocks, start, bytes: tile_bytes::<T>(rect, in_blocks) };
-            start += tile.bytes;
-            tile
-        });
-        tiles.collect()
+        stored_tiles::<T>(bytes, size).collect()
     }
 
     /// Writes a rectangle (left, top, width, height) into a picture of `stride` columns.
@@ -112,7 +116,7 @@ impl Layout {
             return draw_values(bytes, rect, picture, stride);
         }
         let [left, top, width, height] = rect;
-        for StoredTile { rect, in_blocks, start, bytes: length } in self.parts::<T>(bytes, [width, height]) {
+        for StoredTile { rect, in_blocks, start, bytes: length } in stored_tiles::<T>(bytes, [width, height]) {
             let [x, y, width, height] = rect;
             let stored = &bytes[start..start + length];
             if in_blocks {

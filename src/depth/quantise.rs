@@ -19,6 +19,9 @@ pub struct DepthRange {
 
 impl DepthRange {
     /// A range with 0 < `near_m` ≤ `far_m` < ∞. They may be equal; then there is one code for all surfaces.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for any other range.
     pub fn new(near_m: f32, far_m: f32) -> Result<DepthRange> {
         if near_m > 0.0 && near_m <= far_m && far_m.is_finite() {
             Ok(DepthRange { near_m, far_m })

@@ -35,8 +35,10 @@ struct HeldValues<T> {
 
 impl<T: Texel> Held<T> for HeldValues<T> {
     fn start(&mut self, source: &[T], chunk: &mut TableBuilder) {
-        self.picture = source.to_vec();
-        self.age = vec![u8::MAX; source.len()];
+        self.picture.clear();
+        self.picture.extend_from_slice(source);
+        self.age.clear();
+        self.age.resize(source.len(), u8::MAX);
         self.mask.resize(source.len(), 0);
         chunk.put_values(source);
     }

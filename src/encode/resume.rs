@@ -100,7 +100,8 @@ pub(super) struct Completed {
 
 impl Completed {
     pub fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Completed> {
-        let begun = serde_json::from_slice(&recovered.head).map_err(|_| broken())?;
+        let of_old = |_| configuration::other("it was begun by another version of lightfold");
+        let begun = serde_json::from_slice(&recovered.head).map_err(of_old)?;
         if let Some(difference) = Fingerprint(begun).difference(now) {
             return Err(configuration::other(&difference));
         }
@@ -108,7 +109,7 @@ impl Completed {
         for note in &recovered.notes {
             match serde_json::from_slice(note).map_err(|_| broken())? {
                 Note::Frames { group, first, notes } => {
-                    completed.frames.extend((first..).zip(notes).map(|(frame, note)| ((group, frame), note)));
+                    completed.frames.extend((first..=u32::MAX).zip(notes).map(|(frame, note)| ((group, frame), note)));
                 }
                 Note::Scan { probe, scan, files } => {
                     completed.scans.insert(probe, ScanNote { scan, files: files.into_iter().collect() });

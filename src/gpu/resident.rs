@@ -26,38 +26,52 @@ pub struct Growing {
     pub bytes_sent: u64,
 }
 
-/// Ranges that are free, none beside another: words by where they begin.
+/// Ranges that are free, none beside another.
 #[derive(Default)]
-struct Gaps(BTreeMap<usize, usize>);
+struct Gaps {
+    /// Words by where they begin.
+    ranges: BTreeMap<usize, usize>,
+    /// Words in all of them.
+    words: usize,
+}
 
 impl Gaps {
-    fn words(&self) -> usize {
-        self.0.values().sum()
-    }
-
     /// Start of the smallest gap with room for so many words, the first of several.
     fn find(&self, words: usize) -> Option<usize> {
-        let large = self.0.iter().filter(|(_, gap)| **gap >= words);
+        let large = self.ranges.iter().filter(|(_, gap)| **gap >= words);
         large.min_by_key(|(at, gap)| (**gap, **at)).map(|(at, _)| *at)
     }
 
     /// Takes words from the front of the gap that begins here.
     fn take(&mut self, at: usize, words: usize) {
-        let left = self.0.remove(&at).unwrap_or(0).saturating_sub(words);
+        let left = self.remove(at).saturating_sub(words);
         if left > 0 {
-            self.0.insert(at + words, left);
+            self.insert(at + words, left);
         }
+    }
+
+    fn insert(&mut self, at: usize, words: usize) {
+        self.ranges.insert(at, words);
+        self.words += words;
+    }
+
+    /// Removes the gap that begins here, if there is one; answers its words.
+    fn remove(&mut self, at: usize) -> usize {
+        let words = self.ranges.remove(&at).unwrap_or(0);
+        self.words -= words;
+        words
     }
 
     /// Adds a range, joined with the gaps beside it; answers the gap that it is part of.
     fn add(&mut self, mut range: Range<usize>) -> Range<usize> {
-        let before = self.0.range(..range.start).next_back().map(|(at, words)| *at..at + words);
+        let before = self.ranges.range(..range.start).next_back().map(|(at, words)| *at..at + words);
         if let Some(gap) = before.filter(|gap| gap.end == range.start) {
             range.start = gap.start;
+            self.remove(gap.start);
         }
-        range.end += self.0.remove(&range.end).unwrap_or(0);
+        range.end += self.remove(range.end);
         if !range.is_empty() {
-            self.0.insert(range.start, range.len());
+            self.insert(range.start, range.len());
         }
         range
     }
@@ -71,7 +85,7 @@ impl Growing {
 
     /// Words in it, gaps apart.
     pub fn taken(&self) -> usize {
-        self.len - self.gaps.words()
+        self.len - self.gaps.words
     }
 
     /// Whether so many words fit, with at most `most` in all.
@@ -109,7 +123,7 @@ impl Growing {
     fn free(&mut self, range: Range<usize>) {
         let gap = self.gaps.add(range);
         if gap.end == self.len {
-            self.gaps.0.remove(&gap.start);
+            self.gaps.remove(gap.start);
             self.len = gap.start;
         }
     }
@@ -272,12 +286,12 @@ mod tests {
         // Between the two, beside the first.
         assert_eq!(gaps.add(12..14), 8..14);
         assert_eq!(gaps.add(14..20), 8..30);
-        assert_eq!((gaps.words(), gaps.0.len()), (22, 1));
+        assert_eq!((gaps.words, gaps.ranges.len()), (22, 1));
         gaps.take(8, 22);
-        assert_eq!((gaps.words(), gaps.find(1)), (0, None));
+        assert_eq!((gaps.words, gaps.find(1)), (0, None));
         gaps.add(4..6);
         gaps.add(2..4);
         gaps.take(2, 1);
-        assert_eq!((gaps.words(), gaps.find(3)), (3, Some(3)));
+        assert_eq!((gaps.words, gaps.find(3)), (3, Some(3)));
     }
 }

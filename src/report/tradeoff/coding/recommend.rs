@@ -61,36 +61,36 @@ impl Demands {
     }
 
     fn misses(&self, of: &Measured) -> Vec<Miss> {
-        let more = |limit: Option<f64>, name: &str, words: fn(f64, f64) -> String| {
+        let more = |limit: Option<f64>, least: f64, name: &str, words: fn(f64, f64) -> String| {
             let (limit, found) = (limit?, of.number(name)?);
-            (found > limit).then(|| Miss { words: words(limit, found), ratio: found / limit.max(1e-9) })
+            (found > limit).then(|| Miss { words: words(limit, found), ratio: found / limit.max(least) })
         };
         // A PSNR is computed twice, on either side of a file: the last digit may differ.
         let psnr = self.min_psnr_db.filter(|_| of.point.stream == Some(StreamKind::Color));
         let psnr = psnr.map(|limit| (limit, closeness_db(of))).filter(|(limit, found)| *found < limit - 1e-6);
         let untimed = self.decode_ms.filter(|_| of.number("decode_ms_per_frame").is_none());
         let all = [
-            more(self.max_error_codes.map(f64::from), "max_error_codes", |limit, codes| {
+            more(self.max_error_codes.map(f64::from), 1.0, "max_error_codes", |limit, codes| {
                 format!("--max-error {limit}: its largest error is {codes} codes")
             }),
-            more(self.max_error_m, "max_error_m", |limit, metres| {
+            more(self.max_error_m, 1e-9, "max_error_m", |limit, metres| {
                 format!("--max-error-m {limit}: its largest error is {metres:.4} m")
             }),
             psnr.map(|(limit, found)| Miss {
                 words: format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB"),
                 ratio: limit / found.max(1.0),
             }),
-            more(self.decode_ms, "decode_ms_per_frame", |limit, ms| {
+            more(self.decode_ms, 1e-9, "decode_ms_per_frame", |limit, ms| {
                 format!("--decode-ms {limit}: decoding a frame takes {ms:.3} ms")
             }),
             untimed.map(|limit| Miss {
                 words: format!("--decode-ms {limit}: its decoding has not been timed"),
                 ratio: f64::INFINITY,
             }),
-            more(self.max_bytes.map(|bytes| bytes as f64), "bytes_container", |limit, bytes| {
+            more(self.max_bytes.map(|bytes| bytes as f64), 1.0, "bytes_container", |limit, bytes| {
                 format!("--max-bytes {limit}: it has {bytes}")
             }),
-            more(self.max_ratio_percent, "ratio_percent", |limit, percent| {
+            more(self.max_ratio_percent, 1e-9, "ratio_percent", |limit, percent| {
                 format!("--max-ratio {limit}: it has {percent:.2}% of the footage")
             }),
         ];
