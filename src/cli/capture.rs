@@ -48,7 +48,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let summary = work.capture(PartialFolder::open(&args.output, UNFINISHED)?)?;
     drop(progress);
     let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
-    global.report(args.json, &report, || text(&args.output, &plan, &summary, &report))?;
+    global.report(args.json, report, || text(&args.output, &plan, &summary, &report))?;
     Ok(ExitStatus::Passed)
 }
 

@@ -79,7 +79,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         }
     }
     if let Some(values) = &footage.depth {
-        let kind = source.depth_kind;
+        let kind = source.depth_in_files;
         if footage.views.is_empty() {
             let says = "the intrinsics of the perspective views are unknown";
             findings.push(Finding::new("depth.kind.flatness", Verdict::CannotTell, says));
@@ -108,7 +108,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         };
         findings.push(light::check(values, source.color_space.unwrap_or(usual), files));
     }
-    findings.extend(duplicate_images::check(&footage, source.depth_kind));
+    findings.extend(duplicate_images::check(&footage, source.depth_in_files));
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })
 }

@@ -143,7 +143,7 @@ pub struct Source {
     /// What delivered depth measures: distance, or planar Z where the camera is not known well enough to convert.
     pub depth_stored: DepthKind,
     /// The declared kind of stored depth.
-    pub depth_kind: DepthKind,
+    pub depth_in_files: DepthKind,
     pub color_space: Option<ColorSpace>,
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
@@ -358,7 +358,7 @@ impl Source {
             },
             scale_stated: options.depth_scale.is_some(),
             depth_stored: DepthKind::Distance,
-            depth_kind,
+            depth_in_files: depth_kind,
             color_space: options.color_space,
             color_channel: ChannelSelect::Auto,
             depth_channel: options.channel.clone().into(),
@@ -427,7 +427,7 @@ impl Source {
             let mut plane = self.depth_file(path)?;
             check_depth(&mut plane, &self.rules)?;
             let mut planes = self.faces_of(plane, group, resample_nearest)?;
-            if self.depth_kind != self.depth_stored {
+            if self.depth_in_files != self.depth_stored {
                 for (face, plane) in group.faces.iter().zip(&mut planes) {
                     let size = [plane.width(), plane.height()];
                     let known = self.probes.get(group.probe).and_then(|probe| probe.projection(*face, size));
@@ -521,7 +521,7 @@ impl Source {
             ("the depth scale", format!("{:?}", self.rules.scale)),
             ("`invalid_depth`", format!("{:?}", self.rules.invalid)),
             ("`invalid_color`", format!("{:?}", self.invalid_color)),
-            ("the kind of depth", format!("{:?} as {:?}", self.depth_kind, self.depth_stored)),
+            ("the kind of depth", format!("{:?} as {:?}", self.depth_in_files, self.depth_stored)),
             ("near and far in the manifest", format!("{:?}", range.map(|depth| (depth.near, depth.far)))),
             ("whether a depth scale is stated", self.scale_stated.to_string()),
             ("the color space", format!("{:?}", self.color_space)),

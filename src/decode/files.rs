@@ -119,7 +119,7 @@ pub fn decode_to_files(
 /// Between the domain of a codec and that of a file.
 enum Table {
     Metres(CodeTable),
-    Light(DecodeTable),
+    Light(Box<DecodeTable>),
     /// Of half floats in PNG.
     Codes(EncodeTable),
     None,
@@ -135,7 +135,7 @@ impl ImageWriter {
         let table = match stream.header {
             CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
             CodecHeader::Color(header) => match header.format {
-                ColorFormat::EightBit(tone) => Table::Light(DecodeTable::new(&tone)),
+                ColorFormat::EightBit(tone) => Table::Light(Box::new(DecodeTable::new(&tone))),
                 ColorFormat::Half { .. } => Table::Codes(EncodeTable::new(&ToneMap::default())),
             },
             CodecHeader::Material(_) => Table::None,

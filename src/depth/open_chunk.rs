@@ -20,7 +20,8 @@ impl OpenChunk {
         OpenChunk { keyframe_interval, records: TableBuilder::default(), first_frame: 0, next_frame: 0 }
     }
 
-    pub fn next(&mut self) -> Result<Option<EncodedChunk>> {
+    /// Counts the next frame; the chunk before it, if it begins another.
+    pub fn count_frame(&mut self) -> Result<Option<EncodedChunk>> {
         let is_full = self.frame_count() >= self.keyframe_interval || self.records.bytes() >= CLOSE_AT_BYTES;
         let finished = if is_full { self.finish()? } else { None };
         self.next_frame += 1;
