@@ -573,16 +573,20 @@ fn an_encode_of_other_sources_is_refused() {
     let name = b"the sources of lightfold";
     let at = head.windows(name.len()).position(|part| part == name).expect("the head names the sources") + name.len();
     let hash = head[at..].iter().position(|&byte| byte == b'#').unwrap() + at;
-    let mut other = head.clone();
-    other[hash + 1] = if other[hash + 1] == b'0' { b'1' } else { b'0' };
     // The first record is the head: length, CRC-32 of kind and body, kind, body.
-    let start = journal::MAGIC.len() + 9;
-    let mut changed = left.clone();
-    changed.journal[start..start + other.len()].copy_from_slice(&other);
-    let crc32 = crc32fast::hash(&[&[0], &other[..]].concat());
-    changed.journal[start - 5..start - 1].copy_from_slice(&crc32.to_le_bytes());
-    let said = refused(&changed, &footage);
+    let with_head = |at: usize, byte: u8| {
+        let (mut head, mut changed, start) = (head.clone(), left.clone(), journal::MAGIC.len() + 9);
+        head[at] = byte;
+        changed.journal[start..start + head.len()].copy_from_slice(&head);
+        let crc32 = crc32fast::hash(&[&[0], &head[..]].concat());
+        changed.journal[start - 5..start - 1].copy_from_slice(&crc32.to_le_bytes());
+        changed
+    };
+    let said = refused(&with_head(hash + 1, if head[hash + 1] == b'0' { b'1' } else { b'0' }), &footage);
     assert!(said.contains("the sources of lightfold were others"), "{said}");
+    // Not JSON, as in journals of earlier versions.
+    let said = refused(&with_head(0, 0), &footage);
+    assert!(said.contains("begun by another version of lightfold"), "{said}");
 }
 
 #[test]

@@ -186,6 +186,11 @@ mod tests {
         assert_eq!(fast.aim(StreamKind::Color), Some(Aim::Closest));
         assert_eq!(fast.aim(StreamKind::Depth), Some(Aim::Smallest));
         assert_eq!(ask(&Demands { max_ratio_percent: Some(15.0), ..none }), said(&[("30", 1), ("60", 0)]));
+        // Twice the smallest error is nearer to lossless than three times the bytes to their limit.
+        let points = [depth("1", 50, 2, 0.02), depth("0", 150, 0, 0.02)];
+        let lossless = Demands { max_error_codes: Some(0), max_ratio_percent: Some(5.0), ..none };
+        let advice = recommend(&[&points[0], &points[1]], &lossless);
+        assert_eq!(advice[0].row.measured.count("bytes_container"), 50);
         // Of several with the same quality, the smallest.
         assert_eq!(ask(&Demands { max_bytes: Some(450), ..none }), said(&[("30", 0), ("60", 0)]));
     }
