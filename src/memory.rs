@@ -19,7 +19,7 @@ pub struct Need<'a> {
     /// Bytes regardless of the number of jobs.
     pub fixed: u64,
     pub each: u64,
-    /// What helps besides more memory, such as `` a smaller `keyframe_reach` ``; may be empty.
+    /// What helps besides more memory, such as `` a smaller `lookahead` ``; may be empty.
     pub instead: &'a str,
 }
 

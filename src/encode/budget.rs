@@ -94,7 +94,7 @@ impl GroupNeed {
     fn need<'a>(&self, what: &'a str, kind: StreamKind) -> Need<'a> {
         let kept = if kind == StreamKind::Depth { self.keep } else { 0 };
         let instead = match kind {
-            StreamKind::Color => "a smaller `keyframe_reach`",
+            StreamKind::Color => "a smaller `lookahead`",
             _ => "a smaller `keyframe_interval`",
         };
         Need { what, fixed: self.state + kept, each: self.frame, instead }

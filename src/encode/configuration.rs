@@ -74,7 +74,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`material_block`", in_blocks.to_string()),
         ("`color_cell`", cell.to_string()),
         ("`psnr`", format!("{min_psnr_db:?}")),
-        ("`keyframe_reach`", lookahead.to_string()),
+        ("`lookahead`", lookahead.to_string()),
         ("`color_block`", format!("{color_blocks:?}")),
         ("the domain of colour", format!("{color:?}")),
     ]

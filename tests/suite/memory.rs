@@ -121,7 +121,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     let at = folder.path();
     footage(at, 384, 4, 40, "");
     for (kind, options) in [
-        ("color", "--keyframe-reach 16"),
+        ("color", "--lookahead 16"),
         ("depth", "--depth-codec aabb"),
         ("depth", "--depth-codec quadtree --effort fast --max-error 2000"),
         ("material", "--keyframe-interval 8"),
@@ -132,7 +132,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     check_budgets(&format!("bc4w {sequence} --effort fast -o b.lfold"), Some("b.lfold"), at);
     check_budgets(&format!("quadtree {sequence} --effort fast -o t.lfold"), Some("t.lfold"), at);
     check_budgets("pack t.lfold --max-error 200 --effort fast -o p.lfold", Some("p.lfold"), at);
-    run("encode . -o all.lfold --depth-codec aabb --keyframe-reach 16", at);
+    run("encode . -o all.lfold --depth-codec aabb --lookahead 16", at);
     check_budgets("pack all.lfold --lzma2=1 -o q.lfold", Some("q.lfold"), at);
     check_budgets("inspect q.lfold --verify", None, at);
     check_budgets("decode q.lfold --null", None, at);

@@ -59,9 +59,9 @@ pub struct ColorArgs {
     pub white: f64,
     /// Keyframe lookahead: distinct frames between two keyframes of a cell, limited to 768 MiB for all faces of an image.
     /// More compress better and take more memory and time
-    #[arg(long, value_name = "N", default_value_t = SearchSettings::default().lookahead,
+    #[arg(long, alias = "keyframe-reach", value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub keyframe_reach: u32,
+    pub lookahead: u32,
     /// Handling of NaN colours
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_COLORS), default_value = "refuse")]
     pub invalid_color: InvalidColor,
@@ -85,7 +85,7 @@ impl ColorArgs {
         }
         settings.cell = self.color_cell;
         settings.search =
-            SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.keyframe_reach };
+            SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.lookahead };
         settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }

@@ -64,7 +64,8 @@ pub const KNOBS: &[Knob] = &[
     encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]),
     encode("psnr-final", "PSNR threshold in blocks (dB)", &[Color], "30 for bc1, else 40", &["30", "35", "40", "45"])
         .with(&[("color-block", "bc7")]),
-    encode("keyframe-reach", "keyframe reach (pictures)", &[Color], "64", &["4", "16", "64", "256"]),
+    encode("lookahead", "keyframe lookahead (frames)", &[Color], "64", &["4", "16", "64", "256"])
+        .formerly("keyframe-reach"),
     encode(
         "material-error",
         "error bound of material (steps of 8 bits)",
