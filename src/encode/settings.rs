@@ -196,7 +196,7 @@ impl EncodeSettings {
         self.nodes(0).check()?;
         let no_tiles = matches!(self.tiles, TileSize::PerSide(0) | TileSize::Pixels(0));
         if no_tiles || self.cell == 0 || self.search.lookahead == 0 {
-            return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
+            return Err(Error::Usage("tiles, cell size and lookahead must be at least 1".into()));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
