@@ -20,8 +20,7 @@ impl InverseDepth {
         InverseDepth { of_code: codes.map(|code| 1.0 / range.metres(code)).collect(), range, kind }
     }
 
-    /// By code, in 1/m.
-    /// Inverse planar depth of a texel that shows `code`.
+    /// Inverse planar depth of a texel that shows `code`, in 1/m.
     pub fn of(&self, code: u16, face: &FaceTexels, column: u32, row: u32) -> f32 {
         let inverse = self.of_code[usize::from(code)];
         match self.kind {
