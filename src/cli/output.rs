@@ -65,7 +65,14 @@ pub fn human_bytes(bytes: u64) -> String {
 /// Replaces settings, which messages of the library name in backquotes, by options: `` `depth_window` `` by
 /// `--depth-window`. Messages of the JSON parser name keys of a file in backquotes, and stay as they are.
 pub fn with_option_names(message: &str) -> String {
-    let of_a_file = ["unknown field `", "missing field `", "duplicate field `", "unknown variant `"];
+    let of_a_file = [
+        "unknown field `",
+        "missing field `",
+        "duplicate field `",
+        "unknown variant `",
+        "invalid type: ",
+        "invalid value: ",
+    ];
     if of_a_file.iter().any(|words| message.contains(words)) {
         return message.to_owned();
     }
@@ -102,7 +109,10 @@ mod tests {
     fn settings_become_options() {
         let text = with_option_names("use a smaller `depth_tile` or `hdr`; see `lightfold inspect`, `x y`, `");
         assert_eq!(text, "use a smaller --depth-tile or --hdr; see `lightfold inspect`, `x y`, `");
-        let key = "cam.json: unknown field `fvo`, expected one of `eye`, `frames`";
-        assert_eq!(with_option_names(key), key);
+        let of_files =
+            ["unknown field `fvo`, expected one of `eye`, `frames`", "invalid type: boolean `true`, expected an array"];
+        for words in of_files {
+            assert_eq!(with_option_names(words), words);
+        }
     }
 }
