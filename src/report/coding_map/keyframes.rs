@@ -116,7 +116,7 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, s
 fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
     let span = (most - least).max(1);
     let step = span.div_ceil(5).max(1);
-    // The end is told, whatever comes before it.
+    // The last tick is always `most`.
     let values = (0..span / step).map(|at| least + at * step).chain([most]);
     values.map(|value| ((value - least) as f64 / span as f64, value.to_string())).collect()
 }
