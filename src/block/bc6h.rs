@@ -72,7 +72,7 @@ struct Run {
 
 const RUNS: usize = 32;
 
-/// The runs of each mode; what is left of a row moves no bits.
+/// The runs of bits of each mode; unused entries have `count` 0.
 static RUNS_OF: [[Run; RUNS]; MODES.len()] = {
     let mut runs = [[Run { value: 0, to: 0, from: 0, count: 0 }; RUNS]; MODES.len()];
     let mut mode = 0;
