@@ -54,6 +54,7 @@ pub struct ChunkEntry {
 impl ChunkEntry {
     /// Reads a row; the chunk lies between the head and `end`, and its sizes are plausible.
     pub fn read(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
+        let start = fields.offset();
         let [stream, unit, first_frame, frame_count] = fields.u32s()?;
         let key = ChunkKey { stream, unit, first_frame, frame_count };
         let (offset, [stored_bytes, raw_bytes, crc32]) = (fields.u64()?, fields.u32s()?);
@@ -63,22 +64,33 @@ impl ChunkEntry {
             other => return Err(fields.error(format!("a chunk is stored by method {other}, which is unknown"))),
         };
         fields.zeros(3)?;
+        let entry = ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage };
+        entry.check(fields, start, end)?;
+        Ok(entry)
+    }
+
+    /// Whether the chunk of the row that starts at `start` lies between the head and `end`, and its sizes are plausible.
+    pub(super) fn check(&self, fields: &Fields<'_>, start: u64, end: u64) -> Result<()> {
+        let ChunkEntry { offset, stored_bytes, raw_bytes, .. } = *self;
         let inside =
             offset >= HEAD_BYTES as u64 && offset.checked_add(u64::from(stored_bytes)).is_some_and(|last| last <= end);
         if !inside {
-            return Err(
-                fields.error(format!("a chunk of {stored_bytes} bytes at {offset} lies outside the file's chunks"))
-            );
+            return Err(fields.error_at(
+                start,
+                format!("a chunk of {stored_bytes} bytes at {offset} lies outside the file's chunks"),
+            ));
         }
         let plausible = raw_bytes <= MAX_CHUNK_BYTES
-            && match storage {
+            && match self.storage {
                 Storage::Raw => raw_bytes == stored_bytes,
                 Storage::Lzma2 => u64::from(raw_bytes) <= u64::from(stored_bytes) * MAX_EXPANSION,
             };
         if !plausible {
-            return Err(fields.error(format!("a chunk of {stored_bytes} stored bytes cannot mean {raw_bytes} bytes")));
+            return Err(
+                fields.error_at(start, format!("a chunk of {stored_bytes} stored bytes cannot mean {raw_bytes} bytes"))
+            );
         }
-        Ok(ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage })
+        Ok(())
     }
 }
 

@@ -39,6 +39,11 @@ impl<'a> Fields<'a> {
         Error::invalid_at(self.section, self.offset(), message)
     }
 
+    /// As [`Self::error`], of a row that starts at `offset`.
+    pub fn error_at(&self, offset: u64, message: impl Into<String>) -> Error {
+        Error::invalid_at(self.section, offset, message)
+    }
+
     pub fn bytes(&mut self, count: usize) -> Result<&'a [u8]> {
         if count > self.remaining() {
             return Err(self.error(format!("{count} more bytes expected, {} left", self.remaining())));
@@ -68,6 +73,26 @@ impl<'a> Fields<'a> {
 
     pub fn u64(&mut self) -> Result<u64> {
         Ok(LittleEndian::read_u64(self.bytes(8)?))
+    }
+
+    /// An unsigned LEB128 number of at most five bytes, 35 bits, in its shortest form (container.md 6.3).
+    pub fn varint(&mut self) -> Result<u64> {
+        let mut value = 0;
+        for shift in (0..35).step_by(7) {
+            let byte = self.u8()?;
+            value |= u64::from(byte & 0x7f) << shift;
+            match byte {
+                0 if shift > 0 => return Err(self.error("a number is not in its shortest form")),
+                0..0x80 => return Ok(value),
+                _ => {}
+            }
+        }
+        Err(self.error("a number of more than five bytes"))
+    }
+
+    pub fn varint_u32(&mut self) -> Result<u32> {
+        let value = self.varint()?;
+        u32::try_from(value).map_err(|_| self.error(format!("{value} is more than 32 bits hold")))
     }
 
     pub fn f32(&mut self) -> Result<f32> {
@@ -126,6 +151,22 @@ impl<'a> Fields<'a> {
 mod tests {
     use super::*;
     use crate::container::serialize::PutFields;
+
+    #[test]
+    fn varints_come_back_in_their_shortest_form_only() {
+        for (value, length) in
+            [(0, 1), (127, 1), (128, 2), (16_383, 2), (16_384, 3), (u64::from(u32::MAX), 5), ((1 << 35) - 1, 5)]
+        {
+            let mut bytes = Vec::new();
+            bytes.put_varint(value);
+            let mut fields = Fields::new(&bytes, 0, "container.md 6.3");
+            assert_eq!((fields.varint().unwrap(), fields.position(), bytes.len()), (value, length, length));
+            assert_eq!(Fields::new(&bytes, 0, "").varint_u32().is_ok(), value <= u64::from(u32::MAX));
+        }
+        for bytes in [&[0x80, 0][..], &[0xff, 0x80, 0], &[0x80], &[0xff; 6], &[0x80, 0x80, 0x80, 0x80, 0x80, 1]] {
+            assert!(Fields::new(bytes, 0, "").varint().is_err(), "{bytes:?}");
+        }
+    }
 
     #[test]
     fn fields_come_back_and_the_end_is_an_error() {

@@ -3,6 +3,7 @@
 //! In: bytes whose CRC-32 matches. Out: tables whose numbers agree with each other, so that a decoder may index with them.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use crate::container::chunk::{self, ChunkEntry, ChunkPlace};
 use crate::container::fields::Fields;
@@ -46,7 +47,8 @@ pub struct StreamEntry {
     /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
     pub unit_width: u32,
     pub unit_height: u32,
-    pub codec_header: Vec<u8>,
+    /// Shared by streams whose headers are equal in the compact form.
+    pub codec_header: Arc<Vec<u8>>,
 }
 
 impl StreamEntry {
@@ -85,10 +87,27 @@ pub struct Index {
 }
 
 impl Index {
-    /// Reads an index that starts at `offset` of its file, which is also where the chunks end.
+    /// Reads an index of form 0 that starts at `offset` of its file, which is also where the chunks end.
     pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
         let mut fields = Fields::new(bytes, offset, "container.md 4");
         let [probe_count, stream_count, chunk_count] = fields.u32s()?;
+        let mut index = Index::read_dataset(&mut fields)?;
+        check_count(&fields, "probes", probe_count, PROBE_MIN_BYTES)?;
+        index.probes = (0..probe_count).map(|_| read_probe(&mut fields)).collect::<Result<_>>()?;
+        fields.enter("container.md 5");
+        check_count(&fields, "streams", stream_count, STREAM_MIN_BYTES)?;
+        let probes = index.probes.len();
+        index.streams = (0..stream_count).map(|_| read_stream(&mut fields, probes)).collect::<Result<_>>()?;
+        fields.enter("container.md 6");
+        check_count(&fields, "chunks", chunk_count, chunk::ENTRY_BYTES)?;
+        index.chunks = (0..chunk_count).map(|_| ChunkEntry::read(&mut fields, offset)).collect::<Result<_>>()?;
+        fields.finish()?;
+        index.check()?;
+        Ok(index)
+    }
+
+    /// What stands between the counts and the probe table, in both forms.
+    pub(super) fn read_dataset(fields: &mut Fields<'_>) -> Result<Index> {
         let projection = fields.u8()?;
         fields.zeros(3)?;
         if projection > 1 {
@@ -102,25 +121,13 @@ impl Index {
         if name.chars().any(char::is_control) {
             return Err(fields.error("the dataset's name holds control characters"));
         }
-        let fits = |fields: &Fields<'_>, what: &str, count: u32, least: usize| {
-            if u64::from(count) * least as u64 > fields.remaining() as u64 {
-                return Err(fields.error(format!("{count} {what} do not fit into the rest of the index")));
-            }
-            Ok(())
-        };
-        fits(&fields, "probes", probe_count, PROBE_MIN_BYTES)?;
-        let probes = (0..probe_count).map(|_| read_probe(&mut fields)).collect::<Result<Vec<_>>>()?;
-        fields.enter("container.md 5");
-        fits(&fields, "streams", stream_count, STREAM_MIN_BYTES)?;
-        let streams = (0..stream_count).map(|_| read_stream(&mut fields, &probes)).collect::<Result<Vec<_>>>()?;
-        fields.enter("container.md 6");
-        fits(&fields, "chunks", chunk_count, chunk::ENTRY_BYTES)?;
-        let chunks = (0..chunk_count).map(|_| ChunkEntry::read(&mut fields, offset)).collect::<Result<Vec<_>>>()?;
-        fields.finish()?;
-        let index = Index { name, fps, projection, probes, streams, chunks };
-        index.check_unique()?;
-        index.check_coverage()?;
-        Ok(index)
+        Ok(Index { name, fps, projection, ..Index::default() })
+    }
+
+    /// The rules that no row can break alone.
+    pub(super) fn check(&self) -> Result<()> {
+        self.check_unique()?;
+        self.check_coverage()
     }
 
     pub fn unit_chunks(&self, stream: u32, unit: u32) -> &[ChunkEntry] {
@@ -191,45 +198,75 @@ impl Index {
     }
 }
 
-fn read_probe(fields: &mut Fields<'_>) -> Result<ProbeEntry> {
-    let name = fields.string("a probe's name")?;
-    // Names become parts of file names when a container is decoded.
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-    if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
-        return Err(fields.error(format!("the probe name {name:?} holds more than letters, digits, '.', '_' and '-'")));
+/// Whether so many rows of at least `least` bytes fit what is left, before memory is reserved for them.
+pub(super) fn check_count(fields: &Fields<'_>, what: &str, count: u32, least: usize) -> Result<()> {
+    if u64::from(count) * least as u64 > fields.remaining() as u64 {
+        return Err(fields.error(format!("{count} {what} do not fit into the rest of the index")));
     }
-    let [x, y, z, orientation @ ..] = fields.finite_f64s::<7>("a probe's position or orientation")?;
-    let frames = fields.u32s()?;
-    if frames[0] > frames[1] || frames[1] >= MAX_FRAME {
-        return Err(fields.error(format!("probe '{name}' is active from frame {} to {}", frames[0], frames[1])));
-    }
-    let intrinsics = fields.finite_f64s("a probe's intrinsics")?;
-    Ok(ProbeEntry { name, position: [x, y, z], orientation, frames, intrinsics })
+    Ok(())
 }
 
-fn read_stream(fields: &mut Fields<'_>, probes: &[ProbeEntry]) -> Result<StreamEntry> {
+impl ProbeEntry {
+    /// Whether the values of the row that starts at `start` are legal.
+    pub(super) fn check(&self, fields: &Fields<'_>, start: u64) -> Result<()> {
+        let ProbeEntry { name, frames, .. } = self;
+        // Names become parts of file names when a container is decoded.
+        let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+            return Err(fields.error_at(
+                start,
+                format!("the probe name {name:?} holds more than letters, digits, '.', '_' and '-'"),
+            ));
+        }
+        if frames[0] > frames[1] || frames[1] >= MAX_FRAME {
+            return Err(
+                fields.error_at(start, format!("probe '{name}' is active from frame {} to {}", frames[0], frames[1]))
+            );
+        }
+        Ok(())
+    }
+}
+
+fn read_probe(fields: &mut Fields<'_>) -> Result<ProbeEntry> {
     let start = fields.offset();
-    let wrong = |message: String| Error::invalid_at("container.md 5", start, message);
+    let name = fields.string("a probe's name")?;
+    let [x, y, z, orientation @ ..] = fields.finite_f64s::<7>("a probe's position or orientation")?;
+    let frames = fields.u32s()?;
+    let intrinsics = fields.finite_f64s("a probe's intrinsics")?;
+    let probe = ProbeEntry { name, position: [x, y, z], orientation, frames, intrinsics };
+    probe.check(fields, start)?;
+    Ok(probe)
+}
+
+impl StreamEntry {
+    /// What is illegal in a file of `probes` probes.
+    pub(super) fn fault(&self, probes: usize) -> Option<String> {
+        let StreamEntry { kind, face, probe, width, height, unit_width, unit_height, .. } = *self;
+        let (first_frame, frame_count) = (self.first_frame, self.frame_count);
+        if kind > 2 || face > 6 {
+            return Some(format!("a stream of kind {kind} and face {face} is unknown"));
+        }
+        if usize::from(probe) >= probes {
+            return Some(format!("a stream names probe {probe}, the file has {probes}"));
+        }
+        if [width, height, unit_width, unit_height].iter().any(|&size| size == 0 || size > MAX_SIZE) {
+            return Some(format!(
+                "a stream of {width}x{height} in units of {unit_width}x{unit_height}: each must be 1 to {MAX_SIZE}"
+            ));
+        }
+        let impossible = frame_count == 0 || u64::from(first_frame) + u64::from(frame_count) > u64::from(MAX_FRAME);
+        impossible.then(|| format!("a stream of {frame_count} frames from frame {first_frame} on is impossible"))
+    }
+}
+
+fn read_stream(fields: &mut Fields<'_>, probes: usize) -> Result<StreamEntry> {
+    let start = fields.offset();
     let (kind, face, probe) = (fields.u8()?, fields.u8()?, fields.u16()?);
     let mut codec = [0; 4];
     codec.copy_from_slice(fields.bytes(4)?);
     let [width, height, first_frame, frame_count, unit_width, unit_height, header_bytes] = fields.u32s()?;
-    if kind > 2 || face > 6 {
-        return Err(wrong(format!("a stream of kind {kind} and face {face} is unknown")));
-    }
-    if probe as usize >= probes.len() {
-        return Err(wrong(format!("a stream names probe {probe}, the file has {}", probes.len())));
-    }
-    if [width, height, unit_width, unit_height].iter().any(|&size| size == 0 || size > MAX_SIZE) {
-        return Err(wrong(format!(
-            "a stream of {width}x{height} in units of {unit_width}x{unit_height}: each must be 1 to {MAX_SIZE}"
-        )));
-    }
-    if frame_count == 0 || u64::from(first_frame) + u64::from(frame_count) > u64::from(MAX_FRAME) {
-        return Err(wrong(format!("a stream of {frame_count} frames from frame {first_frame} on is impossible")));
-    }
-    let codec_header = fields.bytes(header_bytes as usize)?.to_vec();
-    Ok(StreamEntry {
+    let codec_header = Arc::new(fields.bytes(header_bytes as usize)?.to_vec());
+    let stream = StreamEntry {
         kind,
         face,
         probe,
@@ -241,7 +278,11 @@ fn read_stream(fields: &mut Fields<'_>, probes: &[ProbeEntry]) -> Result<StreamE
         unit_width,
         unit_height,
         codec_header,
-    })
+    };
+    match stream.fault(probes) {
+        None => Ok(stream),
+        Some(fault) => Err(fields.error_at(start, fault)),
+    }
 }
 
 #[cfg(feature = "encode")]
@@ -262,7 +303,7 @@ mod tests {
             frame_count: 7,
             unit_width: 4,
             unit_height: 4,
-            codec_header: vec![1, 2, 3],
+            codec_header: Arc::new(vec![1, 2, 3]),
         };
         let mut index = Index {
             name: "sample".into(),
@@ -298,7 +339,7 @@ mod tests {
     #[test]
     fn an_index_round_trips_and_finds_its_chunks() {
         let index = sample();
-        let bytes = index.write().unwrap();
+        let bytes = index.write_rows().unwrap();
         assert_eq!(Index::read(&bytes, 1000).unwrap(), index);
         assert_eq!(index.unit_chunks(1, 1).iter().map(|c| c.key.first_frame).collect::<Vec<_>>(), [10, 14]);
         assert_eq!(index.unit_chunks(2, 0), []);
@@ -329,14 +370,14 @@ mod tests {
         for (at, spoil) in spoils.iter().enumerate() {
             let mut index = sample();
             spoil(&mut index);
-            let bytes = index.write().unwrap();
+            let bytes = index.write_rows().unwrap();
             assert!(Index::read(&bytes, 1000).is_err(), "spoil {at}");
         }
     }
 
     #[test]
     fn counts_that_do_not_fit_are_refused_before_memory_is_asked_for() {
-        let bytes = sample().write().unwrap();
+        let bytes = sample().write_rows().unwrap();
         for at in [0, 4, 8] {
             let mut damaged = bytes.clone();
             damaged[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());

@@ -32,14 +32,16 @@ const NOTE: u8 = 2;
 /// 128 bits of hash, the CRC and the length.
 pub(super) type Identity = [u64; 3];
 
-pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
+/// Of what chunks share that are stored once: the bytes, and how they are stored (container.md 6.3).
+pub(super) fn identity(entry: &ChunkEntry, stored: &[u8]) -> Identity {
     let hash = |salt: u8| {
         let mut hasher = DefaultHasher::new();
-        hasher.write_u8(salt);
+        hasher.write(&[salt, entry.storage as u8]);
+        hasher.write_u32(entry.raw_bytes);
         hasher.write(stored);
         hasher.finish()
     };
-    [hash(1), hash(2), u64::from(crc32) << 32 | stored.len() as u64]
+    [hash(1), hash(2), u64::from(entry.crc32) << 32 | stored.len() as u64]
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,7 +206,7 @@ pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recove
                 }
                 if known.is_none() {
                     checked.insert((offset, stored_bytes), crc32);
-                    found.stored.insert(identity(&bytes, crc32), offset);
+                    found.stored.insert(identity(&chunk.entry, &bytes), offset);
                     found.container_bytes += u64::from(stored_bytes);
                 }
                 found.chunks.push(chunk);

@@ -6,9 +6,12 @@
 #![doc(hidden)]
 
 pub mod chunk;
+pub mod compact;
 pub mod fields;
 pub mod header;
 pub mod index;
+#[cfg(feature = "encode")]
+pub mod index_write;
 #[cfg(feature = "encode")]
 pub mod journal;
 pub mod limits;

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
-use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES};
+use crate::container::compact;
+use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, IndexForm};
 use crate::container::index::Index;
 use crate::container::limits::{self, OpenLimits};
 use crate::container::lzma2;
@@ -96,7 +97,11 @@ impl Reader {
                 "the index's CRC-32 does not match: the file is damaged",
             ));
         }
-        let index = Index::read(&bytes, foot.index_offset).map_err(|error| match self.minor_version {
+        let read = match foot.index_form {
+            IndexForm::Rows => Index::read,
+            IndexForm::Compact => compact::read,
+        };
+        let index = read(&bytes, foot.index_offset).map_err(|error| match self.minor_version {
             ..=header::VERSION_MINOR => error,
             later => error.context(format!("format version {}.{later}, later than known", header::VERSION_MAJOR)),
         })?;
@@ -271,7 +276,7 @@ mod tests {
             frame_count: 2,
             unit_width: 8,
             unit_height: 8,
-            codec_header: Vec::new(),
+            codec_header: Arc::default(),
         });
         for (first_frame, level) in [(0, None), (1, Some(6))] {
             let key = ChunkKey { stream: 0, unit: 0, first_frame, frame_count: 1 };

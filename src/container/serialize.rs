@@ -1,9 +1,8 @@
-//! Head, index and foot as bytes (container.md 3 to 7): the reverse of what [`header`](crate::container::header),
-//! [`chunk`](crate::container::chunk) and [`index`](crate::container::index) read.
+//! Head, rows of chunks and foot as bytes (container.md 3, 6 and 7): the reverse of what
+//! [`header`](crate::container::header) and [`chunk`](crate::container::chunk) read.
 
 use crate::container::chunk::{ChunkEntry, ChunkKey};
 use crate::container::header::{FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, MAGIC, VERSION_MAJOR, VERSION_MINOR};
-use crate::container::index::Index;
 use crate::error::{Error, Result};
 
 /// Appends little-endian fields to a byte vector; the mirror of [`Fields`].
@@ -20,6 +19,15 @@ pub trait PutFields {
 
     fn put_u64(&mut self, value: u64) {
         self.put(&value.to_le_bytes());
+    }
+
+    /// The shortest LEB128 form of a number of at most 35 bits (container.md 6.3).
+    fn put_varint(&mut self, mut value: u64) {
+        while value >= 0x80 {
+            self.put(&[value as u8 | 0x80]);
+            value >>= 7;
+        }
+        self.put(&[value as u8]);
     }
 
     fn put_f32(&mut self, value: f32) {
@@ -65,47 +73,6 @@ impl ChunkEntry {
     }
 }
 
-impl Index {
-    pub fn write(&self) -> Result<Vec<u8>> {
-        let mut out = Vec::new();
-        let count = |what: &str, n: usize| {
-            u32::try_from(n).map_err(|_| Error::unsupported(format!("a container of {n} {what}: at most 2^32 - 1 fit")))
-        };
-        out.put_u32(count("probes", self.probes.len())?);
-        out.put_u32(count("streams", self.streams.len())?);
-        out.put_u32(count("chunks", self.chunks.len())?);
-        out.push(self.projection);
-        out.extend_from_slice(&[0; 3]);
-        out.put_f64(self.fps);
-        out.put_string("the dataset's name", &self.name)?;
-        for probe in &self.probes {
-            out.put_string("a probe's name", &probe.name)?;
-            probe.position.iter().chain(&probe.orientation).for_each(|&value| out.put_f64(value));
-            probe.frames.iter().for_each(|&frame| out.put_u32(frame));
-            probe.intrinsics.iter().for_each(|&value| out.put_f64(value));
-        }
-        for stream in &self.streams {
-            out.extend_from_slice(&[stream.kind, stream.face]);
-            out.put_u16(stream.probe);
-            out.extend_from_slice(&stream.codec);
-            for value in [
-                stream.width,
-                stream.height,
-                stream.first_frame,
-                stream.frame_count,
-                stream.unit_width,
-                stream.unit_height,
-                count("codec header bytes", stream.codec_header.len())?,
-            ] {
-                out.put_u32(value);
-            }
-            out.extend_from_slice(&stream.codec_header);
-        }
-        self.chunks.iter().for_each(|chunk| chunk.write(&mut out));
-        Ok(out)
-    }
-}
-
 impl Foot {
     /// The last bytes of a file that ends with this foot right after its index.
     pub fn write(&self) -> Vec<u8> {
@@ -113,7 +80,7 @@ impl Foot {
         bytes.put_u64(self.index_offset);
         bytes.put_u64(self.index_bytes);
         bytes.put_u32(self.index_crc32);
-        bytes.put_u32(0);
+        bytes.put_u32(self.index_form as u32);
         bytes.put_u64(self.index_offset + self.index_bytes + FOOT_BYTES as u64);
         let crc = crc32fast::hash(&bytes);
         bytes.put_u32(crc);
@@ -125,11 +92,12 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::header::read_head;
+    use crate::container::header::{IndexForm, read_head};
 
     #[test]
     fn the_foot_round_trips_and_any_changed_byte_is_refused() {
-        let foot = Foot { index_offset: 16, index_bytes: 1000, index_crc32: 0xdead_beef };
+        let (index_crc32, index_form) = (0xdead_beef, IndexForm::Compact);
+        let foot = Foot { index_offset: 16, index_bytes: 1000, index_crc32, index_form };
         let bytes = foot.write();
         let size = 16 + 1000 + FOOT_BYTES as u64;
         assert_eq!(Foot::read(&bytes, size).unwrap(), foot);

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::io::Write;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES, Storage};
-use crate::container::header::{FOOT_BYTES, Foot};
+use crate::container::compact;
+use crate::container::header::{FOOT_BYTES, Foot, IndexForm};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
 use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks, identity};
 use crate::container::limits::{self, OpenLimits};
@@ -42,14 +43,14 @@ impl PackedChunk {
         };
         let (stored_bytes, crc32) = (stored.len() as u32, crc32fast::hash(&stored));
         let entry = ChunkEntry { key, offset: 0, stored_bytes, raw_bytes, crc32, storage };
-        Ok(PackedChunk { entry, identity: identity(&stored, crc32), stored })
+        Ok(PackedChunk { identity: identity(&entry, &stored), entry, stored })
     }
 
     pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: Vec<u8>) -> Result<PackedChunk> {
         if stored.len() != entry.stored_bytes as usize {
             return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
         }
-        Ok(PackedChunk { entry: ChunkEntry { key, ..*entry }, identity: identity(&stored, entry.crc32), stored })
+        Ok(PackedChunk { entry: ChunkEntry { key, ..*entry }, identity: identity(entry, &stored), stored })
     }
 
     pub fn key(&self) -> ChunkKey {
@@ -156,17 +157,22 @@ impl<W: Write> Writer<W> {
     /// Writes index and foot, unless `check` of the index and the file's size refuses; gives back the sink and the
     /// size.
     pub fn finish_checked(mut self, check: impl FnOnce(&Index, u64) -> Result<()>) -> Result<(W, u64)> {
-        self.index.chunks.sort_by_key(|chunk| chunk.key);
-        let index = self.index.write()?;
-        let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
-        Index::read(&index, self.position)
-            .and_then(|read| {
-                limits::check(&read, bytes, OpenLimits::default())?;
-                check(&read, bytes)
-            })
-            .map_err(|error| error.context("this container could not be opened again"))?;
-        let foot =
-            Foot { index_offset: self.position, index_bytes: index.len() as u64, index_crc32: crc32fast::hash(&index) };
+        let checked = || {
+            let index = self.index.write()?;
+            let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
+            let read = compact::read(&index, self.position)?;
+            limits::check(&read, bytes, OpenLimits::default())?;
+            check(&read, bytes)?;
+            Ok((index, bytes))
+        };
+        let (index, bytes) =
+            checked().map_err(|error: Error| error.context("this container could not be opened again"))?;
+        let foot = Foot {
+            index_offset: self.position,
+            index_bytes: index.len() as u64,
+            index_crc32: crc32fast::hash(&index),
+            index_form: IndexForm::Compact,
+        };
         let foot = foot.write();
         let written =
             self.out.write_all(&index).and_then(|()| self.out.write_all(&foot)).and_then(|()| self.out.flush());

@@ -429,7 +429,7 @@ impl<W: Write> Job<'_, W> {
                 frame_count,
                 unit_width,
                 unit_height,
-                codec_header: header.write(),
+                codec_header: header.write().into(),
             };
             self.summary.frames += u64::from(frame_count);
             self.summary.raw_bytes += pixels * header.raw_pixel_bytes();

@@ -207,7 +207,7 @@ pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
             frame_count: clip.frame_count,
             unit_width: unit(width),
             unit_height: unit(height),
-            codec_header: clip.header.write(),
+            codec_header: clip.header.write().into(),
         });
     }
     for (stream, clip) in (0u32..).zip(clips) {

@@ -65,7 +65,7 @@ impl Flattener {
     }
 
     pub fn entry(&self) -> StreamEntry {
-        StreamEntry { codec: self.header.codec(), codec_header: self.header.write(), ..self.entry.clone() }
+        StreamEntry { codec: self.header.codec(), codec_header: self.header.write().into(), ..self.entry.clone() }
     }
 
     /// Packs a chunk; frames are numbered as in its key.

@@ -197,6 +197,8 @@ fn read_temporal(fields: &mut Fields<'_>) -> Result<TemporalSettings> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::depth::domain::Domain;
 
@@ -212,7 +214,7 @@ mod tests {
             frame_count: 1,
             unit_width: 8,
             unit_height: 8,
-            codec_header: header.write(),
+            codec_header: header.write().into(),
         }
     }
 
@@ -268,8 +270,8 @@ mod tests {
             for spoil in 0..4 {
                 let mut bad = good.clone();
                 match spoil {
-                    0 => bad.codec_header.push(0),
-                    1 => bad.codec_header.truncate(bad.codec_header.len() - 1),
+                    0 => Arc::make_mut(&mut bad.codec_header).push(0),
+                    1 => Arc::make_mut(&mut bad.codec_header).truncate(good.codec_header.len() - 1),
                     2 => bad.codec = *b"XXXX",
                     _ => bad.kind = (bad.kind + 1) % 3,
                 }

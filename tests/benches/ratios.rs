@@ -299,7 +299,7 @@ fn synthetic() -> Result<Vec<u8>> {
         frame_count: FRAMES,
         unit_width: TILE,
         unit_height: TILE,
-        codec_header: header.write(),
+        codec_header: header.write().into(),
     });
     for unit in 0..4 {
         let [left, top] = [unit % 2 * TILE, unit / 2 * TILE];

@@ -1,5 +1,7 @@
 //! Mutated inputs of each target: input `number` of a seed is always the same bytes.
 
+use std::sync::Arc;
+
 use lightfold::container::journal::MAGIC;
 use lightfold::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
 use serde_json::Value;
@@ -95,6 +97,11 @@ impl Inputs {
 
     /// A container whose index, payloads or both are changed, with right CRC-32s.
     fn index(&self, chosen: usize, random: &mut Random) -> Vec<u8> {
+        if random.below(3) == 0 {
+            let from: &Vec<u8> = pick(&self.seeds, random);
+            let (other, _) = samples::index_bytes(from);
+            return samples::with_index(&self.seeds[chosen], |bytes| mutate::bytes(bytes, other, random));
+        }
         let (mut index, mut stored) = self.parts[chosen].clone();
         let rounds = 1 + random.below(3);
         for _ in 0..rounds {
@@ -180,7 +187,7 @@ fn change_stream(stream: &mut StreamEntry, word: u32, random: &mut Random) {
                 *pick(&[*b"DQPN", *b"DQTR", *b"DAAB", *b"DB4W", *b"DAB5", *b"MAAB", *b"CCL8", *b"CCLH"], random)
         }
         8 => stream.kind = random.below(3) as u8,
-        _ => mutate::bytes(&mut stream.codec_header, &[], random),
+        _ => mutate::bytes(Arc::make_mut(&mut stream.codec_header), &[], random),
     }
 }
 

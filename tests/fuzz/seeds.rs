@@ -65,7 +65,7 @@ pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
                     sizes: [width, height, unit_sides[0], unit_sides[1]].map(|side| side as u16 - 1),
                     frames: (frames - 1) as u8,
                     chunks: (payloads.len() - 1) as u8,
-                    header: stream.codec_header.clone(),
+                    header: stream.codec_header.to_vec(),
                     payloads,
                 };
                 all.push(case.write());

@@ -216,7 +216,7 @@ fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
         frame_count: frames,
         unit_width: 8,
         unit_height: 8,
-        codec_header: header.write(),
+        codec_header: header.write().into(),
     });
     let mut encoder = TemporalEncoder::<u16>::new(3, temporal);
     for frame in 0..frames {

@@ -152,7 +152,7 @@ fn all_vectors_are_drawn_and_no_invalid_one_breaks_anything() {
     };
     for path in vectors("valid") {
         let drawn = draw(&path).unwrap();
-        assert!(drawn > 0 || path.ends_with("empty.lfold"), "{}", path.display());
+        assert!(drawn > 0 || path.to_string_lossy().ends_with("empty.lfold"), "{}", path.display());
     }
     let refused = vectors("invalid").iter().filter(|path| draw(path).is_err()).count();
     // What only a rule about several chunks forbids may be drawn.

@@ -73,9 +73,15 @@ fn all() -> [(Vec<u8>, Images); 3] {
     })
 }
 
+/// The same files, also as version 1.0 wrote them.
+fn all_in_both_forms() -> Vec<(Vec<u8>, Images)> {
+    let rows = all().map(|(file, images)| (samples::in_rows(file), images));
+    all().into_iter().chain(rows).collect()
+}
+
 #[test]
 fn a_file_cut_at_any_length_is_refused() {
-    for (file, _) in all() {
+    for (file, _) in all_in_both_forms() {
         for length in 0..file.len() {
             assert!(samples::decode_all(file[..length].to_vec()).is_err(), "{length} bytes are taken");
         }
@@ -84,7 +90,7 @@ fn a_file_cut_at_any_length_is_refused() {
 
 #[test]
 fn any_flipped_bit_is_an_error_or_changes_nothing() {
-    for (file, images) in all() {
+    for (file, images) in all_in_both_forms() {
         (0..file.len() * 8).into_par_iter().for_each(|bit| {
             let mut damaged = file.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
@@ -226,13 +232,12 @@ fn payloads_cut_or_lengthened_under_a_right_crc_never_panic() {
 
 #[test]
 fn indices_damaged_under_a_right_crc_never_panic() {
-    for (file, _) in all() {
-        let (index, stored) = samples::take_apart(&file);
-        let taken: usize = (0..10_000u64)
+    for (file, _) in all_in_both_forms() {
+        let taken: usize = (0..5000u64)
             .into_par_iter()
             .map(|seed| {
                 let mut random = Random(seed);
-                let damaged = samples::assemble(&index, &stored, |bytes| mutate(bytes, &mut random));
+                let damaged = samples::with_index(&file, |bytes| mutate(bytes, &mut random));
                 usize::from(exercise(damaged, &mut random))
             })
             .sum();
@@ -242,16 +247,16 @@ fn indices_damaged_under_a_right_crc_never_panic() {
 
 #[test]
 fn every_index_field_survives_extreme_values() {
-    let file = small(None);
-    let (index, stored) = samples::take_apart(&file);
-    let length = index.write().unwrap().len();
-    (0..length - 3).into_par_iter().for_each(|at| {
-        for value in [0, 1, 0x4000, 0x7fff_ffff, 0x8000_0000, u32::MAX - 1, u32::MAX] {
-            let damaged =
-                samples::assemble(&index, &stored, |bytes| bytes[at..at + 4].copy_from_slice(&value.to_le_bytes()));
-            exercise(damaged, &mut Random(at as u64));
-        }
-    });
+    for file in [small(None), samples::in_rows(small(None))] {
+        let length = samples::index_bytes(&file).0.len();
+        (0..length - 3).into_par_iter().for_each(|at| {
+            for value in [0, 1, 0x4000, 0x7fff_ffff, 0x8000_0000, u32::MAX - 1, u32::MAX] {
+                let damaged =
+                    samples::with_index(&file, |bytes| bytes[at..at + 4].copy_from_slice(&value.to_le_bytes()));
+                exercise(damaged, &mut Random(at as u64));
+            }
+        });
+    }
 }
 
 #[test]

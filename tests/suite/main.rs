@@ -44,6 +44,7 @@ mod tradeoff;
 mod vectors;
 mod vectors_in_every_byte;
 mod vectors_of_blocks;
+mod vectors_of_indices;
 mod vectors_of_limits;
 mod vectors_of_nodes;
 mod view;

@@ -4,7 +4,7 @@ use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::color::quality::{EightBit, Quality};
 use lightfold::container::{
-    ChunkEntry, ChunkKey, Index, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer, lzma2, lzma2_encode,
+    ChunkEntry, ChunkKey, Index, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer, compact, lzma2, lzma2_encode,
     lzma2_independent,
 };
 use lightfold::dataset::Manifest;
@@ -116,7 +116,7 @@ fn index() -> impl Strategy<Value = Index> {
                 frame_count,
                 unit_width: sizes[2],
                 unit_height: sizes[3],
-                codec_header,
+                codec_header: codec_header.into(),
             };
             for unit in 0..stream.unit_count() {
                 for from in (0..frame_count).step_by(step as usize) {
@@ -184,8 +184,29 @@ proptest! {
 
     #[test]
     fn indices_come_back(index in index()) {
-        let bytes = index.write().unwrap();
+        let bytes = index.write_rows().unwrap();
         prop_assert_eq!(Index::read(&bytes, 100_000).unwrap(), index);
+    }
+
+    #[test]
+    fn compact_indices_come_back(index in index(), by_time: bool, shared in vec(0usize..12, 1..20)) {
+        let mut index = index;
+        if by_time {
+            index.chunks.sort_by_key(|chunk| (chunk.key.first_frame, chunk.key.stream, chunk.key.unit));
+        }
+        let mut offset = 16;
+        for at in 0..index.chunks.len() {
+            let back = shared[at % shared.len()];
+            if (1..=at).contains(&back) {
+                index.chunks[at] = ChunkEntry { key: index.chunks[at].key, ..index.chunks[at - back] };
+            } else {
+                index.chunks[at].offset = offset;
+                offset += u64::from(index.chunks[at].stored_bytes);
+            }
+        }
+        let bytes = index.write().unwrap();
+        index.chunks.sort_by_key(|chunk| chunk.key);
+        prop_assert_eq!(compact::read(&bytes, offset).unwrap(), index);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
 use half::f16;
 use lightfold::Error;
@@ -15,7 +16,7 @@ use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 
 use crate::samples::{self, Random, Shape, Stream};
-use crate::{vectors_of_blocks, vectors_of_limits, vectors_of_nodes};
+use crate::{vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name)
@@ -180,7 +181,7 @@ fn keys(values: &[f32]) -> Vec<HalfKey> {
 }
 
 /// 8-bit cells in which every way to make a frame occurs.
-fn closing_cells() -> Vec<CellBuilder> {
+pub fn closing_cells() -> Vec<CellBuilder> {
     let mut first = CellBuilder::default();
     first.push_keyframe::<u8>(&[0, 255, 10, 1, 128, 77]);
     first.push_weight(0, 2);
@@ -347,6 +348,8 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
     }));
     all.extend(vectors_of_nodes::valid());
     all.extend(vectors_of_blocks::valid());
+    all.iter_mut().for_each(|(_, bytes)| *bytes = samples::in_rows(std::mem::take(bytes)));
+    all.extend(vectors_of_indices::valid());
     all
 }
 
@@ -369,7 +372,7 @@ fn base() -> Vec<u8> {
         samples::cells_by_hand(shape(1, [1, 1], [1, 1], 0, 2), &samples::half_header(&search), vec![half]),
         samples::material(shape(0, [2, 2], [8, 8], 0, 1), &[vec![[1, 2, 3]; 4]], temporal(1, 0, 1, 1)),
     ];
-    samples::container(0, samples::probe("00", 4), &streams, None)
+    samples::in_rows(samples::container(0, samples::probe("00", 4), &streams, None))
 }
 
 /// Name, bytes and a part of the message of every invalid vector.
@@ -401,7 +404,9 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         change(&mut foot);
         [&good[..size - 40], &samples::foot_end(foot)].concat()
     };
-    all.push(("foot-reserved", foot(|foot| foot[20] = 1), "a reserved byte is not zero"));
+    all.push(("foot-reserved", foot(|foot| foot[20] = 1), "projection 4 is unknown"));
+    all.push(("foot-reserved-of-compact", foot(|foot| foot[21] = 1), "a reserved byte is not zero"));
+    all.push(("foot-index-form", foot(|foot| foot[20] = 2), "the index has form 2, which is unknown"));
     all.push(("foot-file-size", foot(|foot| foot[26] = 1), "the foot speaks of a file of"));
     all.push(("foot-index-elsewhere", foot(|foot| foot[0] -= 1), "the index does not lie between the chunks"));
     all.push(("foot-index-in-head", foot(|foot| foot[..8].fill(0)), "the index does not lie between the chunks"));
@@ -516,7 +521,7 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 
     let header = |stream: usize, at: usize, bytes: &[u8]| {
         let mut index = index.clone();
-        index.streams[stream].codec_header[at..at + bytes.len()].copy_from_slice(bytes);
+        Arc::make_mut(&mut index.streams[stream].codec_header)[at..at + bytes.len()].copy_from_slice(bytes);
         samples::assemble(&index, &stored, |_| ())
     };
     let nan = f32::NAN.to_le_bytes();
@@ -536,8 +541,16 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("color-header-exposure", header(1, 8, &33f32.to_le_bytes()), "an exposure of 33 stops"));
     all.push(("color-header-transfer", header(1, 12, &[2]), "transfer function 2 is unknown"));
     all.push(("half-header-white", header(2, 8, &[0; 8]), "a white of 0 cd/m"));
-    all.push(("header-longer", edited(|i| i.streams[2].codec_header.push(0)), "1 bytes after the last field"));
-    all.push(("header-shorter", edited(|i| i.streams[0].codec_header.truncate(27)), "4 more bytes expected, 3 left"));
+    all.push((
+        "header-longer",
+        edited(|i| Arc::make_mut(&mut i.streams[2].codec_header).push(0)),
+        "1 bytes after the last field",
+    ));
+    all.push((
+        "header-shorter",
+        edited(|i| Arc::make_mut(&mut i.streams[0].codec_header).truncate(27)),
+        "4 more bytes expected, 3 left",
+    ));
 
     // Payload 1 of depth: two records; the table at 4, the keyframe at 20, the boxes of frame 1 at 36.
     let payload = |chunk: usize, at: usize, bytes: &[u8]| {
@@ -609,5 +622,7 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.extend(vectors_of_nodes::invalid());
     all.extend(vectors_of_blocks::invalid());
     all.extend(vectors_of_limits::invalid());
+    all.iter_mut().for_each(|(_, bytes, _)| *bytes = samples::in_rows(std::mem::take(bytes)));
+    all.extend(vectors_of_indices::invalid());
     all
 }

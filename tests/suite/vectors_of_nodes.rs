@@ -1,5 +1,7 @@
 //! The frozen containers of [`crate::vectors`] whose depth is a quadtree or plain blocks.
 
+use std::sync::Arc;
+
 use lightfold::container::{EncodedChunk, Storage};
 use lightfold::depth::domain::DomainKind;
 use lightfold::depth::mode_decision::Decide;
@@ -229,7 +231,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let (index, stored) = samples::take_apart(&good);
     let header = |at: usize, bytes: &[u8]| {
         let mut index = index.clone();
-        index.streams[0].codec_header[at..at + bytes.len()].copy_from_slice(bytes);
+        Arc::make_mut(&mut index.streams[0].codec_header)[at..at + bytes.len()].copy_from_slice(bytes);
         samples::assemble(&index, &stored, |_| ())
     };
     all.push(("nodes-header-no-window", header(16, &[0]), "a depth window of 0 frames"));

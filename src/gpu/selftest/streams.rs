@@ -219,7 +219,7 @@ fn add_stream(
         frame_count,
         unit_width,
         unit_height,
-        codec_header: header.write(),
+        codec_header: header.write().into(),
     };
     let stream = writer.add_stream(entry.clone());
     for unit in 0..entry.unit_count() {

@@ -93,7 +93,7 @@ impl Case {
             frame_count: frames * chunks,
             unit_width,
             unit_height,
-            codec_header: self.header.clone(),
+            codec_header: self.header.clone().into(),
         };
         let mut writer = Writer::new(Vec::new(), "case", 24.0, 0)?;
         writer.add_probe(ProbeEntry {

@@ -1,0 +1,227 @@
+//! The frozen containers of [`crate::vectors`] whose index is compact (container.md 6.3).
+
+use lightfold::color::SearchSettings;
+use lightfold::color::cells::builder::CellBuilder;
+use lightfold::container::{ChunkKey, EncodedChunk, PackedChunk, Writer};
+use lightfold::depth::TemporalSettings;
+
+use crate::samples::{self, Stream};
+use crate::vectors::{closing_cells, shape};
+
+fn temporal(keyframe_interval: u32) -> TemporalSettings {
+    TemporalSettings { window: 1, epsilon: 0, max_aabbs: 8, keyframe_interval }
+}
+
+/// Two probes with streams of three kinds, chunks of one length and of several, of which some are equal. With `by_time`, the
+/// chunks stand in the file as their first frames do.
+fn of_many_streams(by_time: bool) -> Vec<u8> {
+    let size = [17, 9];
+    let standing = |seed| vec![samples::moving_codes(size, 1, seed).remove(0); 9];
+    let depth =
+        |face, images: &[Vec<u16>]| samples::depth(shape(face, size, [8, 8], 2, 9), [0.5, 8.0], images, temporal(4));
+    let search = SearchSettings { min_psnr_db: 42.0, ..SearchSettings::default() };
+    let color = |face| samples::color8(shape(face, size, [8, 4], 2, 9), &samples::drifting_bytes(size, 9), search);
+    let cells = closing_cells();
+    let count = cells.iter().map(CellBuilder::frame_count).sum();
+    let streams: Vec<Stream> = vec![
+        color(0),
+        color(1),
+        depth(0, &samples::moving_codes(size, 9, 7)),
+        depth(4, &standing(3)),
+        samples::material(shape(6, [5, 3], [5, 3], 0, 12), &samples::drifting_bytes([5, 3], 12), temporal(300)),
+        color(2),
+        samples::cells_by_hand(shape(3, [2, 1], [2, 1], 0, count), &samples::color8_header(&search), cells),
+    ];
+    let mut writer = Writer::new(Vec::new(), "many", 59.94, 0).unwrap();
+    let mut other = samples::probe("other", 300);
+    (other.position, other.orientation) = ([9.0, 8.0, 7.0], [0.0, 1.0, 0.0, 0.0]);
+    let third = lightfold::container::ProbeEntry { name: "third".into(), ..other.clone() };
+    let probes = [samples::probe("00", 300), other, third].map(|probe| writer.add_probe(probe).unwrap());
+    let mut chunks: Vec<(u32, u32, &EncodedChunk)> = Vec::new();
+    for (at, stream) in streams.iter().enumerate() {
+        let mut entry = stream.entry.clone();
+        entry.probe = probes[at / 3];
+        let number = writer.add_stream(entry);
+        chunks.extend(stream.chunks.iter().map(|(unit, chunk)| (number, *unit, chunk)));
+    }
+    if by_time {
+        chunks.sort_by_key(|(stream, unit, chunk)| (chunk.first_frame, *stream, *unit));
+    }
+    for (stream, unit, chunk) in chunks {
+        let first_frame = streams[stream as usize].entry.first_frame + chunk.first_frame;
+        let key = ChunkKey { stream, unit, first_frame, frame_count: chunk.frame_count };
+        writer.push(&PackedChunk::new(key, chunk.payload.clone(), Some(6)).unwrap()).unwrap();
+    }
+    let file = writer.finish().unwrap().0;
+    let (index, _) = samples::take_apart(&file);
+    assert!(samples::index_bytes(&file).0.len() * 3 < index.write_rows().unwrap().len());
+    file
+}
+
+pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        ("compact-index-by-unit", of_many_streams(false)),
+        ("compact-index-by-time", of_many_streams(true)),
+        ("compact-index-empty", Writer::new(Vec::new(), "", 0.1, 0).unwrap().finish().unwrap().0),
+        ("compact-index-by-hand", Parts::new().file()),
+    ]
+}
+
+/// The parts of an index: one depth stream of two units that show one pixel each for two frames, and have the same bytes.
+struct Parts {
+    stored: Vec<u8>,
+    counts: Vec<u8>,
+    /// Order of the chunk table, projection, three reserved bytes.
+    order: [u8; 5],
+    probe_flags: u8,
+    name: Vec<u8>,
+    stream: Vec<u8>,
+    chunks: Vec<u8>,
+    rest: Vec<u8>,
+}
+
+/// The sign of `near`.
+const NEAR_SIGN_AT: usize = 19;
+
+impl Parts {
+    fn new() -> Parts {
+        let images = vec![vec![77, 77]; 2];
+        let stream = samples::depth(shape(0, [2, 1], [1, 1], 0, 2), [1.0, 2.0], &images, temporal(64));
+        let stored = stream.chunks[0].1.payload.clone();
+        let front = [0xff, 1, b'D', b'A', b'A', b'B', 0, 0, 2, 1, 0, 2, 1, 1, 0];
+        let header = &stream.entry.codec_header;
+        let row = [&front[..], &[header.len() as u8], header, &[2]].concat();
+        assert_eq!(stored.len(), 18);
+        let own = [&[0x90, 1][..], &crc32fast::hash(&stored).to_le_bytes()].concat();
+        Parts {
+            stored,
+            counts: vec![1, 1, 2],
+            order: [0; 5],
+            probe_flags: 2,
+            name: b"\x01\x00p".to_vec(),
+            stream: row,
+            chunks: [&own[..], &[3]].concat(),
+            rest: vec![],
+        }
+    }
+
+    fn file(self) -> Vec<u8> {
+        let empty = Writer::new(Vec::new(), "", 1.0, 0).unwrap().finish().unwrap().0;
+        let index = [
+            &self.counts[..],
+            &self.order,
+            &24f64.to_le_bytes(),
+            &[0, 0],
+            &[self.probe_flags],
+            &self.name,
+            &[0; 24],
+            &[0, 1],
+            &self.stream,
+            &self.chunks,
+            &self.rest,
+        ]
+        .concat();
+        samples::with_foot([&empty[..16], &self.stored].concat(), &index, 1)
+    }
+}
+
+/// Name, bytes and a part of the message of every invalid vector.
+pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    let edited = |change: &dyn Fn(&mut Parts)| {
+        let mut parts = Parts::new();
+        change(&mut parts);
+        parts.file()
+    };
+    let counts = |counts: &'static [u8]| edited(&|parts| parts.counts = counts.to_vec());
+    let stream = |at: usize, bytes: &'static [u8]| {
+        edited(&|parts| {
+            parts.stream.splice(at..=at, bytes.iter().copied());
+        })
+    };
+    // From the first byte of the first row, and what else it has.
+    let chunks = |change: &dyn Fn(u8, &[u8]) -> Vec<u8>| {
+        edited(&|parts| parts.chunks = change(parts.chunks[0], &parts.chunks[1..6]))
+    };
+    let fit = "do not fit into the rest of the index";
+    vec![
+        ("compact-number-longer", counts(&[0x81, 0, 1, 2]), "not in its shortest form"),
+        ("compact-number-of-six-bytes", counts(&[0xff, 0xff, 0xff, 0xff, 0xff, 1, 1, 2]), "more than five bytes"),
+        ("compact-number-of-33-bits", counts(&[0xff, 0xff, 0xff, 0xff, 0x1f, 1, 2]), "more than 32 bits hold"),
+        ("compact-probe-count", counts(&[0xff, 0xff, 0xff, 0xff, 0xf, 1, 2]), fit),
+        ("compact-stream-count", counts(&[1, 0xff, 0xff, 0xff, 0xff, 0xf, 2]), fit),
+        ("compact-chunk-count", counts(&[1, 1, 0xff, 0xff, 0xff, 0xff, 0xf]), fit),
+        ("compact-order", edited(&|parts| parts.order[0] = 2), "order 2 of the chunk table is unknown"),
+        ("compact-projection", edited(&|parts| parts.order[1] = 2), "projection 2 is unknown"),
+        ("compact-reserved", edited(&|parts| parts.order[4] = 1), "a reserved byte is not zero"),
+        ("compact-probe-flags", edited(&|parts| parts.probe_flags = 10), "flags 10 of a probe"),
+        ("compact-probe-name", edited(&|parts| parts.name[2] = b'/'), "the probe name \"/\""),
+        ("compact-stream-probe", stream(6, &[1]), "a stream names probe 1, the file has 1"),
+        ("compact-stream-probe-beyond", stream(6, &[0x80, 0x80, 4]), "a stream names probe 65536"),
+        ("compact-stream-face", stream(7, &[7]), "a stream of kind 1 and face 7 is unknown"),
+        ("compact-stream-no-size", edited(&no_size), "a stream of 0x0 in units of 1x1"),
+        ("compact-stream-frames-beyond", stream(10, &[0xff, 0xff, 0xff, 0xff, 7]), "from frame 2147483647 on"),
+        ("compact-header-before-first", stream(14, &[1]), "a codec header of 1 rows before the first"),
+        ("compact-header-too-long", stream(15, &[127]), "127 more bytes expected"),
+        ("compact-header-byte", stream(NEAR_SIGN_AT, &[0xff]), "0 < near <= far < inf"),
+        ("compact-more-units", stream(8, &[3]), "more units than the 2 rows"),
+        ("compact-no-stream", edited(&no_stream), "2 chunks and no stream"),
+        ("compact-stream-twice", edited(&twice), "has the kind, probe and face of an earlier one"),
+        (
+            "compact-step-of-none",
+            chunks(&|own, rest| [&[own | 4, 1, 0], &rest[1..], &[3]].concat()),
+            "a step of 0 units",
+        ),
+        (
+            "compact-step-of-all",
+            chunks(&|own, rest| [&[own | 4, 1, 2], &rest[1..], &[3]].concat()),
+            "a step of 2 units",
+        ),
+        ("compact-unit-twice", chunks(&|own, rest| [&[own], rest, &[7, 1]].concat()), "of which 0 are left"),
+        ("compact-unit-left-out", edited(&left_out), "the chunk table breaks off at stream 0, unit 0, frame 1"),
+        ("compact-no-frames", edited(&|parts| frames_of_rows(parts, [0, 2])), "a chunk of 0 frames"),
+        ("compact-more-frames", edited(&|parts| frames_of_rows(parts, [3, 2])), "a chunk of 3 frames"),
+        ("compact-shared-before-first", chunks(&|own, rest| [&[3, own], rest].concat()), "0 rows before the first"),
+        ("compact-shared-too-far", chunks(&|own, rest| [&[own], rest, &[11]].concat()), "1 rows before the first"),
+        (
+            "compact-raw-bytes",
+            chunks(&|own, rest| [&[own | 1, 1, 0x80, 0x80, 0x80, 1], &rest[1..], &[3]].concat()),
+            "cannot mean",
+        ),
+        ("compact-chunk-in-index", chunks(&|own, rest| [&[own + 8], rest, &[3]].concat()), "outside the file's chunks"),
+        ("compact-gap", edited(&|parts| parts.stored.push(0)), "and the index starts at"),
+        ("compact-cut", edited(&|parts| parts.chunks.truncate(6)), "1 more bytes expected, 0 left"),
+        ("compact-longer", edited(&|parts| parts.rest.push(0)), "1 bytes after the last field"),
+    ]
+}
+
+fn no_size(parts: &mut Parts) {
+    parts.stream[0] = 0xff - 8;
+    parts.stream.drain(8..10);
+}
+
+fn no_stream(parts: &mut Parts) {
+    parts.counts[1] = 0;
+    parts.stream.clear();
+}
+
+/// A second row with all of the first, face too.
+fn twice(parts: &mut Parts) {
+    parts.counts[1] = 2;
+    parts.counts[2] = 4;
+    parts.stream.extend_from_slice(&[4, 0]);
+    parts.chunks.extend_from_slice(&[3, 3]);
+}
+
+/// Unit 0 has one of two chunks, unit 1 both.
+fn left_out(parts: &mut Parts) {
+    *parts.stream.last_mut().unwrap() = 1;
+    parts.counts[2] = 3;
+    parts.chunks.extend_from_slice(&[7, 1]);
+}
+
+/// Rows that say how many frames they are for.
+fn frames_of_rows(parts: &mut Parts, [first, second]: [u8; 2]) {
+    *parts.stream.last_mut().unwrap() = 0;
+    parts.chunks.insert(2, first);
+    parts.chunks.push(second);
+}
