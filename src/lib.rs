@@ -28,6 +28,7 @@ mod modules {
     pub mod effort;
     #[cfg(feature = "encode")]
     pub mod encode;
+    pub mod entropy;
     pub mod error;
     #[cfg(feature = "render")]
     pub mod evaluate;

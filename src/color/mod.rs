@@ -15,6 +15,7 @@ pub mod quality;
 pub mod settings;
 #[cfg(feature = "encode")]
 pub mod temporal;
+pub mod transform;
 
 pub use blend::{HalfKey, Sample};
 pub use cells::{CellChunk, CellFormat};

@@ -1,0 +1,182 @@
+//! Contexts of symbols (color.md 9.6): which distribution codes a symbol, from what is decoded already.
+
+use crate::color::transform::basis::{LENGTHS, length_index};
+use crate::color::transform::blocks::Shape;
+
+/// Symbols of one kind: their contexts, the values that they have, and the distributions that their contexts share.
+#[derive(Debug, Clone, Copy)]
+pub struct Family {
+    pub first_context: usize,
+    pub contexts: usize,
+    pub alphabet: usize,
+    pub first_cluster: usize,
+    pub clusters: usize,
+}
+
+impl Family {
+    const fn after(before: Family, contexts: usize, alphabet: usize, clusters: usize) -> Family {
+        Family {
+            first_context: before.first_context + before.contexts,
+            contexts,
+            alphabet,
+            first_cluster: before.first_cluster + before.clusters,
+            clusters,
+        }
+    }
+}
+
+const NONE: Family = Family { first_context: 0, contexts: 0, alphabet: 0, first_cluster: 0, clusters: 0 };
+const SIZES: usize = 4;
+/// Classes of channels: luma, chroma.
+const COLORS: usize = 2;
+/// Classes of temporal frequencies: constant, first, later, and those of single frames.
+const PLANE_CLASSES: usize = 4;
+/// Classes of positions by the sum of both spatial frequencies.
+const POSITION_CLASSES: usize = 6;
+const SUM_CLASSES: usize = 8;
+const OTHER_CLASSES: usize = 3;
+
+/// Kind of a node.
+pub const NODE: Family = Family::after(NONE, SIZES * (LENGTHS.len() + 1), 4, 8);
+/// Number of coded planes of a channel.
+pub const PLANES: Family = Family::after(NODE, 3 * SIZES * 3, 16, 8);
+/// Whether a plane before the last has levels.
+pub const CODED: Family = Family::after(PLANES, 3 * PLANE_CLASSES * SIZES * 2, 2, 8);
+/// Logarithm of the last position.
+pub const LAST: Family = Family::after(CODED, COLORS * SIZES * PLANE_CLASSES, 11, 6);
+/// The two bits below its highest.
+pub const LAST_BITS: Family = Family::after(LAST, COLORS * 11, 4, 3);
+/// Levels: the last of a plane, then all others.
+pub const LEVELS: Family =
+    Family::after(LAST_BITS, COLORS * PLANE_CLASSES * POSITION_CLASSES * OTHER_CLASSES * (1 + SUM_CLASSES), 16, 32);
+/// Colours of a palette, less 1.
+pub const PALETTE_SIZE: Family = Family::after(LEVELS, SIZES, 16, SIZES);
+/// Place of a colour in the cache.
+pub const PALETTE_COLOR: Family = Family::after(PALETTE_SIZE, 1, 16, 1);
+/// Whether a row of a first frame repeats the one above.
+pub const ROW: Family = Family::after(PALETTE_COLOR, 2, 2, 2);
+/// Which neighbour a pixel of a first frame repeats.
+pub const PIXEL: Family = Family::after(ROW, 16, 3, 16);
+/// Whether a later frame repeats the one before.
+pub const LATER_FRAME: Family = Family::after(PIXEL, 2, 2, 2);
+/// Whether a row of a later frame repeats that of the frame before.
+pub const LATER_ROW: Family = Family::after(LATER_FRAME, 2, 2, 2);
+/// Which neighbour a pixel of a later frame repeats.
+pub const LATER_PIXEL: Family = Family::after(LATER_ROW, 16, 4, 16);
+
+pub const FAMILIES: [Family; 13] = [
+    NODE, PLANES, CODED, LAST, LAST_BITS, LEVELS, PALETTE_SIZE, PALETTE_COLOR, ROW, PIXEL, LATER_FRAME, LATER_ROW,
+    LATER_PIXEL,
+];
+pub const CONTEXTS: usize = LATER_PIXEL.first_context + LATER_PIXEL.contexts;
+pub const CLUSTERS: usize = LATER_PIXEL.first_cluster + LATER_PIXEL.clusters;
+
+/// Values of symbols of each cluster.
+pub const ALPHABETS: [u8; CLUSTERS] = {
+    let mut alphabets = [0; CLUSTERS];
+    let mut at = 0;
+    while at < FAMILIES.len() {
+        let mut cluster = 0;
+        while cluster < FAMILIES[at].clusters {
+            alphabets[FAMILIES[at].first_cluster + cluster] = FAMILIES[at].alphabet as u8;
+            cluster += 1;
+        }
+        at += 1;
+    }
+    alphabets
+};
+
+pub fn node(shape: Shape) -> usize {
+    let length = length_index(shape.frames).unwrap_or(LENGTHS.len());
+    NODE.first_context + shape.level * (LENGTHS.len() + 1) + length
+}
+
+/// `before` is the number of planes of the channel that had some last, at most 2.
+pub fn planes(channel: usize, level: usize, before: usize) -> usize {
+    PLANES.first_context + (channel * SIZES + level) * 3 + before
+}
+
+/// A plane of a channel of a block: a temporal frequency.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneContext {
+    channel: usize,
+    level: usize,
+    class: usize,
+    /// First context of the other levels, first of the last one, by position class.
+    levels: usize,
+    last_levels: usize,
+}
+
+impl PlaneContext {
+    pub fn new(channel: usize, shape: Shape, plane: usize) -> PlaneContext {
+        let class = if shape.frames == 1 { PLANE_CLASSES - 1 } else { plane.min(2) };
+        let row = (usize::from(channel > 0) * PLANE_CLASSES + class) * POSITION_CLASSES;
+        let others = LEVELS.first_context + COLORS * PLANE_CLASSES * POSITION_CLASSES * OTHER_CLASSES;
+        PlaneContext {
+            channel,
+            level: shape.level,
+            class,
+            levels: others + row * SUM_CLASSES * OTHER_CLASSES,
+            last_levels: LEVELS.first_context + row * OTHER_CLASSES,
+        }
+    }
+
+    pub fn coded(&self, before: bool) -> usize {
+        CODED.first_context
+            + ((self.channel * PLANE_CLASSES + self.class) * SIZES + self.level) * 2
+            + usize::from(before)
+    }
+
+    pub fn last(&self) -> usize {
+        LAST.first_context + (usize::from(self.channel > 0) * SIZES + self.level) * PLANE_CLASSES + self.class
+    }
+
+    pub fn last_bits(&self, class: usize) -> usize {
+        LAST_BITS.first_context + usize::from(self.channel > 0) * 11 + class
+    }
+
+    /// The level at `position`, with the sum of the magnitudes around it and the one in the plane before.
+    #[inline(always)]
+    pub fn level(&self, position: Position, sum: usize, other: usize) -> usize {
+        const CLASSES: [u8; 12] = [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7];
+        let sum = usize::from(CLASSES[sum.min(11)]);
+        self.levels + (position.class() * SUM_CLASSES + sum) * OTHER_CLASSES + other.min(OTHER_CLASSES - 1)
+    }
+
+    /// The level at the last position.
+    #[inline(always)]
+    pub fn last_level(&self, position: Position, other: usize) -> usize {
+        self.last_levels + position.class() * OTHER_CLASSES + other.min(OTHER_CLASSES - 1)
+    }
+}
+
+/// A pair of spatial frequencies: 32·vertical + horizontal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Position(pub u16);
+
+impl Position {
+    #[inline(always)]
+    pub fn x(self) -> usize {
+        usize::from(self.0 & 31)
+    }
+
+    #[inline(always)]
+    pub fn y(self) -> usize {
+        usize::from(self.0 >> 5)
+    }
+
+    #[inline(always)]
+    fn class(self) -> usize {
+        const CLASSES: [u8; 63] = {
+            let mut classes = [5; 63];
+            let first = [0, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4];
+            let mut at = 0;
+            while at < first.len() {
+                classes[at] = first[at];
+                at += 1;
+            }
+            classes
+        };
+        usize::from(CLASSES[(self.x() + self.y()).min(62)])
+    }
+}

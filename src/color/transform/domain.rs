@@ -1,0 +1,108 @@
+//! From samples to channels and back, without loss (color.md 9.2): YCoCg-R of keys, and chroma predicted from luma.
+//!
+//! Based on: Malvar and Sullivan, *YCoCg-R: A color space with RGB reversibility and low dynamic range*, 2003.
+
+use crate::color::blend::{HalfKey, Sample};
+
+/// Channels of a pixel: luma, green chroma, orange chroma.
+pub const CHANNELS: usize = 3;
+
+/// What differs between samples of 8 bits and half floats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Domain {
+    /// Bits of the fraction of coefficients and means.
+    pub fraction_bits: u32,
+    /// Bits of a key.
+    pub key_bits: u32,
+    /// Key that luma counts from.
+    pub middle: i32,
+}
+
+impl Domain {
+    pub const BYTES: Domain = Domain { fraction_bits: 6, key_bits: 8, middle: 128 };
+    /// Keys of half floats; the middle is that of 1.0.
+    pub const HALVES: Domain = Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00 };
+}
+
+/// Samples that the transform codec codes, by their keys.
+pub trait Keyed: Sample {
+    const DOMAIN: Domain;
+
+    /// The sample of a key, which is clamped to the keys that there are.
+    fn from_key(key: i32) -> Self;
+}
+
+impl Keyed for u8 {
+    const DOMAIN: Domain = Domain::BYTES;
+
+    #[inline(always)]
+    fn from_key(key: i32) -> u8 {
+        key.clamp(0, 255) as u8
+    }
+}
+
+impl Keyed for HalfKey {
+    const DOMAIN: Domain = Domain::HALVES;
+
+    #[inline(always)]
+    fn from_key(key: i32) -> HalfKey {
+        HalfKey(key.clamp(0, 0xffff) as u16)
+    }
+}
+
+/// Chroma predicted from luma: slopes in 16ths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ChromaSlopes {
+    pub green: i8,
+    pub orange: i8,
+}
+
+impl ChromaSlopes {
+    #[inline(always)]
+    fn predict(slope: i8, luma: i32) -> i32 {
+        i32::from(slope).wrapping_mul(luma).wrapping_add(8) >> 4
+    }
+}
+
+/// Channels of the keys of red, green and blue.
+#[inline(always)]
+pub fn forward([red, green, blue]: [i32; 3], slopes: ChromaSlopes, domain: &Domain) -> [i32; CHANNELS] {
+    let orange = red - blue;
+    let middle = blue + (orange >> 1);
+    let chroma_green = green - middle;
+    let luma = middle + (chroma_green >> 1) - domain.middle;
+    [
+        luma,
+        chroma_green - ChromaSlopes::predict(slopes.green, luma),
+        orange - ChromaSlopes::predict(slopes.orange, luma),
+    ]
+}
+
+/// The reverse of [`forward`].
+#[inline(always)]
+pub fn inverse([luma, green, orange]: [i32; CHANNELS], slopes: ChromaSlopes, domain: &Domain) -> [i32; 3] {
+    let chroma_green = green.wrapping_add(ChromaSlopes::predict(slopes.green, luma));
+    let orange = orange.wrapping_add(ChromaSlopes::predict(slopes.orange, luma));
+    let middle = luma.wrapping_add(domain.middle).wrapping_sub(chroma_green >> 1);
+    let green = chroma_green.wrapping_add(middle);
+    let blue = middle.wrapping_sub(orange >> 1);
+    [blue.wrapping_add(orange), green, blue]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_lossless() {
+        for domain in [Domain::BYTES, Domain::HALVES] {
+            let most = (1 << domain.key_bits) - 1;
+            for at in 0..20_000 {
+                let keys = [at * 7919, at * 104_729 + 3, at * 1_299_709 + 11].map(|value: i32| value & most);
+                for slopes in [(0, 0), (5, -3), (-128, 127)].map(|(green, orange)| ChromaSlopes { green, orange }) {
+                    assert_eq!(inverse(forward(keys, slopes, &domain), slopes, &domain), keys);
+                }
+            }
+        }
+    }
+}

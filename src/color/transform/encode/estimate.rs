@@ -1,0 +1,126 @@
+//! Rough costs of all blocks of a region, which say what partitions are worth a closer look.
+
+use std::collections::HashMap;
+
+use crate::color::transform::basis::length_index;
+use crate::color::transform::blocks::{Block, LEAST, REGION};
+use crate::color::transform::domain::CHANNELS;
+use crate::color::transform::encode::source::{RegionSource, TimeBases};
+use crate::color::transform::steps::{STEP_BITS, Steps};
+use crate::color::transform::domain::Domain;
+
+const SQUARES: usize = (REGION / LEAST) * (REGION / LEAST);
+const LEVELS: usize = 4;
+/// Bits of a block, and of a split.
+const BLOCK_BITS: f32 = 8.0;
+const SPLIT_BITS: f32 = 2.0;
+
+/// Estimated costs in steps² + λ·bits: of a block as one, and of the best partition below it.
+#[derive(Debug)]
+pub struct Estimates {
+    /// Index of a run of frames by its first frame and length.
+    runs: HashMap<(usize, usize), usize>,
+    whole: Vec<f32>,
+    best: Vec<f32>,
+}
+
+/// Estimates of the ways to code a block: as one, in quarters, in parts.
+#[derive(Debug, Clone, Copy)]
+pub struct Ways {
+    pub whole: f32,
+    pub quarters: f32,
+    pub parts: f32,
+}
+
+/// What estimates depend on.
+pub struct Pricing<'a> {
+    pub bases: &'a TimeBases,
+    pub steps: &'a Steps,
+    pub domain: &'a Domain,
+    pub lambda: f32,
+}
+
+impl Pricing<'_> {
+    /// Factor from coefficients to steps.
+    pub fn scale(&self, channel: usize, frames: usize) -> f32 {
+        let step = self.steps.step(channel, length_index(frames).unwrap_or(0)) as f32;
+        (1u32 << (self.domain.fraction_bits + STEP_BITS)) as f32 / (step * (frames as f32).sqrt())
+    }
+}
+
+impl Estimates {
+    pub fn new(source: &RegionSource, pricing: &Pricing<'_>) -> Estimates {
+        let mut runs = HashMap::new();
+        note_runs(source.root, &mut runs);
+        let entries = runs.len() * LEVELS * SQUARES;
+        let mut estimates = Estimates { runs, whole: vec![f32::INFINITY; entries], best: vec![f32::INFINITY; entries] };
+        estimates.visit(source, source.root, pricing, &mut Vec::new());
+        estimates
+    }
+
+    fn index(&self, block: Block) -> usize {
+        let run = self.runs.get(&(block.place.frame, block.shape.frames)).copied().unwrap_or(0);
+        let square = block.place.y / LEAST * (REGION / LEAST) + block.place.x / LEAST;
+        (run * LEVELS + block.shape.level) * SQUARES + square
+    }
+
+    fn visit(&mut self, source: &RegionSource, block: Block, pricing: &Pricing<'_>, scratch: &mut Vec<f32>) {
+        let index = self.index(block);
+        if self.best[index].is_finite() {
+            return;
+        }
+        if length_index(block.shape.frames).is_some() {
+            let of = |channel| {
+                let scale = pricing.scale(channel, block.shape.frames);
+                source.coefficients(channel, block, pricing.bases, scale, scratch);
+                estimate(scratch, pricing.lambda)
+            };
+            self.whole[index] = (0..CHANNELS).map(of).sum::<f32>() + pricing.lambda * BLOCK_BITS;
+        }
+        if block.shape.level > 0 {
+            block.quarters().into_iter().for_each(|quarter| self.visit(source, quarter, pricing, scratch));
+        }
+        if block.shape.frames > 1 {
+            block.parts().for_each(|part| self.visit(source, part, pricing, scratch));
+        }
+        let Ways { whole, quarters, parts } = self.ways(block, pricing.lambda);
+        self.best[index] = whole.min(quarters).min(parts);
+    }
+
+    pub fn ways(&self, block: Block, lambda: f32) -> Ways {
+        let split = lambda * SPLIT_BITS;
+        let sum = |blocks: &mut dyn Iterator<Item = Block>| {
+            blocks.map(|block| self.best[self.index(block)]).sum::<f32>() + split
+        };
+        let quarters =
+            if block.shape.level > 0 { sum(&mut block.quarters().into_iter()) } else { f32::INFINITY };
+        let parts = if block.shape.frames > 1 { sum(&mut block.parts()) } else { f32::INFINITY };
+        Ways { whole: self.whole[self.index(block)], quarters, parts }
+    }
+}
+
+fn note_runs(block: Block, runs: &mut HashMap<(usize, usize), usize>) {
+    let next = runs.len();
+    runs.entry((block.place.frame, block.shape.frames)).or_insert(next);
+    if block.shape.frames > 1 {
+        block.parts().for_each(|part| note_runs(part, runs));
+    }
+}
+
+/// Error and bits of coefficients: those well below a step are dropped, others cost bits by their logarithm.
+fn estimate(coefficients: &[f32], lambda: f32) -> f32 {
+    const LANES: usize = 16;
+    // A level of 1 costs some five bits, and one for each octave above; what is rounded has an error of 1/12.
+    let (base, octave) = (5.0 * lambda + 1.0 / 12.0, 0.55 * lambda);
+    let mut sums = [0.0; LANES];
+    for coefficients in coefficients.as_chunks::<LANES>().0 {
+        for (sum, value) in sums.iter_mut().zip(coefficients) {
+            let square = value * value;
+            // The exponent of a float is its logarithm, and the mantissa nearly the rest.
+            let logarithm = (square.to_bits() as i32 - 0x3f80_0000) as f32 * (1.0 / 8_388_608.0);
+            let coded = base + octave * logarithm.max(0.0);
+            *sum += if square < coded { square } else { coded };
+        }
+    }
+    sums.iter().sum()
+}

@@ -1,0 +1,115 @@
+//! Encodes chunks of a cell: the coarsest quantiser step whose decoded frames keep the promised PSNR (color.md 9).
+//!
+//! In: the samples of a cell, frame by frame. Out: payloads of [`crate::color::transform::payload`].
+
+mod estimate;
+mod promise;
+mod quantise;
+mod rate;
+mod search;
+mod source;
+mod training;
+mod tree;
+
+use std::sync::Arc;
+
+use crate::color::CellFormat;
+use crate::color::quality::Quality;
+use crate::color::settings::SearchSettings;
+use crate::color::temporal::CellEncoder;
+use crate::color::transform::Keyed;
+use crate::color::transform::encode::promise::{Encoded, encode_chunk};
+use crate::color::transform::encode::rate::Costs;
+use crate::color::transform::encode::source::CellSource;
+use crate::color::transform::payload::CELLS;
+use crate::color::transform::tables::Tables;
+use crate::container::EncodedChunk;
+use crate::error::Result;
+
+pub use training::Trainer;
+
+/// Table sets with the bits of their symbols; made once for all cells.
+#[derive(Debug)]
+pub struct PricedTables {
+    pub tables: Tables,
+    costs: Vec<Costs>,
+}
+
+impl PricedTables {
+    pub fn new(tables: Tables) -> PricedTables {
+        let costs = tables.sets().iter().map(Costs::new).collect();
+        PricedTables { tables, costs }
+    }
+}
+
+/// Encodes the frames of one cell into chunks of a fixed number of frames.
+#[derive(Debug)]
+pub struct TransformEncoder<S> {
+    format: CellFormat<S>,
+    search: SearchSettings,
+    tables: Arc<PricedTables>,
+    chunk_frames: u32,
+    chunk_first: u32,
+    frames: Vec<Vec<S>>,
+    /// Step and table set of the chunk before, where the next search starts.
+    start: Option<Start>,
+}
+
+/// Where the search for a step starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Start {
+    pub step: i32,
+    pub set: usize,
+}
+
+impl<S: Keyed> TransformEncoder<S> {
+    /// `chunk_frames` is from 1 to [`crate::color::transform::blocks::MAX_FRAMES`].
+    pub fn new(format: CellFormat<S>, search: SearchSettings, chunk_frames: u32, tables: Arc<PricedTables>) -> Self {
+        TransformEncoder { format, search, tables, chunk_frames, chunk_first: 0, frames: Vec::new(), start: None }
+    }
+
+    /// Takes the next frame. Answers the chunk that it completes, if any.
+    pub fn push<Q: Quality<S>>(&mut self, samples: &[S], quality: &Q) -> Result<Option<EncodedChunk>> {
+        self.frames.push(samples.to_vec());
+        if self.frames.len() < self.chunk_frames as usize { Ok(None) } else { self.close(quality).map(Some) }
+    }
+
+    /// The last chunk, if frames are left.
+    pub fn finish<Q: Quality<S>>(&mut self, quality: &Q) -> Result<Option<EncodedChunk>> {
+        if self.frames.is_empty() { Ok(None) } else { self.close(quality).map(Some) }
+    }
+
+    fn close<Q: Quality<S>>(&mut self, quality: &Q) -> Result<EncodedChunk> {
+        let frames = std::mem::take(&mut self.frames);
+        let cell = CellSource { size: self.format.size, frames: &frames };
+        let transformed = encode_chunk(&cell, quality, &self.search, &self.tables, self.start)?;
+        let raw_bytes = 3 * S::BYTES * self.format.pixels() * frames.len();
+        let payload = match transformed {
+            // Keyframes are no smaller than a quarter of the samples unless frames repeat, which costs a transform little.
+            Some(Encoded { payload, start }) if payload.len() <= raw_bytes / 4 => {
+                self.start = Some(start);
+                payload
+            }
+            transformed => {
+                let cells = self.as_cells(&frames, quality)?;
+                transformed.map(|encoded| encoded.payload).filter(|payload| payload.len() <= cells.len()).unwrap_or(cells)
+            }
+        };
+        let (first_frame, frame_count) = (self.chunk_first, frames.len() as u32);
+        self.chunk_first += frame_count;
+        Ok(EncodedChunk { first_frame, frame_count, payload })
+    }
+
+    /// The chunk as keyframes and weights (color.md 4).
+    fn as_cells<Q: Quality<S>>(&self, frames: &[Vec<S>], quality: &Q) -> Result<Vec<u8>> {
+        let mut encoder = CellEncoder::new(self.search, usize::MAX);
+        for frame in frames {
+            encoder.push(frame, quality)?;
+        }
+        let chunks = encoder.finish(quality)?;
+        Ok(chunks.into_iter().fold(vec![CELLS], |mut out, chunk| {
+            out.extend(chunk.payload);
+            out
+        }))
+    }
+}

@@ -1,0 +1,290 @@
+//! The search for the coarsest step that keeps the promised quality in every frame, measured on decoded frames.
+
+use std::collections::BTreeMap;
+
+use crate::color::quality::Quality;
+use crate::color::settings::SearchSettings;
+use crate::color::transform::blocks::regions;
+use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
+use crate::color::transform::encode::rate::{Counts, SymbolCounter, Writer};
+use crate::color::transform::encode::search::{Search, SearchContext};
+use crate::color::transform::encode::source::{CellSource, RegionSource, TimeBases};
+use crate::color::transform::encode::tree::Tree;
+use crate::color::transform::encode::{PricedTables, Start};
+use crate::color::transform::palette::{CACHED, Color, ColorCache};
+use crate::color::transform::payload::Header;
+use crate::color::transform::reconstruct::TransformChunk;
+use crate::color::transform::steps::{StepIndices, Steps};
+use crate::color::transform::contexts::CLUSTERS;
+use crate::effort::Effort;
+use crate::entropy::{Encoder, SYMBOLS};
+use crate::error::Result;
+
+/// λ in steps² a bit.
+const LAMBDA: f32 = 0.09;
+/// What a step index changes the squared error by, as a logarithm to base 2.
+const OCTAVES_AN_INDEX: f64 = 0.09;
+/// A partition is searched anew where the step moves by more indices than this.
+const NEAR: i32 = 8;
+/// Largest step index that is tried.
+const COARSEST: i32 = 240;
+/// Steepest slope of chroma in 16ths.
+const MOST_SLOPE: f64 = 24.0;
+/// 2^(i/16).
+const SIXTEENTHS: [f64; 16] = [
+    1.0, 1.0443, 1.0905, 1.1388, 1.1892, 1.2419, 1.2968, 1.3543, 1.4142, 1.4768, 1.5422, 1.6105, 1.6818, 1.7563, 1.834,
+    1.9152,
+];
+/// What steps of half-float keys are above those of bytes for the same quality.
+const USUAL_HALF_OFFSET: f64 = 96.0;
+
+/// A payload that keeps the promise.
+#[derive(Debug)]
+pub struct Encoded {
+    pub payload: Vec<u8>,
+    pub start: Start,
+}
+
+/// Encodes a chunk; `None` if no step keeps the promise.
+pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
+    cell: &CellSource<'_, S>,
+    quality: &Q,
+    search: &SearchSettings,
+    tables: &PricedTables,
+    start: Option<Start>,
+) -> Result<Option<Encoded>> {
+    let limit = quality.max_squared_error(search.min_psnr_db, 3 * cell.size[0] * cell.size[1]);
+    let slopes = fit_slopes(cell);
+    let trials = Trials {
+        cell,
+        tables,
+        effort: search.effort,
+        slopes,
+        regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes)).collect(),
+        bases: TimeBases::up_to(cell.frames.len()),
+    };
+    let mut start = start.unwrap_or_else(|| Start { step: usual_step::<S, Q>(search.min_psnr_db), set: 0 });
+    let (mut kept, mut too_coarse): (Option<(i32, Vec<u8>)>, i32) = (None, COARSEST + 1);
+    let mut partition: Option<Trial> = None;
+    for number in 0.. {
+        let near = partition.as_ref().filter(|trial| (trial.step - start.step).abs() <= NEAR);
+        let trial = trials.encode(start, near);
+        let payload = trials.payload(&trial);
+        let worst = worst_error(&payload, cell, quality, tables)?;
+        start.set = trial.header.set;
+        let octaves = log2_ratio(worst, limit);
+        if worst <= limit {
+            kept = Some((trial.step, payload));
+        } else {
+            too_coarse = trial.step;
+        }
+        let finest_kept = kept.as_ref().map_or(-1, |(step, _)| *step);
+        let enough = match search.effort {
+            Effort::Fast => number >= 1,
+            Effort::Normal => number >= 3,
+            Effort::Exhaustive => false,
+        };
+        let between = too_coarse - finest_kept;
+        if between <= 1 || (enough && kept.is_some()) {
+            break;
+        }
+        let guess = trial.step - (octaves / OCTAVES_AN_INDEX).ceil() as i32;
+        start.step = guess.clamp(finest_kept + 1, too_coarse - 1);
+        // Bisection, where guesses creep.
+        if number > 6 {
+            start.step = (finest_kept + too_coarse) / 2;
+        }
+        if near.is_none() {
+            partition = Some(trial);
+        }
+    }
+    Ok(kept.map(|(step, payload)| Encoded { payload, start: Start { step, ..start } }))
+}
+
+/// Largest squared error of a frame as it is decoded.
+fn worst_error<S: Keyed, Q: Quality<S>>(
+    payload: &[u8],
+    cell: &CellSource<'_, S>,
+    quality: &Q,
+    tables: &PricedTables,
+) -> Result<u64> {
+    let chunk = TransformChunk::parse::<S>(payload, cell.size, cell.frames.len() as u32, &tables.tables)?;
+    let mut shown = vec![S::default(); 3 * cell.size[0] * cell.size[1]];
+    let mut worst = 0;
+    for (frame, source) in cell.frames.iter().enumerate() {
+        chunk.show(frame, frame.checked_sub(1), &mut shown);
+        worst = worst.max(quality.squared_error(&shown, &shown, 0, source, u64::MAX));
+    }
+    Ok(worst)
+}
+
+/// Trees of all regions for one step.
+#[derive(Debug)]
+struct Trial {
+    step: i32,
+    header: Header,
+    trees: Vec<Tree>,
+}
+
+struct Trials<'a, S> {
+    cell: &'a CellSource<'a, S>,
+    tables: &'a PricedTables,
+    effort: Effort,
+    slopes: ChromaSlopes,
+    regions: Vec<RegionSource>,
+    bases: TimeBases,
+}
+
+impl<S: Keyed> Trials<'_, S> {
+    /// Encodes at a step, with the partition of a trial or a new one.
+    fn encode(&self, start: Start, partition: Option<&Trial>) -> Trial {
+        let colors = match partition {
+            Some(trial) => trial.header.colors.clone(),
+            None => self.frequent_colors(),
+        };
+        let mut header = Header { set: start.set, steps: step_indices(start.step, self.slopes), slopes: self.slopes, colors };
+        let context = SearchContext {
+            header: &header,
+            domain: &S::DOMAIN,
+            steps: Steps::new(header.steps, &S::DOMAIN),
+            costs: &self.tables.costs[start.set],
+            bases: &self.bases,
+            lambda: LAMBDA,
+            effort: self.effort,
+        };
+        let trees: Vec<Tree> = match partition {
+            Some(trial) => {
+                let both = self.regions.iter().zip(&trial.trees);
+                both.map(|(region, tree)| Search::requantise(region, &context, tree)).collect()
+            }
+            None => self.regions.iter().map(|region| Search::partition(region, &context)).collect(),
+        };
+        header.colors = shared_colors(&header.colors, &trees);
+        header.set = self.cheapest_set(&header, &trees);
+        Trial { step: start.step, header, trees }
+    }
+
+    fn cheapest_set(&self, header: &Header, trees: &[Tree]) -> usize {
+        let mut counts: Box<Counts> = Box::new([[0; SYMBOLS]; CLUSTERS]);
+        for tree in trees {
+            let mut cache = ColorCache::new(&header.colors);
+            tree.code(&mut SymbolCounter(&mut counts), &mut cache, S::DOMAIN.key_bits);
+        }
+        let bits = self.tables.costs.iter().map(|costs| costs.total(&counts));
+        let cheapest = bits.enumerate().reduce(|best, next| if next.1 < best.1 { next } else { best });
+        cheapest.map_or(0, |(set, _)| set)
+    }
+
+    fn payload(&self, trial: &Trial) -> Vec<u8> {
+        let write = |tree: &Tree| {
+            let mut writer = Writer { stream: Encoder::default(), tables: &self.tables.tables.sets()[trial.header.set] };
+            tree.code(&mut writer, &mut ColorCache::new(&trial.header.colors), S::DOMAIN.key_bits);
+            writer.stream.finish()
+        };
+        let substreams: Vec<Vec<u8>> = trial.trees.iter().map(write).collect();
+        trial.header.write::<S>(&substreams)
+    }
+
+    /// Colours that are frequent in several regions, the most frequent first.
+    fn frequent_colors(&self) -> Vec<Color> {
+        let mut places: BTreeMap<Color, [usize; 2]> = BTreeMap::new();
+        let least = 4 * self.cell.frames.len();
+        for region in self.regions.iter().filter(|region| is_flat(&region.keys)) {
+            let mut keys = region.keys.clone();
+            keys.sort_unstable();
+            for run in keys.chunk_by(|a, b| a == b).filter(|run| run.len() >= least) {
+                let [regions, pixels] = places.entry(run[0]).or_default();
+                *regions += 1;
+                *pixels += run.len();
+            }
+        }
+        most_frequent(places)
+    }
+}
+
+/// Whether at least a quarter of all pixels have the colour of the pixel before.
+fn is_flat(keys: &[Color]) -> bool {
+    4 * keys.windows(2).filter(|pair| pair[0] == pair[1]).count() >= keys.len()
+}
+
+/// Colours of a payload that palettes of at least two regions have.
+fn shared_colors(candidates: &[Color], trees: &[Tree]) -> Vec<Color> {
+    let mut places: BTreeMap<Color, [usize; 2]> = BTreeMap::new();
+    for tree in trees {
+        let mut colors = Vec::new();
+        tree.for_each_palette(&mut |palette| colors.extend_from_slice(palette));
+        colors.sort_unstable();
+        for run in colors.chunk_by(|a, b| a == b).filter(|run| candidates.contains(&run[0])) {
+            let [regions, uses] = places.entry(run[0]).or_default();
+            *regions += 1;
+            *uses += run.len();
+        }
+    }
+    most_frequent(places)
+}
+
+fn most_frequent(places: BTreeMap<Color, [usize; 2]>) -> Vec<Color> {
+    let mut shared: Vec<_> = places.into_iter().filter(|(_, [regions, _])| *regions >= 2).collect();
+    shared.sort_by_key(|&(color, uses)| (std::cmp::Reverse(uses), color));
+    shared.into_iter().take(CACHED).map(|(color, _)| color).collect()
+}
+
+/// Slopes of chroma over luma, where it follows luma.
+fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
+    let (mut luma, mut chroma, mut both) = (0.0, [0.0; 2], [0.0; 2]);
+    for frame in cell.frames {
+        for row in frame.chunks_exact(3 * cell.size[0]) {
+            let channels = |pixel: &[S; 3]| forward(pixel.map(S::key), ChromaSlopes::default(), &S::DOMAIN);
+            let mut before = None;
+            for pixel in row.as_chunks().0 {
+                let channels = channels(pixel);
+                if let Some(before) = before.replace(channels) {
+                    let change: [f64; 3] = std::array::from_fn(|at| f64::from(channels[at] - before[at]));
+                    luma += change[0] * change[0];
+                    for at in 0..2 {
+                        chroma[at] += change[at + 1] * change[at + 1];
+                        both[at] += change[0] * change[at + 1];
+                    }
+                }
+            }
+        }
+    }
+    let slope = |at: usize| {
+        // Less than a twentieth of its energy explained: prediction would only add noise.
+        let follows = both[at] * both[at] > 0.05 * luma * chroma[at];
+        if follows { (16.0 * both[at] / luma).round().clamp(-MOST_SLOPE, MOST_SLOPE) as i8 } else { 0 }
+    };
+    ChromaSlopes { green: slope(0), orange: slope(1) }
+}
+
+/// Step indices of channels, so that an error of a step counts the same in red, green and blue.
+fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
+    let (green, orange) = (f64::from(slopes.green) / 32.0, f64::from(slopes.orange) / 32.0);
+    // Change of red, green and blue for a change of 1 in luma.
+    let change = [1.0 + orange - green, 1.0 + green, 1.0 - orange - green];
+    let energy: f64 = change.iter().map(|change| change * change).sum();
+    // 16 · log2 of the length: each index is 1/8 of an octave of the energy.
+    let finer = (1..64).take_while(|&at| energy >= SIXTEENTHS[(2 * at - 1) % 16] * f64::from(1u32 << ((2 * at - 1) / 16)));
+    let clamp = |index: i32| index.clamp(0, 255) as u8;
+    StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step) }
+}
+
+/// Step index that keeps a quality on most footage.
+fn usual_step<S: Keyed, Q: Quality<S>>(min_psnr_db: f64) -> i32 {
+    // Squared error of a sample relative to that of 40 dB of 8-bit samples, on which 88 is usual.
+    let relative = (40.0 - min_psnr_db) * 3.7;
+    let keys_a_step = if Q::KEYS_ARE_STEPS { 0.0 } else { USUAL_HALF_OFFSET };
+    (88.0 + relative + keys_a_step).clamp(0.0, f64::from(COARSEST)) as i32
+}
+
+/// log2(a / b), with some precision and the same on all machines; 40 for b = 0 and -40 for a = 0.
+fn log2_ratio(a: u64, b: u64) -> f64 {
+    if a == 0 || b == 0 {
+        return if b == 0 && a > 0 { 40.0 } else { -40.0 };
+    }
+    let linear = |value: u64| {
+        let whole = value.ilog2();
+        f64::from(whole) + (value as f64 / (1u64 << whole) as f64 - 1.0)
+    };
+    (linear(a) - linear(b)).clamp(-40.0, 40.0)
+}

@@ -1,0 +1,59 @@
+//! Means of squares of 4×4 pixels, from which the mean of the next block is predicted (color.md 9.5).
+
+use crate::color::transform::basis::{BASIS_BITS, basis};
+use crate::color::transform::blocks::{Block, LEAST, REGION};
+use crate::color::transform::domain::CHANNELS;
+use crate::color::transform::steps::{STEP_BITS, dequantise};
+
+const SIDE: usize = REGION / LEAST;
+
+/// Mean of each square of a region in the last of its coded frames, in units of 2^-fraction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Means([[i32; SIDE * SIDE]; CHANNELS]);
+
+impl Default for Means {
+    fn default() -> Self {
+        Means([[0; SIDE * SIDE]; CHANNELS])
+    }
+}
+
+impl Means {
+    /// The level that is predicted for a block's mean: from the frame before, else from the squares on the left and above.
+    pub fn predict(&self, channel: usize, block: Block, step: i32) -> i32 {
+        let means = &self.0[channel];
+        let (x, y, squares) = (block.place.x / LEAST, block.place.y / LEAST, block.shape.side() / LEAST);
+        let sum_of = |at: &mut dyn Iterator<Item = usize>| at.fold(0i32, |sum, at| sum.wrapping_add(means[at]));
+        let mean = if block.place.frame > 0 {
+            let mut inside = (y..y + squares).flat_map(|y| (x..x + squares).map(move |x| y * SIDE + x));
+            sum_of(&mut inside) >> (2 * block.shape.level)
+        } else {
+            let left = if x > 0 { sum_of(&mut (y..y + squares).map(|y| y * SIDE + x - 1)) } else { 0 };
+            let above = if y > 0 { sum_of(&mut (x..x + squares).map(|x| (y - 1) * SIDE + x)) } else { 0 };
+            let both = u32::from(x > 0 && y > 0);
+            left.wrapping_add(above) >> (block.shape.level as u32 + both)
+        };
+        let scaled = mean.wrapping_mul((block.shape.side() as i32) << STEP_BITS);
+        scaled.wrapping_add(step >> 1).div_euclid(step)
+    }
+
+    /// Notes the mean of a transformed block; `levels` are the constant ones of its planes, the prediction included.
+    pub fn set_block(&mut self, channel: usize, block: Block, levels: &[i32], step: i32) {
+        let frames = block.shape.frames;
+        let sum = levels.iter().enumerate().fold(0i32, |sum, (plane, &level)| {
+            sum.wrapping_add(dequantise(level, step).wrapping_mul(basis(frames, plane, frames - 1)))
+        });
+        let mean = (sum.wrapping_add(1 << (BASIS_BITS - 1)) >> BASIS_BITS) >> (2 + block.shape.level);
+        let squares = block.shape.side() / LEAST;
+        for y in block.place.y / LEAST..block.place.y / LEAST + squares {
+            let first = y * SIDE + block.place.x / LEAST;
+            self.0[channel][first..first + squares].fill(mean);
+        }
+    }
+
+    /// Notes the means of the square at pixel (x, y) of the region.
+    pub fn set_square(&mut self, [x, y]: [usize; 2], means: [i32; CHANNELS]) {
+        for (channel, mean) in self.0.iter_mut().zip(means) {
+            channel[y / LEAST * SIDE + x / LEAST] = mean;
+        }
+    }
+}

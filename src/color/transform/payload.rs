@@ -1,0 +1,100 @@
+//! The payload of a chunk of one cell: its header, and a substream for each region (color.md 9.4).
+
+use std::ops::Range;
+
+use crate::color::transform::blocks::{MAX_FRAMES, regions};
+use crate::color::transform::domain::{ChromaSlopes, Keyed};
+use crate::color::transform::palette::{CACHED, Color};
+use crate::color::transform::steps::StepIndices;
+use crate::color::transform::tables::Tables;
+use crate::container::fields::Fields;
+use crate::error::{Error, Result};
+
+pub const SECTION: &str = "color.md 9.4";
+/// First byte of a payload that holds a chunk of cells (color.md 4) in place of regions.
+pub const CELLS: u8 = 255;
+
+/// How a cell's chunk is coded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Header {
+    /// Index of the table set.
+    pub set: usize,
+    pub steps: StepIndices,
+    pub slopes: ChromaSlopes,
+    /// Colours that the palettes of all regions may refer to.
+    pub colors: Vec<Color>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    pub header: Header,
+    /// Places of the substreams in the payload.
+    pub substreams: Vec<Range<usize>>,
+}
+
+/// Whether a payload holds a chunk of cells, from its second byte on.
+pub fn holds_cells(payload: &[u8]) -> bool {
+    payload.first() == Some(&CELLS)
+}
+
+pub fn check_frames(frames: u32) -> Result<()> {
+    if frames <= MAX_FRAMES {
+        return Ok(());
+    }
+    Err(Error::invalid_at(SECTION, 0, format!("a chunk of {frames} frames, at most {MAX_FRAMES} are legal")))
+}
+
+impl Layout {
+    pub fn parse<S: Keyed>(payload: &[u8], size: [usize; 2], tables: &Tables) -> Result<Layout> {
+        let mut fields = Fields::new(payload, 0, SECTION);
+        let set = usize::from(fields.u8()?);
+        if set >= tables.sets().len() {
+            return Err(fields.error(format!("table set {set}, the stream has {}", tables.sets().len())));
+        }
+        let steps = StepIndices { luma: fields.u8()?, chroma: fields.u8()? };
+        let slopes = ChromaSlopes { green: fields.u8()? as i8, orange: fields.u8()? as i8 };
+        let count = usize::from(fields.u8()?);
+        if count > CACHED {
+            return Err(fields.error(format!("{count} colours, at most {CACHED} are legal")));
+        }
+        let mut colors = vec![[0; 3]; count];
+        for key in colors.as_flattened_mut() {
+            *key = if S::BYTES == 1 { fields.u8()?.into() } else { fields.u16()?.into() };
+        }
+        let regions = regions(size).len();
+        let mut sizes = Vec::with_capacity(regions.min(fields.remaining() + 1));
+        for _ in 1..regions {
+            sizes.push(fields.varint_u32()? as usize);
+        }
+        let mut substreams = Vec::with_capacity(regions);
+        let base = fields.position();
+        let mut end = 0;
+        for size in sizes {
+            let start = end;
+            end += fields.bytes(size)?.len();
+            substreams.push(base + start..base + end);
+        }
+        substreams.push(base + end..payload.len());
+        Ok(Layout { header: Header { set, steps, slopes, colors }, substreams })
+    }
+}
+
+#[cfg(feature = "encode")]
+impl Header {
+    /// A payload of this header and the substreams of all regions.
+    pub fn write<S: Keyed>(&self, substreams: &[Vec<u8>]) -> Vec<u8> {
+        use crate::container::PutFields;
+
+        let StepIndices { luma, chroma } = self.steps;
+        let ChromaSlopes { green, orange } = self.slopes;
+        let mut out = vec![self.set as u8, luma, chroma, green as u8, orange as u8, self.colors.len() as u8];
+        for &key in self.colors.as_flattened() {
+            if S::BYTES == 1 { out.push(key as u8) } else { out.put_u16(key as u16) }
+        }
+        for substream in substreams.iter().take(substreams.len().saturating_sub(1)) {
+            out.put_varint(substream.len() as u64);
+        }
+        out.extend(substreams.iter().flatten());
+        out
+    }
+}

@@ -1,0 +1,214 @@
+//! Entropy tables (color.md 9.7): which contexts share a distribution, the built-in distributions, and those that a stream
+//! brings along.
+
+use std::sync::Arc;
+
+use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES};
+use crate::container::fields::Fields;
+use crate::entropy::{Distribution, SYMBOLS};
+use crate::error::Result;
+
+/// Built-in sets.
+pub const BUILT_IN: usize = 4;
+/// Most sets that a stream brings along.
+pub const MOST_OWN: usize = 8;
+
+/// The numbers of formats/color-tables.txt.
+static NUMBERS: [u16; numbers(TEXT, &mut [])] = {
+    let mut values = [0; numbers(TEXT, &mut [])];
+    numbers(TEXT, &mut values);
+    values
+};
+const TEXT: &[u8] = include_bytes!("../../../formats/color-tables.txt");
+
+/// Counts the decimal numbers of a text, and stores as many as fit into `values`; a line from `#` on is a comment.
+const fn numbers(text: &[u8], values: &mut [u16]) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while at < text.len() {
+        if text[at] == b'#' {
+            while at < text.len() && text[at] != b'\n' {
+                at += 1;
+            }
+        } else if text[at].is_ascii_digit() {
+            let mut value = 0;
+            while at < text.len() && text[at].is_ascii_digit() {
+                value = value * 10 + (text[at] - b'0') as u16;
+                at += 1;
+            }
+            if count < values.len() {
+                values[count] = value;
+            }
+            count += 1;
+        } else {
+            at += 1;
+        }
+    }
+    count
+}
+
+/// Distribution of each context.
+pub static CLUSTER_OF: [u8; CONTEXTS] = {
+    let mut clusters = [0; CONTEXTS];
+    let mut family = 0;
+    while family < FAMILIES.len() {
+        let first = FAMILIES[family].first_context;
+        let mut at = 0;
+        while at < FAMILIES[family].contexts {
+            clusters[first + at] = FAMILIES[family].first_cluster as u8 + NUMBERS[first + at] as u8;
+            at += 1;
+        }
+        family += 1;
+    }
+    clusters
+};
+
+static BUILT_IN_SETS: [[Distribution; CLUSTERS]; BUILT_IN] = {
+    let mut sets = [[Distribution::CERTAIN; CLUSTERS]; BUILT_IN];
+    let (mut set, mut next) = (0, CONTEXTS);
+    while set < BUILT_IN {
+        let mut cluster = 0;
+        while cluster < CLUSTERS {
+            let mut frequencies = [0; SYMBOLS];
+            let mut symbol = 0;
+            while symbol < ALPHABETS[cluster] as usize {
+                frequencies[symbol] = NUMBERS[next];
+                next += 1;
+                symbol += 1;
+            }
+            sets[set][cluster] = Distribution::of_frequencies(&frequencies);
+            cluster += 1;
+        }
+        set += 1;
+    }
+    assert!(next == NUMBERS.len(), "formats/color-tables.txt has another number of numbers");
+    sets
+};
+
+/// Distributions of all clusters.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableSet(Box<[Distribution; CLUSTERS]>);
+
+impl TableSet {
+    #[inline(always)]
+    pub fn distribution(&self, context: usize) -> &Distribution {
+        &self.0[usize::from(CLUSTER_OF[context])]
+    }
+
+    pub fn distributions(&self) -> &[Distribution; CLUSTERS] {
+        &self.0
+    }
+
+    fn read(fields: &mut Fields<'_>) -> Result<TableSet> {
+        let mut distributions = Box::new([Distribution::CERTAIN; CLUSTERS]);
+        for (distribution, alphabet) in distributions.iter_mut().zip(ALPHABETS) {
+            *distribution = Distribution::read(fields, alphabet.into())?;
+        }
+        Ok(TableSet(distributions))
+    }
+}
+
+/// The sets that payloads of a stream name: the built-in ones, then the stream's own.
+#[derive(Debug, Clone)]
+pub struct Tables {
+    sets: Arc<Vec<TableSet>>,
+}
+
+impl PartialEq for Tables {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.sets, &other.sets) || self.sets == other.sets
+    }
+}
+
+impl Default for Tables {
+    fn default() -> Self {
+        Tables::with_own(Vec::new())
+    }
+}
+
+impl Tables {
+    pub fn with_own(own: Vec<TableSet>) -> Tables {
+        let built_in = BUILT_IN_SETS.iter().map(|set| TableSet(Box::new(*set)));
+        Tables { sets: Arc::new(built_in.chain(own).collect()) }
+    }
+
+    pub fn sets(&self) -> &[TableSet] {
+        &self.sets
+    }
+
+    /// Sets that are not built in.
+    pub fn own(&self) -> &[TableSet] {
+        &self.sets[BUILT_IN..]
+    }
+
+    /// Reads the number of a stream's own sets, and the sets.
+    pub fn read(fields: &mut Fields<'_>) -> Result<Tables> {
+        let count = usize::from(fields.u8()?);
+        if count > MOST_OWN {
+            return Err(fields.error(format!("{count} table sets, at most {MOST_OWN} are legal")));
+        }
+        Ok(Tables::with_own((0..count).map(|_| TableSet::read(fields)).collect::<Result<_>>()?))
+    }
+}
+
+#[cfg(feature = "encode")]
+mod encode {
+    use super::{TableSet, Tables};
+    use crate::color::transform::contexts::{ALPHABETS, CLUSTERS};
+    use crate::entropy::{Distribution, SYMBOLS};
+
+    impl TableSet {
+        /// The set that suits counts of symbols by cluster.
+        pub fn of_counts(counts: &[[u64; SYMBOLS]; CLUSTERS]) -> TableSet {
+            let mut distributions = Box::new([Distribution::CERTAIN; CLUSTERS]);
+            for ((distribution, counts), alphabet) in distributions.iter_mut().zip(counts).zip(ALPHABETS) {
+                *distribution = Distribution::of_counts(counts, alphabet.into());
+            }
+            TableSet(distributions)
+        }
+    }
+
+    impl Tables {
+        /// The reverse of [`Tables::read`].
+        pub fn write(&self, out: &mut Vec<u8>) {
+            out.push(self.own().len() as u8);
+            for set in self.own() {
+                for (distribution, alphabet) in set.distributions().iter().zip(ALPHABETS) {
+                    distribution.write(alphabet.into(), out);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contexts_share_distributions_of_their_family_and_every_symbol_has_a_slot() {
+        for family in FAMILIES {
+            let clusters = family.first_cluster..family.first_cluster + family.clusters;
+            let contexts = family.first_context..family.first_context + family.contexts;
+            assert!(contexts.clone().all(|context| clusters.contains(&usize::from(CLUSTER_OF[context]))));
+            for set in Tables::default().sets() {
+                for distribution in &set.distributions()[clusters.clone()] {
+                    assert!((0..family.alphabet).all(|symbol| distribution.frequency(symbol) > 0));
+                    assert_eq!((0..family.alphabet).map(|symbol| distribution.frequency(symbol)).sum::<u32>(), 4096);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn own_sets_come_back() {
+        let own = Tables::default().sets()[..2].to_vec();
+        let tables = Tables::with_own(own);
+        let mut bytes = Vec::new();
+        tables.write(&mut bytes);
+        let mut fields = Fields::new(&bytes, 0, "");
+        assert_eq!(Tables::read(&mut fields).unwrap(), tables);
+        assert_eq!(fields.remaining(), 0);
+        assert!(Tables::read(&mut Fields::new(&[9], 0, "")).is_err());
+        assert!(Tables::read(&mut Fields::new(&bytes[..bytes.len() - 1], 0, "")).is_err());
+    }
+}

@@ -1,0 +1,13 @@
+//! Entropy coding with static distributions (color.md 10): rANS over symbols of at most 16 values.
+//!
+//! Probabilities are not adapted while decoding, so that substreams are independent and a device decodes each in one lane.
+
+#![doc(hidden)]
+
+pub mod distribution;
+pub mod rans;
+
+pub use distribution::{Distribution, SYMBOLS};
+pub use rans::Decoder;
+#[cfg(feature = "encode")]
+pub use rans::Encoder;
