@@ -76,7 +76,7 @@ impl Distribution {
 #[cfg(feature = "encode")]
 mod encode {
     use super::{Distribution, SLOTS, SYMBOLS};
-    use crate::container::PutFields;
+    use crate::container::serialize::PutFields;
 
     impl Distribution {
         /// The reverse of [`Distribution::read`].
@@ -116,7 +116,7 @@ mod encode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::PutFields;
+    use crate::container::serialize::PutFields;
 
     #[test]
     fn every_slot_has_its_symbol_and_bytes_come_back() {
@@ -127,7 +127,9 @@ mod tests {
             assert_eq!((0..alphabet).map(|symbol| distribution.frequency(symbol)).sum::<u32>(), u32::from(SLOTS));
             for slot in 0..SLOTS {
                 let symbol = distribution.symbol(slot);
-                assert!(symbol < alphabet && u32::from(slot) - distribution.start(symbol) < distribution.frequency(symbol));
+                assert!(
+                    symbol < alphabet && u32::from(slot) - distribution.start(symbol) < distribution.frequency(symbol)
+                );
             }
             let mut bytes = Vec::new();
             distribution.write(alphabet, &mut bytes);

@@ -69,6 +69,25 @@ impl Coder for Reader<'_> {
     }
 }
 
+/// A coder that reads.
+pub trait SourceCoder: Coder {
+    /// Whether more was read than there is.
+    fn is_short(&self) -> bool;
+
+    /// Whether all was read, and nothing more.
+    fn is_finished(&self) -> bool;
+}
+
+impl SourceCoder for Reader<'_> {
+    fn is_short(&self) -> bool {
+        self.stream.is_short()
+    }
+
+    fn is_finished(&self) -> bool {
+        self.stream.finished()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -65,7 +65,18 @@ pub const LATER_ROW: Family = Family::after(LATER_FRAME, 2, 2, 2);
 pub const LATER_PIXEL: Family = Family::after(LATER_ROW, 16, 4, 16);
 
 pub const FAMILIES: [Family; 13] = [
-    NODE, PLANES, CODED, LAST, LAST_BITS, LEVELS, PALETTE_SIZE, PALETTE_COLOR, ROW, PIXEL, LATER_FRAME, LATER_ROW,
+    NODE,
+    PLANES,
+    CODED,
+    LAST,
+    LAST_BITS,
+    LEVELS,
+    PALETTE_SIZE,
+    PALETTE_COLOR,
+    ROW,
+    PIXEL,
+    LATER_FRAME,
+    LATER_ROW,
     LATER_PIXEL,
 ];
 pub const CONTEXTS: usize = LATER_PIXEL.first_context + LATER_PIXEL.contexts;

@@ -2,9 +2,7 @@
 
 use crate::color::transform::blocks::Shape;
 use crate::color::transform::coder::Coder;
-use crate::color::transform::contexts::{
-    LATER_FRAME, LATER_PIXEL, LATER_ROW, PALETTE_COLOR, PALETTE_SIZE, PIXEL, ROW,
-};
+use crate::color::transform::contexts::{LATER_FRAME, LATER_PIXEL, LATER_ROW, PALETTE_COLOR, PALETTE_SIZE, PIXEL, ROW};
 
 /// Most colours of a palette.
 pub const MOST_COLORS: usize = 16;
@@ -165,13 +163,7 @@ impl Neighbours {
     }
 
     /// Codes an index as a neighbour's, by the last of `SYMBOLS` symbols as another one, in raw bits.
-    fn code<const SYMBOLS: usize>(
-        &self,
-        coder: &mut impl Coder,
-        context: usize,
-        index: &mut u8,
-        index_bits: u32,
-    ) {
+    fn code<const SYMBOLS: usize>(&self, coder: &mut impl Coder, context: usize, index: &mut u8, index_bits: u32) {
         let known = &self.indices[..self.count];
         let place = known.iter().position(|known| known == index).unwrap_or(SYMBOLS - 1);
         *index = match known.get(coder.symbol(context, place)) {

@@ -83,7 +83,7 @@ impl Layout {
 impl Header {
     /// A payload of this header and the substreams of all regions.
     pub fn write<S: Keyed>(&self, substreams: &[Vec<u8>]) -> Vec<u8> {
-        use crate::container::PutFields;
+        use crate::container::serialize::PutFields;
 
         let StepIndices { luma, chroma } = self.steps;
         let ChromaSlopes { green, orange } = self.slopes;

@@ -56,7 +56,8 @@ impl TransformChunk {
                 }
                 self.decode_leaf::<S>(region, leaf, frame, &mut scratch);
                 let (place, side) = (leaf.block.place, leaf.block.shape.side());
-                let [columns, rows] = [width.saturating_sub(place.x), height.saturating_sub(place.y)].map(|n| n.min(side));
+                let [columns, rows] =
+                    [width.saturating_sub(place.x), height.saturating_sub(place.y)].map(|n| n.min(side));
                 for y in 0..rows {
                     let keys = &scratch.keys[y * side..][..columns];
                     let first = 3 * ((top + place.y + y) * self.size[0] + left + place.x);
@@ -119,9 +120,8 @@ impl Leaf {
         match &self.content {
             Content::Transform { still, .. } => *still || frame == other,
             Content::Palette(index) => {
-                let [a, b] = [frame, other].map(|frame| {
-                    region.palettes[*index].frame(self.block.shape, frame - self.block.place.frame)
-                });
+                let [a, b] = [frame, other]
+                    .map(|frame| region.palettes[*index].frame(self.block.shape, frame - self.block.place.frame));
                 a == b
             }
         }

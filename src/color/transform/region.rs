@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::color::transform::basis::{MAX_LENGTH, length_index};
 use crate::color::transform::blocks::{Block, LEAST};
-use crate::color::transform::coder::{Coder, Reader};
+use crate::color::transform::coder::{Reader, SourceCoder};
 use crate::color::transform::contexts;
 use crate::color::transform::domain::{self, CHANNELS, Domain};
 use crate::color::transform::levels::{History, Level, SparseLevels};
@@ -69,8 +69,19 @@ impl Region {
         domain: &Domain,
     ) -> Result<Region> {
         let (bytes, at) = substream;
+        let coder = Reader { stream: entropy::Decoder::new(bytes), tables };
+        Region::read_by(coder, root, header, domain).map_err(|message| Error::invalid_at(SECTION, at as u64, message))
+    }
+
+    /// As [`Region::read`], by any coder.
+    pub fn read_by<C: SourceCoder>(
+        coder: C,
+        root: Block,
+        header: &Header,
+        domain: &Domain,
+    ) -> Result<Region, &'static str> {
         let mut reader = RegionReader {
-            coder: Reader { stream: entropy::Decoder::new(bytes), tables },
+            coder,
             header,
             domain,
             steps: Steps::new(header.steps, domain),
@@ -82,18 +93,16 @@ impl Region {
             illegal: None,
         };
         reader.node(root);
-        if !reader.coder.stream.finished() {
-            reader.illegal.get_or_insert("a region's substream does not end where its symbols do");
+        match reader.illegal {
+            Some(message) => Err(message),
+            None if !reader.coder.is_finished() => Err("a region's substream does not end where its symbols do"),
+            None => Ok(Region { levels: reader.levels.levels, ..reader.region }),
         }
-        if let Some(message) = reader.illegal {
-            return Err(Error::invalid_at(SECTION, at as u64, message));
-        }
-        Ok(Region { levels: reader.levels.levels, ..reader.region })
     }
 }
 
-struct RegionReader<'a> {
-    coder: Reader<'a>,
+struct RegionReader<'a, C> {
+    coder: C,
     header: &'a Header,
     domain: &'a Domain,
     steps: Steps,
@@ -105,10 +114,10 @@ struct RegionReader<'a> {
     illegal: Option<&'static str>,
 }
 
-impl RegionReader<'_> {
+impl<C: SourceCoder> RegionReader<'_, C> {
     fn node(&mut self, block: Block) {
         // What follows the end of a substream that is too short is not worth reading.
-        if self.illegal.is_some() || self.coder.stream.is_short() {
+        if self.illegal.is_some() || self.coder.is_short() {
             return;
         }
         match (self.coder.symbol(contexts::node(block.shape), 0), length_index(block.shape.frames)) {

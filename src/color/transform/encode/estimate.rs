@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use crate::color::transform::basis::length_index;
 use crate::color::transform::blocks::{Block, LEAST, REGION};
 use crate::color::transform::domain::CHANNELS;
+use crate::color::transform::domain::Domain;
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
 use crate::color::transform::steps::{STEP_BITS, Steps};
-use crate::color::transform::domain::Domain;
 
 const SQUARES: usize = (REGION / LEAST) * (REGION / LEAST);
 const LEVELS: usize = 4;
@@ -92,8 +92,7 @@ impl Estimates {
         let sum = |blocks: &mut dyn Iterator<Item = Block>| {
             blocks.map(|block| self.best[self.index(block)]).sum::<f32>() + split
         };
-        let quarters =
-            if block.shape.level > 0 { sum(&mut block.quarters().into_iter()) } else { f32::INFINITY };
+        let quarters = if block.shape.level > 0 { sum(&mut block.quarters().into_iter()) } else { f32::INFINITY };
         let parts = if block.shape.frames > 1 { sum(&mut block.parts()) } else { f32::INFINITY };
         Ways { whole: self.whole[self.index(block)], quarters, parts }
     }

@@ -18,29 +18,14 @@ use crate::color::quality::Quality;
 use crate::color::settings::SearchSettings;
 use crate::color::temporal::CellEncoder;
 use crate::color::transform::Keyed;
-use crate::color::transform::encode::promise::{Encoded, encode_chunk};
-use crate::color::transform::encode::rate::Costs;
+use crate::color::transform::encode::promise::{Encoded, Start, encode_chunk};
 use crate::color::transform::encode::source::CellSource;
 use crate::color::transform::payload::CELLS;
-use crate::color::transform::tables::Tables;
 use crate::container::EncodedChunk;
 use crate::error::Result;
 
+pub use rate::PricedTables;
 pub use training::Trainer;
-
-/// Table sets with the bits of their symbols; made once for all cells.
-#[derive(Debug)]
-pub struct PricedTables {
-    pub tables: Tables,
-    costs: Vec<Costs>,
-}
-
-impl PricedTables {
-    pub fn new(tables: Tables) -> PricedTables {
-        let costs = tables.sets().iter().map(Costs::new).collect();
-        PricedTables { tables, costs }
-    }
-}
 
 /// Encodes the frames of one cell into chunks of a fixed number of frames.
 #[derive(Debug)]
@@ -53,13 +38,6 @@ pub struct TransformEncoder<S> {
     frames: Vec<Vec<S>>,
     /// Step and table set of the chunk before, where the next search starts.
     start: Option<Start>,
-}
-
-/// Where the search for a step starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Start {
-    pub step: i32,
-    pub set: usize,
 }
 
 impl<S: Keyed> TransformEncoder<S> {
@@ -92,7 +70,10 @@ impl<S: Keyed> TransformEncoder<S> {
             }
             transformed => {
                 let cells = self.as_cells(&frames, quality)?;
-                transformed.map(|encoded| encoded.payload).filter(|payload| payload.len() <= cells.len()).unwrap_or(cells)
+                transformed
+                    .map(|encoded| encoded.payload)
+                    .filter(|payload| payload.len() <= cells.len())
+                    .unwrap_or(cells)
             }
         };
         let (first_frame, frame_count) = (self.chunk_first, frames.len() as u32);

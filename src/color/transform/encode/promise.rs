@@ -5,17 +5,16 @@ use std::collections::BTreeMap;
 use crate::color::quality::Quality;
 use crate::color::settings::SearchSettings;
 use crate::color::transform::blocks::regions;
+use crate::color::transform::contexts::CLUSTERS;
 use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
-use crate::color::transform::encode::rate::{Counts, SymbolCounter, Writer};
+use crate::color::transform::encode::rate::{Counts, PricedTables, SymbolCounter, Writer};
 use crate::color::transform::encode::search::{Search, SearchContext};
 use crate::color::transform::encode::source::{CellSource, RegionSource, TimeBases};
 use crate::color::transform::encode::tree::Tree;
-use crate::color::transform::encode::{PricedTables, Start};
 use crate::color::transform::palette::{CACHED, Color, ColorCache};
 use crate::color::transform::payload::Header;
 use crate::color::transform::reconstruct::TransformChunk;
 use crate::color::transform::steps::{StepIndices, Steps};
-use crate::color::transform::contexts::CLUSTERS;
 use crate::effort::Effort;
 use crate::entropy::{Encoder, SYMBOLS};
 use crate::error::Result;
@@ -37,6 +36,13 @@ const SIXTEENTHS: [f64; 16] = [
 ];
 /// What steps of half-float keys are above those of bytes for the same quality.
 const USUAL_HALF_OFFSET: f64 = 96.0;
+
+/// Where the search for a step starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Start {
+    pub step: i32,
+    pub set: usize,
+}
 
 /// A payload that keeps the promise.
 #[derive(Debug)]
@@ -142,7 +148,8 @@ impl<S: Keyed> Trials<'_, S> {
             Some(trial) => trial.header.colors.clone(),
             None => self.frequent_colors(),
         };
-        let mut header = Header { set: start.set, steps: step_indices(start.step, self.slopes), slopes: self.slopes, colors };
+        let mut header =
+            Header { set: start.set, steps: step_indices(start.step, self.slopes), slopes: self.slopes, colors };
         let context = SearchContext {
             header: &header,
             domain: &S::DOMAIN,
@@ -177,7 +184,8 @@ impl<S: Keyed> Trials<'_, S> {
 
     fn payload(&self, trial: &Trial) -> Vec<u8> {
         let write = |tree: &Tree| {
-            let mut writer = Writer { stream: Encoder::default(), tables: &self.tables.tables.sets()[trial.header.set] };
+            let mut writer =
+                Writer { stream: Encoder::default(), tables: &self.tables.tables.sets()[trial.header.set] };
             tree.code(&mut writer, &mut ColorCache::new(&trial.header.colors), S::DOMAIN.key_bits);
             writer.stream.finish()
         };
@@ -264,7 +272,8 @@ fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
     let change = [1.0 + orange - green, 1.0 + green, 1.0 - orange - green];
     let energy: f64 = change.iter().map(|change| change * change).sum();
     // 16 · log2 of the length: each index is 1/8 of an octave of the energy.
-    let finer = (1..64).take_while(|&at| energy >= SIXTEENTHS[(2 * at - 1) % 16] * f64::from(1u32 << ((2 * at - 1) / 16)));
+    let finer =
+        (1..64).take_while(|&at| energy >= SIXTEENTHS[(2 * at - 1) % 16] * f64::from(1u32 << ((2 * at - 1) / 16)));
     let clamp = |index: i32| index.clamp(0, 255) as u8;
     StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step) }
 }

@@ -59,7 +59,8 @@ impl Quantiser<'_> {
         let energy: f32 = plane.coefficients.iter().map(|value| value * value).sum();
         let empty = Cost { error: energy, bits: self.costs.symbol(plane.context.coded(plane.coded_before), 0) };
         let nothing = Quantised { cost: empty, energy, coded: false };
-        let Some(first) = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO) else {
+        let Some(first) = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO)
+        else {
             return nothing;
         };
         let reachable: f32 = order[..=first].iter().map(|&position| plane.coefficients[at(position)].powi(2)).sum();

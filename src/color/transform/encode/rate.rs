@@ -2,7 +2,7 @@
 
 use crate::color::transform::coder::{Coder, number_parts};
 use crate::color::transform::contexts::CLUSTERS;
-use crate::color::transform::tables::{CLUSTER_OF, TableSet};
+use crate::color::transform::tables::{CLUSTER_OF, TableSet, Tables};
 use crate::entropy::{Encoder, SYMBOLS};
 
 /// Symbols by cluster.
@@ -64,6 +64,20 @@ impl Costs {
             counts.iter().zip(costs).map(|(&count, &cost)| count as f64 * f64::from(cost)).sum()
         };
         counts.iter().zip(self.0.iter()).map(bits).sum()
+    }
+}
+
+/// Table sets with the bits of their symbols; made once for all cells.
+#[derive(Debug)]
+pub struct PricedTables {
+    pub tables: Tables,
+    pub costs: Vec<Costs>,
+}
+
+impl PricedTables {
+    pub fn new(tables: Tables) -> PricedTables {
+        let costs = tables.sets().iter().map(Costs::new).collect();
+        PricedTables { tables, costs }
     }
 }
 

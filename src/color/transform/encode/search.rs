@@ -119,9 +119,8 @@ impl<'a> Search<'a> {
             best = Some((found, self.state.clone()));
         }
         let ways = self.estimates.as_ref().map(|estimates| estimates.ways(block, self.context.lambda));
-        let limit = ways.map_or(f32::INFINITY, |ways| {
-            ways.whole.min(ways.quarters).min(ways.parts) * self.context.slack()
-        });
+        let limit =
+            ways.map_or(f32::INFINITY, |ways| ways.whole.min(ways.quarters).min(ways.parts) * self.context.slack());
         let promising = |estimate: Option<f32>| estimate.is_none_or(|estimate| estimate <= limit);
         if let Some(length) = length_index(block.shape.frames)
             && promising(ways.map(|ways| ways.whole))
@@ -129,7 +128,8 @@ impl<'a> Search<'a> {
             self.state = before.clone();
             let mut found = self.transform(block, length);
             found.cost.bits += self.kind_bits(block, TRANSFORM);
-            let nearly_free = found.cost.bits < 6.0 && found.cost.error < 0.0002 * (block.shape.pixels() * block.shape.frames) as f32;
+            let nearly_free =
+                found.cost.bits < 6.0 && found.cost.error < 0.0002 * (block.shape.pixels() * block.shape.frames) as f32;
             self.keep_better(&mut best, found);
             if nearly_free {
                 return self.take(best, block);
