@@ -1,4 +1,4 @@
-//! Distributions of symbols in 4096ths (color.md 10.1).
+//! Distributions of symbols in 4096ths (color.md 7.1).
 
 use crate::container::fields::Fields;
 use crate::error::Result;

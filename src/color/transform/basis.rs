@@ -1,4 +1,4 @@
-//! Cosine bases in integers (color.md 9.1).
+//! Cosine bases in integers (color.md 6.1).
 //!
 //! All transforms use one table of cosines: an angle is a multiple of π/192, which covers 4 to 32 points in space and the lengths in
 //! time.

@@ -1,4 +1,4 @@
-//! How a cell is cut into regions, and a region into blocks (color.md 9.4).
+//! How a cell is cut into regions, and a region into blocks (color.md 6.4).
 
 /// Side of a region in pixels; regions are coded independently.
 pub const REGION: usize = 32;

@@ -1,4 +1,4 @@
-//! Contexts of symbols (color.md 9.6): which distribution codes a symbol, from what is decoded already.
+//! Contexts of symbols (color.md 6.6): which distribution codes a symbol, from what is decoded already.
 
 use crate::color::transform::basis::{LENGTHS, length_index};
 use crate::color::transform::blocks::Shape;

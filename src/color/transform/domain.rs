@@ -1,4 +1,4 @@
-//! From samples to channels and back, without loss (color.md 9.2): YCoCg-R of keys, and chroma predicted from luma.
+//! From samples to channels and back, without loss (color.md 6.2): YCoCg-R of keys, and chroma predicted from luma.
 //!
 //! Based on: Malvar and Sullivan, *YCoCg-R: A color space with RGB reversibility and low dynamic range*, 2003.
 

@@ -1,4 +1,4 @@
-//! Transformed blocks: levels of each channel, plane by plane, from the last one back (color.md 9.6).
+//! Transformed blocks: levels of each channel, plane by plane, from the last one back (color.md 6.6).
 
 use crate::color::transform::blocks::Shape;
 use crate::color::transform::coder::Coder;

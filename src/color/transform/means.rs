@@ -1,4 +1,4 @@
-//! Means of squares of 4×4 pixels, from which the mean of the next block is predicted (color.md 9.5).
+//! Means of squares of 4×4 pixels, from which the mean of the next block is predicted (color.md 6.5).
 
 use crate::color::transform::basis::{BASIS_BITS, basis};
 use crate::color::transform::blocks::{Block, LEAST, REGION};

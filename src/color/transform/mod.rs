@@ -1,4 +1,4 @@
-//! Colour by a transform in space and time, for each cell and chunk (color.md 9).
+//! Colour by a transform in space and time, for each cell and chunk (color.md 6).
 //!
 //! A chunk of a cell is decodable alone. It is cut into regions of 32×32 pixels, each with a substream of its own; a region is a
 //! tree of blocks in space and time; a block has integer cosine coefficients, quantised with one step for the whole cell, or

@@ -1,4 +1,4 @@
-//! Blocks of few colours: a palette and an index for each pixel (color.md 9.8).
+//! Blocks of few colours: a palette and an index for each pixel (color.md 6.8).
 
 use crate::color::transform::blocks::Shape;
 use crate::color::transform::coder::Coder;

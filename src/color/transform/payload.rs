@@ -1,4 +1,4 @@
-//! The payload of a chunk of one cell: its header, and a substream for each region (color.md 9.4).
+//! The payload of a chunk of one cell: its header, and a substream for each region (color.md 6.4).
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::color::transform::tables::Tables;
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
-pub const SECTION: &str = "color.md 9.4";
+pub const SECTION: &str = "color.md 6.4";
 /// First byte of a payload that holds a chunk of cells (color.md 4) in place of regions.
 pub const CELLS: u8 = 255;
 

@@ -1,4 +1,4 @@
-//! From levels to samples: one frame of a cell's chunk (color.md 9.3).
+//! From levels to samples: one frame of a cell's chunk (color.md 6.3).
 
 use crate::color::transform::basis::{BASIS_BITS, basis, length_index, matrix};
 use crate::color::transform::blocks::{Block, regions};

@@ -1,4 +1,4 @@
-//! Reads the substream of a region: a tree of blocks in space and time (color.md 9.4 to 9.8).
+//! Reads the substream of a region: a tree of blocks in space and time (color.md 6.4 to 6.8).
 
 use std::ops::Range;
 
@@ -170,7 +170,7 @@ impl<C: SourceCoder> RegionReader<'_, C> {
     }
 }
 
-/// Notes the means of a palette's last frame (color.md 9.5).
+/// Notes the means of a palette's last frame (color.md 6.5).
 pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &Domain, means: &mut Means) {
     let side = block.shape.side();
     let indices = palette.frame(block.shape, block.shape.frames - 1);

@@ -1,4 +1,4 @@
-//! The order of levels in a plane, and the magnitudes around a level (color.md 9.6).
+//! The order of levels in a plane, and the magnitudes around a level (color.md 6.6).
 
 use crate::color::transform::contexts::Position;
 

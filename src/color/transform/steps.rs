@@ -1,4 +1,4 @@
-//! Quantiser steps (color.md 9.3): 16 an octave, by channel and by length in time.
+//! Quantiser steps (color.md 6.3): 16 an octave, by channel and by length in time.
 
 use crate::color::transform::basis::LENGTHS;
 use crate::color::transform::domain::{CHANNELS, Domain};

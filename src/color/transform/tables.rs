@@ -1,4 +1,4 @@
-//! Entropy tables (color.md 9.7): which contexts share a distribution, the built-in distributions, and those that a stream
+//! Entropy tables (color.md 6.7): which contexts share a distribution, the built-in distributions, and those that a stream
 //! brings along.
 
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Encodes chunks of a cell: the coarsest quantiser step whose decoded frames keep the promised PSNR (color.md 9).
+//! Encodes chunks of a cell: the coarsest quantiser step whose decoded frames keep the promised PSNR (color.md 6).
 //!
 //! In: the samples of a cell, frame by frame. Out: payloads of [`crate::color::transform::payload`].
 
