@@ -21,7 +21,8 @@ use crate::report::Table;
 const BAR_COLUMNS: u64 = 8;
 
 #[derive(Debug, clap::Args)]
-#[command(mut_arg("lzma2", |lzma2| lzma2.requires("output")), after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
+#[command(mut_arg("lzma2", |arg| arg.requires("output")), mut_arg("zstd", |arg| arg.requires("output")),
+    mut_arg("no_compression", |arg| arg.requires("output")), after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
     lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
     lightfold bc4w depth.%04d.exr --stats\n\n\
     Each 8x8 pixels become 32 bytes, a quarter of their 16-bit codes, without an error bound; the background is exact. \

@@ -18,6 +18,7 @@ use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
     lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
     With --max-error or --max-error-relative, quadtrees in the intermediate form become packed nodes. All other streams are \
     copied.",
+    mut_arg("no_compression", |arg| arg.alias("no-lzma2")),
     mut_arg("optimize", |arg| arg.requires("bound")),
     mut_arg("min_children", |arg| arg.requires("bound")),
     mut_arg("depth_window", |arg| arg.requires("bound")),
@@ -30,9 +31,6 @@ pub struct Args {
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub output: OutputArgs,
-    /// Decompress LZMA2 chunks
-    #[arg(long, conflicts_with = "lzma2")]
-    pub no_lzma2: bool,
     #[command(flatten)]
     pub bound: BoundArgs,
     #[command(flatten)]
@@ -47,11 +45,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     check_stdout(&args.output.path, args.output.store.json)?;
     let start = std::time::Instant::now();
     let inputs = args.inputs.iter().map(Reader::open).collect::<Result<Vec<_>>>()?;
-    let repack = match args.output.store.lzma2 {
-        Some(level) => Repack::Lzma2(level),
-        None if args.no_lzma2 => Repack::Raw,
-        None => Repack::Keep,
-    };
+    let repack = args.output.store.compression().map_or(Repack::Keep, Repack::As);
     let flatten = args.bound.get().map(|error| FlattenSettings {
         error,
         window: args.steps.depth_window,

@@ -10,6 +10,8 @@ pub const ENTRY_BYTES: usize = 40;
 pub const MAX_CHUNK_BYTES: u32 = 1 << 30;
 /// Most raw bytes of a stored byte of LZMA2, whose densest codes have about 7,000.
 pub const MAX_EXPANSION: u64 = 16_384;
+/// Most raw bytes of a stored byte of Zstandard: a block of 128 KiB takes at least four bytes.
+pub const MAX_ZSTD_EXPANSION: u64 = 32_768;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
@@ -17,6 +19,8 @@ pub enum Storage {
     Raw = 0,
     /// As one LZMA2 stream, with the dictionary of [`dictionary_bytes`](crate::container::lzma2::dictionary_bytes).
     Lzma2 = 1,
+    /// As one Zstandard frame.
+    Zstd = 2,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -61,6 +65,7 @@ impl ChunkEntry {
         let storage = match fields.u8()? {
             0 => Storage::Raw,
             1 => Storage::Lzma2,
+            2 => Storage::Zstd,
             other => return Err(fields.error(format!("a chunk is stored by method {other}, which is unknown"))),
         };
         fields.zeros(3)?;
@@ -84,6 +89,7 @@ impl ChunkEntry {
             && match self.storage {
                 Storage::Raw => raw_bytes == stored_bytes,
                 Storage::Lzma2 => u64::from(raw_bytes) <= u64::from(stored_bytes) * MAX_EXPANSION,
+                Storage::Zstd => u64::from(raw_bytes) <= u64::from(stored_bytes) * MAX_ZSTD_EXPANSION,
             };
         if !plausible {
             return Err(

@@ -288,13 +288,11 @@ impl<'a> ChunkTable<'a> {
         let storage = match head & chunk_flags::STORAGE {
             0 => Storage::Raw,
             1 => Storage::Lzma2,
-            chunk_flags::SHARED => {
+            2 => Storage::Zstd,
+            _ => {
                 let earlier = self.chunks.len().checked_sub(value as usize + 1).map(|at| self.chunks[at]);
                 let none = || fields.error_at(start, format!("the bytes of a chunk {value} rows before the first"));
                 return Ok(ChunkEntry { key, ..earlier.ok_or_else(none)? });
-            }
-            other => {
-                return Err(fields.error_at(start, format!("a chunk is stored by method {other}, which is unknown")));
             }
         };
         let raw_bytes = if storage == Storage::Raw { value } else { fields.varint_u32()? };

@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use crate::container::chunk::{self, ChunkEntry, ChunkPlace};
+use crate::container::chunk::{self, ChunkEntry, ChunkPlace, Storage};
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
@@ -100,7 +100,7 @@ impl Index {
         index.streams = (0..stream_count).map(|_| read_stream(&mut fields, probes)).collect::<Result<_>>()?;
         fields.enter("container.md 6");
         check_count(&fields, "chunks", chunk_count, chunk::ENTRY_BYTES)?;
-        index.chunks = (0..chunk_count).map(|_| ChunkEntry::read(&mut fields, offset)).collect::<Result<_>>()?;
+        index.chunks = (0..chunk_count).map(|_| read_chunk(&mut fields, offset)).collect::<Result<_>>()?;
         fields.finish()?;
         index.check()?;
         Ok(index)
@@ -285,11 +285,21 @@ fn read_stream(fields: &mut Fields<'_>, probes: usize) -> Result<StreamEntry> {
     }
 }
 
+/// A row of the chunk table, in which version 1.0 knows raw chunks and LZMA2.
+fn read_chunk(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
+    let start = fields.offset();
+    let entry = ChunkEntry::read(fields, end)?;
+    match entry.storage {
+        Storage::Raw | Storage::Lzma2 => Ok(entry),
+        Storage::Zstd => Err(fields.error_at(start, "a chunk is stored by method 2, which index form 0 does not have")),
+    }
+}
+
 #[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::chunk::{ChunkKey, Storage};
+    use crate::container::chunk::ChunkKey;
 
     fn sample() -> Index {
         let stream = |kind, face| StreamEntry {

@@ -7,6 +7,8 @@
 
 pub mod chunk;
 pub mod compact;
+#[cfg(feature = "encode")]
+pub mod compression;
 pub mod fields;
 pub mod header;
 pub mod index;
@@ -17,8 +19,6 @@ pub mod journal;
 pub mod limits;
 pub mod lzma2;
 #[cfg(feature = "encode")]
-pub mod lzma2_encode;
-#[cfg(feature = "encode")]
 pub mod lzma2_independent;
 pub mod payload;
 pub mod reader;
@@ -26,8 +26,13 @@ pub mod serialize;
 pub mod source;
 #[cfg(feature = "encode")]
 pub mod writer;
+pub mod zstd;
+#[cfg(feature = "encode")]
+pub mod zstd_independent;
 
 pub use chunk::{ChunkEntry, ChunkKey, ChunkPlace, EncodedChunk, Storage};
+#[cfg(feature = "encode")]
+pub use compression::{Compression, PayloadKind};
 pub use fields::Fields;
 pub use index::{Index, ProbeEntry, StreamEntry};
 #[cfg(feature = "encode")]

@@ -13,6 +13,7 @@ use crate::container::limits::{self, OpenLimits};
 use crate::container::lzma2;
 use crate::container::payload::Payload;
 use crate::container::source::ByteSource;
+use crate::container::zstd;
 use crate::error::{Error, Result};
 
 /// A foot that bytes follow is looked for in this many at the end of a file.
@@ -176,6 +177,7 @@ impl Reader {
         match chunk.storage {
             Storage::Raw => Ok(stored),
             Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map(Payload::from),
+            Storage::Zstd => zstd::decompress(&stored, chunk.raw_bytes).map(Payload::from),
         }
     }
 
@@ -233,6 +235,7 @@ fn read_stream(mut stream: impl Read, what: &str) -> Result<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::container::chunk::ChunkKey;
+    use crate::container::compression::{Compression, PayloadKind};
     use crate::container::index::{ProbeEntry, StreamEntry};
     use crate::container::writer::{PackedChunk, Writer};
 
@@ -259,11 +262,11 @@ mod tests {
         }
     }
 
-    /// One stream in two chunks, one of them compressed.
+    /// One stream in three chunks, two of them compressed.
     fn sample() -> Vec<u8> {
         let mut writer = Writer::new(Vec::new(), "sample", 24.0, 0).unwrap();
         let (position, orientation, intrinsics) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0], [0.0; 4]);
-        let probe = ProbeEntry { name: "00".into(), position, orientation, frames: [0, 1], intrinsics };
+        let probe = ProbeEntry { name: "00".into(), position, orientation, frames: [0, 2], intrinsics };
         let probe = writer.add_probe(probe).unwrap();
         writer.add_stream(StreamEntry {
             kind: 1,
@@ -273,14 +276,17 @@ mod tests {
             width: 8,
             height: 8,
             first_frame: 0,
-            frame_count: 2,
+            frame_count: 3,
             unit_width: 8,
             unit_height: 8,
             codec_header: Arc::default(),
         });
-        for (first_frame, level) in [(0, None), (1, Some(6))] {
+        let compressions = [Compression::None, Compression::Lzma2(6), Compression::Zstd(9)];
+        for (first_frame, compression) in (0..).zip(compressions) {
             let key = ChunkKey { stream: 0, unit: 0, first_frame, frame_count: 1 };
-            writer.push(&PackedChunk::new(key, vec![first_frame as u8; 500], level).unwrap()).unwrap();
+            writer
+                .push(&PackedChunk::new(key, vec![first_frame as u8; 500], (compression, PayloadKind::Mixed)).unwrap())
+                .unwrap();
         }
         writer.finish().unwrap().0
     }
@@ -304,7 +310,7 @@ mod tests {
         assert_eq!(readers.each_ref().map(|reader| reader.bytes_in_memory() > 0), [false, true, true, false, false]);
         for reader in &readers {
             assert_eq!(reader.index(), readers[0].index());
-            for (chunk, value) in reader.index().chunks.iter().zip([0, 1]) {
+            for (chunk, value) in reader.index().chunks.iter().zip([0, 1, 2]) {
                 assert_eq!(*reader.fetch(chunk).unwrap(), [value; 500]);
                 assert_eq!(reader.fetch_stored(chunk).unwrap(), readers[0].fetch_stored(chunk).unwrap());
             }

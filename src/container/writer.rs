@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 use std::io::Write;
 
-use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES, Storage};
+use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES};
 use crate::container::compact;
+use crate::container::compression::{Compression, PayloadKind};
 use crate::container::header::{FOOT_BYTES, Foot, IndexForm};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
 use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks, identity};
 use crate::container::limits::{self, OpenLimits};
-use crate::container::lzma2_encode;
 use crate::container::serialize::write_head;
 use crate::error::{Error, Result};
 
@@ -26,8 +26,12 @@ pub struct PackedChunk {
 }
 
 impl PackedChunk {
-    /// Compresses at LZMA2 preset `level`, if given, where that is smaller.
-    pub fn new(key: ChunkKey, payload: Vec<u8>, level: Option<u32>) -> Result<PackedChunk> {
+    /// Compresses the payload where that is smaller.
+    pub fn new(
+        key: ChunkKey,
+        payload: Vec<u8>,
+        (compression, kind): (Compression, PayloadKind),
+    ) -> Result<PackedChunk> {
         let raw_bytes = u32::try_from(payload.len()).ok().filter(|&bytes| bytes <= MAX_CHUNK_BYTES);
         let Some(raw_bytes) = raw_bytes else {
             return Err(Error::unsupported(format!(
@@ -36,11 +40,7 @@ impl PackedChunk {
                 payload.len()
             )));
         };
-        let compressed = level.map(|level| lzma2_encode::compress(&payload, level)).transpose()?;
-        let (storage, stored) = match compressed {
-            Some(compressed) if compressed.len() < payload.len() => (Storage::Lzma2, compressed),
-            _ => (Storage::Raw, payload),
-        };
+        let (storage, stored) = compression.compress(payload, kind)?;
         let (stored_bytes, crc32) = (stored.len() as u32, crc32fast::hash(&stored));
         let entry = ChunkEntry { key, offset: 0, stored_bytes, raw_bytes, crc32, storage };
         Ok(PackedChunk { identity: identity(&entry, &stored), entry, stored })

@@ -1,15 +1,26 @@
 //! Upper bounds of the memory that work on a container takes, from its index alone.
 //!
 //! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::held_payload_bytes`], by which containers are also
-//! refused (container.md 2); LZMA2, threads and files come on top here.
+//! refused (container.md 2); decompression, threads and files come on top here.
 
+#[cfg(feature = "encode")]
+use crate::container::Compression;
 use crate::container::{ChunkEntry, Reader, Storage, lzma2};
 use crate::decode::decoder::Decoder;
 use crate::streams::{CodecHeader, StreamInfo};
 
 /// Bytes of memory for each byte of the dictionary when LZMA2 compresses: a tree of two positions of 4 bytes for each byte
 /// (8), a table of hashes with half as many positions (2), the window and half of it again (1.5), and tables of fixed size.
+#[cfg(feature = "encode")]
 const LZMA2_ENCODER_RATIO: u64 = 12;
+/// The same for Zstandard: a table of hashes with twice as many positions of 4 bytes (8), a tree of two positions for each
+/// byte (8).
+#[cfg(feature = "encode")]
+const ZSTD_ENCODER_RATIO: u64 = 16;
+/// Tables of fixed size: prices, sequences, literals.
+#[cfg(feature = "encode")]
+const ZSTD_ENCODER_BYTES: u64 = 3 << 20;
+const ZSTD_DECODER_BYTES: u64 = 256 << 10;
 
 /// Bytes for reading, decompressing and parsing a chunk.
 pub fn chunk_bytes(header: &CodecHeader, chunk: &ChunkEntry) -> u64 {
@@ -21,12 +32,20 @@ fn reading_bytes(chunk: &ChunkEntry) -> u64 {
     match chunk.storage {
         Storage::Raw => 0,
         Storage::Lzma2 => u64::from(chunk.stored_bytes) + u64::from(lzma2::dictionary_bytes(chunk.raw_bytes)),
+        // The payload is the window.
+        Storage::Zstd => u64::from(chunk.stored_bytes) + ZSTD_DECODER_BYTES,
     }
 }
 
-pub fn compressing_bytes(raw_bytes: u64) -> u64 {
+#[cfg(feature = "encode")]
+pub fn compressing_bytes(compression: Compression, raw_bytes: u64) -> u64 {
     let raw = u32::try_from(raw_bytes).unwrap_or(u32::MAX);
-    LZMA2_ENCODER_RATIO * u64::from(lzma2::dictionary_bytes(raw)) + raw_bytes
+    let window = u64::from(lzma2::dictionary_bytes(raw));
+    match compression {
+        Compression::None => 0,
+        Compression::Lzma2(_) => LZMA2_ENCODER_RATIO * window + raw_bytes,
+        Compression::Zstd(_) => ZSTD_ENCODER_RATIO * window + ZSTD_ENCODER_BYTES + raw_bytes,
+    }
 }
 
 /// Bytes for decoding one unit: its picture and its largest chunk.

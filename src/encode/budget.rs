@@ -176,5 +176,5 @@ fn unit_count(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
 /// Compressing one chunk on each thread.
 fn compressing(settings: &EncodeSettings, chunk_bytes: u64) -> u64 {
     let threads = rayon::current_num_threads() as u64;
-    settings.lzma2.map_or(0, |_| threads * memory::compressing_bytes(chunk_bytes))
+    threads * memory::compressing_bytes(settings.compression, chunk_bytes)
 }

@@ -43,7 +43,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         color,
         search,
         color_blocks,
-        lzma2,
+        compression,
         kinds,
         // Batches are smaller with less of it; the order of chunks and their bytes are the same.
         memory: _,
@@ -56,7 +56,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         StreamKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).map(StreamKind::name).collect();
     vec![
         ("`stream`", kinds.join(",")),
-        ("`lzma2`", lzma2.map_or("none".to_owned(), |level| level.to_string())),
+        ("the compression of chunks", compression.to_string()),
         ("`depth_codec`", format!("{codec:?}")),
         ("`max_error`", format!("{error:?}")),
         ("`depth_domain`", format!("{domain:?}")),

@@ -2,6 +2,7 @@
 
 use crate::block::SIDE;
 use crate::color::SearchSettings;
+use crate::container::Compression;
 use crate::container::index::MAX_SIZE;
 use crate::depth::block::MAX_TILE;
 use crate::depth::domain::{Domain, DomainKind};
@@ -162,8 +163,8 @@ pub struct EncodeSettings {
     pub search: SearchSettings,
     /// Keyframes of colour in blocks; `None` for samples.
     pub color_blocks: Option<ColorBlockSettings>,
-    /// LZMA2 preset, 0 to 9, for chunks that it makes smaller.
-    pub lzma2: Option<u32>,
+    /// Of chunks that become smaller.
+    pub compression: Compression,
     /// Kinds of streams to encode.
     pub kinds: Vec<StreamKind>,
     /// Limit of memory for frames and encoders; the file does not depend on it.
@@ -183,7 +184,7 @@ impl Default for EncodeSettings {
             color: ColorFormat::EightBit(ToneMap::default()),
             search: SearchSettings::default(),
             color_blocks: None,
-            lzma2: None,
+            compression: Compression::default(),
             kinds: StreamKind::ALL.to_vec(),
             memory: Budget::UNLIMITED,
         }

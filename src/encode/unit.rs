@@ -113,7 +113,7 @@ impl UnitJob {
         let UnitPlace { stream, unit, start, .. } = self.place;
         let first_frame = coder.group.frames.first + start + chunk.first_frame;
         let key = ChunkKey { stream, unit, first_frame, frame_count: chunk.frame_count };
-        PackedChunk::new(key, chunk.payload, coder.settings.lzma2)
+        PackedChunk::new(key, chunk.payload, (coder.settings.compression, coder.header.payload_kind()))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Streams of one unit, encoded, and decoded from a container.
 
-use crate::container::{ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use crate::container::{
+    ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
+};
 use crate::decode::{Decoder, Picture};
 use crate::depth::block_chunk::encoder::BlockEncoder;
 use crate::depth::block_tiles::Layout;
@@ -213,7 +215,7 @@ pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
     for (stream, clip) in (0u32..).zip(clips) {
         for EncodedChunk { first_frame, frame_count, payload } in &clip.chunks {
             let key = ChunkKey { stream, unit: 0, first_frame: *first_frame, frame_count: *frame_count };
-            writer.push(&PackedChunk::new(key, payload.clone(), None)?)?;
+            writer.push(&PackedChunk::new(key, payload.clone(), (Compression::None, PayloadKind::Mixed))?)?;
         }
     }
     Decoder::new(Reader::from_memory(writer.finish()?.0)?)

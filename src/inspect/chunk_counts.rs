@@ -17,7 +17,7 @@ pub struct FrameCost {
     /// Nodes of a quadtree, and BC4w blocks.
     pub nodes: u64,
     pub updated_pixels: u64,
-    /// Payload of the frame's keyframes, records and weights, before LZMA2, counted for every chunk.
+    /// Payload of the frame's keyframes, records and weights, before compression, counted for every chunk.
     pub bytes: u64,
 }
 

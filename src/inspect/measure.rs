@@ -3,7 +3,7 @@
 //! Chunks are fetched, counted and dropped, units in parallel, so that memory is one chunk for each thread. Counts are those of
 //! a decoder that shows all frames in order.
 
-use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent};
+use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::error::{Error, Result};
@@ -102,6 +102,7 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
         let stats = &mut storage[chunk.key.stream as usize];
         stats.chunks += 1;
         stats.lzma2_chunks += u64::from(chunk.storage == Storage::Lzma2);
+        stats.zstd_chunks += u64::from(chunk.storage == Storage::Zstd);
         stats.stored_bytes += u64::from(chunk.stored_bytes);
         stats.payload_bytes += u64::from(chunk.raw_bytes);
         stats.bytes += end.saturating_sub(covered.max(chunk.offset));
@@ -156,14 +157,21 @@ impl Measure<'_> {
 
     fn chunk(&self, chunk: &ChunkEntry, pixels: u64) -> Result<ChunkMeasure> {
         let stored = self.reader.load_stored(chunk)?;
+        let raw_bytes = chunk.raw_bytes;
+        let both = self.settings.check == Check::ListAll;
         let payload = match chunk.storage {
             Storage::Raw => stored,
             Storage::Lzma2 => {
-                let payload = lzma2::decompress(&stored, chunk.raw_bytes)?;
-                if self.settings.check == Check::ListAll
-                    && lzma2_independent::decompress_independent(&stored, chunk.raw_bytes)? != payload
-                {
+                let payload = lzma2::decompress(&stored, raw_bytes)?;
+                if both && lzma2_independent::decompress_independent(&stored, raw_bytes)? != payload {
                     return Err(Error::invalid("two LZMA2 decoders do not agree on the chunk"));
+                }
+                payload
+            }
+            Storage::Zstd => {
+                let payload = zstd::decompress(&stored, raw_bytes)?;
+                if both && zstd_independent::decompress_independent(&stored, raw_bytes)? != payload {
+                    return Err(Error::invalid("two Zstandard decoders do not agree on the chunk"));
                 }
                 payload
             }

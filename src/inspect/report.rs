@@ -55,6 +55,7 @@ struct KindReport {
 pub struct ChunksReport<'a> {
     chunks: u64,
     lzma2_chunks: u64,
+    zstd_chunks: u64,
     damaged: Vec<DamagedChunkReport<'a>>,
 }
 
@@ -231,7 +232,8 @@ impl<'a> Inspection<'a> {
     pub fn chunks_report(&'a self, decoder: &'a Decoder) -> ChunksReport<'a> {
         let all = self.totals(None);
         let damaged = self.damaged.iter().map(|chunk| chunk.report(decoder)).collect();
-        ChunksReport { chunks: all.chunks, lzma2_chunks: all.lzma2_chunks, damaged }
+        let Totals { chunks, lzma2_chunks, zstd_chunks, .. } = all;
+        ChunksReport { chunks, lzma2_chunks, zstd_chunks, damaged }
     }
 
     /// Whether only some of the streams were inspected.

@@ -22,7 +22,7 @@ pub enum FrameRows {
 pub enum Check {
     #[default]
     StopAtFirst,
-    /// All are listed. Chunks of LZMA2 must agree between two independent decoders, and records of depth and material must
+    /// All are listed. Compressed chunks must agree between two independent decoders, and records of depth and material must
     /// keep the window's promise (depth.md 4).
     ListAll,
 }
@@ -40,13 +40,14 @@ pub struct InspectSettings {
 pub struct StorageStats {
     pub chunks: u64,
     pub lzma2_chunks: u64,
+    pub zstd_chunks: u64,
     /// Bytes in the file, each counted once.
     pub bytes: u64,
     /// Bytes in the file, counted for every chunk that uses them.
     pub stored_bytes: u64,
-    /// Payload before LZMA2, shared chunks counted once.
+    /// Payload before compression, shared chunks counted once.
     pub temporal_bytes: u64,
-    /// Payload before LZMA2, counted for every chunk.
+    /// Payload before compression, counted for every chunk.
     pub payload_bytes: u64,
 }
 
@@ -112,6 +113,7 @@ pub struct Totals {
     pub bytes: u64,
     pub chunks: u64,
     pub lzma2_chunks: u64,
+    pub zstd_chunks: u64,
     /// Bytes saved by chunks that share their place.
     pub shared_bytes_saved: u64,
 }
@@ -128,6 +130,7 @@ impl Inspection<'_> {
             totals.bytes += stats.storage.bytes;
             totals.chunks += stats.storage.chunks;
             totals.lzma2_chunks += stats.storage.lzma2_chunks;
+            totals.zstd_chunks += stats.storage.zstd_chunks;
             totals.shared_bytes_saved += stats.storage.stored_bytes - stats.storage.bytes;
         }
         totals

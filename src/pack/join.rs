@@ -3,8 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::io::Write;
 
+use crate::container::compression::DEFAULT_LZMA2_LEVEL;
 use crate::container::{
-    ChunkEntry, ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2_encode,
+    ChunkEntry, ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
+    StreamEntry, Writer,
 };
 use crate::decode::memory;
 use crate::error::{Error, Result};
@@ -27,9 +29,20 @@ const PACKING_BYTES: u64 = 64;
 pub enum Repack {
     #[default]
     Keep,
-    /// LZMA2 at this preset where it helps.
-    Lzma2(u32),
-    Raw,
+    /// All chunks anew.
+    As(Compression),
+}
+
+impl Repack {
+    /// How what is made of a chunk is compressed.
+    fn of(self, chunk: &ChunkEntry) -> Compression {
+        match (self, chunk.storage) {
+            (Repack::As(compression), _) => compression,
+            (Repack::Keep, Storage::Raw) => Compression::None,
+            (Repack::Keep, Storage::Lzma2) => Compression::Lzma2(DEFAULT_LZMA2_LEVEL),
+            (Repack::Keep, Storage::Zstd) => Compression::default(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -162,8 +175,7 @@ fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
             }
             _ => raw,
         };
-        let compresses = matches!(settings.repack, Repack::Lzma2(_)) || chunk.storage == Storage::Lzma2;
-        reading + packing + if compresses { memory::compressing_bytes(raw) } else { 0 }
+        reading + packing + memory::compressing_bytes(settings.repack.of(chunk), raw)
     };
     let chunks =
         inputs.iter().flat_map(|reader| reader.index().chunks.iter().map(move |chunk| of_chunk(reader, chunk)));
@@ -208,20 +220,20 @@ impl Copier<'_> {
         let key = ChunkKey { stream, ..chunk.key };
         match self.repack {
             Repack::Keep => PackedChunk::stored(chunk, key, self.reader.fetch_stored(chunk)?),
-            Repack::Lzma2(level) => PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), Some(level)),
-            Repack::Raw => PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), None),
+            Repack::As(compression) => {
+                let header = CodecHeader::read(&self.reader.index().streams[chunk.key.stream as usize]);
+                let kind = header.map_or(PayloadKind::Mixed, |header| header.payload_kind());
+                PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), (compression, kind))
+            }
         }
     }
 
     fn flatten(&self, chunk: &ChunkEntry, stream: u32, flattener: &Flattener) -> Result<Vec<PackedChunk>> {
-        let level = match self.repack {
-            Repack::Keep => (chunk.storage == Storage::Lzma2).then_some(lzma2_encode::DEFAULT_LEVEL),
-            Repack::Lzma2(level) => Some(level),
-            Repack::Raw => None,
-        };
+        let compression = self.repack.of(chunk);
         let finished = flattener.flatten(self.reader, chunk, self.monitor)?;
         let packed = finished.into_iter().map(|EncodedChunk { first_frame, frame_count, payload }| {
-            PackedChunk::new(ChunkKey { stream, unit: chunk.key.unit, first_frame, frame_count }, payload, level)
+            let key = ChunkKey { stream, unit: chunk.key.unit, first_frame, frame_count };
+            PackedChunk::new(key, payload, (compression, PayloadKind::Bytes))
         });
         packed.collect()
     }

@@ -3,6 +3,8 @@
 use crate::color::blend::HalfKey;
 use crate::color::cells::CellFormat;
 use crate::color::keyframe_blocks::KeyframeBlocks;
+#[cfg(feature = "encode")]
+use crate::container::PayloadKind;
 use crate::depth::block_tiles::Layout;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
@@ -166,6 +168,20 @@ impl CodecHeader {
     /// Upper bound of the bytes of a unit besides pixels and payloads: its decoder, parsed tables and report counters, some
     /// twenty small allocations.
     pub const HELD_UNIT_BYTES: u64 = 4 << 10;
+
+    /// What most of a payload is made of.
+    #[cfg(feature = "encode")]
+    pub fn payload_kind(&self) -> PayloadKind {
+        match self {
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => {
+                PayloadKind::Bytes
+            }
+            CodecHeader::Depth(_) | CodecHeader::Material(_) => PayloadKind::Mixed,
+            CodecHeader::Color(ColorHeader { blocks: Some(_), .. }) => PayloadKind::Blocks,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => PayloadKind::Bytes,
+            CodecHeader::Color(_) => PayloadKind::Words,
+        }
+    }
 
     /// Bytes that a decoder of whole images holds for each pixel: the picture of its unit, the image, and for colour two
     /// keyframes; half floats are held as keys as well.

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use lightfold::Result;
 use lightfold::color::blend::lerp_all;
-use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::decode::{self, Decoder, Selection, StreamFrames, decoded_pixel_bytes};
 use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::quantise::DepthRange;
@@ -318,7 +318,7 @@ fn synthetic() -> Result<Vec<u8>> {
         chunks.extend(encoder.finish()?);
         for chunk in chunks {
             let key = ChunkKey { stream: 0, unit, first_frame: chunk.first_frame, frame_count: chunk.frame_count };
-            writer.push(&PackedChunk::new(key, chunk.payload, None)?)?;
+            writer.push(&PackedChunk::new(key, chunk.payload, (Compression::None, PayloadKind::Mixed))?)?;
         }
     }
     Ok(writer.finish()?.0)

@@ -9,7 +9,9 @@ use exr::prelude::{
     LayerAttributes, LineOrder, Vec2, WritableImage,
 };
 use half::f16;
-use lightfold::container::{ChunkKey, Journal, PackedChunk, Reader, Writer};
+use lightfold::container::{
+    ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, Writer, compression,
+};
 use lightfold::image::{Plane, png};
 use lightfold::report::tradeoff::coding::CODING;
 
@@ -39,8 +41,9 @@ pub fn containers() -> Vec<Vec<u8>> {
         samples::blocks(Shape { face: 1, ..shape }, &moving, 2),
         samples::material(Shape { face: 3, ..shape }, &samples::drifting_bytes([9, 6], 5), settings),
     ];
-    all.push(samples::container(0, samples::probe("00", 9), &streams, None));
-    all.push(samples::container(0, samples::probe("00", 9), &streams, Some(6)));
+    all.push(samples::container(0, samples::probe("00", 9), &streams, Stored::None));
+    all.push(samples::container(0, samples::probe("00", 9), &streams, Stored::Lzma2(6)));
+    all.push(samples::container(0, samples::probe("00", 9), &streams, Stored::Zstd(9)));
     all
 }
 
@@ -79,13 +82,22 @@ pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
 
 /// LZMA2 streams after their sizes.
 pub fn lzma2() -> Vec<Vec<u8>> {
+    compressed(|raw| compression::lzma2(raw, 6, PayloadKind::Mixed).expect("LZMA2"))
+}
+
+/// Zstandard frames after their sizes.
+pub fn zstd() -> Vec<Vec<u8>> {
+    [1, 19].into_iter().flat_map(|level| compressed(|raw| compression::zstd(raw, level).expect("Zstandard"))).collect()
+}
+
+fn compressed(compress: impl Fn(&[u8]) -> Vec<u8>) -> Vec<Vec<u8>> {
     let mut random = Random(5);
     let noise: Vec<u8> = (0..3000).map(|_| random.below(256) as u8).collect();
     let text: Vec<u8> = (0..5000u32).map(|at| (at / 7 * at % 31) as u8).collect();
     let raws = [vec![], vec![7], vec![0; 20_000], noise, text, vec![1; 70_000]];
     let stream = |raw: &Vec<u8>| {
         let mut bytes = (raw.len() as u32).to_le_bytes().to_vec();
-        bytes.extend(lightfold::container::lzma2_encode::compress(raw, 6).expect("LZMA2"));
+        bytes.extend(compress(raw));
         bytes
     };
     raws.iter().map(stream).collect()
@@ -268,7 +280,8 @@ fn journal(chunks: u32) -> Vec<u8> {
         writer.note(&[at as u8; 5]);
         let key = ChunkKey { stream: 0, unit: at, first_frame: 3, frame_count: 1 + at };
         let payload = vec![at.min(5) as u8; 40];
-        writer.push(&PackedChunk::new(key, payload, (at % 2 == 0).then_some(0)).unwrap()).unwrap();
+        let compression = [Stored::Lzma2(0), Stored::None, Stored::Zstd(1)][at as usize % 3];
+        writer.push(&PackedChunk::new(key, payload, (compression, PayloadKind::Mixed)).unwrap()).unwrap();
     }
     writer.checkpoint().unwrap();
     drop(writer);

@@ -14,7 +14,7 @@ use lightfold::Error;
 use lightfold::cli::GlobalArgs;
 use lightfold::cli::device::or_on_cpu;
 use lightfold::color::cells::LEADS_NOWHERE;
-use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
 use lightfold::gpu::decode::GpuDecoder;
@@ -224,7 +224,7 @@ fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
     }
     if let Some(chunk) = encoder.finish()? {
         let key = ChunkKey { stream: 0, unit: 0, first_frame: chunk.first_frame, frame_count: chunk.frame_count };
-        writer.push(&PackedChunk::new(key, chunk.payload, None)?)?;
+        writer.push(&PackedChunk::new(key, chunk.payload, (Compression::None, PayloadKind::Mixed))?)?;
     }
     Ok(writer.finish()?.0)
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use half::f16;
 use lightfold::Error;
 use lightfold::color::SearchSettings;
+use lightfold::container::Compression;
 use lightfold::decode::Picture;
 use lightfold::depth::settings::TemporalSettings;
 use lightfold::effort::Effort;
@@ -115,7 +116,8 @@ fn the_same_bytes_on_any_number_of_threads() {
     };
     let source = footage.open(folder.path());
     let temporal = TemporalSettings { epsilon: 300, ..TemporalSettings::default() };
-    let settings = EncodeSettings { temporal, lzma2: Some(3), ..settings(Some(ColorBlocks::Bc7), 35.0) };
+    let settings =
+        EncodeSettings { temporal, compression: Compression::Lzma2(3), ..settings(Some(ColorBlocks::Bc7), 35.0) };
     let once = encoded(&source, &settings);
     for threads in [1, 2, 5] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

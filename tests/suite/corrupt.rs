@@ -3,7 +3,7 @@
 
 use half::f16;
 use lightfold::color::SearchSettings;
-use lightfold::container::{ChunkEntry, ChunkKey, Index, OpenLimits, Reader, Storage, StreamEntry};
+use lightfold::container::{ChunkEntry, ChunkKey, Compression, Index, OpenLimits, Reader, Storage, StreamEntry};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 use lightfold::streams::ColorBlocks;
@@ -11,15 +11,15 @@ use rayon::prelude::*;
 
 use crate::samples::{self, Images, Random, Shape};
 
-/// Three kinds of stream in a few kilobytes, with and without LZMA2.
-fn small(level: Option<u32>) -> Vec<u8> {
+/// Three kinds of stream in a few kilobytes, compressed or not.
+fn small(compression: Compression) -> Vec<u8> {
     let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [4, 4], first_frame: 3, frame_count };
     let settings = TemporalSettings { window: 2, epsilon: 1, max_aabbs: 4, keyframe_interval: 3 };
     let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
     let size = [5, 4];
     let halves = halves(-1.0);
     let whole = |shape: Shape| Shape { unit: shape.size, ..shape };
-    // Smooth enough for LZMA2 to help.
+    // Smooth enough for compression to help.
     let flat: Vec<Vec<u16>> = (0..3).map(|t| (0..96).map(|at| at / 48 + t).collect()).collect();
     let streams = [
         samples::depth(shape(0, size, 5), [0.5, 8.0], &samples::moving_codes(size, 5, 5), settings),
@@ -28,9 +28,10 @@ fn small(level: Option<u32>) -> Vec<u8> {
         samples::color_half(whole(shape(1, [4, 3], 5)), &halves, search),
         samples::material(whole(shape(0, size, 4)), &samples::drifting_bytes(size, 4), settings),
     ];
-    let bytes = samples::container(0, samples::probe("00", 9), &streams, level);
+    let bytes = samples::container(0, samples::probe("00", 9), &streams, compression);
     let (index, _) = samples::take_apart(&bytes);
-    assert_eq!(level.is_some(), index.chunks.iter().any(|chunk| chunk.storage == Storage::Lzma2));
+    let compressed = index.chunks.iter().any(|chunk| chunk.storage != Storage::Raw);
+    assert_eq!(compressed, compression != Compression::None);
     assert!(bytes.len() < 4096, "{} bytes", bytes.len());
     bytes
 }
@@ -54,7 +55,7 @@ fn in_blocks() -> Vec<u8> {
         samples::color_half_in_blocks(shape(2, [4, 3], 5), &halves(0.25), search, 20.0),
         samples::material_in_blocks(shape(0, size, 4), &samples::patched_materials(size, 4), settings),
     ];
-    let bytes = samples::container(0, samples::probe("00", 9), &streams, None);
+    let bytes = samples::container(0, samples::probe("00", 9), &streams, Compression::None);
     assert!(bytes.len() < 6000, "{} bytes", bytes.len());
     bytes
 }
@@ -67,7 +68,7 @@ fn check(damaged: Vec<u8>, expected: &Images, what: impl Fn() -> String) {
 }
 
 fn all() -> [(Vec<u8>, Images); 3] {
-    [small(None), small(Some(6)), in_blocks()].map(|file| {
+    [small(Compression::None), small(Compression::Lzma2(6)), in_blocks()].map(|file| {
         let images = samples::decode_all(file.clone()).unwrap();
         (file, images)
     })
@@ -76,7 +77,9 @@ fn all() -> [(Vec<u8>, Images); 3] {
 /// The same files, also as version 1.0 wrote them.
 fn all_in_both_forms() -> Vec<(Vec<u8>, Images)> {
     let rows = all().map(|(file, images)| (samples::in_rows(file), images));
-    all().into_iter().chain(rows).collect()
+    let zstd = small(Compression::Zstd(19));
+    let images = samples::decode_all(zstd.clone()).unwrap();
+    all().into_iter().chain(rows).chain([(zstd, images)]).collect()
 }
 
 #[test]
@@ -209,7 +212,7 @@ fn payloads_damaged_under_a_right_crc_never_panic() {
 
 #[test]
 fn payloads_cut_or_lengthened_under_a_right_crc_never_panic() {
-    let file = small(None);
+    let file = small(Compression::None);
     for seed in 0..3000 {
         let mut random = Random(seed);
         let victim = random.below(10) as usize;
@@ -247,7 +250,7 @@ fn indices_damaged_under_a_right_crc_never_panic() {
 
 #[test]
 fn every_index_field_survives_extreme_values() {
-    for file in [small(None), samples::in_rows(small(None))] {
+    for file in [small(Compression::None), samples::in_rows(small(Compression::None))] {
         let length = samples::index_bytes(&file).0.len();
         (0..length - 3).into_par_iter().for_each(|at| {
             for value in [0, 1, 0x4000, 0x7fff_ffff, 0x8000_0000, u32::MAX - 1, u32::MAX] {

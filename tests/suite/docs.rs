@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use half::f16;
 use lightfold::color::{HalfKey, Sample};
-use lightfold::container::Reader;
+use lightfold::container::{Compression, Reader};
 use lightfold::depth::domain::Domain;
 use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
@@ -33,7 +33,7 @@ fn example() -> Vec<u8> {
     let stream = samples::depth(shape, [1.0, 2.0], &[vec![0, 65_535], vec![0, 32_767]], settings);
     let mut probe = samples::probe("p", 1);
     probe.position = [0.0, 1.5, 0.0];
-    samples::container(0, probe, &[stream], None)
+    samples::container(0, probe, &[stream], Compression::None)
 }
 
 /// The payload of depth.md 9: 12x8 codes, a plane on the left and raw leaves on the right, of which the second frame changes one.
@@ -206,6 +206,7 @@ fn the_constants_of_the_documents_are_those_of_the_code() {
     assert_eq!(value("MAX_FRAME"), u64::from(index::MAX_FRAME));
     assert_eq!(value("MAX_CHUNK_BYTES"), u64::from(chunk::MAX_CHUNK_BYTES));
     assert_eq!(value("MAX_EXPANSION"), chunk::MAX_EXPANSION);
+    assert_eq!(value("MAX_ZSTD_EXPANSION"), chunk::MAX_ZSTD_EXPANSION);
     let document = read("formats/color.md");
     let p = |name: &str| {
         let row = document.lines().find_map(|line| line.strip_prefix(&format!("| {name} | "))).unwrap();

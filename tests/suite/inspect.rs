@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use half::f16;
 use lightfold::color::cells::builder::CellBuilder;
-use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
+use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, MaterialChannels, MaterialInfo, Probe};
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
 use lightfold::decode::{Decoder, Picture, Request, StreamFrames, check_windows};
@@ -106,6 +106,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
 
 fn settings() -> EncodeSettings {
     let mut settings = EncodeSettings { cell: 16, near_m: Some(1.0), far_m: Some(10.0), ..EncodeSettings::default() };
+    settings.compression = Compression::None;
     settings.temporal = TemporalSettings { keyframe_interval: 4, ..settings.temporal };
     settings.search.min_psnr_db = 100.0;
     settings.depth.codec = DepthCodec::Boxes;
@@ -212,11 +213,12 @@ fn counts_are_those_of_the_picture() {
 }
 
 #[test]
-fn bytes_add_up_to_the_file_before_and_after_lzma2() {
+fn bytes_add_up_to_the_file_before_and_after_compression() {
     let plain = encoded(&StreamKind::ALL, &settings());
-    let packed = encoded(&StreamKind::ALL, &EncodeSettings { lzma2: Some(6), ..settings() });
+    let packed = encoded(&StreamKind::ALL, &EncodeSettings { compression: Compression::Lzma2(6), ..settings() });
+    let framed = encoded(&StreamKind::ALL, &EncodeSettings { compression: Compression::Zstd(9), ..settings() });
     let mut temporal = Vec::new();
-    for bytes in [&plain, &packed] {
+    for bytes in [&plain, &packed, &framed] {
         let decoder = decoder(bytes);
         let inspection = inspected(&decoder, LIST_ALL).unwrap();
         assert_eq!(inspection.damaged, []);
@@ -226,15 +228,20 @@ fn bytes_add_up_to_the_file_before_and_after_lzma2() {
         // Empty tiles and still material are stored once.
         assert!(all.shared_bytes_saved > 0);
         let of = |storage| decoder.reader().index().chunks.iter().filter(|chunk| chunk.storage == storage).count();
-        assert_eq!(all.lzma2_chunks, of(Storage::Lzma2) as u64);
+        assert_eq!(
+            [all.lzma2_chunks, all.zstd_chunks],
+            [Storage::Lzma2, Storage::Zstd].map(|method| of(method) as u64)
+        );
         temporal.push((all.temporal_bytes, all.chunks));
         if bytes == &plain {
-            assert_eq!((all.temporal_bytes, all.lzma2_chunks), (all.bytes, 0));
+            assert_eq!((all.temporal_bytes, all.lzma2_chunks + all.zstd_chunks), (all.bytes, 0));
         } else {
-            assert!(all.lzma2_chunks > 0 && all.bytes < all.temporal_bytes);
+            assert_eq!([all.lzma2_chunks > 0, all.zstd_chunks > 0], [bytes == &packed, bytes == &framed]);
+            assert!(all.bytes < all.temporal_bytes);
         }
     }
     assert_eq!(temporal[0], temporal[1]);
+    assert_eq!(temporal[0], temporal[2]);
 }
 
 /// The same container with unused bytes in front of its chunks.
@@ -265,7 +272,7 @@ fn verification_finds_records_that_break_the_window_rule() {
     let depth = samples::depth(shape, [0.5, 8.0], &samples::moving_codes([8, 8], 6, 1), settings);
     let wide = samples::Shape { face: 1, size: [24, 8], unit: [24, 8], ..shape };
     let material = samples::material(wide, &samples::patched_materials([24, 8], 6), settings);
-    let file = samples::container(0, samples::probe("00", 9), &[depth, material], None);
+    let file = samples::container(0, samples::probe("00", 9), &[depth, material], Compression::None);
     let (mut index, stored) = samples::take_apart(&file);
     let check = |file: &[u8]| {
         let decoder = decoder(file);
@@ -287,7 +294,10 @@ fn verification_finds_records_that_break_the_window_rule() {
 
 #[test]
 fn every_damaged_chunk_is_found_and_named() {
-    let good = encoded(&[StreamKind::Color, StreamKind::Depth], &EncodeSettings { lzma2: Some(6), ..settings() });
+    let good = encoded(
+        &[StreamKind::Color, StreamKind::Depth],
+        &EncodeSettings { compression: Compression::Lzma2(6), ..settings() },
+    );
     let chunks = decoder(&good).reader().index().chunks.clone();
     let mut users: BTreeMap<u64, Vec<_>> = BTreeMap::new();
     chunks.iter().for_each(|chunk| users.entry(chunk.offset).or_default().push(chunk.key));
@@ -324,7 +334,7 @@ fn chunks_with_a_good_crc_and_a_bad_payload_are_found() {
         if spoilt.contains(&at) {
             payload.truncate(payload.len() - 1);
         }
-        writer.push(&PackedChunk::new(chunk.key, payload, None).unwrap()).unwrap();
+        writer.push(&PackedChunk::new(chunk.key, payload, (Compression::None, PayloadKind::Mixed)).unwrap()).unwrap();
     }
     let bytes = writer.finish().unwrap().0;
     let decoder = decoder(&bytes);
@@ -472,12 +482,12 @@ fn the_report_fits_a_terminal() {
     depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1.000 to 10.00 m
     material: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16
 
-    56 chunks verified (0 of LZMA2), 0 B outside of chunks
+    56 chunks verified (0 of LZMA2, 0 of Zstandard), 0 B outside of chunks
     ");
     let arguments = ["inspect", "a.lfold", "--per-frame", "--frames", "3-5", "--face", "px", "--stream", "color,depth"];
     insta::assert_snapshot!(stdout(&lightfold(&arguments, folder.path())), @r"
     small: cubemap at 24 fps, 1 probe, 2 of 6 streams, 20 images
-    11.52 kB of 71.68 kB raw (16.07%), 16 chunks, 5.26 kB saved by sharing, 2.75 kB head and index
+    11.52 kB of 71.68 kB raw (16.07%), 16 chunks, 5.26 kB saved by sharing, 351 B head and index
 
     Probe  Kind   Face  Frame  Keys  AABBs  Updated pixels       %  Bytes
     00     color  px        3     1      -             256   25.00    772
@@ -487,9 +497,13 @@ fn the_report_fits_a_terminal() {
     00     depth  px        4     4      0            1024  100.00   2112
     00     depth  px        5     0      2               8    0.78     44
     ");
-    let (folder, _) = on_disk(&encoded(&StreamKind::ALL, &EncodeSettings { lzma2: Some(6), ..settings() }));
+    let (folder, _) =
+        on_disk(&encoded(&StreamKind::ALL, &EncodeSettings { compression: Compression::Lzma2(6), ..settings() }));
     let text = stdout(&lightfold(&["inspect", "a.lfold", "--verify"], folder.path()));
-    assert_says(&text, &["Temporal      %   +LZMA2", "56 chunks verified (32 of LZMA2), 0 B outside of chunks"]);
+    assert_says(
+        &text,
+        &["Temporal      %   +LZMA2", "56 chunks verified (32 of LZMA2, 0 of Zstandard), 0 B outside of chunks"],
+    );
 }
 
 /// A container with one stream whose one chunk claims as many frames.
@@ -506,7 +520,9 @@ fn endless(frames: u32) -> lightfold::Result<Vec<u8>> {
     let mut builder = CellBuilder::default();
     builder.push_keyframe(&[7u8; (SIZE * SIZE * 3) as usize]);
     let key = ChunkKey { stream: 0, unit: 0, first_frame: 0, frame_count: frames };
-    writer.push(&PackedChunk::new(key, builder.finish().unwrap(), None).unwrap()).unwrap();
+    writer
+        .push(&PackedChunk::new(key, builder.finish().unwrap(), (Compression::None, PayloadKind::Mixed)).unwrap())
+        .unwrap();
     Ok(writer.finish()?.0)
 }
 

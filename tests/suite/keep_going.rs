@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use lightfold::color::SearchSettings;
-use lightfold::container::Reader;
+use lightfold::container::{Compression, Reader};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 use lightfold::streams::ColorBlocks;
@@ -28,7 +28,7 @@ fn container() -> Vec<u8> {
         samples::color8_in_blocks(shape(1), ColorBlocks::Bc7, &bytes, search, 35.0),
         samples::material(shape(0), &samples::patched_materials(size, 9), settings),
     ];
-    samples::container(0, samples::probe("00", 11), &streams, None)
+    samples::container(0, samples::probe("00", 11), &streams, Compression::None)
 }
 
 /// Runs a command line in a folder; answers exit code, standard output and standard error.

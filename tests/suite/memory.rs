@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use half::f16;
-use lightfold::container::{ChunkKey, PackedChunk, Reader, Writer};
+use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Writer};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
@@ -264,7 +264,9 @@ fn many_probes(count: u16) -> Vec<u8> {
             let index = writer.add_stream(stream.entry);
             for (unit, chunk) in stream.chunks {
                 let key = ChunkKey { stream: index, unit, first_frame: 0, frame_count: 1 };
-                writer.push(&PackedChunk::new(key, chunk.payload, None).unwrap()).unwrap();
+                writer
+                    .push(&PackedChunk::new(key, chunk.payload, (Compression::None, PayloadKind::Mixed)).unwrap())
+                    .unwrap();
             }
         }
     }
@@ -378,7 +380,7 @@ const SOAK_SLACK_BYTES: u64 = 3 << 20;
 fn soak_child() {
     let folder = TempDir::new().unwrap();
     footage(folder.path(), 48, 3, 6, "");
-    let mut settings = EncodeSettings { cell: 16, lzma2: Some(1), ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { cell: 16, compression: Compression::Lzma2(1), ..EncodeSettings::default() };
     settings.depth.effort = lightfold::effort::Effort::Fast;
     let mut settled = 0;
     for cycle in 0..SOAK_CYCLES {

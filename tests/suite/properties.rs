@@ -4,8 +4,8 @@ use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::color::quality::{EightBit, Quality};
 use lightfold::container::{
-    ChunkEntry, ChunkKey, Index, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer, compact, lzma2, lzma2_encode,
-    lzma2_independent,
+    ChunkEntry, ChunkKey, Compression, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
+    compact, compression, lzma2, lzma2_independent,
 };
 use lightfold::dataset::Manifest;
 use lightfold::dataset::manifest::{Background, DepthInfo, Files, MaterialChannels, MaterialInfo, Probe, Unit};
@@ -61,14 +61,14 @@ fn shape(size: [u32; 2], unit: [u32; 2], frames: usize) -> Shape {
 }
 
 /// The images of the only stream of a container, as bytes.
-fn decoded(stream: Stream, level: Option<u32>) -> Vec<Vec<u8>> {
-    let file = samples::container(0, samples::probe("00", 9), &[stream], level);
+fn decoded(stream: Stream, compression: Compression) -> Vec<Vec<u8>> {
+    let file = samples::container(0, samples::probe("00", 9), &[stream], compression);
     samples::decode_all(file).unwrap().remove(0)
 }
 
 fn decoded_codes(stream: Stream) -> Vec<Vec<u16>> {
     let code = |bytes: &[u8; 2]| u16::from_le_bytes(*bytes);
-    decoded(stream, None).iter().map(|image| image.as_chunks().0.iter().map(code).collect()).collect()
+    decoded(stream, Compression::None).iter().map(|image| image.as_chunks().0.iter().map(code).collect()).collect()
 }
 
 /// The largest error of surfaces; backgrounds must be the same.
@@ -210,7 +210,8 @@ proptest! {
     }
 
     #[test]
-    fn chunks_come_back(payloads in vec(vec(any::<u8>(), 0..200), 1..6), level in proptest::option::of(0u32..10)) {
+    fn chunks_come_back(payloads in vec(vec(any::<u8>(), 0..200), 1..6), level in 0u32..10, which in 0usize..3) {
+        let compression = [Compression::None, Compression::Lzma2(level), Compression::Zstd(1 + 2 * level)][which];
         let mut writer = Writer::new(Vec::new(), "chunks", 24.0, 0).unwrap();
         writer.add_probe(samples::probe("00", 9)).unwrap();
         let header = samples::color8_header(&SearchSettings::default());
@@ -218,7 +219,7 @@ proptest! {
         let stream = writer.add_stream(entry);
         for (at, payload) in (0..).zip(&payloads) {
             let key = ChunkKey { stream, unit: 0, first_frame: 2 + at, frame_count: 1 };
-            writer.push(&PackedChunk::new(key, payload.clone(), level).unwrap()).unwrap();
+            writer.push(&PackedChunk::new(key, payload.clone(), (compression, PayloadKind::Mixed)).unwrap()).unwrap();
         }
         let reader = Reader::from_memory(writer.finish().unwrap().0).unwrap();
         let fetch = |chunk| reader.fetch(chunk).unwrap().into_vec();
@@ -227,7 +228,7 @@ proptest! {
 
     #[test]
     fn lzma2_comes_back_from_both_decoders(raw in vec(prop_oneof![Just(0u8), any::<u8>()], 0..3000), level in 0u32..10) {
-        let stored = lzma2_encode::compress(&raw, level).unwrap();
+        let stored = compression::lzma2(&raw, level, PayloadKind::Mixed).unwrap();
         prop_assert_eq!(&lzma2::decompress(&stored, raw.len() as u32).unwrap(), &raw);
         prop_assert_eq!(&lzma2_independent::decompress_independent(&stored, raw.len() as u32).unwrap(), &raw);
     }
@@ -264,7 +265,7 @@ proptest! {
     fn materials_keep_their_epsilon((size, images) in images(any::<[u8; 3]>(), 6), settings in temporal()) {
         let settings = TemporalSettings { epsilon: settings.epsilon % 20, ..settings };
         let near = |stream: Stream| {
-            let shown = decoded(stream, Some(6));
+            let shown = decoded(stream, Compression::Lzma2(6));
             let pairs = shown.iter().flatten().zip(images.iter().flatten().flatten());
             let worst = pairs.map(|(&shown, &source)| shown.abs_diff(source)).max();
             u16::from(worst.unwrap_or(0)) <= settings.epsilon
@@ -277,7 +278,7 @@ proptest! {
     fn colour_keeps_its_quality((size, images) in images(any::<[u8; 3]>(), 4), db in 20.0f64..60.0) {
         let search = SearchSettings { min_psnr_db: db, ..SearchSettings::default() };
         let good = |stream: Stream, db: f64| {
-            let shown = decoded(stream, None);
+            let shown = decoded(stream, Compression::None);
             shown.iter().zip(&images).all(|(shown, source)| {
                 let error = EightBit.squared_error(shown, shown, 0, source.as_flattened(), u64::MAX);
                 error <= EightBit.max_squared_error(db, shown.len())
@@ -297,7 +298,7 @@ proptest! {
         let halves: Vec<Vec<[f16; 3]>> =
             images.iter().map(|image| image.iter().map(|pixel| pixel.map(finite)).collect()).collect();
         let search = SearchSettings { min_psnr_db: 1000.0, ..SearchSettings::default() };
-        let shown = decoded(samples::color_half(shape(size, size, halves.len()), &halves, search), None);
+        let shown = decoded(samples::color_half(shape(size, size, halves.len()), &halves, search), Compression::None);
         let light = |bits: &[u8; 2]| f16::from_le_bytes(*bits);
         for (shown, source) in shown.iter().zip(&halves) {
             let shown: Vec<f16> = shown.as_chunks().0.iter().map(light).collect();

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use lightfold::color::SearchSettings;
-use lightfold::container::Reader;
+use lightfold::container::{Compression, Reader};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::TemporalSettings;
@@ -79,7 +79,8 @@ fn measure(name: &str, folder: &Path) -> Vec<Row> {
         // LZMA2 takes most of the time, and does the same to all of them.
         let levels = if label.contains("-bc") { &[None][..] } else { &[None, Some(6)] };
         for &lzma2 in levels {
-            let settings = EncodeSettings { lzma2, ..settings.clone() };
+            let settings =
+                EncodeSettings { compression: lzma2.map_or(Compression::None, Compression::Lzma2), ..settings.clone() };
             let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
             let (max_error_codes, min_psnr_db) = distance(&source, &bytes);
             rows.push(Row {

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use lightfold::Error;
+use lightfold::container::Compression;
 use lightfold::container::journal::{self, Recovered};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
 use lightfold::encode::{
@@ -188,7 +189,7 @@ fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
 
 /// Two probes, one of them with fewer frames, of two faces, in all kinds.
 fn dataset() -> Footage {
-    let mut settings = EncodeSettings { lzma2: Some(1), cell: 8, ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { compression: Compression::Lzma2(1), cell: 8, ..EncodeSettings::default() };
     settings.temporal.keyframe_interval = 3;
     let manifest = r#"{
         "lightfield": 1, "name": "two", "fps": 24, "frames": [10, 20], "projection": "cubemap", "size": [16, 16],
@@ -459,7 +460,7 @@ fn other_options_are_refused_by_name() {
         ("`depth_codec` was Quadtree and is Boxes now", |s| s.depth.codec = DepthCodec::Boxes),
         ("`max_error` was Codes(40) and is Codes(41) now", |s| s.depth.error = ErrorBound::Codes(41)),
         ("`depth_tile` was PerSide(2) and is PerSide(1) now", |s| s.tiles = TileSize::PerSide(1)),
-        ("`lzma2` was none and is 6 now", |s| s.lzma2 = Some(6)),
+        ("the compression of chunks was Zstandard 9 and is LZMA2 6 now", |s| s.compression = Compression::Lzma2(6)),
         ("`near`", |s| s.near_m = Some(0.5)),
         ("`far`", |s| s.far_m = Some(1e6)),
         ("`depth_window`", |s| s.temporal.window = 4),

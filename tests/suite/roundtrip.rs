@@ -4,7 +4,7 @@ use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
-use lightfold::container::{Reader, Writer};
+use lightfold::container::{Compression, Reader, Writer};
 use lightfold::dataset::{InvalidDepth, Source, SourceOptions};
 use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
 use lightfold::depth::TemporalEncoder;
@@ -118,7 +118,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         footage.color = Some(&color);
         let source = footage.open(folder.path());
         for cell in [64, 4, 1] {
-            let settings = EncodeSettings { cell, lzma2: Some(1), ..EncodeSettings::default() };
+            let settings = EncodeSettings { cell, compression: Compression::Lzma2(1), ..EncodeSettings::default() };
             check_color8(&source, &encoded(&source, &settings), settings.search.min_psnr_db);
         }
         footage.color = None;
@@ -272,7 +272,7 @@ fn the_same_bytes_on_any_number_of_threads() {
     let color = |_: Face, frame: u32| drifting_color(64, 48, frame);
     let footage = Footage { frames: [3, 40], depth: Some(&depth), color: Some(&color), ..Footage::new(64, 48) };
     let source = footage.open(folder.path());
-    let settings = EncodeSettings { cell: 16, lzma2: Some(3), ..EncodeSettings::default() };
+    let settings = EncodeSettings { cell: 16, compression: Compression::Lzma2(3), ..EncodeSettings::default() };
     let once = encoded(&source, &settings);
     for threads in [1, 2, 5] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -361,7 +361,7 @@ fn a_large_image_of_background_opens_again_and_what_no_reader_takes_is_not_writt
     assert!(encoder.push(&vec![BACKGROUND_CODE; (side * side) as usize]).unwrap().is_none());
     let chunk = encoder.finish().unwrap().unwrap();
     let chunks = (0..64).map(|unit| (unit, chunk.clone())).collect();
-    let file = samples::container(0, samples::probe("00", 0), &[samples::Stream { entry, chunks }], None);
+    let file = samples::container(0, samples::probe("00", 0), &[samples::Stream { entry, chunks }], Compression::None);
     assert_eq!(decoder(&file).streams().len(), 1);
 
     let refused = |name: &str, probe: &str| {
@@ -384,7 +384,7 @@ fn sequential_colour_reads_each_chunk_once() {
         cell
     };
     let stream = samples::cells_by_hand(shape, &samples::color8_header(&search), [10, 20, 30].map(cell).into());
-    let decoder = decoder(&samples::container(0, samples::probe("00", 8), &[stream], None));
+    let decoder = decoder(&samples::container(0, samples::probe("00", 8), &[stream], Compression::None));
     let mut unit = decoder.unit(&decoder.streams()[0], 0);
     (0..9).for_each(|frame| assert!(unit.decode(frame).is_ok()));
     let stored: u64 = decoder.reader().index().chunks.iter().map(|chunk| u64::from(chunk.stored_bytes)).sum();
@@ -396,7 +396,7 @@ fn of_two_damaged_chunks_the_first_is_named() {
     let settings = TemporalSettings::default();
     let shape = samples::Shape { face: 0, size: [8, 8], unit: [2, 2], first_frame: 0, frame_count: 1 };
     let stream = samples::depth(shape, [1.0, 2.0], &samples::moving_codes([8, 8], 1, 3), settings);
-    let file = samples::container(0, samples::probe("00", 0), &[stream], None);
+    let file = samples::container(0, samples::probe("00", 0), &[stream], Compression::None);
     let damage = |at: usize, payload: &mut Vec<u8>| payload.truncate(if [3, 12].contains(&at) { 1 } else { 1 << 20 });
     let decoder = decoder(&samples::with_payloads(&file, damage));
     let chosen = Selection::default().choose(&decoder).unwrap();

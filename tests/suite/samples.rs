@@ -7,7 +7,8 @@ use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::color::temporal::BlockStage;
 use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
 use lightfold::container::{
-    ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
+    ChunkEntry, ChunkKey, Compression, EncodedChunk, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
+    StreamEntry, Writer, compression,
 };
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::block_chunk::encoder::BlockEncoder;
@@ -351,7 +352,7 @@ pub fn probe(name: &str, last_frame: u32) -> ProbeEntry {
 }
 
 /// The container of some streams of one probe.
-pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], level: Option<u32>) -> Vec<u8> {
+pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], compression: Compression) -> Vec<u8> {
     let mut writer = Writer::new(Vec::new(), "sample", 24.0, projection).unwrap();
     writer.add_probe(probe).unwrap();
     for stream in streams {
@@ -359,7 +360,9 @@ pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], level: O
         for (unit, chunk) in &stream.chunks {
             let first_frame = stream.entry.first_frame + chunk.first_frame;
             let key = ChunkKey { stream: index, unit: *unit, first_frame, frame_count: chunk.frame_count };
-            writer.push(&PackedChunk::new(key, chunk.payload.clone(), level).unwrap()).unwrap();
+            writer
+                .push(&PackedChunk::new(key, chunk.payload.clone(), (compression, PayloadKind::Mixed)).unwrap())
+                .unwrap();
         }
     }
     writer.finish().unwrap().0
@@ -432,7 +435,7 @@ pub fn take_apart(file: &[u8]) -> (Index, Vec<u8>) {
 pub fn static_depth(change: impl FnOnce(&mut Index)) -> Vec<u8> {
     let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
     let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
-    let file = container(0, probe("00", 0), &[depth(shape, [1.0, 2.0], &[vec![7; 4]], settings)], None);
+    let file = container(0, probe("00", 0), &[depth(shape, [1.0, 2.0], &[vec![7; 4]], settings)], Compression::None);
     let (mut index, stored) = take_apart(&file);
     change(&mut index);
     assemble(&index, &stored, |_| ())
@@ -448,7 +451,7 @@ pub fn static_for(frames: u32) -> Vec<u8> {
 
 /// 16 MiB of zeros in some kilobytes, which each of so many units has as its payload.
 pub fn shared_chunk(units: u32) -> Vec<u8> {
-    let stored = lightfold::container::lzma2_encode::compress(&vec![0; 16 << 20], 6).unwrap();
+    let stored = compression::lzma2(&vec![0; 16 << 20], 6, PayloadKind::Mixed).unwrap();
     let (mut index, _) = take_apart(&static_depth(|_| ()));
     (index.streams[0].width, index.streams[0].unit_width) = (units, 1);
     let chunk = ChunkEntry {

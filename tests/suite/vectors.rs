@@ -11,7 +11,7 @@ use half::f16;
 use lightfold::Error;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
-use lightfold::container::{Index, Reader, Storage, Writer};
+use lightfold::container::{Compression, Index, PayloadKind, Reader, Storage, Writer, compression};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 
@@ -169,7 +169,7 @@ pub fn shape(face: u8, size: [u32; 2], unit: [u32; 2], first_frame: u32, frame_c
 }
 
 pub fn one(stream: Stream) -> Vec<u8> {
-    samples::container(0, samples::probe("00", 40), &[stream], None)
+    samples::container(0, samples::probe("00", 40), &[stream], Compression::None)
 }
 
 fn f16s(values: [f32; 3]) -> [f16; 3] {
@@ -235,7 +235,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
             stream(3, [1, 17], [8, 8]),
             stream(4, [33, 1], [8, 8]),
         ];
-        samples::container(0, samples::probe("odd", 10), &streams, None)
+        samples::container(0, samples::probe("odd", 10), &streams, Compression::None)
     }));
     all.push(("depth-constant-tiles-shared", {
         let image = |t: usize| (0..16 * 8).map(|at| if at == 3 && t > 3 { 9 } else { u16::MAX }).collect();
@@ -270,7 +270,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
             samples::color8(shape(face, size, unit, 0, 16), &samples::drifting_bytes(size, 16), search(45.0))
         };
         let streams = [stream(0, [1, 1], [64, 64]), stream(3, [3, 5], [2, 3]), stream(6, [5, 3], [1, 16])];
-        samples::container(0, samples::probe("a.b_c-D", 15), &streams, None)
+        samples::container(0, samples::probe("a.b_c-D", 15), &streams, Compression::None)
     }));
     all.push(("color8-closed-by-next", {
         let header = samples::color8_header(&search(20.0));
@@ -324,7 +324,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
             samples::color8(shape(0, [48, 24], [32, 16], 0, 4), &vec![vec![[5, 6, 7]; 48 * 24]; 4], search(50.0)),
             samples::material(shape(0, [9, 4], [16, 16], 0, 12), &materials, temporal(1, 0, 8, 64)),
         ];
-        let bytes = samples::container(0, samples::probe("00", 11), &streams, Some(9));
+        let bytes = samples::container(0, samples::probe("00", 11), &streams, Compression::Lzma2(9));
         let (index, _) = samples::take_apart(&bytes);
         assert!(index.chunks.iter().filter(|chunk| chunk.storage == Storage::Lzma2).count() >= 3);
         bytes
@@ -338,7 +338,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
             samples::depth(shape(6, size, [16, 8], 0, 9), [0.1, 9.0], &moving(size, 9, 8), temporal(2, 0, 8, 64)),
             samples::material(shape(6, [9, 4], [8, 8], 0, 12), &materials, temporal(2, 0, 8, 64)),
         ];
-        samples::container(1, probe, &streams, None)
+        samples::container(1, probe, &streams, Compression::None)
     }));
     all.push(("empty", Writer::new(Vec::new(), "nothing", 0.1, 0).unwrap().finish().unwrap().0));
     all.push(("minor-version-of-later", {
@@ -372,7 +372,7 @@ fn base() -> Vec<u8> {
         samples::cells_by_hand(shape(1, [1, 1], [1, 1], 0, 2), &samples::half_header(&search), vec![half]),
         samples::material(shape(0, [2, 2], [8, 8], 0, 1), &[vec![[1, 2, 3]; 4]], temporal(1, 0, 1, 1)),
     ];
-    samples::in_rows(samples::container(0, samples::probe("00", 4), &streams, None))
+    samples::in_rows(samples::container(0, samples::probe("00", 4), &streams, Compression::None))
 }
 
 /// Name, bytes and a part of the message of every invalid vector.
@@ -501,7 +501,7 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let not_lzma2: fn(&mut Index) = |i| i.chunks[0].storage = Storage::Lzma2;
     all.push(("lzma2-damaged", edited(not_lzma2), "the chunk's LZMA2 stream"));
 
-    let mut smooth = lightfold::container::lzma2_encode::compress(&[7; 3000], 6).unwrap();
+    let mut smooth = compression::lzma2(&[7; 3000], 6, PayloadKind::Mixed).unwrap();
     let lzma2 = |stored: &[u8], raw_bytes: u32| {
         let mut index = index.clone();
         let chunk = &mut index.chunks[0];

@@ -3,7 +3,7 @@
 use half::f16;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
-use lightfold::container::EncodedChunk;
+use lightfold::container::{Compression, EncodedChunk};
 use lightfold::depth::TemporalSettings;
 use lightfold::streams::{CodecHeader, ColorBlocks};
 
@@ -86,7 +86,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
             stream(3, [1, 37], [8, 16]),
             stream(4, [33, 17], [32, 20]),
         ];
-        samples::container(0, samples::probe("00", 10), &streams, Some(6))
+        samples::container(0, samples::probe("00", 10), &streams, Compression::Lzma2(6))
     }));
     all.push(("depth-bc5-random", {
         // Pieces of random blocks and values in a whole unit and in boxes, none of which an encoder chose.
@@ -145,7 +145,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         samples::cells_by_hand(shape(0, [4, 4], [4, 4], 0, 3), &color, vec![cell]),
         samples::material_in_blocks(shape(0, [4, 4], [4, 4], 0, 1), &[vec![[1, 2, 3]; 16]], temporal(1, 0, 1, 1)),
     ];
-    let good = samples::container(0, samples::probe("00", 4), &streams, None);
+    let good = samples::container(0, samples::probe("00", 4), &streams, Compression::None);
     assert!(samples::decode_all(good.clone()).is_ok());
     let (index, stored) = samples::take_apart(&good);
     let unit = |stream: usize, width: u32, height: u32| {

@@ -2,10 +2,10 @@
 
 use lightfold::color::SearchSettings;
 use lightfold::color::cells::builder::CellBuilder;
-use lightfold::container::{ChunkKey, EncodedChunk, PackedChunk, Writer};
+use lightfold::container::{ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, Storage, Writer};
 use lightfold::depth::TemporalSettings;
 
-use crate::samples::{self, Stream};
+use crate::samples::{self, Random, Stream};
 use crate::vectors::{closing_cells, shape};
 
 fn temporal(keyframe_interval: u32) -> TemporalSettings {
@@ -50,7 +50,9 @@ fn of_many_streams(by_time: bool) -> Vec<u8> {
     for (stream, unit, chunk) in chunks {
         let first_frame = streams[stream as usize].entry.first_frame + chunk.first_frame;
         let key = ChunkKey { stream, unit, first_frame, frame_count: chunk.frame_count };
-        writer.push(&PackedChunk::new(key, chunk.payload.clone(), Some(6)).unwrap()).unwrap();
+        writer
+            .push(&PackedChunk::new(key, chunk.payload.clone(), (Compression::Lzma2(6), PayloadKind::Mixed)).unwrap())
+            .unwrap();
     }
     let file = writer.finish().unwrap().0;
     let (index, _) = samples::take_apart(&file);
@@ -64,7 +66,54 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         ("compact-index-by-time", of_many_streams(true)),
         ("compact-index-empty", Writer::new(Vec::new(), "", 0.1, 0).unwrap().finish().unwrap().0),
         ("compact-index-by-hand", Parts::new().file()),
+        ("zstd", compressed_in_frames()),
+        ("zstd-windowed", windowed()),
     ]
+}
+
+/// Smooth and noisy images of three kinds, whose frames have blocks of all kinds.
+fn compressed_in_frames() -> Vec<u8> {
+    let ramp = |t: u32| (0..256 * 192).map(|at| (at / 256 * 3 + at % 256 / 8 + t * (at / 40_000)) as u16).collect();
+    let depth: Vec<Vec<u16>> = (0..3).map(ramp).collect();
+    let mut random = Random(3);
+    let mut skewed = || [0; 3].map(|_: u8| (random.below(7) * random.below(6)) as u8);
+    let color: Vec<Vec<[u8; 3]>> = (0..4).map(|_| (0..64 * 40).map(|_| skewed()).collect()).collect();
+    let flat = vec![vec![[5, 6, 7]; 256 * 200]; 4];
+    let search = SearchSettings { min_psnr_db: 50.0, ..SearchSettings::default() };
+    let boxes = TemporalSettings { window: 2, ..temporal(64) };
+    let streams = [
+        samples::depth(shape(0, [256, 192], [256, 192], 0, 3), [1.0, 50.0], &depth, boxes),
+        samples::color8(shape(0, [64, 40], [64, 40], 0, 4), &color, search),
+        samples::color8(shape(1, [256, 200], [256, 200], 0, 4), &flat, search),
+        samples::material(shape(0, [40, 40], [16, 16], 0, 3), &samples::drifting_bytes([40, 40], 3), temporal(64)),
+    ];
+    let file = samples::container(0, samples::probe("00", 11), &streams, Compression::Zstd(19));
+    let (index, _) = samples::take_apart(&file);
+    assert!(index.chunks.iter().filter(|chunk| chunk.storage == Storage::Zstd).count() >= 4);
+    file
+}
+
+/// The payload of [`Parts`] in a frame that is not a single segment, of three raw blocks.
+fn windowed() -> Vec<u8> {
+    let raw = Parts::new().stored;
+    let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x80, 0x07];
+    frame.extend_from_slice(&(raw.len() as u32).to_le_bytes());
+    for (at, last) in [(0..4, 0), (4..4, 0), (4..raw.len(), 1)] {
+        frame.extend_from_slice(&((at.len() as u32) << 3 | last).to_le_bytes()[..3]);
+        frame.extend_from_slice(&raw[at]);
+    }
+    of_frame(&frame, raw.len() as u8)
+}
+
+/// [`Parts`] whose payload of so many bytes is stored as a Zstandard frame.
+fn of_frame(frame: &[u8], raw_bytes: u8) -> Vec<u8> {
+    let mut parts = Parts::new();
+    let head = frame.len() << 3 | 2;
+    assert!((0x80..0x4000).contains(&head) && raw_bytes < 0x80);
+    let front = [head as u8 | 0x80, (head >> 7) as u8, raw_bytes];
+    parts.chunks = [&front[..], &crc32fast::hash(frame).to_le_bytes(), &[3]].concat();
+    parts.stored = frame.to_vec();
+    parts.file()
 }
 
 /// The parts of an index: one depth stream of two units that show one pixel each for two frames, and have the same bytes.
@@ -142,6 +191,13 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let chunks = |change: &dyn Fn(u8, &[u8]) -> Vec<u8>| {
         edited(&|parts| parts.chunks = change(parts.chunks[0], &parts.chunks[1..6]))
     };
+    // A single segment of one raw block: the magic, the descriptor, the size, the block's head.
+    let zstd = |change: &dyn Fn(&mut Vec<u8>)| {
+        let raw = Parts::new().stored;
+        let mut frame = [&[0x28, 0xb5, 0x2f, 0xfd, 0x20, 18, 18 << 3 | 1, 0, 0][..], &raw].concat();
+        change(&mut frame);
+        of_frame(&frame, 18)
+    };
     let fit = "do not fit into the rest of the index";
     vec![
         ("compact-number-longer", counts(&[0x81, 0, 1, 2]), "not in its shortest form"),
@@ -189,9 +245,50 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ),
         ("compact-chunk-in-index", chunks(&|own, rest| [&[own + 8], rest, &[3]].concat()), "outside the file's chunks"),
         ("compact-gap", edited(&|parts| parts.stored.push(0)), "and the index starts at"),
+        ("zstd-magic", zstd(&|frame| frame[0] = 0), "its magic number is other"),
+        ("zstd-dictionary", zstd(&|frame| frame[4] |= 1), "a dictionary, a checksum or reserved bits"),
+        ("zstd-checksum", zstd(&|frame| frame[4] |= 4), "a dictionary, a checksum or reserved bits"),
+        ("zstd-reserved", zstd(&|frame| frame[4] |= 8), "a dictionary, a checksum or reserved bits"),
+        ("zstd-unused", zstd(&|frame| frame[4] |= 16), "a dictionary, a checksum or reserved bits"),
+        ("zstd-size-missing", zstd(&|frame| size_missing(frame)), "lacks its content size"),
+        ("zstd-size-longer", zstd(&|frame| frame[5] += 1), "does not mean the 18 bytes"),
+        ("zstd-window", zstd(&large_window), "a window of 18874368 bytes"),
+        ("zstd-block-kind", zstd(&|frame| frame[6] |= 6), "the chunk's Zstandard frame is damaged"),
+        ("zstd-shorter", zstd(&shorter), "the chunk's Zstandard frame"),
+        ("zstd-cut", zstd(&|frame| frame.truncate(frame.len() - 1)), "the chunk's Zstandard frame is damaged"),
+        ("zstd-trailing-byte", zstd(&|frame| frame.push(0)), "1 bytes follow the end of the chunk's Zstandard frame"),
+        ("zstd-two-frames", zstd(&two_frames), "9 bytes follow the end of the chunk's Zstandard frame"),
+        ("zstd-expansion", edited(&expanding), "cannot mean"),
         ("compact-cut", edited(&|parts| parts.chunks.truncate(6)), "1 more bytes expected, 0 left"),
         ("compact-longer", edited(&|parts| parts.rest.push(0)), "1 bytes after the last field"),
     ]
+}
+
+/// A window, and no content size.
+fn size_missing(frame: &mut [u8]) {
+    frame[4] = 0;
+    frame[5] = 0;
+}
+
+/// 18 MiB, then a size of two bytes cannot be 18: one of four.
+fn large_window(frame: &mut Vec<u8>) {
+    frame.splice(4..6, [0x80, 14 << 3 | 1, 18, 0, 0, 0]);
+}
+
+/// One byte fewer in the block than the header says.
+fn shorter(frame: &mut Vec<u8>) {
+    frame[6] = 17 << 3 | 1;
+    frame.pop();
+}
+
+/// Another one, of nothing.
+fn two_frames(frame: &mut Vec<u8>) {
+    frame.extend_from_slice(&[0x28, 0xb5, 0x2f, 0xfd, 0x20, 0, 1, 0, 0]);
+}
+
+/// 18 bytes cannot become 589,825.
+fn expanding(parts: &mut Parts) {
+    parts.chunks.splice(0..2, [0x92, 1, 0x81, 0x80, 0x24]);
 }
 
 fn no_size(parts: &mut Parts) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lightfold::container::{EncodedChunk, Storage};
+use lightfold::container::{Compression, EncodedChunk, Storage};
 use lightfold::depth::domain::DomainKind;
 use lightfold::depth::mode_decision::Decide;
 use lightfold::depth::node_chunk::NodeChunk;
@@ -123,7 +123,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
             stream(3, [1, 37], [8, 1024]),
             stream(4, [45, 30], [20, 17]),
         ];
-        samples::container(0, samples::probe("odd", 8), &streams, None)
+        samples::container(0, samples::probe("odd", 8), &streams, Compression::None)
     }));
     all.push(("nodes-linear", {
         one(samples::nodes(of([32, 24]), DomainKind::Linear, &scene, node_settings(2, 0, 100, 64)))
@@ -133,7 +133,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     }));
     all.push(("nodes-every-function", {
         let streams: Vec<_> = (0..).zip(DomainKind::ALL).map(|(face, kind)| every_function(face, kind)).collect();
-        samples::container(0, samples::probe("00", 2), &streams, None)
+        samples::container(0, samples::probe("00", 2), &streams, Compression::None)
     }));
     all.push(("nodes-empty-records", {
         // No encoder of ours writes a record without nodes, or a walk into places that turn out empty.
@@ -145,14 +145,14 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
             samples::tree(shape(face, size, unit, 0, 6), kind, &scene[..6], node_settings(1, 0, 100, 4))
         };
         let streams = [stream(0, DomainKind::Log, [64, 64]), stream(1, DomainKind::Inverse, [19, 30])];
-        samples::container(0, samples::probe("00", 6), &streams, None)
+        samples::container(0, samples::probe("00", 6), &streams, Compression::None)
     }));
     all.push(("blocks", {
         let streams = [
             samples::blocks(shape(0, size, [32, 32], 5, 5), &scene[..5], 2),
             samples::blocks(shape(1, [1, 9], [8, 8], 5, 5), &samples::scene_codes([1, 9], 5), 64),
         ];
-        samples::container(0, samples::probe("00", 10), &streams, None)
+        samples::container(0, samples::probe("00", 10), &streams, Compression::None)
     }));
     all.push(("nodes-lzma2", {
         let streams = [
@@ -160,7 +160,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
             samples::tree(shape(1, size, [64, 64], 0, 9), DomainKind::Linear, &scene, node_settings(1, 0, 50, 64)),
             samples::blocks(shape(2, size, [64, 64], 0, 9), &scene, 64),
         ];
-        let bytes = samples::container(0, samples::probe("00", 8), &streams, Some(9));
+        let bytes = samples::container(0, samples::probe("00", 8), &streams, Compression::Lzma2(9));
         let (index, _) = samples::take_apart(&bytes);
         assert!(index.chunks.iter().all(|chunk| chunk.storage == Storage::Lzma2));
         bytes

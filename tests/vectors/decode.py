@@ -17,11 +17,13 @@ import unicodedata
 import zlib
 
 import blocks
+import zstandard
 
 MAX_SIZE = 16384
 MAX_FRAME = 1 << 31
 MAX_CHUNK_BYTES = 1 << 30
-MAX_EXPANSION = 16384
+# Payload bytes for each stored byte, by storage.
+EXPANSION = (1, 16384, 32768)
 
 
 class Refused(Exception):
@@ -179,14 +181,15 @@ def read_row(fields, end):
     key = fields.take("4I")
     offset, stored, raw, crc, storage = fields.take("QIIIB")
     fields.zeros(3)
+    check(storage <= 1, "a chunk's storage is unknown")
     return key, check_place((offset, stored, raw, crc, storage), end)
 
 
 def check_place(place, end):
     offset, stored, raw, _crc, storage = place
-    check(storage <= 1 and 16 <= offset and offset + stored <= end, "a chunk's place is illegal")
+    check(16 <= offset and offset + stored <= end, "a chunk's place is illegal")
     check(raw <= MAX_CHUNK_BYTES, "a chunk is too large")
-    check(raw <= stored * MAX_EXPANSION if storage else raw == stored, "a chunk's sizes are illegal")
+    check(raw <= stored * EXPANSION[storage] if storage else raw == stored, "a chunk's sizes are illegal")
     return place
 
 
@@ -290,7 +293,12 @@ def fetch(data, place):
     offset, stored, raw, crc, storage = place
     payload = data[offset:offset + stored]
     check(zlib.crc32(payload) == crc, "a chunk's CRC-32 is other")
-    if storage:
+    if storage == 2:
+        try:
+            payload = zstandard.decompress(payload, raw)
+        except zstandard.Damaged as error:
+            raise Refused(f"a chunk's Zstandard frame: {error}") from None
+    elif storage:
         size = 1 << (max(4096, min(raw, 1 << 24)) - 1).bit_length()
         decoder = lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=[{"id": lzma.FILTER_LZMA2, "dict_size": size}])
         try:

@@ -10,7 +10,7 @@ use crate::inspect::Inspection;
 #[derive(Debug, clap::Args)]
 #[command(
     group = clap::ArgGroup::new("looks").args(["plot", "check"]),
-    after_help = "Raw sizes count 32-bit depth and 24-bit colour. Temporal: after temporal coding, before LZMA2.\n\
+    after_help = "Raw sizes count 32-bit depth and 24-bit colour. Temporal: after temporal coding, before compression of chunks.\n\
     Keys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all frames are decoded \
     in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
     For a scene (glTF, GLB, OBJ, or built in): bounds in metres, triangles, materials and lights at time 0, and animations.\n\n\

@@ -73,7 +73,11 @@ fn heading(report: &Report<'_>) -> String {
 /// CALF's table 1.
 fn kinds(report: &Report<'_>) -> Table {
     let all = report.inspection.totals(None);
-    let stored = if all.lzma2_chunks > 0 { "+LZMA2" } else { "Stored" };
+    let stored = match (all.lzma2_chunks > 0, all.zstd_chunks > 0) {
+        (true, false) => "+LZMA2",
+        (false, true) => "+Zstd",
+        _ => "Stored",
+    };
     let mut table = Table::new(&format!("Kind|>Streams|>Images|>Raw|>Temporal|>%|>{stored}|>%"));
     let mut row = |name: &str, totals: Totals| {
         table.row([
@@ -293,9 +297,10 @@ pub fn verdict(report: &Report<'_>) -> String {
     let all = inspection.totals(None);
     if inspection.damaged.is_empty() {
         return format!(
-            "\n{} verified ({} of LZMA2), {} outside of chunks\n",
+            "\n{} verified ({} of LZMA2, {} of Zstandard), {} outside of chunks\n",
             counted(all.chunks, "chunk"),
             all.lzma2_chunks,
+            all.zstd_chunks,
             human_bytes(inspection.unreferenced_bytes)
         );
     }

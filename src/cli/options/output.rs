@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::refuse;
+use crate::container::Compression;
 use crate::encode::EncodeSettings;
 use crate::error::Result;
 use crate::memory::Budget;
@@ -24,6 +25,13 @@ pub struct StoreArgs {
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
         value_parser = clap::value_parser!(u32).range(0..=9))]
     pub lzma2: Option<u32>,
+    /// Compress chunks with Zstandard, level 1 (fast) to 19 (small), as encoders do by default [default level: 9]
+    #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "9",
+        value_parser = clap::value_parser!(u32).range(1..=19), conflicts_with = "lzma2")]
+    pub zstd: Option<u32>,
+    /// Do not compress chunks
+    #[arg(long, conflicts_with_all = ["lzma2", "zstd"])]
+    pub no_compression: bool,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -56,8 +64,14 @@ pub struct EncodeOutputArgs {
 }
 
 impl StoreArgs {
+    /// What the options say, if anything.
+    pub fn compression(&self) -> Option<Compression> {
+        let of_level = self.lzma2.map(Compression::Lzma2).or(self.zstd.map(Compression::Zstd));
+        of_level.or(self.no_compression.then_some(Compression::None))
+    }
+
     pub fn apply(&self, settings: &mut EncodeSettings) {
-        settings.lzma2 = self.lzma2;
+        settings.compression = self.compression().unwrap_or_default();
         settings.memory = self.memory.get();
     }
 }

@@ -1,7 +1,7 @@
 //! Depth and colour of a playback, decoded and kept on a device (CALF 6.2; GDC 5).
 //!
 //! Enters: units to decode, and parts of depths to write. Leaves: buffers that textures are copied from. Chunks go to the device
-//! as they are stored, LZMA2 undone, with lists of jobs; nothing is read back.
+//! as they are stored, compression undone, with lists of jobs; nothing is read back.
 //!
 //! Each loaded probe has its own decoders, one per family of its streams, so that it is loaded and unloaded as one.
 

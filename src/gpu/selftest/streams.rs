@@ -5,7 +5,9 @@
 
 use crate::color::CellFormat;
 use crate::color::cells::builder::CellBuilder;
-use crate::container::{ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use crate::container::{
+    ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
+};
 use crate::decode::{Decoder, FaceDecoder, StreamInfo};
 use crate::depth::block_chunk::picture_bytes;
 use crate::depth::block_tiles::Layout;
@@ -140,7 +142,7 @@ fn random_container(random: &mut Random) -> Result<Vec<u8>> {
         }
     }
     for (key, payload) in chunks {
-        writer.push(&PackedChunk::new(key, payload, None)?)?;
+        writer.push(&PackedChunk::new(key, payload, (Compression::None, PayloadKind::Mixed))?)?;
     }
     Ok(writer.finish()?.0)
 }

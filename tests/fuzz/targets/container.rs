@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lightfold::container::{OpenLimits, Reader, lzma2, lzma2_independent};
+use lightfold::container::{Compression, OpenLimits, Reader, lzma2, lzma2_independent, zstd, zstd_independent};
 use lightfold::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
@@ -94,7 +94,11 @@ fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
             effort: Effort::Fast,
             min_children: 3,
         };
-        let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten), memory: Budget::UNLIMITED };
+        let settings = PackSettings {
+            repack: Repack::As(Compression::Zstd(1)),
+            flatten: Some(flatten),
+            memory: Budget::UNLIMITED,
+        };
         judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))?;
     }
     let settings = PackSettings { repack: Repack::Keep, flatten: None, memory: Budget::UNLIMITED };
@@ -249,6 +253,24 @@ pub fn run_lzma2(bytes: &[u8]) -> Judged {
         Ok(_) => Ok(Verdict::Accepted),
         Err(error @ Error::Invalid { .. }) => refused(&error),
         Err(error) => Err(format!("another kind of error: {error}")),
+    }
+}
+
+/// Four bytes of a payload's size, then a Zstandard frame.
+pub fn run_zstd(bytes: &[u8]) -> Judged {
+    let Some((size, stored)) = bytes.split_first_chunk::<4>() else { return Ok(Verdict::Refused) };
+    let raw_bytes = u32::from_le_bytes(*size) % (4 << 20);
+    let raw = match zstd::decompress(stored, raw_bytes) {
+        Ok(raw) => raw,
+        Err(error) => return refused(&error),
+    };
+    if raw.len() != raw_bytes as usize {
+        return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
+    }
+    match zstd_independent::decompress_independent(stored, raw_bytes) {
+        Ok(other) if other != raw => Err("two Zstandard decoders do not agree".into()),
+        Ok(_) => Ok(Verdict::Accepted),
+        Err(error) => refused(&error),
     }
 }
 

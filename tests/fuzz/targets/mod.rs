@@ -54,6 +54,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "container", execs: 2000, run: container::run, bound: container::bound },
     Target { name: "index", execs: 2000, run: container::run, bound: container::bound },
     Target { name: "lzma2", execs: 2000, run: container::run_lzma2, bound: container::bound_lzma2 },
+    Target { name: "zstd", execs: 2000, run: container::run_zstd, bound: container::bound_lzma2 },
     payloads!(b"DQPN", 2000),
     payloads!(b"DQTR", 1000),
     payloads!(b"DAAB", 2000),

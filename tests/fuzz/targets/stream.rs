@@ -1,6 +1,8 @@
 //! Streams of one codec: sizes, codec header and payloads are the input, the container around them is sound.
 
-use lightfold::container::{ChunkKey, OpenLimits, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use lightfold::container::{
+    ChunkKey, Compression, OpenLimits, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
+};
 use lightfold::decode::Decoder;
 
 use super::{Judged, container, refused};
@@ -109,7 +111,7 @@ impl Case {
             for chunk in 0..chunks {
                 let key = ChunkKey { stream, unit, first_frame: 3 + chunk * frames, frame_count: frames };
                 let payload = next.next().cloned().unwrap_or_default();
-                writer.push(&PackedChunk::new(key, payload, None)?)?;
+                writer.push(&PackedChunk::new(key, payload, (Compression::None, PayloadKind::Mixed))?)?;
             }
         }
         Ok(writer.finish()?.0)

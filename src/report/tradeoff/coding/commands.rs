@@ -103,6 +103,12 @@ impl Input {
             words.push(format!("--stream={}", stream.name()).into());
         }
         words.extend(knob_options(settings, Stage::Encode));
+        // Sizes without LZMA2 are sizes of payloads.
+        let compressed = settings.iter().any(|(name, level)| *name == "lzma2" && level != "none");
+        let says = |option: &String| option.starts_with("--zstd") || option == "--no-compression";
+        if !compressed && !options.iter().any(says) {
+            words.push("--no-compression".into());
+        }
         words.extend(options.iter().map(OsString::from));
         words
     }
@@ -197,11 +203,17 @@ mod tests {
         let of = point(Depth, &[("device", "gpu"), ("depth-window", "4"), ("threads", "2"), ("lzma2", "none")]);
         let scene = input(Form::Dataset, &["--near=1"]);
         let line = shell_line(&scene.encode(&of));
-        assert_eq!(line, "lightfold encode scene --stream=depth --depth-window=4 --threads=2 --near=1");
+        assert_eq!(
+            line,
+            "lightfold encode scene --stream=depth --depth-window=4 --threads=2 --no-compression --near=1"
+        );
         let line = shell_line(&scene.decode(&of, Path::new("a b.lfold"), 3));
         assert_eq!(line, "lightfold decode 'a b.lfold' --null --repeat=3 --threads=2 --device=gpu --json");
         let alone = input(Form::Sequence, &[]);
-        assert_eq!(shell_line(&alone.encode(&of)), "lightfold encode-depth scene --depth-window=4 --threads=2");
+        assert_eq!(
+            shell_line(&alone.encode(&of)),
+            "lightfold encode-depth scene --depth-window=4 --threads=2 --no-compression"
+        );
         let line = shell_line(&alone.diff(&of, Path::new("a.lfold")));
         assert_eq!(line, "lightfold diff scene a.lfold --stream=depth --ssim=none --json");
     }
@@ -213,7 +225,7 @@ mod tests {
         let line = shell_line(&scene.temporal(&of));
         assert_eq!(
             line,
-            "lightfold encode scene --stream=depth --depth-codec=aabb --depth-window=4 --update-threshold=3"
+            "lightfold encode scene --stream=depth --depth-codec=aabb --depth-window=4 --update-threshold=3 --no-compression"
         );
         for (settings, psnr) in [
             (&[("color-block", "bc7"), ("color-cell", "8")][..], "40"),
@@ -221,7 +233,10 @@ mod tests {
             (&[("color-block", "bc7"), ("color-cell", "8"), ("psnr", "45"), ("psnr-final", "28")], "45"),
         ] {
             let line = shell_line(&scene.temporal(&point(Color, settings)));
-            assert_eq!(line, format!("lightfold encode scene --stream=color --color-cell=8 --psnr={psnr}"));
+            assert_eq!(
+                line,
+                format!("lightfold encode scene --stream=color --color-cell=8 --psnr={psnr} --no-compression")
+            );
         }
         let plain = point(Color, &[("psnr", "40")]);
         assert_eq!(scene.temporal(&plain), scene.encode(&plain));
@@ -234,7 +249,7 @@ mod tests {
         assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb"), ("depth-block", "bc5")])).is_some());
         assert!(scene.spatial(&point(Color, &[("color-block", "none")])).is_none());
         let tree = scene.spatial(&point(Depth, &[("max-error", "10"), ("lzma2", "9")])).unwrap();
-        assert_eq!(shell_line(&tree), "lightfold encode scene --stream=depth --max-error=10");
+        assert_eq!(shell_line(&tree), "lightfold encode scene --stream=depth --max-error=10 --no-compression");
     }
 
     #[test]
