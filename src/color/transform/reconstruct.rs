@@ -1,9 +1,10 @@
 //! From levels to samples: one frame of a cell's chunk (color.md 6.3).
 
-use crate::color::transform::basis::{BASIS_BITS, basis, length_index, matrix};
-use crate::color::transform::blocks::{Block, regions};
+use crate::color::transform::basis::{BASIS_BITS, LENGTHS, MAX_LENGTH, basis, length_index, matrix};
+use crate::color::transform::blocks::{Block, Shape, regions};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, inverse};
 use crate::color::transform::levels::Level;
+use crate::color::transform::palette::Palette;
 use crate::color::transform::payload::{Layout, check_frames};
 use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region};
 use crate::color::transform::steps::{Steps, dequantise};
@@ -15,6 +16,25 @@ static BASIS_8: [[i32; 8]; 8] = matrix();
 static BASIS_16: [[i32; 16]; 16] = matrix();
 static BASIS_32: [[i32; 32]; 32] = matrix();
 const MOST_PIXELS: usize = 32 * 32;
+
+/// Weights of planes by frame, for each length: [`MAX_LENGTH`] of them a frame.
+static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
+    let mut bases = [[0; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()];
+    let mut at = 0;
+    while at < LENGTHS.len() {
+        let mut frame = 0;
+        while frame < LENGTHS[at] {
+            let mut plane = 0;
+            while plane < LENGTHS[at] {
+                bases[at][frame * MAX_LENGTH + plane] = basis(LENGTHS[at], plane, frame);
+                plane += 1;
+            }
+            frame += 1;
+        }
+        at += 1;
+    }
+    bases
+};
 
 /// A chunk of a cell, as it was read: any of its frames can be shown.
 #[derive(Debug)]
@@ -48,21 +68,25 @@ impl TransformChunk {
     /// left alone. Answers the number of pixels written.
     pub fn show<S: Keyed>(&self, frame: usize, shown: Option<usize>, out: &mut [S]) -> u64 {
         let mut updated = 0;
-        let mut scratch = Scratch::default();
+        let mut planes = Planes::default();
         for ([left, top, width, height], region) in regions(self.size).zip(&self.regions) {
             for leaf in region.leaves.iter().filter(|leaf| leaf.block.contains_frame(frame)) {
                 if shown.is_some_and(|shown| leaf.is_same(region, frame, shown)) {
                     continue;
                 }
-                self.decode_leaf::<S>(region, leaf, frame, &mut scratch);
-                let (place, side) = (leaf.block.place, leaf.block.shape.side());
+                let Block { place, shape } = leaf.block;
                 let [columns, rows] =
-                    [width.saturating_sub(place.x), height.saturating_sub(place.y)].map(|n| n.min(side));
-                for y in 0..rows {
-                    let keys = &scratch.keys[y * side..][..columns];
-                    let first = 3 * ((top + place.y + y) * self.size[0] + left + place.x);
-                    for (samples, keys) in out[first..][..3 * columns].as_chunks_mut().0.iter_mut().zip(keys) {
-                        *samples = keys.map(S::from_key);
+                    [width.saturating_sub(place.x), height.saturating_sub(place.y)].map(|free| free.min(shape.side()));
+                let first = 3 * ((top + place.y) * self.size[0] + left + place.x);
+                let window = Window { columns, rows, side: shape.side(), stride: 3 * self.size[0] };
+                let out = out.get_mut(first..).unwrap_or_default();
+                match &leaf.content {
+                    Content::Palette(index) => {
+                        window.write_palette(&region.palettes[*index], shape, frame - place.frame, out);
+                    }
+                    Content::Transform { channels, .. } => {
+                        self.decode_channels::<S>(region, channels, (shape, frame - place.frame), &mut planes);
+                        window.write_channels(&planes, self.slopes, out);
                     }
                 }
                 updated += (columns * rows) as u64;
@@ -71,41 +95,76 @@ impl TransformChunk {
         updated
     }
 
-    fn decode_leaf<S: Keyed>(&self, region: &Region, leaf: &Leaf, frame: usize, scratch: &mut Scratch) {
-        let (shape, frame) = (leaf.block.shape, frame - leaf.block.place.frame);
-        let pixels = shape.pixels();
-        match &leaf.content {
-            Content::Palette(index) => {
-                let palette = &region.palettes[*index];
-                match palette.frame(shape, frame) {
-                    Some(indices) => {
-                        for (keys, &index) in scratch.keys.iter_mut().zip(indices) {
-                            *keys = palette.colors[usize::from(index)];
-                        }
+    fn decode_channels<S: Keyed>(
+        &self,
+        region: &Region,
+        channels: &[ChannelLevels; CHANNELS],
+        (shape, frame): (Shape, usize),
+        planes: &mut Planes,
+    ) {
+        let length = length_index(shape.frames).unwrap_or(0);
+        let weights = &TIME_BASES[length][frame * MAX_LENGTH..][..shape.frames];
+        for (channel, plane) in planes.channels.iter_mut().enumerate() {
+            let of = &channels[channel];
+            let source = FrameLevels {
+                levels: &region.levels[of.levels.clone()],
+                of,
+                step: self.steps.step(channel, length),
+                weights,
+            };
+            let coefficients = &mut planes.coefficients;
+            source.coefficients(shape.side(), coefficients);
+            let bits = S::DOMAIN.fraction_bits;
+            match shape.level {
+                0 => inverse_transform(&BASIS_4, coefficients, of.extent, bits, plane),
+                1 => inverse_transform(&BASIS_8, coefficients, of.extent, bits, plane),
+                2 => inverse_transform(&BASIS_16, coefficients, of.extent, bits, plane),
+                _ => inverse_transform(&BASIS_32, coefficients, of.extent, bits, plane),
+            }
+        }
+    }
+}
+
+/// What of a block lies in its cell, and the samples between two rows of the cell.
+struct Window {
+    columns: usize,
+    rows: usize,
+    side: usize,
+    stride: usize,
+}
+
+impl Window {
+    /// Rows of the block, and where they go.
+    fn rows<'a, T, S>(&self, block: &'a [T], out: &'a mut [S]) -> impl Iterator<Item = (&'a [T], &'a mut [[S; 3]])> {
+        let columns = self.columns;
+        let rows = block.chunks_exact(self.side).zip(out.chunks_mut(self.stride)).take(self.rows);
+        rows.map(move |(row, out)| (&row[..columns], &mut out.as_chunks_mut().0[..columns]))
+    }
+
+    fn write_palette<S: Keyed>(&self, palette: &Palette, shape: Shape, frame: usize, out: &mut [S]) {
+        let colors: Vec<[S; 3]> = palette.colors.iter().map(|color| color.map(S::from_key)).collect();
+        match palette.frame(shape, frame) {
+            Some(indices) => {
+                for (row, out) in self.rows(indices, out) {
+                    for (out, &index) in out.iter_mut().zip(row) {
+                        *out = colors[usize::from(index)];
                     }
-                    None => scratch.keys[..pixels].fill(palette.colors[0]),
                 }
             }
-            Content::Transform { channels, .. } => {
-                let Scratch { keys, coefficients, planes } = scratch;
-                let length = length_index(shape.frames).unwrap_or(0);
-                for (channel, plane) in planes.iter_mut().enumerate() {
-                    let step = self.steps.step(channel, length);
-                    let of = &channels[channel];
-                    let source = FrameLevels { levels: &region.levels[of.levels.clone()], of, step, frame };
-                    source.coefficients(shape.side(), shape.frames, coefficients);
-                    let bits = S::DOMAIN.fraction_bits;
-                    match shape.level {
-                        0 => inverse_transform(&BASIS_4, coefficients, of.extent, bits, plane),
-                        1 => inverse_transform(&BASIS_8, coefficients, of.extent, bits, plane),
-                        2 => inverse_transform(&BASIS_16, coefficients, of.extent, bits, plane),
-                        _ => inverse_transform(&BASIS_32, coefficients, of.extent, bits, plane),
-                    }
+            None => {
+                for out in out.chunks_mut(self.stride).take(self.rows) {
+                    out.as_chunks_mut().0[..self.columns].fill(colors[0]);
                 }
-                let [luma, green, orange] = planes;
-                for (at, keys) in keys[..pixels].iter_mut().enumerate() {
-                    *keys = inverse([luma[at], green[at], orange[at]], self.slopes, &S::DOMAIN);
-                }
+            }
+        }
+    }
+
+    fn write_channels<S: Keyed>(&self, planes: &Planes, slopes: ChromaSlopes, out: &mut [S]) {
+        let [luma, green, orange] = &planes.channels;
+        let chroma = green.chunks_exact(self.side).zip(orange.chunks_exact(self.side));
+        for ((row, out), (green, orange)) in self.rows(luma, out).zip(chroma) {
+            for ((out, &luma), (&green, &orange)) in out.iter_mut().zip(row).zip(green.iter().zip(orange)) {
+                *out = inverse([luma, green, orange], slopes, &S::DOMAIN).map(S::from_key);
             }
         }
     }
@@ -128,16 +187,15 @@ impl Leaf {
     }
 }
 
-/// Room for one block.
-struct Scratch {
-    keys: [[i32; 3]; MOST_PIXELS],
+/// Room for the channels of a block.
+struct Planes {
     coefficients: [i32; MOST_PIXELS],
-    planes: [[i32; MOST_PIXELS]; CHANNELS],
+    channels: [[i32; MOST_PIXELS]; CHANNELS],
 }
 
-impl Default for Scratch {
+impl Default for Planes {
     fn default() -> Self {
-        Scratch { keys: [[0; 3]; MOST_PIXELS], coefficients: [0; MOST_PIXELS], planes: [[0; MOST_PIXELS]; CHANNELS] }
+        Planes { coefficients: [0; MOST_PIXELS], channels: [[0; MOST_PIXELS]; CHANNELS] }
     }
 }
 
@@ -146,12 +204,13 @@ struct FrameLevels<'a> {
     levels: &'a [Level],
     of: &'a ChannelLevels,
     step: i32,
-    frame: usize,
+    /// What each plane weighs in the frame.
+    weights: &'a [i32],
 }
 
 impl FrameLevels<'_> {
     /// The inverse transform in time: the frame's spatial coefficients, in units of 2^-fraction.
-    fn coefficients(&self, side: usize, frames: usize, out: &mut [i32; MOST_PIXELS]) {
+    fn coefficients(&self, side: usize, out: &mut [i32; MOST_PIXELS]) {
         let [columns, rows] = self.of.extent;
         for row in out.chunks_exact_mut(side).take(rows) {
             row[..columns].fill(0);
@@ -162,7 +221,7 @@ impl FrameLevels<'_> {
                 mean = mean.wrapping_add(level.value);
                 continue;
             }
-            let weight = basis(frames, level.plane.into(), self.frame);
+            let weight = self.weights[usize::from(level.plane)];
             let at = &mut out[level.position.y() * side + level.position.x()];
             *at = at.wrapping_add(dequantise(level.value, self.step).wrapping_mul(weight));
         }
@@ -175,33 +234,58 @@ impl FrameLevels<'_> {
     }
 }
 
-/// The inverse transform in space: first all columns that have coefficients, then all rows.
+/// The inverse transform in space: all columns that have coefficients, then all rows.
+///
+/// Functions of even frequency are symmetric, those of odd frequency antisymmetric: half of each row is computed, and the
+/// other half is the difference where this one is the sum. Sums wrap, so that their order does not matter.
 fn inverse_transform<const N: usize>(
     basis: &[[i32; N]; N],
-    coefficients: &[i32],
+    coefficients: &[i32; MOST_PIXELS],
     [columns, rows]: [usize; 2],
     fraction_bits: u32,
-    out: &mut [i32],
+    out: &mut [i32; MOST_PIXELS],
 ) {
-    let mut half = [[1 << (BASIS_BITS - 1); N]; N];
-    for (function, coefficients) in basis.iter().zip(coefficients.chunks_exact(N)).take(rows) {
-        for (row, &weight) in half.iter_mut().zip(function) {
-            for (sum, &coefficient) in row[..columns].iter_mut().zip(coefficients) {
-                *sum = i32::wrapping_add(*sum, weight.wrapping_mul(coefficient));
+    let shift = BASIS_BITS + fraction_bits + N.trailing_zeros();
+    let round = 1 << (shift - 1);
+    let scale = |value: i32| i32::wrapping_add(value, 1 << (BASIS_BITS - 1)) >> BASIS_BITS;
+    if [columns, rows] == [1, 1] {
+        let mean = scale(coefficients[0].wrapping_shl(BASIS_BITS));
+        out[..N * N].fill(i32::wrapping_add(mean.wrapping_shl(BASIS_BITS), round) >> shift);
+        return;
+    }
+    let mut half = [[0; N]; N];
+    for (column, half) in half.iter_mut().enumerate().take(columns) {
+        for (row, function) in coefficients.chunks_exact(N).zip(basis).take(rows) {
+            let coefficient = row[column];
+            if coefficient != 0 {
+                for (sum, &weight) in half.iter_mut().zip(function) {
+                    *sum = i32::wrapping_add(*sum, weight.wrapping_mul(coefficient));
+                }
             }
+        }
+        for value in half.iter_mut() {
+            *value = scale(*value);
         }
     }
-    let shift = BASIS_BITS + fraction_bits + N.trailing_zeros();
-    for (half, out) in half.iter().zip(out.chunks_exact_mut(N)) {
-        let mut sums = [1 << (shift - 1); N];
-        for (&value, function) in half[..columns].iter().zip(basis) {
-            let value = value >> BASIS_BITS;
-            for (sum, &weight) in sums.iter_mut().zip(function) {
-                *sum = i32::wrapping_add(*sum, value.wrapping_mul(weight));
+    for (y, out) in out.chunks_exact_mut(N).take(N).enumerate() {
+        let (mut even, mut odd) = ([round; N], [0; N]);
+        for (column, functions) in half[..columns].chunks(2).zip(basis.chunks_exact(2)) {
+            add_product(&mut even, column[0][y], &functions[0]);
+            if let Some(second) = column.get(1) {
+                add_product(&mut odd, second[y], &functions[1]);
             }
         }
-        for (out, sum) in out.iter_mut().zip(sums) {
-            *out = sum >> shift;
+        for x in 0..N / 2 {
+            out[x] = i32::wrapping_add(even[x], odd[x]) >> shift;
+            out[N - 1 - x] = i32::wrapping_sub(even[x], odd[x]) >> shift;
         }
+    }
+}
+
+/// Adds a multiple of the first half of a function.
+#[inline(always)]
+fn add_product<const N: usize>(sums: &mut [i32; N], value: i32, function: &[i32; N]) {
+    for (sum, &weight) in sums[..N / 2].iter_mut().zip(&function[..N / 2]) {
+        *sum = i32::wrapping_add(*sum, value.wrapping_mul(weight));
     }
 }

@@ -1,9 +1,15 @@
 //! Table sets from counts of symbols: cells are grouped by the set that codes them in the fewest bits.
 
+use crate::color::transform::blocks::{Block, regions};
+use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::contexts::CLUSTERS;
+use crate::color::transform::domain::Keyed;
 use crate::color::transform::encode::rate::{Costs, Counts};
-use crate::color::transform::tables::TableSet;
-use crate::entropy::SYMBOLS;
+use crate::color::transform::payload::{Layout, holds_cells};
+use crate::color::transform::region::Region;
+use crate::color::transform::tables::{CLUSTER_OF, TableSet, Tables};
+use crate::entropy::{Decoder, SYMBOLS};
+use crate::error::{Error, Result};
 
 /// Rounds of grouping.
 const ROUNDS: usize = 8;
@@ -14,9 +20,51 @@ pub struct Trainer {
     cells: Vec<Box<Counts>>,
 }
 
+/// Counts the symbols that it reads.
+struct CountingReader<'a> {
+    reader: Reader<'a>,
+    counts: &'a mut Counts,
+}
+
+impl Coder for CountingReader<'_> {
+    fn symbol(&mut self, context: usize, value: usize) -> usize {
+        let symbol = self.reader.symbol(context, value);
+        self.counts[usize::from(CLUSTER_OF[context])][symbol] += 1;
+        symbol
+    }
+
+    fn bits(&mut self, value: u32, count: u32) -> u32 {
+        self.reader.bits(value, count)
+    }
+}
+
+impl SourceCoder for CountingReader<'_> {
+    fn is_short(&self) -> bool {
+        self.reader.is_short()
+    }
+
+    fn is_finished(&self) -> bool {
+        self.reader.is_finished()
+    }
+}
+
 impl Trainer {
-    pub fn add(&mut self, counts: Box<Counts>) {
+    /// Counts the symbols of a payload that was encoded with `tables`.
+    pub fn add<S: Keyed>(&mut self, payload: &[u8], size: [usize; 2], frames: u32, tables: &Tables) -> Result<()> {
+        if holds_cells(payload) {
+            return Ok(());
+        }
+        let Layout { header, substreams } = Layout::parse::<S>(payload, size, tables)?;
+        let mut counts: Box<Counts> = Box::new([[0; SYMBOLS]; CLUSTERS]);
+        for ([_, _, width, height], substream) in regions(size).zip(substreams) {
+            let stream = Decoder::new(&payload[substream]);
+            let reader = Reader { stream, tables: &tables.sets()[header.set] };
+            let root = Block::root([width, height], frames as usize);
+            Region::read_by(CountingReader { reader, counts: &mut counts }, root, &header, &S::DOMAIN)
+                .map_err(Error::invalid)?;
+        }
         self.cells.push(counts);
+        Ok(())
     }
 
     /// `sets` table sets, or as many as there are cells.
