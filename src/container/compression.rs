@@ -43,8 +43,10 @@ impl Default for Compression {
 pub enum PayloadKind {
     #[default]
     Mixed,
-    /// Samples of one byte, or fields of odd sizes.
+    /// Samples of one byte.
     Bytes,
+    /// Fields of odd sizes, as nodes of a quadtree are.
+    Unaligned,
     /// Half floats.
     Words,
     /// Texture blocks of 8 or 16 bytes.
@@ -57,6 +59,7 @@ impl PayloadKind {
         match self {
             PayloadKind::Mixed => [3, 0, 2],
             PayloadKind::Bytes => [4, 0, 0],
+            PayloadKind::Unaligned => [3, 0, 0],
             PayloadKind::Words => [2, 1, 1],
             PayloadKind::Blocks => [0, 4, 4],
         }

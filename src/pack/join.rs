@@ -233,7 +233,7 @@ impl Copier<'_> {
         let finished = flattener.flatten(self.reader, chunk, self.monitor)?;
         let packed = finished.into_iter().map(|EncodedChunk { first_frame, frame_count, payload }| {
             let key = ChunkKey { stream, unit: chunk.key.unit, first_frame, frame_count };
-            PackedChunk::new(key, payload, (compression, PayloadKind::Bytes))
+            PackedChunk::new(key, payload, (compression, PayloadKind::Unaligned))
         });
         packed.collect()
     }

@@ -174,7 +174,7 @@ impl CodecHeader {
     pub fn payload_kind(&self) -> PayloadKind {
         match self {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => {
-                PayloadKind::Bytes
+                PayloadKind::Unaligned
             }
             CodecHeader::Depth(_) | CodecHeader::Material(_) => PayloadKind::Mixed,
             CodecHeader::Color(ColorHeader { blocks: Some(_), .. }) => PayloadKind::Blocks,

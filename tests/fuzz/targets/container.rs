@@ -26,7 +26,7 @@ pub const FLATTENING: u64 = 48 << 20;
 /// Frames of a stream that are decoded with `--keep-going`.
 const KEPT_FRAMES: u32 = 6;
 /// Streams of an input that are decoded.
-const MAX_STREAMS: usize = 6;
+const MAX_STREAMS: usize = 8;
 
 /// The limits for an input.
 fn limits(bytes: &[u8]) -> OpenLimits {
