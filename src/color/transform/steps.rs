@@ -4,7 +4,7 @@ use crate::color::transform::basis::LENGTHS;
 use crate::color::transform::domain::{CHANNELS, Domain};
 
 /// round(4096·2^(i/16)).
-const OCTAVE: [u32; 16] =
+pub const OCTAVE: [u32; 16] =
     [4096, 4277, 4467, 4664, 4871, 5087, 5312, 5547, 5793, 6049, 6317, 6597, 6889, 7194, 7512, 7845];
 /// round(4096/√length) of each of [`LENGTHS`].
 const INVERSE_ROOTS: [u32; LENGTHS.len()] = [4096, 2896, 2365, 2048, 1672, 1448, 1182, 1024, 836];

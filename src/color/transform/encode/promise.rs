@@ -14,7 +14,7 @@ use crate::color::transform::encode::tree::Tree;
 use crate::color::transform::palette::{CACHED, Color, ColorCache};
 use crate::color::transform::payload::Header;
 use crate::color::transform::reconstruct::TransformChunk;
-use crate::color::transform::steps::{StepIndices, Steps};
+use crate::color::transform::steps::{OCTAVE, StepIndices, Steps};
 use crate::effort::Effort;
 use crate::entropy::{Encoder, SYMBOLS};
 use crate::error::Result;
@@ -29,11 +29,6 @@ const NEAR: i32 = 8;
 const COARSEST: i32 = 240;
 /// Steepest slope of chroma in 16ths.
 const MOST_SLOPE: f64 = 24.0;
-/// 2^(i/16).
-const SIXTEENTHS: [f64; 16] = [
-    1.0, 1.0443, 1.0905, 1.1388, 1.1892, 1.2419, 1.2968, 1.3543, 1.4142, 1.4768, 1.5422, 1.6105, 1.6818, 1.7563, 1.834,
-    1.9152,
-];
 /// What steps of half-float keys are above those of bytes for the same quality.
 const USUAL_HALF_OFFSET: f64 = 96.0;
 
@@ -272,8 +267,9 @@ fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
     let change = [1.0 + orange - green, 1.0 + green, 1.0 - orange - green];
     let energy: f64 = change.iter().map(|change| change * change).sum();
     // 16 · log2 of the length: each index is 1/8 of an octave of the energy.
-    let finer =
-        (1..64).take_while(|&at| energy >= SIXTEENTHS[(2 * at - 1) % 16] * f64::from(1u32 << ((2 * at - 1) / 16)));
+    let finer = (1..64).take_while(|&at| {
+        energy >= f64::from(OCTAVE[(2 * at - 1) % 16]) / 4096.0 * f64::from(1u32 << ((2 * at - 1) / 16))
+    });
     let clamp = |index: i32| index.clamp(0, 255) as u8;
     StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step) }
 }
