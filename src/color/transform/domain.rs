@@ -97,8 +97,8 @@ mod tests {
     fn channels_are_lossless() {
         for domain in [Domain::BYTES, Domain::HALVES] {
             let most = (1 << domain.key_bits) - 1;
-            for at in 0..20_000 {
-                let keys = [at * 7919, at * 104_729 + 3, at * 1_299_709 + 11].map(|value: i32| value & most);
+            for at in 0..20_000i32 {
+                let keys = [7919, 104_729, 1_299_709].map(|prime| at.wrapping_mul(prime) & most);
                 for slopes in [(0, 0), (5, -3), (-128, 127)].map(|(green, orange)| ChromaSlopes { green, orange }) {
                     assert_eq!(inverse(forward(keys, slopes, &domain), slopes, &domain), keys);
                 }
