@@ -17,65 +17,15 @@ import unicodedata
 import zlib
 
 import blocks
+import transform
 import zstandard
+from fields import Fields, Refused, check
 
 MAX_SIZE = 16384
 MAX_FRAME = 1 << 31
 MAX_CHUNK_BYTES = 1 << 30
 # Payload bytes for each stored byte, by storage.
 EXPANSION = (1, 16384, 32768)
-
-
-class Refused(Exception):
-    """The file breaks a rule."""
-
-
-def check(rule, message):
-    if not rule:
-        raise Refused(message)
-
-
-class Fields:
-    """Little-endian fields, one after the other (container.md 1)."""
-
-    def __init__(self, data):
-        self.data, self.at = data, 0
-
-    def bytes(self, count):
-        check(self.at + count <= len(self.data), "the fields end early")
-        self.at += count
-        return self.data[self.at - count:self.at]
-
-    def take(self, layout):
-        values = struct.unpack("<" + layout, self.bytes(struct.calcsize("<" + layout)))
-        check("d" not in layout or all(map(math.isfinite, values)), "an f64 is not finite")
-        return values if len(values) > 1 else values[0]
-
-    def varint(self, most=(1 << 32) - 1):
-        value = 0
-        for place in range(5):
-            byte = self.take("B")
-            value |= (byte & 0x7f) << 7 * place
-            if byte < 0x80:
-                check(byte or place == 0, "a varint is not in its shortest form")
-                check(value <= most, "a varint is too large")
-                return value
-        raise Refused("a varint of more than five bytes")
-
-    def string(self):
-        try:
-            return self.bytes(self.take("H")).decode("utf-8")
-        except UnicodeDecodeError:
-            raise Refused("a string is not UTF-8") from None
-
-    def zeros(self, count):
-        check(not any(self.bytes(count)), "a reserved byte is not zero")
-
-    def fits(self, count, least):
-        check(count * least <= len(self.data) - self.at, "a table does not fit")
-
-    def finish(self):
-        check(self.at == len(self.data), "bytes are left over")
 
 
 # container.md 3 to 7 -------------------------------------------------------------------------------------------------
@@ -718,17 +668,27 @@ def decode_blocks(data, chunks, width, height):
 
 # color.md 2 to 4, arithmetic.md 3, 4, blocks.md ----------------------------------------------------------------------
 
+TRANSFORMS = {b"CTR8": 1, b"CTRH": 2}
+
+
 def read_color_header(stream):
+    """The table sets of a transform stream."""
     fields = Fields(stream.header)
     fields.take("d")
     if stream.codec in KEYFRAMES:
         check_unit(stream)
-    if stream.codec in (b"CCL8", b"CCB1", b"CCB7"):
+    if PIXEL_BYTES[0, stream.codec] == 3:
         exposure, transfer = fields.take("fI")
         check(-32 <= exposure <= 32 and transfer <= 1, "a colour header is illegal")
     else:
         check(fields.take("d") > 0, "a colour header is illegal")
+    sets = None
+    if stream.codec in TRANSFORMS:
+        check(fields.take("B") == 3, "the number of colour planes is illegal")
+        fields.zeros(3)
+        sets = transform.read_sets(fields)
     fields.finish()
+    return sets
 
 
 # Size of a block, and what makes the samples of its pixels (color.md 4).
@@ -791,15 +751,36 @@ def blend(a, b, weight, size):
 def decode_cell(data, chunks, width, height, size, codec):
     cells = [parse_cell(fetch(data, place), width, height, count, size, codec) for _first, count, place in chunks]
     for at, ((_first, count, _place), (frames, weights, samples)) in enumerate(zip(chunks, cells)):
-        for frame in range(count):
-            before = sum(first <= frame for first in frames) - 1
-            weight = weights[frame] if frame < len(weights) else 0
-            if weight == 0:
-                yield samples[before]
-                continue
-            check(before + 1 < len(frames) or at + 1 < len(cells), "the last chunk leads to a next one")
-            after = samples[before + 1] if before + 1 < len(frames) else cells[at + 1][2][0]
-            yield blend(samples[before], after, weight, size)
+        following = cells[at + 1][2][0] if at + 1 < len(cells) else None
+        yield from show_cell(frames, weights, samples, following, count, size)
+
+
+def show_cell(frames, weights, samples, following, count, size):
+    """The pictures of a chunk; `following` is the first keyframe of the next one."""
+    for frame in range(count):
+        before = sum(first <= frame for first in frames) - 1
+        weight = weights[frame] if frame < len(weights) else 0
+        if weight == 0:
+            yield samples[before]
+            continue
+        after = samples[before + 1] if before + 1 < len(frames) else following
+        check(after is not None, "the last chunk leads to a next one")
+        yield blend(samples[before], after, weight, size)
+
+
+def decode_transform(data, chunks, width, height, size, sets):
+    """The pictures of a cell (color.md 6.4)."""
+    for _first, count, place in chunks:
+        payload = fetch(data, place)
+        check(count <= transform.MAX_FRAMES, "a chunk has too many frames")
+        if payload[:1] == b"\xff":
+            cell = payload[1:]
+            frames, weights, samples = parse_cell(cell, width, height, count, size, None)
+            check(cell[2] == 0, "a cell in a transform stream is closed by a next chunk")
+            yield from show_cell(frames, weights, samples, None, count, size)
+        else:
+            for keys in transform.decode(payload, width, height, count, size, sets):
+                yield bytes(keys) if size == 1 else struct.pack(f"<{len(keys)}H", *map(bits_of, keys))
 
 
 # Whole images --------------------------------------------------------------------------------------------------------
@@ -808,8 +789,8 @@ NODE_CODECS = (b"DQPN", b"DQTR", b"DB4W")
 PIXEL_BYTES = {
     **{(1, codec): 2 for codec in (b"DAAB", b"DAB5", *NODE_CODECS)},
     **{(2, codec): 3 for codec in (b"MAAB", b"MAB1")},
-    **{(0, codec): 3 for codec in (b"CCL8", b"CCB1", b"CCB7")},
-    **{(0, codec): 6 for codec in (b"CCLH", b"CCB6")},
+    **{(0, codec): 3 for codec in (b"CCL8", b"CCB1", b"CCB7", b"CTR8")},
+    **{(0, codec): 6 for codec in (b"CCLH", b"CCB6", b"CTRH")},
 }
 
 
@@ -817,7 +798,7 @@ def decode_stream(data, stream):
     pixel = PIXEL_BYTES.get((stream.kind, stream.codec))
     check(pixel, "the codec is unknown")
     if stream.kind == 0:
-        read_color_header(stream)
+        sets = read_color_header(stream)
     elif stream.codec in NODE_CODECS:
         window, domain = read_node_header(stream)
     else:
@@ -825,7 +806,9 @@ def decode_stream(data, stream):
     images = [bytearray(stream.width * stream.height * pixel) for _ in range(stream.count)]
     for unit, chunks in enumerate(stream.chunks):
         left, top, width, height = stream.rect(unit)
-        if stream.kind == 0:
+        if stream.codec in TRANSFORMS:
+            pictures = decode_transform(data, chunks, width, height, TRANSFORMS[stream.codec], sets)
+        elif stream.kind == 0:
             pictures = decode_cell(data, chunks, width, height, pixel // 3, stream.codec)
         elif stream.codec == b"DB4W":
             pictures = decode_blocks(data, chunks, width, height)
