@@ -45,7 +45,7 @@ pub struct Args {
     /// Ignore streams and frames that only one side has
     #[arg(long)]
     pub common: bool,
-    /// Frames of each stream to compute SSIM for (8-bit colour; slow)
+    /// Frames of each stream to compute SSIM and PSNR-HVS-M for (8-bit colour; slow)
     #[arg(long, value_parser = one_of(SSIM), default_value = "sampled")]
     pub ssim: SsimFrames,
     /// Print a row for every stream [default: up to 12 streams]

@@ -6,7 +6,7 @@ use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::Domain;
 use crate::compare::side::StreamId;
 use crate::image::FrameRange;
-use crate::metrics::SquaredError;
+use crate::metrics::{HvsError, SquaredError};
 use crate::metrics::depth_error::{DepthErrors, Spot};
 
 /// Frames of a stream that only one side has.
@@ -107,6 +107,8 @@ pub struct SampleTotal {
     /// Mean of the frames of which it was computed.
     pub ssim: Option<f64>,
     pub ssim_frames: u64,
+    /// Of the same frames.
+    pub psnr_hvs_m_db: Option<f64>,
     pub differing_pixels: u64,
     /// Pixels that 8 bits clipped.
     pub clipped_pixels: u64,
@@ -172,6 +174,8 @@ impl Comparison {
         let worst = self.worst_where(|stream| of(stream).is_some()).map(|(at, _)| at);
         let ssim_frames = sum(|errors| errors.ssim_frames);
         let ssim_sum: f64 = all.iter().map(|(_, errors)| errors.ssim_sum).sum();
+        let mut hvs = HvsError::default();
+        all.iter().for_each(|(_, errors)| hvs.merge(&errors.hvs));
         (!all.is_empty()).then(|| SampleTotal {
             psnr_db: psnr_of_all(all.iter().map(|(_, errors)| errors.error)),
             lowest_frame: lowest(|errors| errors.lowest_frame),
@@ -180,6 +184,7 @@ impl Comparison {
             max_error: worst.and_then(|at| of(&self.streams[at])).map_or(0, |errors| errors.max_error),
             ssim: (ssim_frames > 0).then(|| ssim_sum / ssim_frames as f64),
             ssim_frames,
+            psnr_hvs_m_db: hvs.psnr_db(),
             differing_pixels: sum(|errors| errors.differing_pixels),
             clipped_pixels: sum(|errors| errors.clipped_pixels),
         })

@@ -7,7 +7,7 @@ use crate::color::quality::Pu21;
 use crate::compare::side::Values;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
-use crate::metrics::SquaredError;
+use crate::metrics::{HvsError, SquaredError};
 use crate::metrics::depth_error::Spot;
 
 pub trait Level: Copy + PartialEq {
@@ -60,6 +60,8 @@ pub struct SampleErrors {
     pub lowest_cell: Option<Lowest>,
     pub ssim_sum: f64,
     pub ssim_frames: u64,
+    /// Of the same frames.
+    pub hvs: HvsError,
     /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,
 }
@@ -79,6 +81,7 @@ impl SampleErrors {
             lowest_cell: None,
             ssim_sum: 0.0,
             ssim_frames: 0,
+            hvs: HvsError::default(),
             clipped_pixels: 0,
         }
     }

@@ -14,7 +14,7 @@ use crate::depth::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::{FrameRange, Plane};
 use crate::memory::{Budget, Need};
-use crate::metrics::{DepthErrors, SSIM_WINDOW, U8_PEAK, ssim_rgb8};
+use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, ssim_rgb8};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::ColorFormat;
@@ -191,11 +191,12 @@ impl PairComparison {
             (Measured::Color(errors), Converted::Bytes(plane), Converted::Bytes(other)) => {
                 errors.add(frame, plane, other, cell);
                 errors.clipped_pixels += a.clipped_pixels + b.clipped_pixels;
-                if wants_ssim(wanted, frame, self.report.frames)
-                    && let Some(ssim) = ssim(plane, other)?
-                {
-                    errors.ssim_sum += ssim;
-                    errors.ssim_frames += 1;
+                if wants_ssim(wanted, frame, self.report.frames) {
+                    if let Some(ssim) = ssim(plane, other)? {
+                        errors.ssim_sum += ssim;
+                        errors.ssim_frames += 1;
+                    }
+                    errors.hvs.merge(&HvsError::of_rgb8(plane, other)?);
                 }
             }
             (Measured::Color(errors), Converted::Half(a), Converted::Half(b)) => {

@@ -72,6 +72,7 @@ struct ColorTotal<'a> {
     min_cell_psnr_at: Option<Place<'a>>,
     ssim: Option<f64>,
     ssim_frames: u64,
+    psnr_hvs_m_db: Option<Number>,
     differing_pixels: u64,
     clipped_pixels: u64,
     worst: Option<Place<'a>>,
@@ -137,6 +138,7 @@ struct ColorErrors {
     min_cell_psnr_at: Option<Spot>,
     ssim: Option<f64>,
     ssim_frames: u64,
+    psnr_hvs_m_db: Option<Number>,
     clipped_pixels: u64,
 }
 
@@ -217,6 +219,7 @@ impl Comparison {
             min_cell_psnr_at: cell.map(|(at, lowest)| self.place(at, lowest.spot)),
             ssim: total.ssim,
             ssim_frames: total.ssim_frames,
+            psnr_hvs_m_db: total.psnr_hvs_m_db.map(Number),
             differing_pixels: total.differing_pixels,
             clipped_pixels: total.clipped_pixels,
             worst: self.worst_of(total),
@@ -279,6 +282,7 @@ impl ColorErrors {
             min_cell_psnr_at: errors.lowest_cell.map(|lowest| lowest.spot),
             ssim: errors.ssim(),
             ssim_frames: errors.ssim_frames,
+            psnr_hvs_m_db: errors.hvs.psnr_db().map(Number),
             clipped_pixels: errors.clipped_pixels,
         }
     }

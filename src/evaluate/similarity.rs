@@ -7,7 +7,7 @@ use crate::evaluate::RenderedImage;
 use crate::evaluate::reference::Truth;
 use crate::image::{EncodeTable, MaterialPlane, Plane, ToneMap};
 use crate::json::Number;
-use crate::metrics::{SquaredError, U8_PEAK, psnr_hvs_m_rgb8, ssim_rgb8};
+use crate::metrics::{HvsError, SquaredError, U8_PEAK, ssim_rgb8};
 use crate::streams::convert::color_codes;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,10 +28,7 @@ pub struct Similarity {
     pub ssim_images: u64,
     /// Sum of their SSIM.
     pub ssim_sum: f64,
-    /// Pixels of pictures that are large enough for a PSNR-HVS-M.
-    pub hvs_pixels: u64,
-    /// Their perceptual squared error over the squared peak, summed over pixels.
-    pub hvs_error: f64,
+    pub hvs: HvsError,
     /// Sum of the PSNR in dB of each picture that is not exact.
     pub psnr_db_sum: f64,
     /// Pictures that are not exact.
@@ -63,7 +60,7 @@ impl Similarity {
             psnr_db_seen: Number(self.seen.psnr_db()),
             ssim: self.ssim(),
             hole_percent: self.hole_percent(),
-            psnr_hvs_m_db: self.psnr_hvs_m_db().map(Number),
+            psnr_hvs_m_db: self.hvs.psnr_db().map(Number),
             psnr_db_effects: some_psnr(&self.effects).map(Number),
             psnr_db_mirrors: some_psnr(&self.mirrors).map(Number),
             psnr_db_glass: some_psnr(&self.glass).map(Number),
@@ -82,8 +79,7 @@ impl Similarity {
             hole_pixels: 0,
             ssim_images: 0,
             ssim_sum: 0.0,
-            hvs_pixels: 0,
-            hvs_error: 0.0,
+            hvs: HvsError::default(),
             psnr_db_sum: 0.0,
             inexact_images: 0,
             images: 0,
@@ -102,16 +98,13 @@ impl Similarity {
         let [shown, wanted] = [rendered.codes(tone), truth_codes(truth, tone)];
         let all = SquaredError::of_u8(shown.data().as_flattened(), wanted.data().as_flattened())?;
         let ssim = ssim_rgb8(&shown, &wanted)?;
-        let hvs_db = psnr_hvs_m_rgb8(&wanted, &shown)?;
-        let hvs_pixels = if hvs_db.is_some() { wanted.data().len() as u64 } else { 0 };
         let mut sum = Similarity {
             all,
             has_material: truth.material.is_some(),
             hole_pixels: rendered.alpha.data().iter().filter(|alpha| **alpha <= 0.0).count() as u64,
             ssim_images: u64::from(ssim.is_some()),
             ssim_sum: ssim.unwrap_or(0.0),
-            hvs_pixels,
-            hvs_error: hvs_db.map_or(0.0, |db| hvs_pixels as f64 * 10f64.powf(-db / 10.0)),
+            hvs: HvsError::of_rgb8(&wanted, &shown)?,
             psnr_db_sum: if all.sum > 0 { all.psnr_db() } else { 0.0 },
             inexact_images: u64::from(all.sum > 0),
             images: 1,
@@ -152,8 +145,7 @@ impl Similarity {
         self.hole_pixels += other.hole_pixels;
         self.ssim_images += other.ssim_images;
         self.ssim_sum += other.ssim_sum;
-        self.hvs_pixels += other.hvs_pixels;
-        self.hvs_error += other.hvs_error;
+        self.hvs.merge(&other.hvs);
         self.psnr_db_sum += other.psnr_db_sum;
         self.inexact_images += other.inexact_images;
         self.images += other.images;
@@ -168,11 +160,6 @@ impl Similarity {
     /// Mean SSIM; none where all pictures are too small.
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_images > 0).then(|| self.ssim_sum / self.ssim_images as f64)
-    }
-
-    /// PSNR-HVS-M in dB of all pictures; none where all are too small.
-    pub fn psnr_hvs_m_db(&self) -> Option<f64> {
-        (self.hvs_pixels > 0).then(|| -10.0 * (self.hvs_error / self.hvs_pixels as f64).log10())
     }
 
     /// Holes, in percent of all pixels.
@@ -237,12 +224,12 @@ mod tests {
         assert_eq!((one.effects.sum, one.effects.samples), (312, 9));
         assert!((one.hole_percent() - 300.0 / 144.0).abs() < 1e-12);
         assert!(one.ssim().is_some_and(|ssim| ssim < 1.0));
-        assert!(one.psnr_hvs_m_db().is_some_and(|db| db > 20.0 && db < 60.0));
+        assert!(one.hvs.psnr_db().is_some_and(|db| db > 20.0 && db < 60.0));
         let (exact, same) = pair(12, 12, 0, &[]);
         let other = Similarity::of(&exact, &same, LINEAR).unwrap();
         assert_eq!((other.all.psnr_db(), other.ssim()), (f64::INFINITY, Some(1.0)));
         assert_eq!((some_psnr(&other.effects), other.has_material), (None, false));
-        assert_eq!(other.psnr_hvs_m_db(), Some(f64::INFINITY));
+        assert_eq!(other.hvs.psnr_db(), Some(f64::INFINITY));
         let mut both = one;
         both.merge(&other).unwrap();
         assert_eq!((both.images, both.all.samples, both.has_material), (2, 6 * 144, true));

@@ -17,7 +17,7 @@ pub use codes::BACKGROUND_CODE;
 pub use depth_error::DepthErrors;
 pub use psnr::{SquaredError, U8_PEAK, U16_PEAK, psnr_to_max_sse};
 #[cfg(feature = "encode")]
-pub use psnr_hvs_m::{HVS_BLOCK, psnr_hvs_m_rgb8};
+pub use psnr_hvs_m::{HVS_BLOCK, HvsError, psnr_hvs_m_rgb8};
 pub use pu21::{DEFAULT_WHITE_CD_M2, PU21_PEAK, PuTable, pu21_encode};
 #[cfg(feature = "encode")]
 pub use ssim::{SSIM_WINDOW, ssim_rgb8};

@@ -19,6 +19,34 @@ pub fn psnr_hvs_m_rgb8(reference: &Plane<[u8; 3]>, distorted: &Plane<[u8; 3]>) -
     db.map(Some).map_err(|error| Error::invalid(format!("PSNR-HVS-M: {error}")))
 }
 
+/// Perceptual squared error of images, for the PSNR-HVS-M of all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HvsError {
+    /// Pixels of the images that are large enough.
+    pub pixels: u64,
+    /// Perceptual squared error over the squared peak, summed over these pixels.
+    pub sum: f64,
+}
+
+impl HvsError {
+    pub fn of_rgb8(reference: &Plane<[u8; 3]>, distorted: &Plane<[u8; 3]>) -> Result<HvsError> {
+        let Some(db) = psnr_hvs_m_rgb8(reference, distorted)? else { return Ok(HvsError::default()) };
+        let pixels = reference.data().len() as u64;
+        Ok(HvsError { pixels, sum: pixels as f64 * 10f64.powf(-db / 10.0) })
+    }
+
+    /// Adds other images. The order decides about the last bits.
+    pub fn merge(&mut self, other: &HvsError) {
+        self.pixels += other.pixels;
+        self.sum += other.sum;
+    }
+
+    /// `+inf` where all images are equal, none where all are too small.
+    pub fn psnr_db(&self) -> Option<f64> {
+        (self.pixels > 0).then(|| if self.sum == 0.0 { f64::INFINITY } else { -10.0 * (self.sum / self.pixels as f64).log10() })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,6 +62,18 @@ mod tests {
         let found = psnr_hvs_m_rgb8(&a, &b).unwrap().unwrap();
         assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         assert_eq!(psnr_hvs_m_rgb8(&a, &a).unwrap(), Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn errors_of_images_are_pooled_by_their_pixels() {
+        let of = |width, error: u8| {
+            HvsError::of_rgb8(&Plane::filled(width, 16, [100; 3]), &Plane::filled(width, 16, [100 + error; 3])).unwrap()
+        };
+        let (mut all, exact) = (of(16, 3), of(32, 0));
+        let alone = all.psnr_db().unwrap();
+        all.merge(&exact);
+        assert!((all.psnr_db().unwrap() - (alone + 10.0 * 3f64.log10())).abs() < 1e-9);
+        assert_eq!((exact.psnr_db(), of(7, 3).psnr_db()), (Some(f64::INFINITY), None));
     }
 
     #[test]
