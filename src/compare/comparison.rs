@@ -6,8 +6,8 @@ use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::Domain;
 use crate::compare::side::StreamId;
 use crate::image::FrameRange;
-use crate::metrics::{HvsError, SquaredError};
 use crate::metrics::depth_error::{DepthErrors, Spot};
+use crate::metrics::{HvsError, SquaredError};
 
 /// Frames of a stream that only one side has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

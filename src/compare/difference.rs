@@ -7,8 +7,8 @@ use crate::color::quality::Pu21;
 use crate::compare::side::Values;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
-use crate::metrics::{HvsError, SquaredError};
 use crate::metrics::depth_error::Spot;
+use crate::metrics::{HvsError, SquaredError};
 
 pub trait Level: Copy + PartialEq {
     fn steps(self) -> i32;

@@ -43,7 +43,8 @@ impl HvsError {
 
     /// `+inf` where all images are equal, none where all are too small.
     pub fn psnr_db(&self) -> Option<f64> {
-        (self.pixels > 0).then(|| if self.sum == 0.0 { f64::INFINITY } else { -10.0 * (self.sum / self.pixels as f64).log10() })
+        (self.pixels > 0)
+            .then(|| if self.sum == 0.0 { f64::INFINITY } else { -10.0 * (self.sum / self.pixels as f64).log10() })
     }
 }
 
