@@ -7,20 +7,27 @@ or in the cache of files, decoders write to nothing, and every codec may use the
 - ffmpeg: encoding, the time of all frames less that of the first alone; decoding, that of playing a film several times
   over less that of playing it once.
 - libjxl: what cjxl and djxl report, which is without their start; an image at a time for each thread.
+- one file for each stream (x265 and libaom of colour): processor time of one thread, less that of a frame of 64x64.
 - lightfold: the seconds that it reports. Encoding includes reading the source's files, where others find codes ready;
-  decoding is the median of passes in one process over a container in memory, after one that does not count.
+  decoding is the median of passes in one process over a container in memory, after one that does not count. For
+  colour, its processor time on one thread: of many passes less that of few.
 """
 
 import concurrent.futures
 import ctypes
 import ctypes.util
+import dataclasses
 import lzma
+import math
 import os
 import pathlib
 import re
+import resource
 import shutil
 import subprocess
+import tempfile
 import time
+import typing
 
 import lightfold_runs as lf
 from peers_frames import NotMeasured, decoded_payloads
@@ -37,11 +44,17 @@ def need(program, package):
         raise NotMeasured(f"{program} is not installed (apt-get install {package})")
 
 
-def seconds_of(command):
-    """Wall time of a process; its first complaint where it fails."""
-    start = time.perf_counter()
+def processor_time():
+    """Seconds that processors spent on finished children of this process."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def seconds_of(command, clock=time.perf_counter):
+    """Time of a process, by default on the wall; its first complaint where it fails."""
+    start = clock()
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-    taken = time.perf_counter() - start
+    taken = clock() - start
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
         # ffmpeg's first line is the coder's own, behind its address.
@@ -55,6 +68,8 @@ class Codec:
 
     # How many of the pixels decoding writes, in percent: whole frames.
     written = 100.0
+    # What times of processes are taken with.
+    clock = staticmethod(time.perf_counter)
 
     def __init__(self, label, film, bound=None):
         self.label, self.film, self.bound = label, film, bound
@@ -215,8 +230,8 @@ class Ffmpeg(Codec):
         return [*QUIET, *self.source(), *self.coder, "-threads", self.threads, *more, target]
 
     def encode(self):
-        first = seconds_of(self.encoding(self.first, "-frames:v", "1"))
-        whole = seconds_of(self.encoding(self.file))
+        first = seconds_of(self.encoding(self.first, "-frames:v", "1"), self.clock)
+        whole = seconds_of(self.encoding(self.file), self.clock)
         # One frame's share is given back: the first was encoded too.
         taken = (whole - first) * self.film.frames / max(self.film.frames - 1, 1)
         return taken if taken > 0 else None
@@ -226,7 +241,7 @@ class Ffmpeg(Codec):
 
     def played(self, times):
         loop = ["-stream_loop", str(times - 1)] if times > 1 else []
-        return seconds_of([*QUIET, "-threads", self.threads, *loop, "-i", self.file, "-f", "null", "-"])
+        return seconds_of([*QUIET, "-threads", self.threads, *loop, "-i", self.file, "-f", "null", "-"], self.clock)
 
     def decode(self):
         if not self.loops:
@@ -274,6 +289,100 @@ def x265(film, threads, setting):
     """Key frames that are forced stand nearer than x265 likes: they reset what is referred to only if they must."""
     return ["-c:v", "libx265", "-preset", "medium", *key_frames(film), "-forced-idr", "1",
             "-x265-params", f"{setting}:pools={threads}:log-level=error"]
+
+
+@dataclasses.dataclass
+class Coder:
+    """A coder of ffmpeg with its setting of quality; larger is better."""
+
+    suffix: str
+    decoder: str
+    options: typing.Callable
+    lowest: float
+    highest: float
+    # Where a search starts, and the dB that one more is worth, roughly.
+    start: float
+    slope: float
+
+
+def medium_x265(quality, _):
+    alone = f"crf={51 - quality:.3f}:pools=none:frame-threads=1:info=0:log-level=error"
+    return ["-c:v", "libx265", "-preset", "medium", "-x265-params", alone]
+
+
+def libaom(quality, share):
+    """libaom takes whole steps alone: what lies between is one step for some streams and the next for the others."""
+    crf = str(63 - math.floor(quality + share))
+    return ["-c:v", "libaom-av1", "-cpu-used", "6", "-crf", crf, "-b:v", "0", "-threads", "1", "-row-mt", "0"]
+
+
+CODERS = {
+    "x265 medium": Coder(".hevc", "hevc", medium_x265, 0, 51, 30, 0.7),
+    "libaom, cpu-used 6": Coder(".obu", "libdav1d", libaom, 0, 63, 30, 0.4),
+}
+# Rec. 709, as players expect it, with full chroma and exact rounding.
+TO_YUV = "scale=out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_chroma_inp,format=yuv444p"
+TO_RGB = "scale=in_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_chroma_inp,format=rgb24"
+
+
+class PerStream(Codec):
+    """A coder of ffmpeg, 4:4:4, in a raw file for each stream."""
+
+    clock = staticmethod(processor_time)
+
+    def __init__(self, label, film, work):
+        super().__init__(label, film)
+        self.coder, self.quality, self.loops = CODERS[label], CODERS[label].start, 0
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=work))
+        self.files = [self.folder / f"{at:06}{self.coder.suffix}" for at in range(len(film.payloads))]
+
+    def open(self):
+        need("ffmpeg", "ffmpeg")
+        encoder = self.coder.options(0, 0)[1]
+        known = subprocess.run(["ffmpeg", "-hide_banner", "-h", f"encoder={encoder}"], capture_output=True, text=True)
+        if "is not recognized" in known.stdout + known.stderr:
+            raise NotMeasured(f"this ffmpeg has no {encoder}")
+        self.sources = []
+        for at, payload in enumerate(self.film.payloads):
+            self.sources.append(self.film.raw(self.folder.parent).with_suffix(f".{at:06}"))
+            if not self.sources[at].exists():
+                self.sources[at].write_bytes(payload)
+
+    def coding(self, at, size, *more):
+        source = ["-f", "rawvideo", "-pix_fmt", self.film.pixel_format, "-s", size, "-r", "25", "-i", self.sources[at]]
+        # Shares spread evenly, and are not those of neighbouring faces.
+        share = (at * 0.618) % 1
+        return [*QUIET, *source, "-vf", TO_YUV, *self.coder.options(self.quality, share), *more]
+
+    def encode(self):
+        start = seconds_of(self.coding(0, "64x64", "-frames:v", "1", self.folder / f"start{self.coder.suffix}"), self.clock)
+        size = f"{self.film.width}x{self.film.height}"
+        taken = sum(seconds_of(self.coding(at, size, file), self.clock) for at, file in enumerate(self.files))
+        return taken - start * len(self.files) if taken > start * len(self.files) else None
+
+    def size(self):
+        return sum(map(os.path.getsize, self.files))
+
+    def played(self, times):
+        film = self.folder / f"film{self.coder.suffix}"
+        film.write_bytes(b"".join(file.read_bytes() for file in self.files) * times)
+        source = ["-threads", "1", "-c:v", self.coder.decoder, "-i", film]
+        return seconds_of([*QUIET, *source, "-fps_mode", "passthrough", "-f", "null", "-"], self.clock)
+
+    def decode(self):
+        if not self.loops:
+            once = max(self.played(3) - self.played(1), 1e-3) / 2
+            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
+        taken = (self.played(1 + self.loops) - self.played(1)) / self.loops
+        return taken if taken > 0 else None
+
+    def payloads(self):
+        back, found = self.folder / "back", b""
+        for file in self.files:
+            decoder = ["-c:v", self.coder.decoder, "-i", file]
+            seconds_of([*QUIET, *decoder, "-fps_mode", "passthrough", "-vf", TO_RGB, "-f", "rawvideo", back])
+            found += back.read_bytes()
+        return self.film.split(found)
 
 
 class Jxl(Codec):
@@ -359,3 +468,28 @@ class Lightfold(Codec):
     def payloads(self):
         given = self.given
         return decoded_payloads(given.binary, given.kernels, self.file, self.kind, self.film.streams, given.work)
+
+
+class OneThread(Lightfold):
+    """The same on one thread, by processor time."""
+
+    clock = staticmethod(processor_time)
+    loops = 0
+
+    def __init__(self, label, film, given, kind, options):
+        super().__init__(label, film, given, kind, options)
+        self.file = pathlib.Path(tempfile.mkdtemp(dir=given.work)) / "ours.lfold"
+
+    def encode(self):
+        return seconds_of([self.given.binary, "encode", self.given.manifest, "--stream", self.kind, *self.options,
+                           "--threads", "1", "-o", self.file, "-q"], self.clock)
+
+    def played(self, times):
+        return seconds_of([self.given.binary, "decode", self.file, "--null", "--threads", "1", "--repeat", times, "-q"],
+                          self.clock)
+
+    def decode(self):
+        if not self.loops:
+            once = max(self.played(4) - self.played(1), 1e-4) / 3
+            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
+        return max(self.played(1 + self.loops) - self.played(1), 1e-6) / self.loops

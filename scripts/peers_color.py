@@ -1,8 +1,7 @@
-"""Colour in scripts/peers: HAP, x265 and ffv1 of 8-bit frames, and ours at the PSNR that was measured of them.
+"""Colour in scripts/peers: bytes at a mean PSNR, and at a promise for every frame of every cell.
 
-HAP stores each frame as BC1 (hap) or as BC3 of YCoCg (hap_q), with Snappy behind it, and has no setting of quality. So
-the others are measured first, and then lightfold is asked for colour of at least their PSNR: the lowest --psnr is searched
-with which the whole set reaches it, for cells as they are and for blocks.
+Codecs with a setting of quality are asked again and again until the mean PSNR of all frames is met. HAP, which stores each
+frame as BC1 (hap) or as BC3 of YCoCg (hap_q), and lossless codecs have none.
 """
 
 import math
@@ -12,99 +11,149 @@ import peers_codecs as pc
 import peers_frames as pf
 from peers_measure import Contest, psnr
 
-# Steps of --psnr that are tried, in dB, from the lowest to the highest.
-STEP, LOWEST, HIGHEST = 0.25, 20.0, 60.0
-OURS = [
-    ("cells", []),
-    ("cells, bc7", ["--color-block", "bc7", "--psnr-final", "20"]),
-    ("cells, bc1", ["--color-block", "bc1", "--psnr-final", "20"]),
-]
+MEANS, PROMISES = [38.5, 41.5, 45.0], [40, 50]
+# How near a search comes, in dB, and its tries.
+NEAR, TRIES = 0.1, 10
+CELLS, TRANSFORM = ["--color-codec", "cells"], ["--color-codec", "transform"]
+BLOCKS = ["--color-block", "bc7", "--lzma2"]
+# Least and greatest --psnr of a search.
+LIMITS = (20, 70)
 
 
-def rivals(given, film):
-    """Codecs of ffmpeg."""
-    made = [(kind, ["-pix_fmt", "rgba", "-c:v", "hap", "-format", kind]) for kind in ("hap", "hap_q")]
-    made.append(("x265 crf 18", ["-pix_fmt", "yuv444p", *pc.x265(film, given.threads, "crf=18")]))
-    found = [pc.Ffmpeg(label, film, given.threads, given.work, coder) for label, coder in made]
-    return [*found, pc.Ffv1("ffv1 8 bits", film, given.threads, given.work, ["-pix_fmt", "bgr0"])]
+def search(measure, start, slope, limits):
+    """The setting at which `measure`, which grows with it, is nearest to 0 and not below -NEAR; None where there is none.
+
+    `slope` is a guess of the growth; then it is known from two sides.
+    """
+    low, high, known, at = *limits, {}, start
+    while len(known) < TRIES and at not in known:
+        found = known[at] = measure(at)
+        if abs(found) <= NEAR:
+            return at
+        if found < 0:
+            low = max(low, at)
+        else:
+            high = min(high, at)
+        if low < high and low in known and high in known:
+            share = -known[low] / (known[high] - known[low]) if math.isfinite(known[high]) else 0.5
+            at = round(low + (high - low) * min(max(share, 0.1), 0.9), 3)
+        else:
+            at = round(min(max(at - found / slope, low), high), 3)
+    reaching = {setting: above for setting, above in known.items() if above >= -NEAR}
+    return min(reaching, key=reaching.get) if reaching else None
 
 
-class Search:
-    """PSNR of the whole set by options and step of --psnr; what was tried once is kept."""
+class Source:
+    """Frames of a set's colour as 8 bits: the lossless container, its manifest, and the film that other codecs get."""
 
-    def __init__(self, given, source):
-        self.given, self.source, self.known = given, source, {}
+    def __init__(self, given):
+        self.given, self.container, folder = given, given.work / "source.lfold", given.work / "source"
+        lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", *CELLS, "--psnr", "200", "-o", self.container,
+                    "--json")
+        streams, width, height = pf.streams_of(lf.run_json(given.binary, "inspect", self.container, "--json"))
+        lf.run_json(given.binary, "decode", self.container, "--format", "png", "-o", folder, "--json")
+        self.manifest = (folder / "lightfield.json").read_text()
+        payloads = pf.read_dataset(given.kernels, folder, streams)
+        self.film = pf.Film("color", width, height, "rgb24", 3, streams, payloads)
 
-    def reached(self, options, step):
-        key = (*options, step)
-        if key not in self.known:
-            given, container = self.given, self.given.work / "search.lfold"
-            lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", "--psnr", asked(step), *options,
-                        "-o", container, "--json")
-            found = lf.run_json(given.binary, "diff", self.source, container, "--ssim", "none", "--json", may_differ=True)
-            self.known[key] = float(found["color"]["psnr_db"])
-        return self.known[key]
+    def differences(self, other, ssim="none"):
+        return lf.run_json(self.given.binary, "diff", self.container, other, "--ssim", ssim, "--json", may_differ=True)
 
-    def lowest(self, options, wanted):
-        """The lowest step that reaches `wanted` dB, or None."""
-        low, high = 0, round((HIGHEST - LOWEST) / STEP)
-        if self.reached(options, high) < wanted:
-            return None
-        while low < high:
-            middle = (low + high) // 2
-            if self.reached(options, middle) >= wanted:
-                high = middle
-            else:
-                low = middle + 1
-        return low
+    def quality(self, codec):
+        """Fields of a row."""
+        if isinstance(codec, pc.Lightfold):
+            other = codec.file
+        else:
+            other = self.given.work / "shown"
+            pf.write_dataset(other, self.manifest, self.film, codec.payloads())
+        found = self.differences(other, "every")["color"]
+        return {"psnr_db": float(found["psnr_db"]), "lowest_cell_db": float(found["min_cell_psnr_db"]), "ssim": found["ssim"],
+                "psnr_hvs_m_db": float(found["psnr_hvs_m_db"])}
+
+    def ours(self, label, options):
+        return pc.OneThread(label, self.film, self.given, "color", options)
+
+    def encoded(self, options):
+        """A container by these options, for a search."""
+        container = self.given.work / "search.lfold"
+        lf.run_json(self.given.binary, "encode", self.given.manifest, "--stream", "color", *options, "-o", container, "--json")
+        return container
+
+    def psnr_of(self, options):
+        return float(self.differences(self.encoded(options))["color"]["psnr_db"])
+
+    def rival_at(self, label, value, wanted):
+        """A coder of ffmpeg where `value` of it, in dB, is what is wanted; None where no setting has it."""
+        codec = pc.PerStream(label, self.film, self.given.work)
+        codec.open()
+
+        def above(quality):
+            codec.quality = quality
+            codec.encode()
+            return value(codec) - wanted
+        coder = codec.coder
+        codec.quality = search(above, coder.start, coder.slope, (coder.lowest, coder.highest))
+        return None if codec.quality is None else codec
+
+    def ours_at(self, label, options, wanted):
+        """Ours with the --psnr whose mean PSNR is what is wanted; None where no --psnr has it."""
+        setting = search(lambda db: self.psnr_of([*options, "--psnr", db]) - wanted, wanted - 1, 1.0, LIMITS)
+        return None if setting is None else self.ours(label, [*options, "--psnr", setting])
 
 
-def asked(step):
-    return LOWEST + step * STEP
+def add(contest, label, asked, find):
+    """The row of a codec that `find` answers, or one that says why there is none."""
+    try:
+        codec = find()
+        row = contest.add(codec) if codec else contest.missing(label, "no setting has this PSNR")
+    except pf.NotMeasured as error:
+        row = contest.missing(label, error)
+    except lf.Failed as error:
+        row = contest.missing(label, error.sentence())
+    row.asked = asked
 
 
-def add_ours(contest, given, film, search, target):
-    """Ours at the PSNR of one of the others."""
-    label, wanted = target
-    if math.isinf(wanted):
-        for more in ([], ["--lzma2"]):
-            words = ["--psnr", "200", *more]
-            contest.add(pc.Lightfold(f"lightfold {' '.join(words)}, for {label}", film, given, "color", words))
-        return
-    for name, options in OURS:
-        step = search.lowest(options, wanted)
-        if step is None:
-            contest.missing(f"lightfold {name}, for {label}", "its blocks do not reach the PSNR at any setting")
-            continue
-        for more in ([], ["--lzma2"]):
-            words = [*options, "--psnr", asked(step), *more]
-            contest.add(pc.Lightfold(" ".join([f"lightfold {name}, for {label}", *more]), film, given, "color", words))
+def one_thread(kind, label, source, coder):
+    """A coder of ffmpeg for the whole film, by processor time."""
+    codec = kind(label, source.film, "1", source.given.work, coder)
+    codec.clock = pc.processor_time
+    return codec
 
 
-def measure(given, name, runs):
+def at_means(contest, source):
+    """Codecs with a setting of quality at each mean PSNR, the others as they are."""
+    film, given = source.film, source.given
+    for label, coder in (("hap", ["hap", "-format", "hap"]), ("hap_q", ["hap", "-format", "hap_q"])):
+        add(contest, label, "–", lambda: one_thread(pc.Ffmpeg, label, source, ["-pix_fmt", "rgba", "-c:v", *coder]))
+    mean = lambda codec: psnr(given.kernels, film.payloads, codec.payloads())
+    for wanted in MEANS:
+        for label in pc.CODERS:
+            add(contest, label, f"{wanted}", lambda: source.rival_at(label, mean, wanted))
+        for label, options in (("bc7 + LZMA2", [*BLOCKS, "--psnr-final", "20"]), ("transform", TRANSFORM)):
+            add(contest, f"lightfold, {label}", f"{wanted}", lambda: source.ours_at(f"lightfold, {label}", options, wanted))
+    add(contest, "ffv1", "lossless", lambda: one_thread(pc.Ffv1, "ffv1", source, ["-pix_fmt", "bgr0"]))
+    for label, more in (("lightfold, cells + zstd", "--zstd"), ("lightfold, cells + LZMA2", "--lzma2")):
+        add(contest, label, "lossless", lambda: source.ours(label, [*CELLS, "--psnr", "200", more]))
+
+
+def at_promises(contest, source):
+    """Ours at each PSNR that every frame of every cell keeps."""
+    for least in PROMISES:
+        for label, options in (
+            ("lightfold, bc7 + LZMA2", [*BLOCKS, "--psnr-final", least]), ("lightfold, cells + zstd", [*CELLS, "--zstd"]),
+            ("lightfold, transform", TRANSFORM),
+        ):
+            add(contest, label, f"every cell {least}", lambda: source.ours(label, [*options, "--psnr", least]))
+
+
+def measure(source, name, runs):
     """The rows of a set's colour."""
-    source = given.work / "color.lfold"
-    lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", "--psnr", "200", "-o", source, "--json")
-    streams, width, height = pf.streams_of(lf.run_json(given.binary, "inspect", source, "--json"))
-    payloads = pf.decoded_payloads(given.binary, given.kernels, source, "color", streams, given.work)
-    film = pf.Film("color", width, height, "rgb24", 3, streams, payloads)
-    errors = lambda codec: {"psnr_db": psnr(given.kernels, film.payloads, codec.payloads())}
-    first = Contest(name, "color")
-    for codec in rivals(given, film):
-        first.add(codec)
-    first.encode(1)
-    first.check(errors)
-    search = Search(given, source)
     contest = Contest(name, "color")
-    for more in ([], ["--lzma2"]):
-        contest.add(pc.Lightfold(" ".join(["lightfold, defaults", *more]), film, given, "color", more))
-    for codec, row in first.pairs:
-        if codec is None:
-            contest.missing(row.label, row.note.removeprefix("not measured: "))
-            continue
-        contest.add(codec)
-        add_ours(contest, given, film, search, (row.label, row.psnr_db))
+    at_means(contest, source)
+    at_promises(contest, source)
     contest.encode(runs[0])
-    contest.check(errors)
+    contest.check(source.quality)
     contest.decode(runs[1])
+    for row in contest.rows:
+        row.pixels = sum(map(len, source.film.payloads)) // 3
     return contest.rows

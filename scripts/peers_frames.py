@@ -158,6 +158,34 @@ def png_image(kernels, path):
     return bytes(swapped)
 
 
+def write_png(path, width, rgb):
+    """A PNG of 8-bit colour, rows without a filter."""
+    rows = b"".join(b"\0" + rgb[at:at + 3 * width] for at in range(0, len(rgb), 3 * width))
+    head = struct.pack(">IIBBBBB", width, len(rgb) // (3 * width), 8, 2, 0, 0, 0)
+    parts = ((b"IHDR", head), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
+    chunks = (struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in parts)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+
+
+def write_dataset(folder, manifest, film, payloads):
+    """Frames of 8-bit colour as files of a manifest that `decode` wrote."""
+    folder.mkdir(exist_ok=True)
+    (folder / "lightfield.json").write_text(manifest)
+    pattern = json.loads(manifest)["files"]["color"]
+    for stream, payload in zip(film.streams, payloads):
+        for at, image in enumerate(film.images(payload)):
+            path = folder / frame_path(pattern, stream.probe, stream.face, stream.first_frame + at)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_png(path, film.width, image)
+
+
+def read_dataset(kernels, folder, streams):
+    """8-bit colour of every stream, out of the folder that `decode` wrote."""
+    pattern = json.loads((folder / "lightfield.json").read_text())["files"]["color"]
+    path = lambda stream, at: folder / frame_path(pattern, stream.probe, stream.face, stream.first_frame + at)
+    return [b"".join(png_image(kernels, path(stream, at)) for at in range(stream.frames)) for stream in streams]
+
+
 def decoded_payloads(binary, kernels, container, kind, streams, work):
     """Codes or 8-bit colour of every stream of a container, through the PNG files that `decode` writes."""
     folder = pathlib.Path(work) / "png"

@@ -36,7 +36,13 @@ class Row:
     rms_error_m: object = None
     background_wrong: object = None
     psnr_db: object = None
+    lowest_cell_db: object = None
+    ssim: object = None
+    psnr_hvs_m_db: object = None
     written_percent: object = None
+    # Colour: what the codec was asked for, and pixels of all frames.
+    asked: str = ""
+    pixels: int = 0
     note: str = ""
 
     @property
@@ -101,7 +107,9 @@ class Contest:
 
     def missing(self, label, why, bound=None):
         """A row that cannot be measured."""
-        self.pairs.append((None, Row(self.dataset, self.stream, label, bound, note=f"not measured: {why}")))
+        row = Row(self.dataset, self.stream, label, bound, note=f"not measured: {why}")
+        self.pairs.append((None, row))
+        return row
 
     @property
     def rows(self):

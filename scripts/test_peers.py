@@ -18,9 +18,11 @@ import tempfile
 import unittest
 import zlib
 
+import peers_color
+import peers_crops
 import peers_frames as pf
 import peers_table
-from peers_codecs import Ffv1, Rvl, Xz, Zstd, key_frames, x265
+from peers_codecs import CODERS, Ffv1, PerStream, Rvl, Xz, Zstd, key_frames, x265
 from peers_kernels import Kernels
 from peers_measure import Contest, Depth, Row, depth_errors, psnr
 
@@ -209,6 +211,14 @@ class FileTest(unittest.TestCase):
                 plain = struct.pack("<99H", *struct.unpack(">99H", plain))
             self.assertEqual(pf.png_image(KERNELS, path), plain)
 
+    def test_datasets_of_png_come_back(self):
+        film, folder = color_film(), pathlib.Path(WORK.name) / "dataset"
+        manifest = json.dumps({"files": {"color": "{probe}/{face}.%04d.png"}})
+        pf.write_dataset(folder, manifest, film, film.payloads)
+        self.assertEqual(len(list(folder.rglob("*.png"))), film.frames)
+        self.assertTrue((folder / "a" / "px.0004.png").is_file())
+        self.assertEqual(pf.read_dataset(KERNELS, folder, film.streams), film.payloads)
+
     def test_exr_plain_and_in_zip(self):
         rows = [[0.25 * (x + 5 * y) for x in range(5)] for y in range(21)]
         wanted = struct.pack("<105f", *itertools.chain(*rows))
@@ -231,6 +241,60 @@ def small_film():
     streams = [pf.Stream("a", face, 4, 3, (1.0, 9.0)) for face in ("px", "nx")]
     payloads = [packed([chance.choice([0, 300, 65534, 65535]) for _ in range(45)]) for _ in streams]
     return pf.Film("codes", 5, 3, "gray16le", 2, streams, payloads)
+
+
+def color_film():
+    """Two streams of three 64x64 images of smooth colour."""
+    streams = [pf.Stream("a", face, 4, 3) for face in ("px", "nx")]
+    image = lambda at: bytes(value for y in range(64) for x in range(64) for value in (2 * x, 2 * y, x + y + 9 * at))
+    return pf.Film("color", 64, 64, "rgb24", 3, streams, [b"".join(map(image, range(3))) for _ in streams])
+
+
+class ColorTest(unittest.TestCase):
+    def test_a_search_comes_near_from_both_sides(self):
+        tried = []
+
+        def measure(at):
+            tried.append(at)
+            return 10 * math.log(at) - 20
+        for start in (0.5, 7.0, 40.0):
+            tried.clear()
+            found = peers_color.search(measure, start, 1.0, (0.1, 60))
+            self.assertLessEqual(abs(measure(found)), peers_color.NEAR)
+            self.assertLessEqual(len(tried), peers_color.TRIES)
+
+    def test_a_search_knows_what_cannot_be_reached(self):
+        self.assertIsNone(peers_color.search(lambda at: at - 70, 30, 1.0, (0, 63)))
+        # A step in what is measured: the lowest setting above it.
+        found = peers_color.search(lambda at: -2.0 if at < 21.5 else 3.0, 30, 1.0, (0, 63))
+        self.assertGreaterEqual(found, 21.5)
+
+    def test_coders_have_a_file_for_each_stream(self):
+        film = color_film()
+        for label in CODERS:
+            codec = PerStream(label, film, WORK.name)
+            try:
+                codec.open()
+            except pf.NotMeasured as error:
+                self.assertRegex(str(error), "is not installed|has no lib")
+                continue
+            sizes = []
+            for codec.quality in (20, 45):
+                codec.encode()
+                sizes.append(codec.size())
+            self.assertLess(*sizes)
+            self.assertEqual(len({file.read_bytes()[:4] for file in codec.files}), 1)
+            self.assertGreater(psnr(KERNELS, film.payloads, codec.payloads()), 30)
+
+    def test_libaom_mixes_whole_steps(self):
+        steps = [CODERS["libaom, cpu-used 6"].options(30.25, at / 8)[5] for at in range(8)]
+        self.assertEqual(steps, ["33"] * 6 + ["32"] * 2)
+
+    def test_crops_show_each_pixel_many_times(self):
+        film = color_film()
+        rows = peers_crops.crop(film, film.payloads[0], 1, 32, 48)
+        self.assertEqual((len(rows), {len(row) for row in rows}), (16, {3 * 4 * 32}))
+        self.assertEqual(rows[0][:15], bytes([64, 96, 89] * 4 + [66, 96, 90]))
 
 
 class CodecTest(unittest.TestCase):
@@ -291,8 +355,9 @@ class TableTest(unittest.TestCase):
         lossy = Row("set", "depth", "x265 crf 10", None, 1_000_000, [1.0], [0.008], 12.5, 1.25, 0.5, 0.125, 3, written_percent=100.0)
         why = "not measured: cjxl is not installed (apt-get install libjxl-tools)"
         missing = Row("set", "depth", "libjxl -d 0", 0, note=why)
-        color = Row("set", "color", "hap", None, 5, [1.0], [1.0], psnr_db=math.inf)
-        return [found, lossy, missing, color]
+        color = Row("set", "color", "hap", None, 5400, [2.0], [0.5], psnr_db=math.inf, asked="–", pixels=3_000_000)
+        promised = Row("set", "color", "lightfold", None, 5400, asked="every cell 40", lowest_cell_db=40.011)
+        return [found, lossy, missing, color, promised]
 
     def test_csv_has_a_field_for_each_column(self):
         lines = peers_table.csv_rows(self.rows(), "a, b", "2000-01-01T00:00:00Z")
@@ -304,13 +369,16 @@ class TableTest(unittest.TestCase):
         self.assertIn("cjxl", lines[3][-1])
 
     def test_markdown_has_a_cell_for_each_column(self):
-        text = peers_table.markdown(self.rows(), "a machine")
-        for table in (part for part in text.split("\n\n") if part.startswith("|")):
+        text, colors = (peers_table.markdown(self.rows(), "a machine", stream) for stream in ("depth", "color"))
+        for table in (part for part in f"{text}\n\n{colors}".split("\n\n") if part.startswith("|")):
             self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
+        self.assertIn("| set | – | hap | 5 | inf |  |  |  | 1.5 | 6 |", colors)
+        self.assertIn("|\n\n| set | dB asked |", colors)
+        self.assertIn("| set | every cell 40 | lightfold | 5 |  | 40.01 |", colors)
         self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 100.0 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
         self.assertNotIn("<details>", text)
         second = [Row("other", "depth", "lightfold --max-error 0", 0, 5, [1.0], [1.0])]
-        self.assertIn("<details><summary>other, depth</summary>\n\n| set |", peers_table.markdown(self.rows() + second, "a"))
+        self.assertIn("<details><summary>other, depth</summary>\n\n| set |", peers_table.markdown(self.rows() + second, "a", "depth"))
         self.assertIn("| libjxl -d 0 | not measured: cjxl is not installed (apt-get install libjxl-tools) |", text)
 
 

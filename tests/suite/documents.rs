@@ -43,7 +43,9 @@ fn manifest_md_names_every_channel() {
 #[test]
 fn benchmarks_md_has_every_table() {
     let text = read("BENCHMARKS.md");
-    for marker in ["builtin", "datasets", "spatial", "bounds", "peers", "findings", "placement", "memory"] {
+    for marker in
+        ["builtin", "datasets", "spatial", "bounds", "peers-depth", "peers-color", "findings", "placement", "memory"]
+    {
         let (begin, end) = (format!("<!-- table:{marker} -->"), format!("<!-- end:{marker} -->"));
         let table = text.split(&begin).nth(1).and_then(|rest| rest.split(&end).next());
         let rows = table.unwrap_or_else(|| panic!("BENCHMARKS.md has no {begin} or {end}"));
