@@ -28,6 +28,8 @@ mod modules {
     pub mod effort;
     #[cfg(feature = "encode")]
     pub mod encode;
+    // Only the transform codec uses it, which streams do not name yet.
+    #[allow(dead_code, unused_imports)]
     pub mod entropy;
     pub mod error;
     #[cfg(feature = "render")]
