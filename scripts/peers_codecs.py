@@ -339,7 +339,7 @@ class PerStream(Codec):
     def open(self):
         need("ffmpeg", "ffmpeg")
         encoder = self.coder.options(0, 0)[1]
-        known = subprocess.run(["ffmpeg", "-hide_banner", "-h", f"encoder={encoder}"], capture_output=True, text=True)
+        known = subprocess.run([*QUIET, "-h", f"encoder={encoder}"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
         if "is not recognized" in known.stdout + known.stderr:
             raise NotMeasured(f"this ffmpeg has no {encoder}")
         self.sources = []

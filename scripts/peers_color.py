@@ -17,7 +17,7 @@ NEAR, TRIES = 0.1, 10
 CELLS, TRANSFORM = ["--color-codec", "cells"], ["--color-codec", "transform"]
 BLOCKS = ["--color-block", "bc7", "--lzma2"]
 # Least and greatest --psnr of a search.
-LIMITS = (20, 70)
+LIMITS, START = (20, 70), 38
 
 
 def search(measure, start, slope, limits):
@@ -79,8 +79,8 @@ class Source:
         lf.run_json(self.given.binary, "encode", self.given.manifest, "--stream", "color", *options, "-o", container, "--json")
         return container
 
-    def psnr_of(self, options):
-        return float(self.differences(self.encoded(options))["color"]["psnr_db"])
+    def mean_psnr(self, container):
+        return float(self.differences(container)["color"]["psnr_db"])
 
     def rival_at(self, label, value, wanted):
         """A coder of ffmpeg where `value` of it, in dB, is what is wanted; None where no setting has it."""
@@ -95,9 +95,9 @@ class Source:
         codec.quality = search(above, coder.start, coder.slope, (coder.lowest, coder.highest))
         return None if codec.quality is None else codec
 
-    def ours_at(self, label, options, wanted):
-        """Ours with the --psnr whose mean PSNR is what is wanted; None where no --psnr has it."""
-        setting = search(lambda db: self.psnr_of([*options, "--psnr", db]) - wanted, wanted - 1, 1.0, LIMITS)
+    def ours_at(self, label, options, value, wanted):
+        """Ours with the --psnr where `value` of the container, in dB, is what is wanted; None where no --psnr has it."""
+        setting = search(lambda db: value(self.encoded([*options, "--psnr", db])) - wanted, START, 1.0, LIMITS)
         return None if setting is None else self.ours(label, [*options, "--psnr", setting])
 
 
@@ -130,7 +130,8 @@ def at_means(contest, source):
         for label in pc.CODERS:
             add(contest, label, f"{wanted}", lambda: source.rival_at(label, mean, wanted))
         for label, options in (("bc7 + LZMA2", [*BLOCKS, "--psnr-final", "20"]), ("transform", TRANSFORM)):
-            add(contest, f"lightfold, {label}", f"{wanted}", lambda: source.ours_at(f"lightfold, {label}", options, wanted))
+            label = f"lightfold, {label}"
+            add(contest, label, f"{wanted}", lambda: source.ours_at(label, options, source.mean_psnr, wanted))
     add(contest, "ffv1", "lossless", lambda: one_thread(pc.Ffv1, "ffv1", source, ["-pix_fmt", "bgr0"]))
     for label, more in (("lightfold, cells + zstd", "--zstd"), ("lightfold, cells + LZMA2", "--lzma2")):
         add(contest, label, "lossless", lambda: source.ours(label, [*CELLS, "--psnr", "200", more]))
