@@ -65,6 +65,8 @@ pub struct CellChunk<S> {
     pub keyframes: Vec<u32>,
     places: Vec<Place>,
     weights: std::ops::Range<usize>,
+    /// Whether frames behind the last keyframe may need the next chunk.
+    pub closed_by_next: bool,
     pub format: CellFormat<S>,
 }
 
@@ -133,7 +135,7 @@ impl<S: Sample> CellChunk<S> {
             place
         });
         let places = places.collect();
-        Ok(CellChunk { payload, keyframes, places, weights, format })
+        Ok(CellChunk { payload, keyframes, places, weights, closed_by_next: flags == CLOSED_BY_NEXT, format })
     }
 
     pub fn into_spare(self) -> Vec<u8> {

@@ -8,6 +8,7 @@
 
 pub mod blend;
 pub mod cells;
+pub mod chunk;
 pub mod keyframe_blocks;
 #[cfg(feature = "encode")]
 pub mod keyframes;
@@ -21,6 +22,7 @@ pub mod transform;
 
 pub use blend::{HalfKey, Sample};
 pub use cells::{CellChunk, CellFormat};
+pub use chunk::{ChunkFormat, ColorChunk};
 pub use keyframe_blocks::KeyframeBlocks;
 pub use quality::Quality;
 pub use settings::SearchSettings;

@@ -135,7 +135,7 @@ fn check_selection(sides: &[Side; 2], selection: &Selection) -> Result<()> {
 fn open_container(path: &str) -> Result<Side> {
     let decoder = Decoder::open(PathBuf::from(path))?;
     let stream = |(at, stream): (usize, &StreamInfo)| {
-        let (coding, depth_kind) = match stream.header {
+        let (coding, depth_kind) = match &stream.header {
             CodecHeader::Depth(header) => (Coding::Depth(header.range), header.kind),
             CodecHeader::Color(header) => (Coding::Color(header.format, stream.entry.unit_width), DepthKind::default()),
             CodecHeader::Material(_) => (Coding::Material, DepthKind::default()),

@@ -148,12 +148,11 @@ impl Index {
         &self.chunks[start..start + length]
     }
 
-    /// Memory for the payloads of a stream's decoder, which holds one of each unit: the sum of `held` of the largest
-    /// payload of each unit, at most 2⁶⁴ − 1. `held` is monotone.
-    pub fn held_payload_bytes(&self, stream: u32, held: impl Fn(u64) -> u64) -> u64 {
+    /// Memory for the chunks of a stream's decoder, which holds one of each unit: the sum of the largest `held` of each
+    /// unit, at most 2⁶⁴ − 1.
+    pub fn held_payload_bytes(&self, stream: u32, held: impl Fn(&ChunkEntry) -> u64) -> u64 {
         let units = self.stream_chunks(stream).chunk_by(|a, b| a.key.unit == b.key.unit);
-        let largest = units.map(|chunks| chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0));
-        largest.map(held).fold(0, u64::saturating_add)
+        units.map(|chunks| chunks.iter().map(&held).max().unwrap_or(0)).fold(0, u64::saturating_add)
     }
 
     fn check_unique(&self) -> Result<()> {

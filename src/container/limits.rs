@@ -57,7 +57,7 @@ impl Default for OpenLimits {
 fn least_bytes(index: &Index, at: u32) -> u64 {
     let stream = &index.streams[at as usize];
     let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
-    pixels.saturating_add(index.held_payload_bytes(at, |bytes| bytes))
+    pixels.saturating_add(index.held_payload_bytes(at, |chunk| chunk.raw_bytes.into()))
 }
 
 /// Refuses an index whose images, payloads or frames are more than `limits` allow. Decoders may refuse more.
@@ -70,7 +70,7 @@ pub fn check(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
                 "stream {at} claims {}x{} pixels and payloads of {} bytes, more than a file of {file_bytes} bytes justifies",
                 stream.width,
                 stream.height,
-                index.held_payload_bytes(at, |bytes| bytes)
+                index.held_payload_bytes(at, |chunk| chunk.raw_bytes.into())
             )));
         }
         total = total.saturating_add(bytes);

@@ -27,6 +27,13 @@ impl Payload {
         Payload { backing: Backing::Own(memory), range: 0..length }
     }
 
+    /// The payload without its first bytes.
+    #[must_use]
+    pub fn skip(mut self, bytes: usize) -> Payload {
+        self.range.start = (self.range.start + bytes).min(self.range.end);
+        self
+    }
+
     /// The memory, for the next chunk to be read into; none where it is shared.
     pub fn into_spare(self) -> Vec<u8> {
         match self.backing {
@@ -39,6 +46,7 @@ impl Payload {
         match self.backing {
             Backing::Own(mut memory) => {
                 memory.truncate(self.range.end);
+                memory.drain(..self.range.start);
                 memory
             }
             Backing::Shared(memory) => memory[self.range].to_vec(),
@@ -78,6 +86,9 @@ mod tests {
         let front = Payload::front_of(vec![9, 8, 7], 2);
         assert_eq!(*front, [9, 8]);
         assert_eq!(front.clone().into_spare(), [9, 8, 7]);
+        assert_eq!(*front.clone().skip(1), [8]);
+        assert!(front.clone().skip(3).is_empty());
+        assert_eq!(front.clone().skip(1).into_vec(), [8]);
         assert_eq!(front.into_vec(), [9, 8]);
     }
 }

@@ -39,7 +39,12 @@ pub struct FaceDecoder<'a> {
 impl<'a> FaceDecoder<'a> {
     pub(super) fn new(reader: &'a Reader, stream: &'a StreamInfo) -> FaceDecoder<'a> {
         let units = (0..stream.entry.unit_count()).map(|unit| UnitDecoder::new(reader, stream, unit, Vec::new()));
-        FaceDecoder { stream, units: units.collect(), conversion: Conversion::new(stream.header), selected_pixels: 0 }
+        FaceDecoder {
+            stream,
+            units: units.collect(),
+            conversion: Conversion::new(stream.header.clone()),
+            selected_pixels: 0,
+        }
     }
 
     /// Decodes a frame into a slice of width × height pixels.
@@ -123,11 +128,11 @@ fn select<'d, 'a>(
 
 fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Result<Picture> {
     let [width, height] = stream.size();
-    let conversion = Conversion::new(stream.header);
+    let conversion = Conversion::new(stream.header.clone());
     let fill = |mut target: PixelsMut<'_>| {
         units.iter().try_for_each(|unit| conversion.write(unit.pixels(), unit.rect(), &mut target, width))
     };
-    Ok(match stream.header {
+    Ok(match &stream.header {
         CodecHeader::Depth(_) => {
             let mut plane = Plane::filled(width, height, BACKGROUND_CODE);
             fill(PixelsMut::DepthCodes(plane.data_mut()))?;

@@ -132,7 +132,7 @@ struct ImageWriter {
 
 impl ImageWriter {
     fn new(stream: &StreamInfo, format: FileFormat) -> ImageWriter {
-        let table = match stream.header {
+        let table = match &stream.header {
             CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
             CodecHeader::Color(header) => match header.format {
                 ColorFormat::EightBit(tone) => Table::Light(Box::new(DecodeTable::new(&tone))),

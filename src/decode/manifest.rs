@@ -56,7 +56,7 @@ pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], forma
     let mut ranges = serde_json::Map::new();
     for StreamFrames { stream, .. } in streams {
         let pattern = Some(file_pattern(decoder, stream.kind, format));
-        match (stream.header, format) {
+        match (&stream.header, format) {
             (CodecHeader::Depth(header), _) => {
                 let (near, far) = (header.range.near_m(), header.range.far_m());
                 let name = format!("{}/{}", decoder.probe(stream).name, stream.face.name());

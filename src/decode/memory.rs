@@ -1,11 +1,11 @@
 //! Upper bounds of the memory that work on a container takes, from its index alone.
 //!
-//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::held_payload_bytes`], by which containers are also
+//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::held_chunk_bytes`], by which containers are also
 //! refused (container.md 2); decompression, threads and files come on top here.
 
 #[cfg(feature = "encode")]
 use crate::container::Compression;
-use crate::container::{ChunkEntry, Reader, Storage, lzma2};
+use crate::container::{ChunkEntry, Reader, Storage, StreamEntry, lzma2};
 use crate::decode::decoder::Decoder;
 use crate::streams::{CodecHeader, StreamInfo};
 
@@ -23,8 +23,8 @@ const ZSTD_ENCODER_BYTES: u64 = 3 << 20;
 const ZSTD_DECODER_BYTES: u64 = 256 << 10;
 
 /// Bytes for reading, decompressing and parsing a chunk.
-pub fn chunk_bytes(header: &CodecHeader, chunk: &ChunkEntry) -> u64 {
-    reading_bytes(chunk) + header.held_payload_bytes(u64::from(chunk.raw_bytes))
+pub fn chunk_bytes(header: &CodecHeader, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
+    reading_bytes(chunk) + header.held_chunk_bytes(stream, chunk)
 }
 
 /// Bytes that are freed once a chunk is decompressed.
@@ -52,10 +52,9 @@ pub fn compressing_bytes(compression: Compression, raw_bytes: u64) -> u64 {
 pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     let [_, _, width, height] = stream.entry.unit_rect(unit);
     let chunks = decoder.reader().index().unit_chunks(stream.index, unit);
-    let largest = chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0);
     CodecHeader::HELD_UNIT_BYTES
         + u64::from(width) * u64::from(height) * stream.header.held_pixel_bytes()
-        + stream.header.held_payload_bytes(largest)
+        + chunks.iter().map(|chunk| stream.header.held_chunk_bytes(&stream.entry, chunk)).max().unwrap_or(0)
         + most_reading_bytes(chunks)
 }
 
@@ -74,7 +73,7 @@ pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
 /// writer, and compressed.
 pub fn file_bytes(stream: &StreamInfo) -> u64 {
     let pixels = u64::from(stream.entry.width) * u64::from(stream.entry.height);
-    let converted = match stream.header {
+    let converted = match &stream.header {
         CodecHeader::Depth(_) => 4,
         CodecHeader::Material(_) => 12,
         CodecHeader::Color(_) => 6,

@@ -20,6 +20,7 @@ mod pixels;
 #[cfg(feature = "encode")]
 mod report;
 mod selection;
+mod transform;
 mod unit;
 mod unit_filter;
 mod units;

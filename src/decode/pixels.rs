@@ -69,7 +69,7 @@ impl Conversion {
 
     /// Writes a unit's pixels into a rectangle (left, top, width, height) of an image of `stride` columns.
     pub fn write(&self, unit: UnitPixels<'_>, rect: [u32; 4], target: &mut PixelsMut<'_>, stride: u32) -> Result<()> {
-        match (unit, target, self.header) {
+        match (unit, target, &self.header) {
             (UnitPixels::Depth(codes), PixelsMut::DepthCodes(out), _) => copy(codes, rect, out, stride, |&code| code),
             (UnitPixels::Depth(codes), PixelsMut::DepthMetres(out), CodecHeader::Depth(header)) => {
                 let table = self.metres.get_or_init(|| CodeTable::new(header.range, header.background));
@@ -81,7 +81,7 @@ impl Conversion {
                 PixelsMut::ColorHalf(out),
                 CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }),
             ) => {
-                let table = self.light.get_or_init(|| DecodeTable::new(&tone));
+                let table = self.light.get_or_init(|| DecodeTable::new(tone));
                 copy(codes, rect, out, stride, |pixel| pixel.map(|code| table.value(code)));
             }
             (UnitPixels::ColorHalf(keys), PixelsMut::ColorHalf(out), _) => {

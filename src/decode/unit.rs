@@ -1,7 +1,7 @@
 //! Decodes one tile or cell, in any order of frames.
 //!
 //! A tile that shows an earlier frame of the chunk applies only the records in between, in steps of up to W frames; else it
-//! starts at the chunk's keyframe (depth.md 4). A cell is [`crate::decode::cell`].
+//! starts at the chunk's keyframe (depth.md 4). A cell is [`crate::decode::cell`] or [`crate::decode::transform`].
 
 use std::time::Instant;
 
@@ -11,10 +11,11 @@ use crate::decode::cell::CellState;
 use crate::decode::chunk_source::{ChunkSource, DecodeCost};
 use crate::decode::damage::DamagedChunk;
 use crate::decode::pixels::{Conversion, PixelsMut, UnitPixels};
+use crate::decode::transform::TransformState;
 use crate::depth::TemporalChunk;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, PictureChunk, StreamInfo};
+use crate::streams::{CodecHeader, ColorCoding, ColorFormat, DepthChunk, PictureChunk, StreamInfo};
 
 /// Decodes one unit: a tile of depth or material, or a cell of colour.
 ///
@@ -35,6 +36,8 @@ enum State {
     Material(TemporalState<TemporalChunk<[u8; 3]>>),
     Color8(CellState<u8>),
     ColorHalf(CellState<HalfKey>),
+    Transform8(TransformState<u8>),
+    TransformHalf(TransformState<HalfKey>),
 }
 
 macro_rules! with_state {
@@ -44,6 +47,8 @@ macro_rules! with_state {
             State::Material($bound) => $body,
             State::Color8($bound) => $body,
             State::ColorHalf($bound) => $body,
+            State::Transform8($bound) => $body,
+            State::TransformHalf($bound) => $body,
         }
     };
 }
@@ -52,16 +57,26 @@ impl<'a> UnitDecoder<'a> {
     pub(super) fn new(reader: &'a Reader, stream: &StreamInfo, unit: u32, buffer: Vec<u8>) -> UnitDecoder<'a> {
         let rect @ [_, _, width, height] = stream.entry.unit_rect(unit);
         let size = [width, height];
-        let state = match stream.header {
-            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.window(), header)),
-            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, header)),
-            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                State::Color8(CellState::new(header.cell_of_bytes(size)))
-            }
-            CodecHeader::Color(header) => State::ColorHalf(CellState::new(header.cell_of_halves(size))),
+        let state = match &stream.header {
+            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.window(), *header)),
+            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, *header)),
+            CodecHeader::Color(header) => match (header.format, &header.coding) {
+                (ColorFormat::EightBit(_), ColorCoding::Cells(_)) => {
+                    State::Color8(CellState::new(header.cell_of_bytes(size)))
+                }
+                (ColorFormat::Half { .. }, ColorCoding::Cells(_)) => {
+                    State::ColorHalf(CellState::new(header.cell_of_halves(size)))
+                }
+                (ColorFormat::EightBit(_), ColorCoding::Transform(_)) => {
+                    State::Transform8(TransformState::new(header.chunks_of_bytes(size)))
+                }
+                (ColorFormat::Half { .. }, ColorCoding::Transform(_)) => {
+                    State::TransformHalf(TransformState::new(header.chunks_of_halves(size)))
+                }
+            },
         };
         let source = ChunkSource::new(reader, reader.index().unit_chunks(stream.index, unit), buffer);
-        UnitDecoder { source, frames: stream.frames, rect, state, conversion: Conversion::new(stream.header) }
+        UnitDecoder { source, frames: stream.frames, rect, state, conversion: Conversion::new(stream.header.clone()) }
     }
 
     /// Decodes `frame` into [`Self::pixels`]; returns the number of pixels written.
@@ -122,6 +137,8 @@ impl<'a> UnitDecoder<'a> {
             State::Material(state) => UnitPixels::Material(&state.picture),
             State::Color8(state) => UnitPixels::Color8(state.shown.as_chunks().0),
             State::ColorHalf(state) => UnitPixels::ColorHalf(state.shown.as_chunks().0),
+            State::Transform8(state) => UnitPixels::Color8(state.picture.as_chunks().0),
+            State::TransformHalf(state) => UnitPixels::ColorHalf(state.picture.as_chunks().0),
         }
     }
 

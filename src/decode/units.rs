@@ -13,7 +13,7 @@ use crate::math::add_members;
 use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once_with;
-use crate::streams::{CodecHeader, ColorFormat, StreamInfo};
+use crate::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DecodeSummary {
@@ -30,7 +30,7 @@ add_members!(DecodeSummary: frames, pixels, bytes_out, cost);
 pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
     match header {
         CodecHeader::Depth(_) => 2,
-        CodecHeader::Color(header) if matches!(header.format, ColorFormat::Half { .. }) => 6,
+        CodecHeader::Color(header) if header.is_half() => 6,
         CodecHeader::Color(_) | CodecHeader::Material(_) => 3,
     }
 }

@@ -24,7 +24,7 @@ fn chunks_of<'a>(
     StreamFrames { stream, frames }: &StreamFrames<'a>,
 ) -> impl Iterator<Item = (&'a StreamInfo, ChunkEntry)> + use<'a> {
     let (stream, frames) = (*stream, *frames);
-    let window = match stream.header {
+    let window = match &stream.header {
         CodecHeader::Depth(header) => header.window(),
         CodecHeader::Material(header) => header.temporal.window,
         CodecHeader::Color(_) => 1,

@@ -6,11 +6,12 @@
 
 use crate::color::SearchSettings;
 use crate::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
+use crate::color::transform::blocks::padded_pixels;
 use crate::dataset::SourceGroup;
 use crate::decode::memory;
 use crate::depth::open_chunk::CLOSE_AT_BYTES;
 use crate::encode::source::{FrameSource, GroupRef};
-use crate::encode::{DepthCodec, EncodeSettings};
+use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
 use crate::error::Result;
 use crate::image::StreamKind;
 use crate::memory::Need;
@@ -29,6 +30,10 @@ const OPEN_BYTES: usize = 384 << 20;
 /// (2), a leaf for 16 pixels (1), and nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent lately,
 /// and as children while their parent is tried (3 times 4, and half of it again where they grow).
 const TILE_WORK_BYTES: u64 = 24;
+
+/// Bytes that the search of the transform codec takes for each pixel of a chunk of a cell: coefficients of four block sizes in three
+/// channels (48), keys and samples (24), and levels of two partitions and of those that are tried (48).
+const SEARCH_BYTES: u64 = 120;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScanLimits {
@@ -61,8 +66,10 @@ impl ColorMemory {
 /// Bytes of one group.
 #[derive(Debug, Clone, Copy)]
 struct GroupNeed {
-    /// Encoders with their open chunks.
+    /// Encoders with their open chunks, and the searches of all units at work.
     state: u64,
+    /// Units that are coded at the same time.
+    units_at_once: usize,
     /// A frame as it is read and converted.
     frame: u64,
     /// Depth images that a scan may keep.
@@ -80,21 +87,27 @@ impl GroupNeed {
         // A file is decoded as a whole: its values, and 4 bytes a pixel for one channel while it is unpacked. Then each face
         // as it is read and as it is coded.
         let frame = source.file_pixels() * (read + 4) + pixels * (read + coded);
-        let state = match group.kind {
-            StreamKind::Color => color_state(group, settings),
-            _ => tile_state(group, settings),
+        let (held, search) = match (group.kind, settings.color_codec) {
+            (StreamKind::Color, ColorCodec::Transform) => transform_state(group, settings),
+            (StreamKind::Color, ColorCodec::Cells) => (color_state(group, settings), 0),
+            _ => (tile_state(group, settings), 0),
         };
-        let mut need = GroupNeed { state, frame, keep: KEEP_BYTES };
+        let searches = Need { what: "", fixed: held + frame, each: search, instead: "" };
+        // One at least, which is refused later where it does not fit.
+        let units_at_once = settings.memory.at_once(&searches, rayon::current_num_threads()).unwrap_or(1);
+        let state = held + search * units_at_once as u64;
+        let mut need = GroupNeed { state, units_at_once, frame, keep: KEEP_BYTES };
         if let Some(bytes) = settings.memory.bytes {
             need.keep = need.keep.min(bytes.saturating_sub(state + frame) / 2);
         }
         need
     }
 
-    fn need<'a>(&self, what: &'a str, kind: StreamKind) -> Need<'a> {
+    fn need<'a>(&self, what: &'a str, kind: StreamKind, settings: &EncodeSettings) -> Need<'a> {
         let kept = if kind == StreamKind::Depth { self.keep } else { 0 };
-        let instead = match kind {
-            StreamKind::Color => "a smaller `lookahead`",
+        let instead = match (kind, settings.color_codec) {
+            (StreamKind::Color, ColorCodec::Transform) => "a smaller `color_chunk`",
+            (StreamKind::Color, ColorCodec::Cells) => "a smaller `lookahead`",
             _ => "a smaller `keyframe_interval`",
         };
         Need { what, fixed: self.state + kept, each: self.frame, instead }
@@ -109,15 +122,24 @@ pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, groups:
     for GroupRef { group, .. } in groups {
         let probe = &source.probes()[group.probe].name;
         let what = format!("encoding the {} of probe {probe}", group.kind.name());
-        settings.memory.at_once(&GroupNeed::new(source, group, settings).need(&what, group.kind), 1)?;
+        settings.memory.at_once(&GroupNeed::new(source, group, settings).need(&what, group.kind, settings), 1)?;
     }
     Ok(())
 }
 
-/// Frames of a group that are read and coded together.
-pub(super) fn batch_frames(source: &dyn FrameSource, settings: &EncodeSettings, group: &SourceGroup) -> Result<usize> {
+/// How much of a group is worked on at the same time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Batches {
+    /// Frames that are read and coded together.
+    pub frames: usize,
+    pub units_at_once: usize,
+}
+
+pub(super) fn batches(source: &dyn FrameSource, settings: &EncodeSettings, group: &SourceGroup) -> Result<Batches> {
     let usual = (BATCH_PIXELS / (group_pixels(group) as usize).max(1)).clamp(1, BATCH_FRAMES);
-    settings.memory.at_once(&GroupNeed::new(source, group, settings).need("encoding", group.kind), usual)
+    let need = GroupNeed::new(source, group, settings);
+    let frames = settings.memory.at_once(&need.need("encoding", group.kind, settings), usual)?;
+    Ok(Batches { frames, units_at_once: need.units_at_once })
 }
 
 pub(super) fn scan_limits(
@@ -145,6 +167,17 @@ fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let pending = picture * (u64::from(memory.search.lookahead) + 4);
     let open = units * memory.close_at_bytes as u64 + picture;
     pending + open + compressing(settings, open / units.max(1))
+}
+
+/// Colour cells of the transform codec: the frames of a chunk, and what the search of one cell takes.
+fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> (u64, u64) {
+    let header = CodecHeader::Color(settings.color_header());
+    let frames = u64::from(settings.color_chunk).min(group.frames.count());
+    let cell = settings.unit_size(group.kind, [group.width, group.height]);
+    let size = [cell[0].min(group.width) as usize, cell[1].min(group.height) as usize];
+    let held = frames * group_pixels(group) * header.raw_pixel_bytes();
+    let chunk = frames * size[0] as u64 * size[1] as u64 * header.raw_pixel_bytes();
+    (held + compressing(settings, chunk), frames * padded_pixels(size) * SEARCH_BYTES)
 }
 
 /// Tiles of depth or material: pictures and open chunks, whose every frame may change every pixel.

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::color::HalfKey;
 use crate::color::quality::Pu21;
+use crate::color::transform::encode::PricedTables;
 use crate::dataset::SourceGroup;
 use crate::depth::Quantiser;
 use crate::encode::EncodeSettings;
@@ -13,7 +14,7 @@ use crate::encode::source::{FrameSource, name_frame};
 use crate::error::{Error, Result};
 use crate::image::transfer::EncodeTable;
 use crate::image::{DepthPlane, Plane, StreamKind};
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
+use crate::streams::{CodecHeader, ColorFormat, convert};
 
 pub(super) enum Coded {
     Depth(Plane<u16>),
@@ -56,22 +57,22 @@ pub(super) struct GroupCoder<'a> {
     /// Of depth. Its table takes longer than a small frame; all faces of a probe share one.
     pub quantiser: Option<Arc<Quantiser>>,
     pub pu21: Option<Pu21>,
+    /// Of the transform codec.
+    pub tables: Option<Arc<PricedTables>>,
     table: Option<EncodeTable>,
 }
 
 impl<'a> GroupCoder<'a> {
     pub fn new(group: &'a SourceGroup, header: CodecHeader, settings: &'a EncodeSettings) -> Result<GroupCoder<'a>> {
-        let (mut table, mut pu21) = (None, None);
-        match header {
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => {
-                table = Some(EncodeTable::new(&tone));
+        let (mut table, mut pu21, mut tables) = (None, None, None);
+        if let CodecHeader::Color(header) = &header {
+            match header.format {
+                ColorFormat::EightBit(tone) => table = Some(EncodeTable::new(&tone)),
+                ColorFormat::Half { white_cd_m2 } => pu21 = Some(Pu21::new(white_cd_m2)?),
             }
-            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2 }, .. }) => {
-                pu21 = Some(Pu21::new(white_cd_m2)?);
-            }
-            CodecHeader::Depth(_) | CodecHeader::Material(_) => {}
+            tables = header.tables().map(|tables| Arc::new(PricedTables::new(tables.clone())));
         }
-        Ok(GroupCoder { group, header, settings, quantiser: None, pu21, table })
+        Ok(GroupCoder { group, header, settings, quantiser: None, pu21, tables, table })
     }
 
     /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of clipped pixels.

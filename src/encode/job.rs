@@ -9,7 +9,6 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::container::index::{MAX_FRAME, MAX_SIZE};
@@ -20,15 +19,15 @@ use crate::encode::budget::{self, ColorMemory};
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
 use crate::encode::order::Order;
-use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, Stamp, stamps};
+use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
-use crate::encode::unit::{Batch, Pace, UnitJob, UnitPlace};
+use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::{Error, Result};
 use crate::image::{DepthPlane, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use crate::ordered::{try_map_at_once, try_map_ordered};
 use crate::streams::{self, CodecHeader, DepthHeader};
 
 /// Units whose last chunks are made together; a killed process loses no more.
@@ -266,7 +265,7 @@ impl<W: Write> Job<'_, W> {
     fn encode_others(&mut self, groups: &[GroupRef<'_>], header: CodecHeader) -> Result<()> {
         for &group in groups {
             let Some(part) = self.begin(group, &header)? else { continue };
-            self.encode_group(&part, &GroupCoder::new(group.group, header, self.settings)?, |_| None)?;
+            self.encode_group(&part, &GroupCoder::new(group.group, header.clone(), self.settings)?, |_| None)?;
         }
         Ok(())
     }
@@ -333,7 +332,7 @@ impl<W: Write> Job<'_, W> {
     ) -> Result<()> {
         let group = coder.group;
         let mut units = self.unit_jobs(part, coder)?;
-        let batch = budget::batch_frames(self.source, self.settings, group)?;
+        let batches = budget::batches(self.source, self.settings, group)?;
         let frames: Vec<u32> = group.frames.iter().skip(part.complete_frames() as usize).collect();
         let last_used = self.completed.last_frame(part.streams.iter().map(|(stream, _)| *stream));
         let times = Times::default();
@@ -344,7 +343,7 @@ impl<W: Write> Job<'_, W> {
             StreamKind::Color => closed_by,
             StreamKind::Depth | StreamKind::Material => chunk.key().last_frame(),
         };
-        for frames in frames.chunks(batch) {
+        for frames in frames.chunks(batches.frames) {
             let inputs: Vec<_> = frames.iter().map(|&frame| (frame, kept(frame))).collect();
             let read = try_map_ordered(inputs, |(frame, kept)| {
                 self.monitor.check()?;
@@ -362,23 +361,25 @@ impl<W: Write> Job<'_, W> {
             self.summary.clipped_pixels += notes.iter().map(|note| note.clipped).sum::<u64>();
             self.writer.note(&configuration::to_bytes(&Note::Frames { group: part.at, first: frames[0], notes })?);
             let batch = Batch { first: frames[0] - group.frames.first, pictures };
-            let packed = units
-                .par_iter_mut()
-                .map(|unit| times.code(|| unit.push(&batch, coder, &pace)))
-                .collect::<Result<Vec<_>>>()?;
+            let packed = try_map_at_once(units.iter_mut().collect(), batches.units_at_once, |unit: &mut UnitJob| {
+                times.code(|| unit.push(&batch, coder, &pace))
+            })?;
             // By frame, then by unit: the same order whatever fits a batch.
             let mut packed: Vec<_> = packed.into_iter().flatten().collect();
-            packed.sort_by_key(|(closed_by, _)| *closed_by);
-            let push = |(closed_by, chunk): &(usize, PackedChunk)| {
-                self.writer.push_after(chunk, last_frame(chunk, frames[*closed_by]))
-            };
+            packed.sort_by_key(|closed| closed.by);
+            let searches: Vec<_> = packed.iter().filter_map(SearchNote::of).collect();
+            if !searches.is_empty() {
+                self.writer.note(&configuration::to_bytes(&Note::Searches(searches))?);
+            }
+            let push =
+                |closed: &Closed| self.writer.push_after(&closed.chunk, last_frame(&closed.chunk, frames[closed.by]));
             packed.iter().try_for_each(push)?;
             self.writer.checkpoint()?;
         }
         for units in units.chunks_mut(FINISH_UNITS) {
             self.monitor.check()?;
-            let packed =
-                units.par_iter_mut().map(|unit| times.code(|| unit.finish(coder))).collect::<Result<Vec<_>>>()?;
+            let finish = |unit: &mut UnitJob| times.code(|| unit.finish(coder));
+            let packed = try_map_at_once(units.iter_mut().collect(), batches.units_at_once, finish)?;
             let push = |chunk: &PackedChunk| self.writer.push_after(chunk, last_frame(chunk, group.frames.last));
             packed.iter().flatten().try_for_each(push)?;
             self.writer.checkpoint()?;
@@ -398,7 +399,8 @@ impl<W: Write> Job<'_, W> {
         units
             .zip(&part.starts)
             .map(|((face, stream, unit, rect), &start)| {
-                UnitJob::new(coder, &memory, UnitPlace { face, stream, unit, rect, start })
+                let search = self.completed.search(stream, unit);
+                UnitJob::new(coder, &memory, UnitPlace { face, stream, unit, rect, start, search })
             })
             .collect()
     }

@@ -28,6 +28,7 @@ pub use job::{
     encode_resumable,
 };
 pub use settings::{
-    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
+    ColorBlockSettings, ColorCodec, ColorTables, DepthCodec, DepthSettings, EncodeSettings, ErrorBound,
+    MaterialSettings, TileSize,
 };
 pub use source::{FrameSource, GroupRef, selected_groups};

@@ -2,9 +2,10 @@
 //!
 //! Beside `NAME` lie `.NAME.partial`, the container so far, and `.NAME.journal` ([`crate::container::Journal`]). Chunks are
 //! written in an order that follows from footage and settings alone, and no encoder carries anything over the start of a
-//! chunk. So complete chunks are the beginning of the file, each unit continues behind its last one with a new encoder, and
-//! the result has the same bytes as an encode in one go. A journal rather than a new index after each batch says what is
-//! complete: bytes would otherwise depend on when the encode stopped, and a container could not go into a pipe.
+//! chunk but the start of its search, which the journal notes. So complete chunks are the beginning of the file, each unit
+//! continues behind its last one with a new encoder, and the result has the same bytes as an encode in one go. A journal
+//! rather than a new index after each batch says what is complete: bytes would otherwise depend on when the encode stopped,
+//! and a container could not go into a pipe.
 //!
 //! The configuration ([`crate::encode::configuration`]) must be equal; the number of threads is not in it. A file that was
 //! read for a complete chunk must not have changed in size or time. Other files may have, as when a broken frame was rendered
@@ -16,11 +17,13 @@ use std::time::UNIX_EPOCH;
 
 use serde::{Deserialize, Serialize};
 
+use crate::color::transform::encode::Start;
 use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
 use crate::encode::depth_range::{self, Scan, given_range};
 use crate::encode::order::Order;
 use crate::encode::source::{FrameSource, GroupRef, name_frame};
+use crate::encode::unit::Closed;
 use crate::encode::{EncodeSettings, budget, configuration};
 use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
@@ -57,6 +60,25 @@ pub(super) enum Note {
     Frames { group: usize, first: u32, notes: Vec<FrameNote> },
     /// A scan of a probe, and the files that it read, by index of the group and frame.
     Scan { probe: usize, scan: Scan, files: Vec<((usize, u32), Stamp)> },
+    /// Where searches go on behind chunks.
+    Searches(Vec<SearchNote>),
+}
+
+/// Where the search of a unit goes on behind a chunk, which follows from earlier chunks.
+#[derive(Serialize, Deserialize)]
+pub(super) struct SearchNote {
+    stream: u32,
+    unit: u32,
+    /// The frame behind the chunk.
+    frame: u32,
+    start: Start,
+}
+
+impl SearchNote {
+    pub fn of(closed: &Closed) -> Option<SearchNote> {
+        let ChunkKey { stream, unit, first_frame, frame_count } = closed.chunk.key();
+        closed.search.map(|start| SearchNote { stream, unit, frame: first_frame + frame_count, start })
+    }
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -94,6 +116,8 @@ pub(super) struct Completed {
     last_frames: HashMap<u32, u32>,
     /// By index of the group and frame; of a frame that was read twice, the second reading.
     frames: HashMap<(usize, u32), FrameNote>,
+    /// By stream, unit and the frame behind a chunk.
+    searches: HashMap<(u32, u32, u32), Start>,
     pub scans: HashMap<usize, ScanNote>,
     pub chunks: u64,
 }
@@ -114,6 +138,10 @@ impl Completed {
                 Note::Scan { probe, scan, files } => {
                     completed.scans.insert(probe, ScanNote { scan, files: files.into_iter().collect() });
                 }
+                Note::Searches(searches) => {
+                    let by_place = |note: SearchNote| ((note.stream, note.unit, note.frame), note.start);
+                    completed.searches.extend(searches.into_iter().map(by_place));
+                }
             }
         }
         for chunk in &recovered.chunks {
@@ -133,6 +161,12 @@ impl Completed {
     /// The first frame of a unit that is still to be encoded.
     pub fn start(&self, stream: u32, unit: u32, first_frame: u32) -> u32 {
         self.ends.get(&(stream, unit)).copied().unwrap_or(first_frame)
+    }
+
+    /// Where the search goes on behind a unit's last complete chunk.
+    pub fn search(&self, stream: u32, unit: u32) -> Option<Start> {
+        let end = *self.ends.get(&(stream, unit))?;
+        self.searches.get(&(stream, unit, end)).copied()
     }
 
     /// Colour pixels of a frame that did not fit 8 bits.

@@ -2,6 +2,8 @@
 
 use crate::block::SIDE;
 use crate::color::SearchSettings;
+use crate::color::transform::Tables;
+use crate::color::transform::blocks::MAX_FRAMES;
 use crate::container::Compression;
 use crate::container::index::MAX_SIZE;
 use crate::depth::block::MAX_TILE;
@@ -15,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::transfer::ToneMap;
 use crate::memory::Budget;
-use crate::streams::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
+use crate::streams::{ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
 
 /// Sides of tiles are multiples of this many pixels, so that they can be halved down to blocks.
 const TILE_ALIGN: u32 = 8;
@@ -73,6 +75,34 @@ impl Default for DepthSettings {
             min_children,
         }
     }
+}
+
+/// Colour codecs (color.md).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColorCodec {
+    /// A transform in space and time.
+    #[default]
+    Transform,
+    /// Keyframes and weights.
+    Cells,
+}
+
+impl ColorCodec {
+    /// PSNR in dB that every frame of every cell reaches unless another is asked for.
+    pub fn usual_psnr_db(self) -> f64 {
+        match self {
+            ColorCodec::Transform => 40.0,
+            ColorCodec::Cells => 50.0,
+        }
+    }
+}
+
+/// Entropy tables of the transform codec.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColorTables {
+    /// Those of the format.
+    #[default]
+    BuiltIn,
 }
 
 /// Colour keyframes in texture blocks.
@@ -159,9 +189,13 @@ pub struct EncodeSettings {
     pub cell: u32,
     /// 8 bits or half floats.
     pub color: ColorFormat,
-    /// Colour in time.
+    pub color_codec: ColorCodec,
+    /// Frames of a chunk of the transform codec, 1 to 96.
+    pub color_chunk: u32,
+    pub color_tables: ColorTables,
+    /// Quality of colour, and the search for it.
     pub search: SearchSettings,
-    /// Keyframes of colour in blocks; `None` for samples.
+    /// Keyframes of [`ColorCodec::Cells`] in blocks; `None` for samples.
     pub color_blocks: Option<ColorBlockSettings>,
     /// Of chunks that become smaller.
     pub compression: Compression,
@@ -182,7 +216,10 @@ impl Default for EncodeSettings {
             far_m: None,
             cell: 64,
             color: ColorFormat::EightBit(ToneMap::default()),
-            search: SearchSettings::default(),
+            color_codec: ColorCodec::default(),
+            color_chunk: 24,
+            color_tables: ColorTables::default(),
+            search: SearchSettings { min_psnr_db: ColorCodec::default().usual_psnr_db(), ..SearchSettings::default() },
             color_blocks: None,
             compression: Compression::default(),
             kinds: StreamKind::ALL.to_vec(),
@@ -199,7 +236,18 @@ impl EncodeSettings {
         if no_tiles || self.cell == 0 || self.search.lookahead == 0 {
             return Err(Error::Usage("tiles, cell size and lookahead must be at least 1".into()));
         }
+        if !(1..=MAX_FRAMES).contains(&self.color_chunk) {
+            return Err(Error::Usage(format!(
+                "chunks of {} frames of colour: 1 to {MAX_FRAMES} are possible",
+                self.color_chunk
+            )));
+        }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
+        if self.color_codec == ColorCodec::Transform {
+            let message =
+                "the transform codec has no keyframes in blocks: choose `color_codec` cells, or no `color_block`";
+            return Err(Error::Usage(message.into()));
+        }
         if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
             let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with `hdr`, bc1 or bc7 without";
             return Err(Error::Usage(message.into()));
@@ -218,11 +266,12 @@ impl EncodeSettings {
     }
 
     pub(super) fn color_header(&self) -> ColorHeader {
-        let (blocks, min_psnr_db) = match self.color_blocks {
-            Some(ColorBlockSettings { blocks, final_psnr_db }) => (Some(blocks), final_psnr_db),
-            None => (None, self.search.min_psnr_db),
+        let min_psnr_db = self.color_blocks.map_or(self.search.min_psnr_db, |blocks| blocks.final_psnr_db);
+        let coding = match (self.color_codec, self.color_tables) {
+            (ColorCodec::Cells, _) => ColorCoding::Cells(self.color_blocks.map(|settings| settings.blocks)),
+            (ColorCodec::Transform, ColorTables::BuiltIn) => ColorCoding::Transform(Tables::default()),
         };
-        ColorHeader { format: self.color, blocks, min_psnr_db }
+        ColorHeader { format: self.color, coding, min_psnr_db }
     }
 
     pub(super) fn material_header(&self) -> MaterialHeader {

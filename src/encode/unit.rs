@@ -1,9 +1,12 @@
 //! The units of a group: each has an encoder, which turns its rectangle of every frame into chunks.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::color::quality::EightBit;
 use crate::color::temporal::BlockStage;
+use crate::color::transform::Keyed;
+use crate::color::transform::encode::{PricedTables, Start, TransformEncoder};
 use crate::color::{CellEncoder, CellFormat, HalfKey, Sample};
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk};
 use crate::depth::TemporalEncoder;
@@ -18,7 +21,7 @@ use crate::encode::group::{Coded, GroupCoder};
 use crate::error::{Error, Result};
 use crate::image::Plane;
 use crate::monitor::Monitor;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
+use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader};
 
 enum Unit {
     Depth(TemporalEncoder<u16>),
@@ -28,6 +31,8 @@ enum Unit {
     Material(TemporalEncoder<[u8; 3]>),
     Color8(CellEncoder<u8>),
     ColorHalf(CellEncoder<HalfKey>),
+    Transform8(TransformEncoder<u8>),
+    TransformHalf(TransformEncoder<HalfKey>),
 }
 
 /// Progress in images, whose units are done in any order.
@@ -71,6 +76,16 @@ pub(super) struct UnitPlace {
     pub rect: [u32; 4],
     /// Frames of the group that an earlier run has coded.
     pub start: u32,
+    /// Where the search goes on behind them.
+    pub search: Option<Start>,
+}
+
+pub(super) struct Closed {
+    /// Index of the picture that closed the chunk.
+    pub by: usize,
+    pub chunk: PackedChunk,
+    /// Where the search of the next chunk starts.
+    pub search: Option<Start>,
 }
 
 pub(super) struct UnitJob {
@@ -81,27 +96,27 @@ pub(super) struct UnitJob {
 impl UnitJob {
     pub fn new(coder: &GroupCoder<'_>, memory: &ColorMemory, place: UnitPlace) -> Result<UnitJob> {
         let [_, _, width, height] = place.rect;
-        Ok(UnitJob { place, encoder: Unit::new(coder, [width, height], memory)? })
+        let mut encoder = Unit::new(coder, [width, height], memory)?;
+        match &mut encoder {
+            Unit::Transform8(encoder) => encoder.start = place.search,
+            Unit::TransformHalf(encoder) => encoder.start = place.search,
+            _ => {}
+        }
+        Ok(UnitJob { place, encoder })
     }
 
-    /// Codes this unit of each picture; returns the chunks that were closed, each with the index of the picture that
-    /// did.
-    pub fn push(
-        &mut self,
-        batch: &Batch,
-        coder: &GroupCoder<'_>,
-        pace: &Pace<'_>,
-    ) -> Result<Vec<(usize, PackedChunk)>> {
-        let mut packed = Vec::new();
+    /// Codes this unit of each picture; returns the chunks that were closed.
+    pub fn push(&mut self, batch: &Batch, coder: &GroupCoder<'_>, pace: &Pace<'_>) -> Result<Vec<Closed>> {
+        let mut closed = Vec::new();
         let skipped = self.place.start.saturating_sub(batch.first) as usize;
         for (at, picture) in batch.pictures.iter().enumerate().skip(skipped) {
             pace.monitor.check()?;
             if let Some(chunk) = self.encoder.push(&picture[self.place.face], self.place.rect, coder)? {
-                packed.push((at, self.pack(chunk, coder)?));
+                closed.push(Closed { by: at, chunk: self.pack(chunk, coder)?, search: self.encoder.search() });
             }
             pace.advance(1);
         }
-        Ok(packed)
+        Ok(closed)
     }
 
     pub fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<PackedChunk>> {
@@ -120,20 +135,24 @@ impl UnitJob {
 impl Unit {
     fn new(coder: &GroupCoder<'_>, size: [u32; 2], memory: &ColorMemory) -> Result<Unit> {
         let [width, height] = size;
-        Ok(match coder.header {
-            CodecHeader::Depth(header) => Unit::of_depth(&header, Grid { width, height }, coder.settings)?,
+        Ok(match &coder.header {
+            CodecHeader::Depth(header) => Unit::of_depth(header, Grid { width, height }, coder.settings)?,
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }) => {
-                Unit::Material(TemporalEncoder::new(width, temporal))
+                Unit::Material(TemporalEncoder::new(width, *temporal))
             }
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }) => {
-                Unit::Material(TemporalEncoder::in_blocks(size, temporal, coder.settings.depth.effort))
+                Unit::Material(TemporalEncoder::in_blocks(size, *temporal, coder.settings.depth.effort))
             }
-            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Unit::Color8(cell_encoder(memory, header.cell_of_bytes(size), header.min_psnr_db))
-            }
-            CodecHeader::Color(header) => {
-                Unit::ColorHalf(cell_encoder(memory, header.cell_of_halves(size), header.min_psnr_db))
-            }
+            CodecHeader::Color(header) => match (header.is_half(), &coder.tables) {
+                (false, None) => Unit::Color8(cell_encoder(memory, header.cell_of_bytes(size), header.min_psnr_db)),
+                (true, None) => Unit::ColorHalf(cell_encoder(memory, header.cell_of_halves(size), header.min_psnr_db)),
+                (false, Some(tables)) => {
+                    Unit::Transform8(transform_encoder(coder.settings, header.cell_of_bytes(size), tables))
+                }
+                (true, Some(tables)) => {
+                    Unit::TransformHalf(transform_encoder(coder.settings, header.cell_of_halves(size), tables))
+                }
+            },
         })
     }
 
@@ -171,6 +190,13 @@ impl Unit {
                 Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
                 None => Ok(None),
             },
+            (Unit::Transform8(encoder), Coded::Bytes(plane)) => {
+                encoder.push(cut(plane, rect).as_flattened(), &EightBit)
+            }
+            (Unit::TransformHalf(encoder), Coded::Half(plane)) => match &coder.pu21 {
+                Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
+                None => Ok(None),
+            },
             // A group's images and units are made from one header.
             _ => Err(Error::invalid("a picture of another kind than its unit")),
         }
@@ -185,6 +211,19 @@ impl Unit {
             Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::Color8(encoder) => encoder.finish(&EightBit),
             Unit::ColorHalf(encoder) => coder.pu21.as_ref().map_or(Ok(Vec::new()), |pu21| encoder.finish(pu21)),
+            Unit::Transform8(encoder) => Ok(encoder.finish(&EightBit)?.into_iter().collect()),
+            Unit::TransformHalf(encoder) => {
+                let last = coder.pu21.as_ref().map_or(Ok(None), |pu21| encoder.finish(pu21));
+                Ok(last?.into_iter().collect())
+            }
+        }
+    }
+
+    fn search(&self) -> Option<Start> {
+        match self {
+            Unit::Transform8(encoder) => encoder.start,
+            Unit::TransformHalf(encoder) => encoder.start,
+            _ => None,
         }
     }
 }
@@ -199,6 +238,14 @@ fn cell_encoder<S: Sample>(
         Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
         None => encoder,
     }
+}
+
+fn transform_encoder<S: Keyed>(
+    settings: &EncodeSettings,
+    format: CellFormat<S>,
+    tables: &Arc<PricedTables>,
+) -> TransformEncoder<S> {
+    TransformEncoder::new(format, settings.search, settings.color_chunk, Arc::clone(tables))
 }
 
 /// The pixels of a rectangle (left, top, width, height), row-major.

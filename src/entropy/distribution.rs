@@ -1,6 +1,7 @@
 //! Distributions of symbols in 4096ths (color.md 7.1).
 
 use crate::container::fields::Fields;
+use crate::container::serialize::PutFields;
 use crate::error::Result;
 
 /// Most values of a symbol.
@@ -71,21 +72,20 @@ impl Distribution {
         }
         Ok(Distribution { starts })
     }
+
+    /// The reverse of [`Distribution::read`].
+    pub fn write(&self, alphabet: usize, out: &mut Vec<u8>) {
+        for symbol in 0..alphabet - 1 {
+            out.put_varint(self.frequency(symbol).into());
+        }
+    }
 }
 
 #[cfg(feature = "encode")]
 mod encode {
     use super::{Distribution, SLOTS, SYMBOLS};
-    use crate::container::serialize::PutFields;
 
     impl Distribution {
-        /// The reverse of [`Distribution::read`].
-        pub fn write(&self, alphabet: usize, out: &mut Vec<u8>) {
-            for symbol in 0..alphabet - 1 {
-                out.put_varint(self.frequency(symbol).into());
-            }
-        }
-
         /// The distribution that codes `counts` in nearly the fewest bits; each symbol of the alphabet has a slot.
         pub fn of_counts(counts: &[u64; SYMBOLS], alphabet: usize) -> Distribution {
             let total = counts.iter().sum::<u64>().max(1);
@@ -116,7 +116,6 @@ mod encode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::serialize::PutFields;
 
     #[test]
     fn every_slot_has_its_symbol_and_bytes_come_back() {

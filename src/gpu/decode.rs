@@ -25,6 +25,7 @@ use crate::gpu::prepare::{self, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, ResidentChunk};
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
+use crate::streams::CodecHeader;
 
 /// Units whose chunks are fetched and checked together, at most.
 const FETCH_TOGETHER: usize = 32;
@@ -117,6 +118,10 @@ pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
     lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(pictures, u64::max)
 }
 
+fn is_transform(header: &CodecHeader) -> bool {
+    matches!(header, CodecHeader::Color(header) if header.tables().is_some())
+}
+
 /// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
 fn stride_of(family: Family, width: u32, row_words: u32) -> u32 {
     let is_padded = family.is_color && family.words == PixelWords::Bytes;
@@ -136,6 +141,9 @@ impl<'a> GpuDecoder<'a> {
         streams: &[&'a StreamInfo],
         row_words: u32,
     ) -> Result<GpuDecoder<'a>> {
+        if streams.iter().any(|stream| is_transform(&stream.header)) {
+            return Err(prepare::no_transform());
+        }
         let mut families = streams.iter().map(|stream| Family::of(&stream.header));
         let Some(family) = families.next().filter(|family| families.all(|other| other == *family)) else {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));

@@ -38,7 +38,7 @@ impl Family {
             },
             CodecHeader::Material(header) if header.in_blocks => (&kernels::BOXES_BC1, Bytes),
             CodecHeader::Material(_) => (&kernels::BOXES_MATERIAL, Bytes),
-            CodecHeader::Color(header) => match (header.format, header.blocks) {
+            CodecHeader::Color(header) => match (header.format, header.blocks()) {
                 (ColorFormat::EightBit(_), None) => (&kernels::CELLS_8BIT, Bytes),
                 (ColorFormat::EightBit(_), Some(ColorBlocks::Bc1)) => (&kernels::CELLS_BC1, Bytes),
                 (ColorFormat::EightBit(_), Some(_)) => (&kernels::CELLS_BC7, Bytes),

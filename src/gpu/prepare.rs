@@ -5,12 +5,12 @@
 
 use crate::block;
 use crate::color::cells::Blend;
-use crate::color::{CellChunk, Sample};
+use crate::color::{CellChunk, ColorChunk, Sample};
 use crate::container::{ChunkPlace, Payload};
 use crate::depth::records::Body;
 use crate::depth::runtime::Runtime;
 use crate::depth::{TemporalChunk, Texel};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
 use crate::gpu::pictures::code_stride;
 use crate::streams::{CodecHeader, ColorFormat, DepthChunk, PictureChunk};
@@ -72,14 +72,22 @@ pub fn prepare(
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
         }
         CodecHeader::Color(header) => match header.format {
-            ColorFormat::EightBit(_) => {
-                of_cells(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?)
-            }
-            ColorFormat::Half { .. } => {
-                of_cells(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?)
-            }
+            ColorFormat::EightBit(_) => of_color(&header.chunks_of_bytes(size).parse(payload, frames, place)?)?,
+            ColorFormat::Half { .. } => of_color(&header.chunks_of_halves(size).parse(payload, frames, place)?)?,
         },
     })
+}
+
+fn of_color<S: Sample>(chunk: &ColorChunk<S>) -> Result<Prepared> {
+    match chunk {
+        ColorChunk::Cells(chunk) => Ok(of_cells(chunk)),
+        ColorChunk::Transform(_) => Err(no_transform()),
+    }
+}
+
+/// The refusal of streams of the transform codec.
+pub fn no_transform() -> Error {
+    Error::unsupported("colour of the transform codec is not decoded on graphics devices: decode on the CPU")
 }
 
 /// Bytes as words, the last filled up with zeros.

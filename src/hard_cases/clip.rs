@@ -149,7 +149,7 @@ impl Clip {
 
     /// Frames that one step of a decoder may advance.
     pub(super) fn window(&self) -> u32 {
-        match self.header {
+        match &self.header {
             CodecHeader::Depth(header) => u32::from(header.window()),
             CodecHeader::Material(header) => u32::from(header.temporal.window),
             CodecHeader::Color(_) => 1,

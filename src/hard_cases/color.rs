@@ -12,7 +12,7 @@ use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::paths::paths;
 use crate::image::ToneMap;
 use crate::metrics::{PU21_PEAK, U8_PEAK};
-use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, ColorHeader};
+use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader};
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
 const WHITE_CD_M2: f64 = 100.0;
@@ -95,6 +95,20 @@ const HALVES: [Cell<f16>; 11] = [
     }),
 ];
 
+#[derive(Clone, Copy)]
+struct Coding {
+    format: ColorFormat,
+    blocks: Option<ColorBlocks>,
+    min_psnr_db: f64,
+}
+
+impl Coding {
+    fn header(&self) -> ColorHeader {
+        let Coding { format, blocks, min_psnr_db } = *self;
+        ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db }
+    }
+}
+
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     let formats = [
@@ -105,22 +119,22 @@ pub(super) fn cases() -> Vec<HardCase> {
     for (codec, blocks, min_psnr_db, unit) in formats {
         let group = Group::new(Family::Color, codec, unit);
         let format = ColorFormat::EightBit(ToneMap::default());
-        let header = ColorHeader { format, blocks, min_psnr_db };
+        let coding = Coding { format, blocks, min_psnr_db };
         let any_path = paths_of(codec);
         for cell in BYTES {
-            cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, header)));
-            cases.push(any_path.none(cell.0, move || paths(&clip_of_bytes(cell, header)?.1)));
+            cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, &coding.header())));
+            cases.push(any_path.none(cell.0, move || paths(&clip_of_bytes(cell, &coding.header())?.1)));
         }
     }
     for (codec, blocks, min_psnr_db) in [("CCLH", None, 50.0), ("CCB6", Some(ColorBlocks::Bc6h), 40.0)] {
         let group = Group::new(Family::Color, codec, "dB of PU21");
-        let header = ColorHeader { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, blocks, min_psnr_db };
+        let coding = Coding { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, blocks, min_psnr_db };
         let exact = Group::new(Family::Color, format!("{codec}, keyframes of samples"), "samples of other bits");
         let any_path = paths_of(codec);
         for cell in HALVES {
-            cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, header)));
-            cases.push(any_path.none(cell.0, move || paths(&clip_of_halves(cell, header)?.1)));
-            cases.push(exact.none(cell.0, move || changed_keyframes(cell, header)));
+            cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, &coding.header())));
+            cases.push(any_path.none(cell.0, move || paths(&clip_of_halves(cell, &coding.header())?.1)));
+            cases.push(exact.none(cell.0, move || changed_keyframes(cell, &coding.header())));
         }
     }
     cases
@@ -137,7 +151,7 @@ fn decibels(sum: f64, samples: usize, peak: f64) -> f64 {
 /// The clip of a cell, whose samples are converted by `coded`.
 fn clip_of<T, S: Sample, Q: Quality<S>>(
     source: &Sequence<[T; 3]>,
-    header: ColorHeader,
+    header: &ColorHeader,
     CellFormat { size, blocks }: CellFormat<S>,
     quality: &Q,
     coded: fn(&T) -> S,
@@ -153,16 +167,16 @@ fn clip_of<T, S: Sample, Q: Quality<S>>(
         chunks.extend(encoder.push(&samples, quality)?);
     }
     chunks.extend(encoder.finish(quality)?);
-    Ok(Clip::new("cell", CodecHeader::Color(header), source, chunks))
+    Ok(Clip::new("cell", CodecHeader::Color(header.clone()), source, chunks))
 }
 
-fn clip_of_bytes((_, size, count, pixel): Cell<u8>, header: ColorHeader) -> Result<(Sequence<[u8; 3]>, Clip)> {
+fn clip_of_bytes((_, size, count, pixel): Cell<u8>, header: &ColorHeader) -> Result<(Sequence<[u8; 3]>, Clip)> {
     let source = Sequence::new(size, count, pixel);
     let clip = clip_of(&source, header, header.cell_of_bytes(size), &EightBit, |sample| *sample)?;
     Ok((source, clip))
 }
 
-fn bytes(cell: Cell<u8>, header: ColorHeader) -> Result<Measured> {
+fn bytes(cell: Cell<u8>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_bytes(cell, header)?;
     let mut worst = Measured::nothing();
     clip.show(|frame, picture| {
@@ -175,7 +189,7 @@ fn bytes(cell: Cell<u8>, header: ColorHeader) -> Result<Measured> {
     Ok(worst.with_clip(clip))
 }
 
-fn clip_of_halves((_, size, count, pixel): Cell<f16>, header: ColorHeader) -> Result<(Sequence<[f16; 3]>, Clip)> {
+fn clip_of_halves((_, size, count, pixel): Cell<f16>, header: &ColorHeader) -> Result<(Sequence<[f16; 3]>, Clip)> {
     let source = Sequence::new(size, count, pixel);
     let key = |value: &f16| HalfKey::from_bits(value.to_bits());
     let clip = clip_of(&source, header, header.cell_of_halves(size), &Pu21::new(WHITE_CD_M2)?, key)?;
@@ -187,7 +201,7 @@ fn class(value: f16) -> (bool, bool, bool) {
     (value.is_nan(), value.is_infinite(), value < f16::ZERO)
 }
 
-fn halves(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
+fn halves(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let pu21 = Pu21::new(WHITE_CD_M2)?;
     let (mut worst, mut others, mut samples) = (Measured::nothing(), 0, 0);
@@ -206,7 +220,7 @@ fn halves(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
 }
 
 /// Samples that are not the source's to the bit, of frames that are keyframes stored as samples.
-fn changed_keyframes(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
+fn changed_keyframes(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let (mut exact, mut in_blocks) = (vec![false; source.frames.len()], 0);
     for chunk in &clip.chunks {
@@ -229,7 +243,7 @@ fn changed_keyframes(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
     })?;
     let samples = exact.iter().filter(|exact| **exact).count();
     // A stream without blocks has a keyframe of samples, or nothing was looked at.
-    if samples == 0 && header.blocks.is_none() {
+    if samples == 0 && header.blocks().is_none() {
         wrong.figure = f64::NAN;
     }
     Ok(wrong.with_note(format!("{samples} keyframes of samples, {in_blocks} in blocks")))

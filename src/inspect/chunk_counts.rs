@@ -1,6 +1,8 @@
 //! Counts of one chunk, frame by frame: keyframes, boxes, nodes, pixels, bytes.
 
-use crate::color::{CellChunk, Sample};
+use crate::color::transform::region::Content;
+use crate::color::transform::{Keyed, TransformChunk};
+use crate::color::{CellChunk, ColorChunk, Sample};
 use crate::depth::Texel;
 use crate::depth::block_chunk::BlockChunk;
 use crate::depth::block_tiles::{BlockTileCount, Layout};
@@ -46,6 +48,26 @@ impl BlockCount {
     }
 }
 
+/// Chunks of the transform codec.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TransformCount {
+    pub transform_chunks: u64,
+    /// Chunks of keyframes and weights.
+    pub cells_chunks: u64,
+    /// Transformed blocks of 4, 8, 16 and 32 pixels square.
+    pub blocks: [u64; 4],
+    pub palette_blocks: u64,
+}
+
+impl TransformCount {
+    pub fn add(&mut self, other: TransformCount) {
+        self.transform_chunks += other.transform_chunks;
+        self.cells_chunks += other.cells_chunks;
+        self.palette_blocks += other.palette_blocks;
+        self.blocks.iter_mut().zip(other.blocks).for_each(|(sum, blocks)| *sum += blocks);
+    }
+}
+
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Event {
     /// Counted from the chunk's first; [`crate::inspect::inspect`] adds its number.
@@ -60,6 +82,7 @@ pub(super) struct ChunkMeasure {
     pub constant: bool,
     pub modes: ModeStatistics,
     pub blocks: BlockCount,
+    pub transform: TransformCount,
 }
 
 pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> ChunkMeasure {
@@ -69,9 +92,37 @@ pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> Chun
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => count_tree(chunk),
         StreamChunk::Depth(DepthChunk::Blocks(chunk)) => count_blocks(chunk, pixels, frames),
         StreamChunk::Material(chunk) => count_records(chunk),
-        StreamChunk::Color8(chunk) => count_blends(chunk, frames),
-        StreamChunk::ColorHalf(chunk) => count_blends(chunk, frames),
+        StreamChunk::Color8(chunk) => count_color(chunk, frames),
+        StreamChunk::ColorHalf(chunk) => count_color(chunk, frames),
     }
+}
+
+fn count_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkMeasure {
+    match chunk {
+        ColorChunk::Cells(chunk) => {
+            let mut measure = count_blends(chunk, frames);
+            measure.transform.cells_chunks = 1;
+            measure
+        }
+        ColorChunk::Transform(chunk) => count_transform(chunk, frames),
+    }
+}
+
+/// All bytes are of the first frame, with which a chunk is read.
+fn count_transform(chunk: &TransformChunk, frames: u32) -> ChunkMeasure {
+    let mut count = TransformCount { transform_chunks: 1, ..TransformCount::default() };
+    for leaf in chunk.regions().iter().flat_map(|region| &region.leaves) {
+        match leaf.content {
+            Content::Transform { .. } => count.blocks[leaf.block().shape.level] += 1,
+            Content::Palette(_) => count.palette_blocks += 1,
+        }
+    }
+    let event = |frame: u32| {
+        let updated_pixels = chunk.updated_pixels(frame as usize, frame.checked_sub(1).map(|before| before as usize));
+        let cost = FrameCost { keyframe_units: u64::from(frame == 0), updated_pixels, ..FrameCost::default() };
+        Event { frame, cost }
+    };
+    ChunkMeasure { events: (0..frames).map(event).collect(), transform: count, ..ChunkMeasure::default() }
 }
 
 fn count_records<T: Texel>(chunk: &TemporalChunk<T>) -> ChunkMeasure {

@@ -1,4 +1,4 @@
-//! Coding maps: which rectangles a frame's records write, and how; and where a stream of colour has its keyframes.
+//! Coding maps: which rectangles a frame's records write, and how; and the keyframes and bytes of each cell of colour.
 //!
 //! Chunks are parsed, and nothing is decoded into pixels.
 
@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use crate::container::ChunkEntry;
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::inspect::patch::{Patch, Writing};
 use crate::inspect::unit_map::{survey_chunk, unit_map};
 use crate::monitor::Monitor;
@@ -50,18 +51,22 @@ impl CodingMap {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CellKeyframes {
+pub struct CellCoding {
     /// Left, top, width and height in the image.
     pub rect: [u32; 4],
     /// Keyframes in blocks of a texture format.
     pub blocks: u64,
     /// Keyframes in samples as they are.
     pub samples: u64,
+    /// First frames of chunks of the transform codec.
+    pub transformed: u64,
+    /// Stored bytes of all chunks.
+    pub bytes: u64,
 }
 
-impl CellKeyframes {
-    pub fn count(&self) -> u64 {
-        self.blocks + self.samples
+impl CellCoding {
+    pub fn keyframes(&self) -> u64 {
+        self.blocks + self.samples + self.transformed
     }
 }
 
@@ -72,7 +77,7 @@ pub struct Survey {
     /// keyframes, else with most pixels of keyframes. `None` where nothing changes.
     pub busiest: Option<u32>,
     /// Cells of colour, in the order of units; empty for depth and material.
-    pub cells: Vec<CellKeyframes>,
+    pub cells: Vec<CellCoding>,
 }
 
 /// Parses all chunks of a stream, units in parallel. The monitor advances by one for each chunk.
@@ -80,13 +85,15 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
     let index = decoder.reader().index();
     let surveyed = try_map_ordered((0..stream.entry.unit_count()).collect(), |unit| {
         let rect = stream.entry.unit_rect(unit);
-        let mut cell = CellKeyframes { rect, blocks: 0, samples: 0 };
+        let mut cell = CellCoding { rect, blocks: 0, samples: 0, transformed: 0, bytes: 0 };
         let (mut changed, mut keyframes) = (Frames::new(), Frames::new());
         for chunk in index.unit_chunks(stream.index, unit) {
             monitor.check()?;
-            let counted = survey_chunk(&parsed(decoder, stream, chunk)?);
+            let counted = survey_chunk(&parsed(decoder, stream, chunk)?, chunk.key.frame_count);
             cell.blocks += counted.keyframes_in_blocks;
             cell.samples += counted.keyframes_in_samples;
+            cell.transformed += counted.transformed_keyframes;
+            cell.bytes += u64::from(chunk.stored_bytes);
             add(&mut changed, chunk.key.first_frame, counted.changed);
             add(&mut keyframes, chunk.key.first_frame, counted.later_keyframes);
             monitor.advance(1);
@@ -95,7 +102,7 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
     })?;
     let (mut changed, mut keyframes, mut cells) = (Frames::new(), Frames::new(), Vec::new());
     for (cell, changed_in_unit, keyframes_of_unit) in surveyed {
-        cells.extend((cell.count() > 0).then_some(cell));
+        cells.extend((stream.kind == StreamKind::Color).then_some(cell));
         add(&mut changed, 0, changed_in_unit);
         add(&mut keyframes, 0, keyframes_of_unit);
     }

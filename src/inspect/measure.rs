@@ -8,7 +8,7 @@ use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
-use crate::inspect::chunk_counts::{BlockCount, ChunkMeasure, Event, FrameCost, count_chunk};
+use crate::inspect::chunk_counts::{BlockCount, ChunkMeasure, Event, FrameCost, TransformCount, count_chunk};
 use crate::inspect::statistics::{
     Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
 };
@@ -78,7 +78,7 @@ fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, th
     }
     let of_stream = |stream: &&StreamInfo| {
         let chunks = decoder.reader().index().stream_chunks(stream.index);
-        chunks.iter().map(|chunk| memory::chunk_bytes(&stream.header, chunk)).max()
+        chunks.iter().map(|chunk| memory::chunk_bytes(&stream.header, &stream.entry, chunk)).max()
     };
     let each = streams.iter().filter_map(of_stream).max().unwrap_or(0);
     let fixed = memory::container_bytes(decoder.reader());
@@ -121,6 +121,7 @@ struct UnitMeasure {
     total: FrameCost,
     modes: ModeStatistics,
     blocks: BlockCount,
+    transform: TransformCount,
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
@@ -199,6 +200,7 @@ impl UnitMeasure {
         }
         self.modes.add(&chunk.modes);
         self.blocks.add(chunk.blocks);
+        self.transform.add(chunk.transform);
         self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
         if rows != FrameRows::None {
@@ -220,6 +222,7 @@ impl<'a> Inspection<'a> {
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
         let (mut total, mut modes, mut blocks) =
             (FrameCost::default(), ModeStatistics::default(), BlockCount::default());
+        let mut transform = TransformCount::default();
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);
         let (min, max) = (keyframes().min().unwrap_or(0), keyframes().max().unwrap_or(0));
         let count = |is_such: fn(&UnitMeasure) -> bool| {
@@ -231,6 +234,7 @@ impl<'a> Inspection<'a> {
             total.add(unit.total);
             modes.add(&unit.modes);
             blocks.add(unit.blocks);
+            transform.add(unit.transform);
             damaged.extend(unit.damaged);
             if let Some(frames) = listed {
                 for event in unit.events.iter().filter(|event| frames.contains(event.frame)) {
@@ -249,6 +253,7 @@ impl<'a> Inspection<'a> {
             aabbs: total.aabbs,
             nodes: modes,
             blocks,
+            transform,
             updated_pixels: total.updated_pixels,
             static_units,
             constant_units,

@@ -10,8 +10,8 @@ mod report;
 mod statistics;
 mod unit_map;
 
-pub use chunk_counts::{BlockCount, FrameCost};
-pub use coding_map::{CodingMap, Survey, coding_map, survey};
+pub use chunk_counts::{BlockCount, FrameCost, TransformCount};
+pub use coding_map::{CellCoding, CodingMap, Survey, coding_map, survey};
 pub use measure::{inspect, statistics, steps};
 pub use patch::{Patch, Writing};
 pub use report::{ChunksReport, ContainerReport, FrameReport, percent, projection_name};

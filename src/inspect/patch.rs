@@ -13,6 +13,10 @@ pub enum Writing {
     Blocks,
     /// Between two keyframes.
     Blend,
+    /// A transformed block of colour.
+    Transform,
+    /// A block of colour with a palette.
+    Palette,
 }
 
 /// A rectangle of pixels that are coded alike.

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::color::transform::Tables;
+use crate::color::transform::blocks::LEAST;
 use crate::container::header::VERSION_MAJOR;
 use crate::decode::{DamagedChunkReport, Decoder, StreamInfo};
 use crate::depth::TemporalSettings;
@@ -11,6 +13,7 @@ use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
 use crate::image::{DepthKind, StreamKind, Transfer};
+use crate::inspect::chunk_counts::TransformCount;
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
@@ -178,6 +181,19 @@ struct ColorReport {
     exposure_ev: Option<Number>,
     #[serde(skip_serializing_if = "Option::is_none")]
     white_cd_m2: Option<Number>,
+    #[serde(flatten)]
+    transform: Option<TransformReport>,
+}
+
+/// Chunks of the transform codec, and their blocks.
+#[derive(Debug, Serialize)]
+struct TransformReport {
+    transform_chunks: u64,
+    cells_chunks: u64,
+    /// By side in pixels.
+    transform_blocks: BTreeMap<usize, u64>,
+    palette_blocks: u64,
+    table_sets: usize,
 }
 
 impl<'a> Inspection<'a> {
@@ -371,7 +387,7 @@ impl LevelReport {
 
 impl ColorReport {
     fn new(stats: &StreamStats<'_>, header: &ColorHeader) -> ColorReport {
-        let keyframes = header.blocks.is_some().then_some(stats.blocks.keyframes);
+        let keyframes = header.blocks().is_some().then_some(stats.blocks.keyframes);
         let (tone, white_cd_m2) = match header.format {
             ColorFormat::EightBit(tone) => (Some(tone), None),
             ColorFormat::Half { white_cd_m2 } => (None, Some(Number(white_cd_m2))),
@@ -385,6 +401,19 @@ impl ColorReport {
             transfer: tone.map(|tone| tone.transfer),
             exposure_ev: tone.map(|tone| Number::shortest(tone.exposure_ev)),
             white_cd_m2,
+            transform: header.tables().map(|tables| TransformReport::new(&stats.transform, tables)),
+        }
+    }
+}
+
+impl TransformReport {
+    fn new(count: &TransformCount, tables: &Tables) -> TransformReport {
+        TransformReport {
+            transform_chunks: count.transform_chunks,
+            cells_chunks: count.cells_chunks,
+            transform_blocks: (0..).map(|level| LEAST << level).zip(count.blocks).collect(),
+            palette_blocks: count.palette_blocks,
+            table_sets: tables.own().len(),
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::decode::{DamagedChunk, StreamInfo};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::image::{FrameRange, StreamKind};
-use crate::inspect::chunk_counts::{BlockCount, FrameCost};
+use crate::inspect::chunk_counts::{BlockCount, FrameCost, TransformCount};
 use crate::memory::Budget;
 
 pub const MAX_ROWS: u64 = 1_000_000;
@@ -72,6 +72,8 @@ pub struct StreamStats<'a> {
     pub nodes: ModeStatistics,
     /// Keyframes and block tiles by storage, in codecs of blocks.
     pub blocks: BlockCount,
+    /// Chunks of the transform codec.
+    pub transform: TransformCount,
     /// Pixels written, keyframes included, when all frames are shown in order.
     pub updated_pixels: u64,
     pub static_units: u64,

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use crate::color::{CellChunk, Sample};
+use crate::color::transform::region::Content;
+use crate::color::transform::{Keyed, TransformChunk};
+use crate::color::{CellChunk, ColorChunk, Sample};
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::{Function, Grid, Place, function_of};
 use crate::depth::records::{Body, TemporalChunk};
@@ -22,6 +24,8 @@ pub(super) struct UnitMap {
 pub(super) struct ChunkSurvey {
     pub keyframes_in_blocks: u64,
     pub keyframes_in_samples: u64,
+    /// 1 for a chunk of the transform codec, whose first frame is complete.
+    pub transformed_keyframes: u64,
     /// Frames counted from the chunk's first, with pixels: for depth and material all records but the first, for colour frames
     /// between keyframes.
     pub changed: Vec<(u32, u64)>,
@@ -41,8 +45,8 @@ pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap 
             of_places(grid, block_chunk::places(grid).map(bc4w))
         }
         StreamChunk::Material(chunk) => of_record(chunk, at),
-        StreamChunk::Color8(chunk) => return of_cell(chunk, at),
-        StreamChunk::ColorHalf(chunk) => return of_cell(chunk, at),
+        StreamChunk::Color8(chunk) => return of_color(chunk, at),
+        StreamChunk::ColorHalf(chunk) => return of_color(chunk, at),
     };
     UnitMap { patches, keyframe: at == 0 }
 }
@@ -113,6 +117,26 @@ fn of_record<T: Texel>(chunk: &TemporalChunk<T>, at: u32) -> Vec<Patch> {
     patches.collect()
 }
 
+fn of_color<S: Keyed>(chunk: &ColorChunk<S>, at: u32) -> UnitMap {
+    match chunk {
+        ColorChunk::Cells(chunk) => of_cell(chunk, at),
+        ColorChunk::Transform(chunk) => of_transform(chunk, at),
+    }
+}
+
+/// The blocks that differ from the frame before.
+fn of_transform(chunk: &TransformChunk, at: u32) -> UnitMap {
+    let before = at.checked_sub(1).map(|before| before as usize);
+    let patches = chunk.changed_leaves(at as usize, before).zip(0..).map(|((leaf, rect), part)| {
+        let writing = match leaf.content {
+            Content::Transform { .. } => Writing::Transform,
+            Content::Palette(_) => Writing::Palette,
+        };
+        Patch { rect: rect.map(|side| side as u32), writing, part }
+    });
+    UnitMap { patches: patches.collect(), keyframe: at == 0 }
+}
+
 fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
     let shown = chunk.blend(at);
     if at.checked_sub(1).is_some_and(|before| chunk.blend(before) == shown) {
@@ -128,7 +152,7 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
     UnitMap { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
 }
 
-pub(super) fn survey_chunk(chunk: &StreamChunk) -> ChunkSurvey {
+pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> ChunkSurvey {
     let changed = match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => changes(chunk),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(&chunk.runtime),
@@ -136,8 +160,8 @@ pub(super) fn survey_chunk(chunk: &StreamChunk) -> ChunkSurvey {
         // Each frame is complete.
         StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
         StreamChunk::Material(chunk) => changes(chunk),
-        StreamChunk::Color8(chunk) => return survey_cell(chunk),
-        StreamChunk::ColorHalf(chunk) => return survey_cell(chunk),
+        StreamChunk::Color8(chunk) => return survey_color(chunk, frames),
+        StreamChunk::ColorHalf(chunk) => return survey_color(chunk, frames),
     };
     ChunkSurvey { changed, ..ChunkSurvey::default() }
 }
@@ -151,6 +175,20 @@ fn node_changes(runtime: &Runtime) -> Vec<(u32, u64)> {
     runtime.frames.iter().skip(1).map(|frame| (frame.frame, frame.updated_pixels)).collect()
 }
 
+fn survey_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkSurvey {
+    match chunk {
+        ColorChunk::Cells(chunk) => survey_cell(chunk),
+        ColorChunk::Transform(chunk) => {
+            let changed = |frame: u32| (frame, chunk.updated_pixels(frame as usize, Some(frame as usize - 1)));
+            ChunkSurvey {
+                transformed_keyframes: 1,
+                changed: (1..frames).map(changed).collect(),
+                ..ChunkSurvey::default()
+            }
+        }
+    }
+}
+
 fn survey_cell<S: Sample>(chunk: &CellChunk<S>) -> ChunkSurvey {
     let keyframes = chunk.keyframes.len();
     let in_blocks = (0..keyframes).filter(|&keyframe| chunk.in_blocks(keyframe)).count();
@@ -160,6 +198,7 @@ fn survey_cell<S: Sample>(chunk: &CellChunk<S>) -> ChunkSurvey {
         keyframes_in_blocks: in_blocks as u64,
         keyframes_in_samples: (keyframes - in_blocks) as u64,
         changed: between.map(|(frame, _)| (frame, pixels)).collect(),
+        transformed_keyframes: 0,
         later_keyframes: chunk.keyframes.iter().skip(1).map(|&frame| (frame, pixels)).collect(),
     }
 }

@@ -164,7 +164,7 @@ fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
         let stream = &reader.index().streams[chunk.key.stream as usize];
         let raw = u64::from(chunk.raw_bytes);
         let reading = match CodecHeader::read(stream) {
-            Ok(header) if settings.flatten.is_some() => memory::chunk_bytes(&header, chunk),
+            Ok(header) if settings.flatten.is_some() => memory::chunk_bytes(&header, stream, chunk),
             _ => 3 * raw + u64::from(chunk.stored_bytes),
         };
         // Packing a tree takes its pictures, and what comes out may be as large as what went in.

@@ -1,5 +1,5 @@
 //! Pictures of how streams are coded (GDC figure 1): (b) the nodes, boxes or blocks of a frame, tinted by their coding; the
-//! keyframes of each cell of colour; and (c) the error of the decoded image. A picture is a PNG file of at most about 2048
+//! keyframes or bytes of each cell of colour; and (c) the error of the decoded image. A picture is a PNG file of at most about 2048
 //! pixels on a side, whose bytes do not depend on the number of threads.
 
 mod errors;
@@ -88,9 +88,7 @@ fn plot_stream<'a>(
         let map = coding_map(decoder, stream, frame)?;
         let picture = decoder.face(stream).decode(frame)?;
         let (what, sheet) = match &surveyed {
-            Some(survey) if stream.kind == StreamKind::Color => {
-                (What::Keyframes, keyframes::sheet(&subject, &map, &picture, survey)?)
-            }
+            Some(survey) if stream.kind == StreamKind::Color => keyframes::sheet(&subject, &map, &picture, survey)?,
             _ => frames::sheet(&subject, &map, &picture),
         };
         let mut save = |what: What, sheet: Sheet| {

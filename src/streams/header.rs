@@ -2,9 +2,12 @@
 
 use crate::color::blend::HalfKey;
 use crate::color::cells::CellFormat;
+use crate::color::chunk::ChunkFormat;
 use crate::color::keyframe_blocks::KeyframeBlocks;
+use crate::color::transform::{Tables, region};
 #[cfg(feature = "encode")]
 use crate::container::PayloadKind;
+use crate::container::{ChunkEntry, StreamEntry};
 use crate::depth::block_tiles::Layout;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
@@ -23,6 +26,8 @@ pub const COLOR_CELLS_HALF: [u8; 4] = *b"CCLH";
 pub const COLOR_CELLS_BC1: [u8; 4] = *b"CCB1";
 pub const COLOR_CELLS_BC7: [u8; 4] = *b"CCB7";
 pub const COLOR_CELLS_BC6H: [u8; 4] = *b"CCB6";
+pub const COLOR_TRANSFORM_8: [u8; 4] = *b"CTR8";
+pub const COLOR_TRANSFORM_HALF: [u8; 4] = *b"CTRH";
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthHeader {
@@ -80,15 +85,22 @@ pub enum ColorBlocks {
     Bc6h,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColorCoding {
+    /// Keyframes and weights (color.md 4). Keyframes in BC1 or BC7 (8 bits) or BC6H (half floats); `None` for samples.
+    Cells(Option<ColorBlocks>),
+    /// A transform in space and time, with the entropy tables of the stream.
+    Transform(Tables),
+}
+
+#[derive(Debug, Clone, PartialEq)]
 pub struct ColorHeader {
     pub format: ColorFormat,
-    /// Keyframes in BC1 or BC7 (8 bits) or BC6H (half floats); `None` for samples.
-    pub blocks: Option<ColorBlocks>,
+    pub coding: ColorCoding,
     pub min_psnr_db: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum CodecHeader {
     Depth(DepthHeader),
     Color(ColorHeader),
@@ -122,8 +134,22 @@ impl MaterialHeader {
 }
 
 impl ColorHeader {
+    /// The format of keyframes in blocks; `None` where all are samples.
+    pub fn blocks(&self) -> Option<ColorBlocks> {
+        if let ColorCoding::Cells(blocks) = self.coding { blocks } else { None }
+    }
+
+    /// Entropy tables of the transform codec; `None` for cells.
+    pub fn tables(&self) -> Option<&Tables> {
+        if let ColorCoding::Transform(tables) = &self.coding { Some(tables) } else { None }
+    }
+
+    pub fn is_half(&self) -> bool {
+        matches!(self.format, ColorFormat::Half { .. })
+    }
+
     pub fn cell_of_bytes(&self, [width, height]: [u32; 2]) -> CellFormat<u8> {
-        let blocks = self.blocks.map(|blocks| match blocks {
+        let blocks = self.blocks().map(|blocks| match blocks {
             ColorBlocks::Bc1 => KeyframeBlocks::BC1,
             ColorBlocks::Bc7 | ColorBlocks::Bc6h => KeyframeBlocks::BC7,
         });
@@ -131,7 +157,15 @@ impl ColorHeader {
     }
 
     pub fn cell_of_halves(&self, [width, height]: [u32; 2]) -> CellFormat<HalfKey> {
-        CellFormat { size: [width as usize, height as usize], blocks: self.blocks.map(|_| KeyframeBlocks::BC6H) }
+        CellFormat { size: [width as usize, height as usize], blocks: self.blocks().map(|_| KeyframeBlocks::BC6H) }
+    }
+
+    pub fn chunks_of_bytes(&self, size: [u32; 2]) -> ChunkFormat<u8> {
+        ChunkFormat { cell: self.cell_of_bytes(size), tables: self.tables().cloned() }
+    }
+
+    pub fn chunks_of_halves(&self, size: [u32; 2]) -> ChunkFormat<HalfKey> {
+        ChunkFormat { cell: self.cell_of_halves(size), tables: self.tables().cloned() }
     }
 }
 
@@ -155,12 +189,14 @@ impl CodecHeader {
             },
             CodecHeader::Material(MaterialHeader { in_blocks: false, .. }) => MATERIAL_AABB,
             CodecHeader::Material(MaterialHeader { in_blocks: true, .. }) => MATERIAL_AABB_BC1,
-            CodecHeader::Color(header) => match (header.format, header.blocks) {
-                (ColorFormat::EightBit(_), None) => COLOR_CELLS_8,
-                (ColorFormat::EightBit(_), Some(ColorBlocks::Bc1)) => COLOR_CELLS_BC1,
-                (ColorFormat::EightBit(_), Some(_)) => COLOR_CELLS_BC7,
-                (ColorFormat::Half { .. }, None) => COLOR_CELLS_HALF,
-                (ColorFormat::Half { .. }, Some(_)) => COLOR_CELLS_BC6H,
+            CodecHeader::Color(header) => match (header.format, &header.coding) {
+                (ColorFormat::EightBit(_), ColorCoding::Cells(None)) => COLOR_CELLS_8,
+                (ColorFormat::EightBit(_), ColorCoding::Cells(Some(ColorBlocks::Bc1))) => COLOR_CELLS_BC1,
+                (ColorFormat::EightBit(_), ColorCoding::Cells(Some(_))) => COLOR_CELLS_BC7,
+                (ColorFormat::EightBit(_), ColorCoding::Transform(_)) => COLOR_TRANSFORM_8,
+                (ColorFormat::Half { .. }, ColorCoding::Cells(None)) => COLOR_CELLS_HALF,
+                (ColorFormat::Half { .. }, ColorCoding::Cells(Some(_))) => COLOR_CELLS_BC6H,
+                (ColorFormat::Half { .. }, ColorCoding::Transform(_)) => COLOR_TRANSFORM_HALF,
             },
         }
     }
@@ -177,7 +213,8 @@ impl CodecHeader {
                 PayloadKind::Unaligned
             }
             CodecHeader::Depth(_) | CodecHeader::Material(_) => PayloadKind::Mixed,
-            CodecHeader::Color(ColorHeader { blocks: Some(_), .. }) => PayloadKind::Blocks,
+            CodecHeader::Color(header) if header.blocks().is_some() => PayloadKind::Blocks,
+            CodecHeader::Color(ColorHeader { coding: ColorCoding::Transform(_), .. }) => PayloadKind::Bytes,
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => PayloadKind::Bytes,
             CodecHeader::Color(_) => PayloadKind::Words,
         }
@@ -194,14 +231,20 @@ impl CodecHeader {
         }
     }
 
-    /// Upper bound of the bytes that a decoder holds for a unit's payload of `bytes`. Nodes of two bytes become 34 in the
+    /// Upper bound of the bytes that a decoder holds for a chunk of a stream. Nodes of two bytes become 34 in the
     /// runtime form, twice while they are read; a box of ten, or a record of 14, gets a table row; a colour cell also holds
     /// the next payload and a row for each of at most 65,535 keyframes. Growing buffers are doubled.
-    pub fn held_payload_bytes(&self, bytes: u64) -> u64 {
+    pub fn held_chunk_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
+        let bytes = u64::from(chunk.raw_bytes);
         match self {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
             CodecHeader::Depth(_) | CodecHeader::Material(_) => 10 * bytes,
-            CodecHeader::Color(_) => 4 * bytes + (8 * bytes).min(4 << 20),
+            CodecHeader::Color(header) => {
+                let cells = 4 * bytes + (8 * bytes).min(4 << 20);
+                let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
+                let size = [width as usize, height as usize];
+                header.tables().map_or(cells, |_| cells.max(region::held_bytes(bytes, size, chunk.key.frame_count)))
+            }
         }
     }
 
@@ -222,6 +265,8 @@ impl CodecHeader {
             COLOR_CELLS_BC1 => "cells-bc1",
             COLOR_CELLS_BC7 => "cells-bc7",
             COLOR_CELLS_BC6H => "cells-bc6h",
+            COLOR_TRANSFORM_8 => "transform-8bit",
+            COLOR_TRANSFORM_HALF => "transform-half",
             DEPTH_AABB_BC5 => "aabb-bc5",
             MATERIAL_AABB_BC1 => "aabb-bc1",
             DEPTH_NODES => "quadtree",
@@ -236,7 +281,7 @@ impl CodecHeader {
         match self {
             CodecHeader::Depth(header) => matches!(header.coding, DepthCoding::BoxesInBlocks(_)),
             CodecHeader::Material(header) => header.in_blocks,
-            CodecHeader::Color(header) => header.blocks.is_some(),
+            CodecHeader::Color(header) => header.blocks().is_some(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::block::SIDE;
 use crate::color::quality::Pu21;
+use crate::color::transform::Tables;
 use crate::container::StreamEntry;
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -12,10 +13,14 @@ use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::image::{DepthKind, StreamKind};
 use crate::streams::header::{
-    COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, CodecHeader, ColorBlocks,
-    ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5, DEPTH_BLOCKS, DEPTH_NODES, DEPTH_TREE, DepthCoding,
-    DepthHeader, MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
+    COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, COLOR_TRANSFORM_8,
+    COLOR_TRANSFORM_HALF, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5,
+    DEPTH_BLOCKS, DEPTH_NODES, DEPTH_TREE, DepthCoding, DepthHeader, MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader,
+    NodeHeader,
 };
+
+/// Planes of the transform codec: red, green and blue.
+const PLANES: u8 = 3;
 
 impl CodecHeader {
     pub fn write(&self) -> Vec<u8> {
@@ -50,6 +55,10 @@ impl CodecHeader {
                     }
                     ColorFormat::Half { white_cd_m2 } => out.put_f64(white_cd_m2),
                 }
+                if let ColorCoding::Transform(tables) = &header.coding {
+                    out.extend_from_slice(&[PLANES, 0, 0, 0]);
+                    tables.write(&mut out);
+                }
             }
         }
         out
@@ -76,7 +85,8 @@ impl CodecHeader {
             }
             (
                 Some(StreamKind::Color),
-                codec @ (COLOR_CELLS_8 | COLOR_CELLS_HALF | COLOR_CELLS_BC1 | COLOR_CELLS_BC7 | COLOR_CELLS_BC6H),
+                codec @ (COLOR_CELLS_8 | COLOR_CELLS_HALF | COLOR_CELLS_BC1 | COLOR_CELLS_BC7 | COLOR_CELLS_BC6H
+                | COLOR_TRANSFORM_8 | COLOR_TRANSFORM_HALF),
             ) => CodecHeader::Color(read_color(&mut fields, codec)?),
             _ => {
                 return Err(Error::unsupported(format!(
@@ -152,13 +162,8 @@ fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
     let min_psnr_db = fields.finite_f64("the quality")?;
-    let blocks = match codec {
-        COLOR_CELLS_BC1 => Some(ColorBlocks::Bc1),
-        COLOR_CELLS_BC7 => Some(ColorBlocks::Bc7),
-        COLOR_CELLS_BC6H => Some(ColorBlocks::Bc6h),
-        _ => None,
-    };
-    let format = if codec != COLOR_CELLS_HALF && codec != COLOR_CELLS_BC6H {
+    let is_half = matches!(codec, COLOR_CELLS_HALF | COLOR_CELLS_BC6H | COLOR_TRANSFORM_HALF);
+    let format = if !is_half {
         let exposure_ev = fields.f32()?;
         if !(-32.0..=32.0).contains(&exposure_ev) {
             return Err(fields.error(format!("an exposure of {exposure_ev} stops is not within -32 to 32")));
@@ -174,7 +179,21 @@ fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
         Pu21::check_white(white_cd_m2)?;
         ColorFormat::Half { white_cd_m2 }
     };
-    Ok(ColorHeader { format, blocks, min_psnr_db })
+    let coding = match codec {
+        COLOR_CELLS_BC1 => ColorCoding::Cells(Some(ColorBlocks::Bc1)),
+        COLOR_CELLS_BC7 => ColorCoding::Cells(Some(ColorBlocks::Bc7)),
+        COLOR_CELLS_BC6H => ColorCoding::Cells(Some(ColorBlocks::Bc6h)),
+        COLOR_TRANSFORM_8 | COLOR_TRANSFORM_HALF => {
+            let planes = fields.u8()?;
+            if planes != PLANES {
+                return Err(fields.error(format!("{planes} planes of colour, {PLANES} were expected")));
+            }
+            fields.zeros(3)?;
+            ColorCoding::Transform(Tables::read(fields)?)
+        }
+        _ => ColorCoding::Cells(None),
+    };
+    Ok(ColorHeader { format, coding, min_psnr_db })
 }
 
 fn write_temporal(settings: &TemporalSettings, out: &mut Vec<u8>) {
@@ -228,7 +247,12 @@ mod tests {
         };
         let tone = ColorFormat::EightBit(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
         let half = ColorFormat::Half { white_cd_m2: 80.0 };
-        let color = |format, blocks| CodecHeader::Color(ColorHeader { format, blocks, min_psnr_db: 50.0 });
+        let color = |format, blocks| {
+            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db: 50.0 })
+        };
+        let transform = |format, tables| {
+            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Transform(tables), min_psnr_db: 40.0 })
+        };
         vec![
             depth(DepthCoding::Boxes(temporal)),
             depth(DepthCoding::BoxesInBlocks(temporal)),
@@ -242,6 +266,8 @@ mod tests {
             color(tone, Some(ColorBlocks::Bc7)),
             color(half, None),
             color(half, Some(ColorBlocks::Bc6h)),
+            transform(tone, Tables::default()),
+            transform(half, Tables::with_own(Tables::default().sets()[1..3].to_vec())),
         ]
     }
 
@@ -260,6 +286,18 @@ mod tests {
     fn headers_round_trip() {
         for header in samples() {
             assert_eq!(CodecHeader::read(&entry(&header)).unwrap(), header);
+        }
+    }
+
+    #[test]
+    fn other_planes_than_red_green_and_blue_are_refused() {
+        let transforms = samples().into_iter().filter(|header| header.codec_name().starts_with("transform"));
+        for header in transforms {
+            for (at, value) in [(16, 4), (16, 1), (17, 1), (19, 1), (20, 9)] {
+                let mut bad = entry(&header);
+                Arc::make_mut(&mut bad.codec_header)[at] = value;
+                assert!(CodecHeader::read(&bad).is_err(), "{} {at} {value}", header.codec_name());
+            }
         }
     }
 

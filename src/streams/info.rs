@@ -4,7 +4,7 @@ use crate::container::{Index, OpenLimits, StreamEntry};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::{Face, FrameRange, StreamKind};
-use crate::streams::header::{CodecHeader, ColorFormat};
+use crate::streams::header::CodecHeader;
 
 /// A stream: the images of one kind, of one face of one probe, over a range of frames.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,21 +43,17 @@ impl StreamInfo {
 
     /// Near and far of a depth stream: the metres of codes 0 and 65534.
     pub fn depth_range(&self) -> Option<DepthRange> {
-        if let CodecHeader::Depth(header) = self.header { Some(header.range) } else { None }
+        if let CodecHeader::Depth(header) = &self.header { Some(header.range) } else { None }
     }
 
     /// Largest error of a decoded depth in codes, where the codec has a bound.
     pub fn error_bound_codes(&self) -> Option<u16> {
-        if let CodecHeader::Depth(header) = self.header { header.error_bound() } else { None }
+        if let CodecHeader::Depth(header) = &self.header { header.error_bound() } else { None }
     }
 
     /// Whether a colour stream has half floats (true) or 8 bits (false); `None` for other streams.
     pub fn is_half_float(&self) -> Option<bool> {
-        if let CodecHeader::Color(header) = self.header {
-            Some(matches!(header.format, ColorFormat::Half { .. }))
-        } else {
-            None
-        }
+        if let CodecHeader::Color(header) = &self.header { Some(header.is_half()) } else { None }
     }
 
     /// Upper bound of the bytes that decoding its images one after the other takes: units with pictures and keyframes, the
@@ -65,16 +61,25 @@ impl StreamInfo {
     #[doc(hidden)]
     pub fn memory_bytes(&self, index: &Index) -> u64 {
         let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
-        let payloads = index.held_payload_bytes(self.index, |bytes| self.header.held_payload_bytes(bytes));
+        let payloads = index.held_payload_bytes(self.index, |chunk| self.header.held_chunk_bytes(&self.entry, chunk));
         let units = u64::from(self.entry.unit_count()) * CodecHeader::HELD_UNIT_BYTES;
         (pixels * self.header.held_pixel_bytes() + units).saturating_add(payloads)
     }
 }
 
 pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
+    // Entropy tables are held once for all streams of one header.
+    let mut color: Option<(&StreamEntry, CodecHeader)> = None;
     let streams = index.streams.iter().zip(0..).map(|(entry, at)| {
         let named = |error: Error| error.context(format!("stream {at}"));
-        let header = CodecHeader::read(entry).map_err(named)?;
+        let alike = |of: &(&StreamEntry, CodecHeader)| {
+            (of.0.codec, of.0.kind, &of.0.codec_header) == (entry.codec, entry.kind, &entry.codec_header)
+        };
+        let header = match color.take_if(|held| alike(held)) {
+            Some((_, header)) => header,
+            None => CodecHeader::read(entry).map_err(named)?,
+        };
+        color = matches!(header, CodecHeader::Color(_)).then(|| (entry, header.clone()));
         let face = Face::from_index(entry.face).ok_or_else(|| named(Error::invalid("a face that is unknown")))?;
         Ok(StreamInfo {
             index: at,

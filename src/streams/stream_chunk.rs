@@ -1,6 +1,6 @@
 //! A chunk of any stream, parsed.
 
-use crate::color::{CellChunk, HalfKey};
+use crate::color::{ColorChunk, HalfKey};
 use crate::container::{ChunkEntry, Index, Payload};
 use crate::depth::TemporalChunk;
 use crate::error::Result;
@@ -13,8 +13,8 @@ use crate::streams::picture_chunk::PictureChunk;
 pub enum StreamChunk {
     Depth(DepthChunk),
     Material(TemporalChunk<[u8; 3]>),
-    Color8(CellChunk<u8>),
-    ColorHalf(CellChunk<HalfKey>),
+    Color8(ColorChunk<u8>),
+    ColorHalf(ColorChunk<HalfKey>),
 }
 
 impl StreamChunk {
@@ -25,18 +25,16 @@ impl StreamChunk {
             CodecHeader::Depth(header) => StreamChunk::Depth(DepthChunk::parse(header, payload, size, frames)?),
             CodecHeader::Material(header) => StreamChunk::Material(PictureChunk::parse(header, payload, size, frames)?),
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                let format = header.cell_of_bytes(size);
-                StreamChunk::Color8(CellChunk::parse_at(payload, format, frames, index.place(chunk))?)
+                StreamChunk::Color8(header.chunks_of_bytes(size).parse(payload, frames, index.place(chunk))?)
             }
             CodecHeader::Color(header) => {
-                let format = header.cell_of_halves(size);
-                StreamChunk::ColorHalf(CellChunk::parse_at(payload, format, frames, index.place(chunk))?)
+                StreamChunk::ColorHalf(header.chunks_of_halves(size).parse(payload, frames, index.place(chunk))?)
             }
         })
     }
 
     pub fn check_window(&self, stream: &StreamInfo, frames: u32) -> Result<()> {
-        match (self, stream.header) {
+        match (self, &stream.header) {
             (StreamChunk::Depth(chunk), CodecHeader::Depth(header)) => chunk.check_window(header.window(), frames),
             (StreamChunk::Material(chunk), CodecHeader::Material(header)) => {
                 chunk.check_window(header.temporal.window, frames)

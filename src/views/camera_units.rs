@@ -129,7 +129,7 @@ impl UnitFilter for CameraUnits {
 
 /// Frames, near and far of the depth stream of each probe and face that has one.
 fn depth_spans(decoder: &Decoder) -> HashMap<(usize, Face), (FrameRange, DepthSpan)> {
-    let span = |stream: &StreamInfo| match stream.header {
+    let span = |stream: &StreamInfo| match &stream.header {
         CodecHeader::Depth(header) => {
             let (near_m, far_m) = (f64::from(header.range.near_m()), f64::from(header.range.far_m()));
             let span = DepthSpan { near_m, far_m, kind: header.kind };

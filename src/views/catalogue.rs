@@ -95,7 +95,7 @@ impl<'a> Catalogue<'a> {
 }
 
 fn range_of(streams: &[StreamInfo], probe: usize) -> Option<DepthRange> {
-    let ranges = streams.iter().filter(|stream| stream.probe == probe).filter_map(|stream| match stream.header {
+    let ranges = streams.iter().filter(|stream| stream.probe == probe).filter_map(|stream| match &stream.header {
         CodecHeader::Depth(header) => Some([header.range.near_m(), header.range.far_m()]),
         _ => None,
     });
@@ -104,8 +104,8 @@ fn range_of(streams: &[StreamInfo], probe: usize) -> Option<DepthRange> {
 }
 
 fn coding_of(color: &StreamInfo) -> ColorCoding {
-    match color.header {
-        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => ColorCoding::Codes(tone),
+    match &color.header {
+        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => ColorCoding::Codes(*tone),
         _ => ColorCoding::Light,
     }
 }

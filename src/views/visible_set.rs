@@ -47,7 +47,7 @@ impl<'a> VisibleSets<'a> {
     pub fn new(decoder: &'a Decoder) -> VisibleSets<'a> {
         let mut near_m = HashMap::new();
         for stream in decoder.streams() {
-            if let CodecHeader::Depth(header) = stream.header {
+            if let CodecHeader::Depth(header) = &stream.header {
                 let nearest = near_m.entry(stream.probe).or_insert(f64::INFINITY);
                 *nearest = f64::from(header.range.near_m()).min(*nearest);
             }

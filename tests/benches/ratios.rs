@@ -163,11 +163,11 @@ fn unit_bytes(decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<UnitByte
 fn node_chunks(decoder: &Decoder) -> Result<Vec<(NodeChunk, usize)>> {
     let mut chunks = Vec::new();
     for stream in decoder.streams() {
-        let CodecHeader::Depth(header) = stream.header else { continue };
+        let CodecHeader::Depth(header) = &stream.header else { continue };
         for entry in decoder.reader().index().stream_chunks(stream.index) {
             let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
             let payload = decoder.reader().fetch(entry)?;
-            let parsed = DepthChunk::parse(&header, payload, [width, height], entry.key.frame_count)?;
+            let parsed = DepthChunk::parse(header, payload, [width, height], entry.key.frame_count)?;
             if let DepthChunk::Nodes(chunk) = parsed {
                 chunks.push((chunk, width as usize * height as usize));
             }

@@ -10,7 +10,9 @@ use lightfold::container::Compression;
 use lightfold::decode::Picture;
 use lightfold::depth::settings::TemporalSettings;
 use lightfold::effort::Effort;
-use lightfold::encode::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode};
+use lightfold::encode::{
+    ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
+};
 use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};
 use lightfold::monitor::Silent;
 use lightfold::streams::{CodecHeader, ColorBlocks, ColorFormat, convert};
@@ -45,6 +47,7 @@ fn settings(blocks: Option<ColorBlocks>, final_psnr_db: f64) -> EncodeSettings {
     let depth = DepthSettings { codec: DepthCodec::BoxesInBlocks, effort: Effort::Fast, ..DepthSettings::default() };
     EncodeSettings {
         cell: 16,
+        color_codec: ColorCodec::Cells,
         color_blocks: blocks.map(|blocks| ColorBlockSettings { blocks, final_psnr_db }),
         search: SearchSettings { effort: Effort::Fast, ..SearchSettings::default() },
         material: MaterialSettings { epsilon: 8, in_blocks: true },
@@ -63,8 +66,9 @@ fn colour_of_any_size_reaches_the_final_quality() {
         for (blocks, db) in ALL_BLOCKS.iter().flatten().flat_map(|&blocks| [(blocks, 25.0), (blocks, 45.0)]) {
             let bytes = encoded(&source, &settings(Some(blocks), db));
             check_color8(&source, &bytes, db);
-            let CodecHeader::Color(header) = decoder(&bytes).streams()[0].header else { panic!("colour expected") };
-            assert_eq!((header.blocks, header.min_psnr_db), (Some(blocks), db));
+            let decoder = decoder(&bytes);
+            let CodecHeader::Color(header) = &decoder.streams()[0].header else { panic!("colour expected") };
+            assert_eq!((header.blocks(), header.min_psnr_db), (Some(blocks), db));
         }
     }
 }

@@ -118,7 +118,7 @@ fn surveys_agree_with_counts_of_all_frames() {
         for stats in &inspection.streams {
             let stream = stats.stream;
             let found = survey(&decoder, stream, &Silent).unwrap();
-            let keyframes: u64 = found.cells.iter().map(|cell| cell.count()).sum();
+            let keyframes: u64 = found.cells.iter().map(|cell| cell.keyframes()).sum();
             let (blocks, kinds) = (stats.blocks.keyframes, stats.keyframes);
             if !found.cells.is_empty() {
                 assert_eq!(keyframes, kinds, "{}", path.display());
@@ -211,7 +211,7 @@ fn pictures_are_listed_and_the_same_on_any_number_of_threads() {
     let written = names(&folder.path().join("one"));
     assert!(expected.iter().all(|name| written.contains(*name)), "{written:?}");
     let color: Vec<_> = written.iter().filter(|name| name.starts_with("color_00_px_")).collect();
-    assert!(color.len() == 2 && color[0].ends_with("_error.png") && color[1].ends_with("_keyframes.png"), "{color:?}");
+    assert!(color.len() == 2 && color[0].ends_with("_bytes.png") && color[1].ends_with("_error.png"), "{color:?}");
     let paths: BTreeSet<String> =
         listed.iter().map(|plot| plot["path"].as_str().unwrap().replace("one/", "")).collect();
     assert_eq!(paths, written);

@@ -26,6 +26,7 @@ fn container() -> Vec<u8> {
         samples::depth_in_blocks(shape(1), &codes, settings),
         samples::color8_in_chunks(shape(0), &bytes, search, 1),
         samples::color8_in_blocks(shape(1), ColorBlocks::Bc7, &bytes, search, 35.0),
+        samples::color8_transform(shape(2), &bytes, search, 4),
         samples::material(shape(0), &samples::patched_materials(size, 9), settings),
     ];
     samples::container(0, samples::probe("00", 11), &streams, Compression::None)
@@ -107,7 +108,7 @@ fn one_damaged_chunk_costs_the_images_that_need_it_and_no_other() {
         assert!(said.contains("bad.lfold: ") && said.contains("all others are intact"), "{said}");
         let report: Value = serde_json::from_str(&report).unwrap();
         let missing = listed(&report["missing"]);
-        assert!(missing.is_disjoint(&expected) && missing.len() + expected.len() == 45, "chunk {at}: {missing:?}");
+        assert!(missing.is_disjoint(&expected) && missing.len() + expected.len() == 54, "chunk {at}: {missing:?}");
         assert_eq!(report["frames"], expected.len());
         let rows = report["damaged"].as_array().unwrap();
         assert_eq!(rows.len(), hit.len(), "{rows:?}");
@@ -198,7 +199,7 @@ fn a_sound_container_has_nothing_damaged_and_other_devices_are_refused() {
     let (code, report, _) = run("decode good.lfold --null --keep-going --json", folder.path());
     let report: Value = serde_json::from_str(&report).unwrap();
     assert_eq!((code, &report["damaged"], &report["missing"]), (0, &Value::Array(vec![]), &Value::Array(vec![])));
-    assert_eq!(report["frames"], 45);
+    assert_eq!(report["frames"], 54);
     let (code, _, said) = run("decode good.lfold --null --keep-going --device gpu", folder.path());
     assert_eq!(code, 2);
     assert!(said.contains("--keep-going decodes on the CPU"), "{said}");

@@ -41,6 +41,7 @@ mod resume;
 mod roundtrip;
 mod samples;
 mod tradeoff;
+mod transform;
 mod vectors;
 mod vectors_in_every_byte;
 mod vectors_of_blocks;

@@ -11,7 +11,9 @@ use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::TemporalSettings;
 use lightfold::effort::Effort;
-use lightfold::encode::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode};
+use lightfold::encode::{
+    ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
+};
 use lightfold::image::StreamKind;
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::metrics::psnr::SquaredError;
@@ -48,7 +50,12 @@ fn coded() -> Vec<(&'static str, EncodeSettings)> {
         let depth = DepthSettings { codec, effort: Effort::Fast, ..DepthSettings::default() };
         EncodeSettings { kinds: vec![kind], depth, ..EncodeSettings::default() }
     };
-    let color = || of(StreamKind::Color, DepthCodec::Boxes);
+    let transform = of(StreamKind::Color, DepthCodec::Boxes);
+    let color = || EncodeSettings {
+        color_codec: ColorCodec::Cells,
+        search: SearchSettings::default(),
+        ..of(StreamKind::Color, DepthCodec::Boxes)
+    };
     let blocks = |blocks| {
         let search = SearchSettings { effort: Effort::Fast, ..SearchSettings::default() };
         EncodeSettings { color_blocks: Some(ColorBlockSettings::new(blocks, &search)), search, ..color() }
@@ -58,6 +65,7 @@ fn coded() -> Vec<(&'static str, EncodeSettings)> {
     let bc1 = of(StreamKind::Material, DepthCodec::Boxes);
     vec![
         ("color", color()),
+        ("color-transform", transform),
         ("color-bc1", blocks(ColorBlocks::Bc1)),
         ("color-bc7", blocks(ColorBlocks::Bc7)),
         ("depth", of(StreamKind::Depth, DepthCodec::Boxes)),
@@ -111,7 +119,7 @@ fn distance(source: &Source, container: &[u8]) -> (u16, f64) {
         for frame in stream.frames.iter() {
             match face.decode(frame).unwrap() {
                 Picture::Depth(codes) => {
-                    let CodecHeader::Depth(header) = stream.header else { panic!("a depth header") };
+                    let CodecHeader::Depth(header) = &stream.header else { panic!("a depth header") };
                     let wanted = source.read_depth(group, frame).unwrap()[at].map(|&z| header.range.code(z));
                     let errors = wanted.data().iter().zip(codes.data()).map(|(a, b)| a.abs_diff(*b));
                     worst = worst.max(errors.max().unwrap());

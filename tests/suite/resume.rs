@@ -13,7 +13,8 @@ use lightfold::container::Compression;
 use lightfold::container::journal::{self, Recovered};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
 use lightfold::encode::{
-    self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable, Stopped, TileSize,
+    self, ColorBlockSettings, ColorCodec, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable,
+    Stopped, TileSize,
 };
 use lightfold::image::StreamKind;
 use lightfold::image::{Plane, exr, png};
@@ -156,7 +157,7 @@ fn material(in_blocks: bool) -> Footage {
 fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     // Chunks close by their bytes, and blocks are small.
     let (width, height) = if blocks.is_some() { (640, 512) } else { (384, 256) };
-    let mut settings = EncodeSettings { cell: height, ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { cell: height, color_codec: ColorCodec::Cells, ..EncodeSettings::default() };
     settings.search.min_psnr_db = 38.0;
     settings.search.lookahead = 3;
     if blocks.is_some() {
@@ -184,6 +185,24 @@ fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
             before = next;
         }
         write(&before, 2);
+    })
+}
+
+/// Colour of four cells of the transform codec, in chunks of five frames; one cell is noise, which is stored as keyframes.
+fn transform(hdr: bool) -> Footage {
+    let mut settings = EncodeSettings { cell: 24, color_chunk: 5, ..EncodeSettings::default() };
+    if hdr {
+        settings.color = ColorFormat::Half { white_cd_m2: 100.0 };
+    }
+    settings.search.min_psnr_db = 45.0;
+    Footage::new(StreamKind::Color, settings, |path| {
+        let mut random = Random(5);
+        for (frame, mut bytes) in samples::drifting_bytes([40, 30], 17).into_iter().enumerate() {
+            for pixel in (0..bytes.len()).filter(|at| at % 40 >= 24 && at / 40 >= 24) {
+                bytes[pixel] = [0; 3].map(|_: u8| random.below(256) as u8);
+            }
+            png::write_color8(&path(frame as u32), &Plane::new(40, 30, bytes).unwrap()).unwrap();
+        }
     })
 }
 
@@ -235,6 +254,8 @@ fn all() -> Vec<(&'static str, Footage)> {
         ("color in bc1", color(false, Some(ColorBlocks::Bc1))),
         ("color in bc7", color(false, Some(ColorBlocks::Bc7))),
         ("half", color(true, None)),
+        ("transform", transform(false)),
+        ("transform of half floats", transform(true)),
         ("half in bc6h", color(true, Some(ColorBlocks::Bc6h))),
         ("dataset", dataset()),
     ]
@@ -346,9 +367,12 @@ impl Monitor for StopsAfter {
 #[test]
 fn an_encode_that_is_asked_to_stop_over_and_over_ends_in_the_same_bytes_on_any_threads() {
     let mut random = Random(3);
-    for (name, footage) in
-        [("quadtree", depth(DepthCodec::Quadtree)), ("half", color(true, None)), ("dataset", dataset())]
-    {
+    for (name, footage) in [
+        ("quadtree", depth(DepthCodec::Quadtree)),
+        ("half", color(true, None)),
+        ("transform", transform(false)),
+        ("dataset", dataset()),
+    ] {
         let whole = footage.whole();
         for _ in 0..6 {
             let mut state = State::default();

@@ -48,7 +48,7 @@ const BOUNDED: [(DepthCodec, u16); 5] = [
 pub fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
     let decoder = decoder(bytes);
     for stream in decoder.streams() {
-        let CodecHeader::Depth(header) = stream.header else { continue };
+        let CodecHeader::Depth(header) = &stream.header else { continue };
         let group = source.groups().iter().find(|group| group.faces.contains(&stream.face)).unwrap();
         let mut face = decoder.face(stream);
         for frame in stream.frames.iter() {
@@ -163,7 +163,7 @@ fn ranges_from_a_single_depth_to_a_billion_and_denormals() {
         let bytes = encoded(&source, &EncodeSettings { depth, ..EncodeSettings::default() });
         // The values at the ends come back as the very same floats.
         let decoder = decoder(&bytes);
-        let CodecHeader::Depth(header) = decoder.streams()[0].header else { panic!("depth expected") };
+        let CodecHeader::Depth(header) = &decoder.streams()[0].header else { panic!("depth expected") };
         let surfaces = || values.iter().copied().filter(|z| z.is_finite());
         if let (Some(near), Some(far)) = (surfaces().reduce(f32::min), surfaces().reduce(f32::max)) {
             assert_eq!([header.range.metres(0), header.range.metres(65534)], [near, far]);
@@ -323,7 +323,7 @@ fn a_background_that_a_surface_could_have_is_decoded_as_infinity() {
         let options = SourceOptions { background: Some(background), ..SourceOptions::default() };
         let source = Source::open(folder.path(), &options).unwrap();
         let decoder = decoder(&encoded(&source, &EncodeSettings::default()));
-        let CodecHeader::Depth(header) = decoder.streams()[0].header else { panic!("depth expected") };
+        let CodecHeader::Depth(header) = &decoder.streams()[0].header else { panic!("depth expected") };
         assert_eq!(header.background, shown);
     }
 }

@@ -1,10 +1,14 @@
 //! Small containers made through the library, and what they decode to. Everything here is deterministic.
 
+use std::sync::Arc;
+
 use half::f16;
 use lightfold::Result;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::color::temporal::BlockStage;
+use lightfold::color::transform::Tables;
+use lightfold::color::transform::encode::{PricedTables, TransformEncoder};
 use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
 use lightfold::container::{
     ChunkEntry, ChunkKey, Compression, EncodedChunk, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
@@ -21,7 +25,8 @@ use lightfold::effort::Effort;
 use lightfold::image::DepthKind;
 use lightfold::image::transfer::ToneMap;
 use lightfold::streams::{
-    CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
+    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader,
+    NodeHeader,
 };
 
 /// A seeded generator, the same on every machine.
@@ -224,7 +229,7 @@ pub fn material_in_blocks(shape: Shape, images: &[Vec<[u8; 3]>], settings: Tempo
 pub fn color8_header(search: &SearchSettings) -> CodecHeader {
     CodecHeader::Color(ColorHeader {
         format: ColorFormat::EightBit(ToneMap::default()),
-        blocks: None,
+        coding: ColorCoding::Cells(None),
         min_psnr_db: search.min_psnr_db,
     })
 }
@@ -232,7 +237,7 @@ pub fn color8_header(search: &SearchSettings) -> CodecHeader {
 pub fn half_header(search: &SearchSettings) -> CodecHeader {
     CodecHeader::Color(ColorHeader {
         format: ColorFormat::Half { white_cd_m2: 100.0 },
-        blocks: None,
+        coding: ColorCoding::Cells(None),
         min_psnr_db: search.min_psnr_db,
     })
 }
@@ -299,13 +304,37 @@ pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings
     cells(entry, &half_keys(images), &quality, |size| cell_encoder(search, format(size), 0.0))
 }
 
+/// The header of colour of the transform codec, with the tables of the format.
+pub fn transform_header(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
+    ColorHeader { format, coding: ColorCoding::Transform(Tables::default()), min_psnr_db: search.min_psnr_db }
+}
+
+/// 8-bit colour of the transform codec, in chunks of so many frames.
+pub fn color8_transform(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings, chunk_frames: u32) -> Stream {
+    let header = transform_header(ColorFormat::EightBit(ToneMap::default()), &search);
+    let tables = Arc::new(PricedTables::new(Tables::default()));
+    let entry = entry(shape, &CodecHeader::Color(header));
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let rect = entry.unit_rect(unit);
+        let format = CellFormat::of_samples(rect[2] as usize, rect[3] as usize);
+        let mut encoder = TransformEncoder::new(format, search, chunk_frames, Arc::clone(&tables));
+        for image in images {
+            let cell = cut(image, entry.width, rect);
+            chunks.extend(encoder.push(cell.as_flattened(), &EightBit).unwrap().map(|chunk| (unit, chunk)));
+        }
+        chunks.extend(encoder.finish(&EightBit).unwrap().map(|chunk| (unit, chunk)));
+    }
+    Stream { entry, chunks }
+}
+
 /// The header of colour whose keyframes are in blocks, and reach `db`.
 pub fn color_blocks_header(blocks: ColorBlocks, db: f64) -> ColorHeader {
     let format = match blocks {
         ColorBlocks::Bc6h => ColorFormat::Half { white_cd_m2: 100.0 },
         _ => ColorFormat::EightBit(ToneMap::default()),
     };
-    ColorHeader { format, blocks: Some(blocks), min_psnr_db: db }
+    ColorHeader { format, coding: ColorCoding::Cells(Some(blocks)), min_psnr_db: db }
 }
 
 /// 8-bit colour whose keyframes are in blocks.
@@ -317,14 +346,14 @@ pub fn color8_in_blocks(
     db: f64,
 ) -> Stream {
     let header = color_blocks_header(blocks, db);
-    let entry = entry(shape, &CodecHeader::Color(header));
+    let entry = entry(shape, &CodecHeader::Color(header.clone()));
     cells(entry, images, &EightBit, |size| cell_encoder(search, header.cell_of_bytes(size), db))
 }
 
 /// Half-float colour whose keyframes are in BC6H.
 pub fn color_half_in_blocks(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings, db: f64) -> Stream {
     let header = color_blocks_header(ColorBlocks::Bc6h, db);
-    let entry = entry(shape, &CodecHeader::Color(header));
+    let entry = entry(shape, &CodecHeader::Color(header.clone()));
     let quality = Pu21::new(100.0).unwrap();
     cells(entry, &half_keys(images), &quality, |size| cell_encoder(search, header.cell_of_halves(size), db))
 }

@@ -13,10 +13,10 @@ use crate::depth::nodes::Function;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
 use crate::image::StreamKind;
-use crate::inspect::{BlockCount, StreamStats, Totals, percent, projection_name};
+use crate::inspect::{BlockCount, StreamStats, Totals, TransformCount, percent, projection_name};
 use crate::report::Table;
 use crate::report::coding_map::counted;
-use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
+use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, NodeHeader};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
@@ -25,7 +25,7 @@ const MAX_SETTINGS: usize = 4;
 
 pub fn summary(report: &Report<'_>) -> String {
     let mut out = format!("{}\n{}\n{}", heading(report), kinds(report), streams(report));
-    for table in [nodes(report), blocks(report)].into_iter().flatten() {
+    for table in [nodes(report), blocks(report), transforms(report)].into_iter().flatten() {
         let _ = write!(out, "\n{table}");
     }
     let settings = settings(report);
@@ -182,6 +182,23 @@ fn blocks(report: &Report<'_>) -> Option<Table> {
     (!counts.is_empty()).then_some(table)
 }
 
+/// Chunks of the transform codec by coding, and their blocks by side in pixels.
+fn transforms(report: &Report<'_>) -> Option<Table> {
+    let mut counts: BTreeMap<&str, TransformCount> = BTreeMap::new();
+    let is_transform = |stats: &&StreamStats<'_>| matches!(&stats.stream.header, CodecHeader::Color(header) if header.tables().is_some());
+    for stats in report.inspection.streams.iter().filter(is_transform) {
+        counts.entry(stats.stream.header.codec_name()).or_default().add(stats.transform);
+    }
+    let mut table = Table::new("Codec|>Chunks|>In cells|>Blocks 4x4|>8x8|>16x16|>32x32|>Palettes");
+    for (codec, count) in &counts {
+        let TransformCount { transform_chunks, cells_chunks, blocks, palette_blocks } = count;
+        let numbers = [transform_chunks + cells_chunks, *cells_chunks].into_iter().chain(*blocks);
+        let numbers = numbers.chain([*palette_blocks]).map(|number| number.to_string());
+        table.row(std::iter::once((*codec).to_owned()).chain(numbers));
+    }
+    (!counts.is_empty()).then_some(table)
+}
+
 /// Distinct settings of the streams, each with its widest depth range.
 fn settings(report: &Report<'_>) -> String {
     let mut out = String::new();
@@ -263,13 +280,17 @@ fn setting(stats: &StreamStats<'_>) -> String {
                 }
                 ColorFormat::Half { white_cd_m2 } => format!("half floats, white at {white_cd_m2} cd/m²"),
             };
-            let blocks = match header.blocks {
-                None => "",
-                Some(ColorBlocks::Bc1) => ", BC1",
-                Some(ColorBlocks::Bc7) => ", BC7",
-                Some(ColorBlocks::Bc6h) => ", BC6H",
+            let coding = match &header.coding {
+                ColorCoding::Cells(None) => String::new(),
+                ColorCoding::Cells(Some(ColorBlocks::Bc1)) => ", BC1".to_owned(),
+                ColorCoding::Cells(Some(ColorBlocks::Bc7)) => ", BC7".to_owned(),
+                ColorCoding::Cells(Some(ColorBlocks::Bc6h)) => ", BC6H".to_owned(),
+                ColorCoding::Transform(tables) => match tables.own().len() as u64 {
+                    0 => ", transform".to_owned(),
+                    own => format!(", transform with {}", counted(own, "table set")),
+                },
             };
-            format!("{format}{blocks}, at least {} dB, cell {units}", header.min_psnr_db)
+            format!("{format}{coding}, at least {} dB, cell {units}", header.min_psnr_db)
         }
     }
 }

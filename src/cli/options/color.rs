@@ -5,8 +5,9 @@ use clap::Args;
 use super::choice::{Choices, one_of};
 use crate::cli::refuse;
 use crate::color::settings::SearchSettings;
+use crate::color::transform::blocks::MAX_FRAMES;
 use crate::dataset::{InvalidColor, SourceOptions};
-use crate::encode::{ColorBlockSettings, EncodeSettings};
+use crate::encode::{ColorBlockSettings, ColorCodec, EncodeSettings};
 use crate::error::Result;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
@@ -22,6 +23,11 @@ const COLOR_BLOCKS: &Choices<KeyframeBlocks> = &[
     ("bc6h", Some(ColorBlocks::Bc6h), "16 bytes for 4x4 pixels of half floats"),
 ];
 
+pub const COLOR_CODECS: &Choices<ColorCodec> = &[
+    ("transform", ColorCodec::Transform, "A transform in space and time"),
+    ("cells", ColorCodec::Cells, "Keyframes and weights"),
+];
+
 const TRANSFERS: &Choices<Transfer> = &[("srgb", Transfer::Srgb, "sRGB curve"), ("linear", Transfer::Linear, "Linear")];
 
 pub const INVALID_COLORS: &Choices<InvalidColor> =
@@ -34,13 +40,21 @@ pub struct ColorArgs {
     #[arg(long, alias = "cell", value_name = "PX", default_value_t = 64,
         value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub color_cell: u32,
-    /// Least PSNR of each frame of each cell, in dB; with --color-block, of temporal coding alone [default: 50, or
-    /// --psnr-final with --color-block]
+    /// Colour codec [default: transform, or cells with --color-block]
+    #[arg(long, value_name = "CODEC", value_parser = one_of(COLOR_CODECS))]
+    pub color_codec: Option<ColorCodec>,
+    /// Frames of a chunk of the transform codec: more compress better, fewer take less memory, and less time to seek
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)),
+        default_value_t = EncodeSettings::default().color_chunk)]
+    pub color_chunk: u32,
+    /// Least PSNR of each frame of each cell, in dB; with --color-block, of temporal coding alone [default: 40; of cells 50,
+    /// or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
-    /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the loss
-    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(COLOR_BLOCKS), default_value = "none")]
-    pub color_block: KeyframeBlocks,
+    /// Store keyframes of cells in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the
+    /// loss. Implies --color-codec cells [default: none]
+    #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(COLOR_BLOCKS))]
+    pub color_block: Option<KeyframeBlocks>,
     /// Least PSNR of each frame of each cell with keyframes in blocks, in dB, at most --psnr [default: 30 for bc1, 40 for
     /// bc7 and bc6h]
     #[arg(long, value_name = "DB")]
@@ -69,9 +83,19 @@ pub struct ColorArgs {
 
 impl ColorArgs {
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
-        let blocks = self.color_block;
+        let codec = match (self.color_codec, self.color_block) {
+            (Some(ColorCodec::Transform), Some(_)) => {
+                return refuse(
+                    "--color-block is of --color-codec cells: leave out one of --color-block and --color-codec transform",
+                );
+            }
+            (Some(codec), _) => codec,
+            (None, Some(_)) => ColorCodec::Cells,
+            (None, None) => ColorCodec::default(),
+        };
+        let blocks = self.color_block.flatten();
         let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));
-        let psnr = self.psnr.or(of_blocks).unwrap_or(SearchSettings::default().min_psnr_db);
+        let psnr = self.psnr.or(of_blocks).unwrap_or(codec.usual_psnr_db());
         for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", Some(psnr))] {
             if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
                 return refuse(format!("{option} {db}: 0 to 200 dB was expected"));
@@ -84,6 +108,8 @@ impl ColorArgs {
             return refuse(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected"));
         }
         settings.cell = self.color_cell;
+        settings.color_codec = codec;
+        settings.color_chunk = self.color_chunk;
         settings.search =
             SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.lookahead };
         settings.color_blocks = blocks.map(|blocks| {

@@ -83,6 +83,19 @@ pub fn regions([width, height]: [usize; 2]) -> impl ExactSizeIterator<Item = [us
     })
 }
 
+/// Pixels of the roots of all regions of a cell.
+pub fn padded_pixels(size: [usize; 2]) -> u64 {
+    let [columns, rows] = size.map(|side| [side / REGION, side % REGION]);
+    // Whole regions in a row or column and their side, then the last and its side.
+    let of = |[whole, rest]: [usize; 2]| [(whole, REGION), (usize::from(rest > 0), rest)];
+    let pairs = of(columns).into_iter().flat_map(|column| of(rows).map(move |row| (column, row)));
+    let pixels = pairs.map(|((columns, width), (rows, height))| match columns * rows {
+        0 => 0,
+        regions => (regions * Block::root([width, height], 1).shape.pixels()) as u64,
+    });
+    pixels.sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,6 +105,9 @@ mod tests {
         for size in [[1, 1], [64, 64], [250, 251], [33, 5]] {
             let pixels: usize = regions(size).map(|[_, _, width, height]| width * height).sum();
             assert_eq!(pixels, size[0] * size[1]);
+            let padded =
+                regions(size).map(|[_, _, width, height]| Block::root([width, height], 1).shape.pixels() as u64);
+            assert_eq!(padded_pixels(size), padded.sum::<u64>());
             for [_, _, width, height] in regions(size) {
                 let side = Block::root([width, height], 1).shape.side();
                 assert!(side >= width.max(height) && (side == LEAST || side / 2 < width.max(height)));

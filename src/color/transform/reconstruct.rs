@@ -69,30 +69,50 @@ impl TransformChunk {
     pub fn show<S: Keyed>(&self, frame: usize, shown: Option<usize>, out: &mut [S]) -> u64 {
         let mut updated = 0;
         let mut planes = Planes::default();
-        for ([left, top, width, height], region) in regions(self.size).zip(&self.regions) {
-            for leaf in region.leaves.iter().filter(|leaf| leaf.block.contains_frame(frame)) {
-                if shown.is_some_and(|shown| leaf.is_same(region, frame, shown)) {
-                    continue;
+        for (region, leaf, [left, top, columns, rows]) in self.changes(frame, shown) {
+            let Block { place, shape } = leaf.block();
+            let window = Window { columns, rows, side: shape.side(), stride: 3 * self.size[0] };
+            let out = out.get_mut(3 * (top * self.size[0] + left)..).unwrap_or_default();
+            match &leaf.content {
+                Content::Palette(index) => {
+                    window.write_palette(&region.palettes[*index as usize], shape, frame - place.frame, out);
                 }
-                let Block { place, shape } = leaf.block;
-                let [columns, rows] =
-                    [width.saturating_sub(place.x), height.saturating_sub(place.y)].map(|free| free.min(shape.side()));
-                let first = 3 * ((top + place.y) * self.size[0] + left + place.x);
-                let window = Window { columns, rows, side: shape.side(), stride: 3 * self.size[0] };
-                let out = out.get_mut(first..).unwrap_or_default();
-                match &leaf.content {
-                    Content::Palette(index) => {
-                        window.write_palette(&region.palettes[*index], shape, frame - place.frame, out);
-                    }
-                    Content::Transform { channels, .. } => {
-                        self.decode_channels::<S>(region, channels, (shape, frame - place.frame), &mut planes);
-                        window.write_channels(&planes, self.slopes, out);
-                    }
+                Content::Transform { channels, .. } => {
+                    self.decode_channels::<S>(region, channels, (shape, frame - place.frame), &mut planes);
+                    window.write_channels(&planes, self.slopes, out);
                 }
-                updated += (columns * rows) as u64;
             }
+            updated += (columns * rows) as u64;
         }
         updated
+    }
+
+    /// Pixels that [`TransformChunk::show`] writes.
+    pub fn updated_pixels(&self, frame: usize, shown: Option<usize>) -> u64 {
+        self.changed_leaves(frame, shown).map(|(_, [_, _, columns, rows])| (columns * rows) as u64).sum()
+    }
+
+    /// Blocks of a frame that differ from those of frame `shown`, with left, top, width and height in the cell.
+    pub fn changed_leaves(&self, frame: usize, shown: Option<usize>) -> impl Iterator<Item = (&Leaf, [usize; 4])> {
+        self.changes(frame, shown).map(|(_, leaf, rect)| (leaf, rect))
+    }
+
+    fn changes(&self, frame: usize, shown: Option<usize>) -> impl Iterator<Item = (&Region, &Leaf, [usize; 4])> {
+        regions(self.size).zip(&self.regions).flat_map(move |([left, top, width, height], region)| {
+            let is_changed = move |leaf: &&Leaf| {
+                leaf.block().contains_frame(frame) && !shown.is_some_and(|shown| leaf.is_same(region, frame, shown))
+            };
+            // Blocks may lie beyond the edge of a cell.
+            let inside = move |leaf: &&Leaf| {
+                let Block { place, .. } = leaf.block();
+                place.x < width && place.y < height
+            };
+            region.leaves.iter().filter(inside).filter(is_changed).map(move |leaf| {
+                let Block { place, shape } = leaf.block();
+                let [columns, rows] = [width - place.x, height - place.y].map(|free| free.min(shape.side()));
+                (region, leaf, [left + place.x, top + place.y, columns, rows])
+            })
+        })
     }
 
     fn decode_channels<S: Keyed>(
@@ -106,20 +126,15 @@ impl TransformChunk {
         let weights = &TIME_BASES[length][frame * MAX_LENGTH..][..shape.frames];
         for (channel, plane) in planes.channels.iter_mut().enumerate() {
             let of = &channels[channel];
-            let source = FrameLevels {
-                levels: &region.levels[of.levels.clone()],
-                of,
-                step: self.steps.step(channel, length),
-                weights,
-            };
+            let source = FrameLevels { levels: of.of(region), of, step: self.steps.step(channel, length), weights };
             let coefficients = &mut planes.coefficients;
             source.coefficients(shape.side(), coefficients);
             let bits = S::DOMAIN.fraction_bits;
             match shape.level {
-                0 => inverse_transform(&BASIS_4, coefficients, of.extent, bits, plane),
-                1 => inverse_transform(&BASIS_8, coefficients, of.extent, bits, plane),
-                2 => inverse_transform(&BASIS_16, coefficients, of.extent, bits, plane),
-                _ => inverse_transform(&BASIS_32, coefficients, of.extent, bits, plane),
+                0 => inverse_transform(&BASIS_4, coefficients, of.extent(), bits, plane),
+                1 => inverse_transform(&BASIS_8, coefficients, of.extent(), bits, plane),
+                2 => inverse_transform(&BASIS_16, coefficients, of.extent(), bits, plane),
+                _ => inverse_transform(&BASIS_32, coefficients, of.extent(), bits, plane),
             }
         }
     }
@@ -173,14 +188,15 @@ impl Window {
 impl Leaf {
     /// Whether two frames of the chunk show the same in this block.
     fn is_same(&self, region: &Region, frame: usize, other: usize) -> bool {
-        if !self.block.contains_frame(other) {
+        let block = self.block();
+        if !block.contains_frame(other) {
             return false;
         }
         match &self.content {
             Content::Transform { still, .. } => *still || frame == other,
             Content::Palette(index) => {
                 let [a, b] = [frame, other]
-                    .map(|frame| region.palettes[*index].frame(self.block.shape, frame - self.block.place.frame));
+                    .map(|frame| region.palettes[*index as usize].frame(block.shape, frame - block.place.frame));
                 a == b
             }
         }
@@ -211,7 +227,7 @@ struct FrameLevels<'a> {
 impl FrameLevels<'_> {
     /// The inverse transform in time: the frame's spatial coefficients, in units of 2^-fraction.
     fn coefficients(&self, side: usize, out: &mut [i32; MOST_PIXELS]) {
-        let [columns, rows] = self.of.extent;
+        let [columns, rows] = self.of.extent();
         for row in out.chunks_exact_mut(side).take(rows) {
             row[..columns].fill(0);
         }

@@ -1,7 +1,7 @@
 //! Entropy tables (color.md 6.7): which contexts share a distribution, the built-in distributions, and those that a stream
 //! brings along.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES};
 use crate::container::fields::Fields;
@@ -121,7 +121,8 @@ impl PartialEq for Tables {
 
 impl Default for Tables {
     fn default() -> Self {
-        Tables::with_own(Vec::new())
+        static DEFAULT: LazyLock<Tables> = LazyLock::new(|| Tables::with_own(Vec::new()));
+        DEFAULT.clone()
     }
 }
 
@@ -146,13 +147,26 @@ impl Tables {
         if count > MOST_OWN {
             return Err(fields.error(format!("{count} table sets, at most {MOST_OWN} are legal")));
         }
+        if count == 0 {
+            return Ok(Tables::default());
+        }
         Ok(Tables::with_own((0..count).map(|_| TableSet::read(fields)).collect::<Result<_>>()?))
+    }
+
+    /// The reverse of [`Tables::read`].
+    pub fn write(&self, out: &mut Vec<u8>) {
+        out.push(self.own().len() as u8);
+        for set in self.own() {
+            for (distribution, alphabet) in set.distributions().iter().zip(ALPHABETS) {
+                distribution.write(alphabet.into(), out);
+            }
+        }
     }
 }
 
 #[cfg(feature = "encode")]
 mod encode {
-    use super::{TableSet, Tables};
+    use super::TableSet;
     use crate::color::transform::contexts::{ALPHABETS, CLUSTERS};
     use crate::entropy::{Distribution, SYMBOLS};
 
@@ -164,18 +178,6 @@ mod encode {
                 *distribution = Distribution::of_counts(counts, alphabet.into());
             }
             TableSet(distributions)
-        }
-    }
-
-    impl Tables {
-        /// The reverse of [`Tables::read`].
-        pub fn write(&self, out: &mut Vec<u8>) {
-            out.push(self.own().len() as u8);
-            for set in self.own() {
-                for (distribution, alphabet) in set.distributions().iter().zip(ALPHABETS) {
-                    distribution.write(alphabet.into(), out);
-                }
-            }
         }
     }
 }

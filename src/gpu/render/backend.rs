@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::gpu::decode::{self, UnitFrame};
-use crate::gpu::family::{self, Family, PixelWords};
+use crate::gpu::family::{self, Family};
 use crate::gpu::layout::Unit;
 use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TexelWords, TilePart, TileParts};
 use crate::gpu::render::scene::ImageId;
@@ -104,12 +104,12 @@ fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s S
 /// Whether a device whose buffers hold at most `most_bytes` can decode the depth and colour of a container for rendering: every
 /// probe fits, colours are 8-bit codes, and products of inverse depths and ray lengths are those of the CPU.
 pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
-    let is_apt = |stream: &StreamInfo| match stream.header {
+    let is_apt = |stream: &StreamInfo| match &stream.header {
         CodecHeader::Depth(header) => {
             let [least_m, most_m] = MULTIPLIED_M;
             header.kind == DepthKind::Planar || (header.range.near_m() >= least_m && header.range.far_m() <= most_m)
         }
-        CodecHeader::Color(_) => Family::of(&stream.header).words == PixelWords::Bytes,
+        CodecHeader::Color(header) => header.tables().is_none() && !header.is_half(),
         CodecHeader::Material(_) => true,
     };
     decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
@@ -123,8 +123,8 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
         probes.entry(stream.probe).or_default().push(stream);
     }
     let of_probe = |streams: &Vec<&StreamInfo>| {
-        let depth = streams.iter().filter_map(|stream| match stream.header {
-            CodecHeader::Depth(header) => Some(([stream.entry.width, stream.entry.height], header)),
+        let depth = streams.iter().filter_map(|stream| match &stream.header {
+            CodecHeader::Depth(header) => Some(([stream.entry.width, stream.entry.height], *header)),
             _ => None,
         });
         let faces: Vec<_> = depth.collect();

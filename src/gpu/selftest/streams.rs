@@ -30,7 +30,8 @@ use crate::image::{DepthKind, ToneMap, Transfer};
 use crate::math::random::Random;
 use crate::monitor::Monitor;
 use crate::streams::{
-    CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
+    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader,
+    NodeHeader,
 };
 
 /// Faces of a probe, each with a stream of depth, of colour and of material.
@@ -180,7 +181,7 @@ fn color_header(random: &mut Random) -> CodecHeader {
         (half, Some(ColorBlocks::Bc6h)),
     ];
     let (format, blocks) = random.pick(&all).unwrap_or(all[0]);
-    CodecHeader::Color(ColorHeader { format, blocks, min_psnr_db: 50.0 })
+    CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db: 50.0 })
 }
 
 fn material_header(random: &mut Random) -> CodecHeader {

@@ -11,7 +11,7 @@ use crate::inspect::{CodingMap, Writing};
 use crate::report::picture::raster::{MAX_SIDE, Scale, filled, hatch, outline, render, unit_borders};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
-use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding, DepthHeader};
+use crate::streams::{CodecHeader, ColorBlocks, DepthCoding, DepthHeader};
 
 pub(super) struct Shades {
     /// 0 to 1, or nothing where there is no surface.
@@ -103,13 +103,15 @@ pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: 
 }
 
 fn name(header: &CodecHeader, writing: Writing) -> String {
-    let blocks = match header {
-        CodecHeader::Depth(_) => "BC5",
-        CodecHeader::Material(_) | CodecHeader::Color(ColorHeader { blocks: Some(ColorBlocks::Bc1), .. }) => "BC1",
-        CodecHeader::Color(ColorHeader { blocks: Some(ColorBlocks::Bc6h), .. }) => "BC6H",
-        CodecHeader::Color(_) => "BC7",
+    let (color, blocks) = match header {
+        CodecHeader::Depth(_) => (false, "BC5"),
+        CodecHeader::Material(_) => (false, "BC1"),
+        CodecHeader::Color(header) => match header.blocks() {
+            Some(ColorBlocks::Bc1) => (true, "BC1"),
+            Some(ColorBlocks::Bc6h) => (true, "BC6H"),
+            _ => (true, "BC7"),
+        },
     };
-    let color = matches!(header, CodecHeader::Color(_));
     match writing {
         Writing::Function(Function::Raw) => "raw codes".to_owned(),
         Writing::Function(Function::Platelet) => "platelet".to_owned(),
@@ -121,6 +123,8 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
         Writing::Values => "values as they are".to_owned(),
         Writing::Blocks => format!("pieces in {blocks} blocks"),
         Writing::Blend => "between two keyframes".to_owned(),
+        Writing::Transform => "transformed block".to_owned(),
+        Writing::Palette => "palette".to_owned(),
     }
 }
 

@@ -1,12 +1,12 @@
-//! Cells of colour: what a frame shows of them, and how many keyframes each has over all frames.
+//! Cells of colour: what a frame shows of them, and how many keyframes or bytes each has over all frames.
 
 use super::frames::{Shades, key, sentence, tinted};
-use super::subject::{Subject, counted};
+use super::subject::{Subject, What, counted};
 use crate::decode::Picture;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
-use crate::inspect::{CodingMap, Survey};
+use crate::inspect::{CellCoding, CodingMap, Survey};
 use crate::report::picture::raster::{HALF_SIDE, Scale};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
@@ -52,64 +52,105 @@ pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Re
     to_pixels(&drawing, 1)
 }
 
-pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, survey: &Survey) -> Result<Sheet> {
-    let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_SIDE));
+/// Cells by keyframes; of the transform codec, which has none, by bytes.
+pub(super) fn sheet(
+    subject: &Subject<'_>,
+    map: &CodingMap,
+    picture: &Picture,
+    survey: &Survey,
+) -> Result<(What, Sheet)> {
+    let scale = Scale::of(subject.size(), HALF_SIDE);
     let shades = Shades::plain(light(subject, picture));
-    let frames = subject.stream.frames;
+    let (is_transform, has_blocks) = match &subject.stream.header {
+        CodecHeader::Color(header) => (header.tables().is_some(), header.blocks().is_some()),
+        _ => (false, false),
+    };
     let frame = Panel {
-        caption: format!("Frame {}, and the cells that it writes", map.frame),
+        caption: if is_transform {
+            format!("Frame {}, and the blocks that it writes", map.frame)
+        } else {
+            format!("Frame {}, and the cells that it writes", map.frame)
+        },
         image: tinted(subject, scale, &shades, map),
         key: key(subject, map),
         bar: None,
     };
-    let counts = || survey.cells.iter().map(|cell| cell.count());
-    let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
-    let has_blocks = matches!(subject.stream.header, CodecHeader::Color(ColorHeader { blocks: Some(_), .. }));
-    let part = |count: u64| (count - least) as f64 / (most - least).max(1) as f64;
-    let marks = survey.cells.iter().zip(counts()).map(|(cell, count)| CellMark {
-        rect: cell.rect,
-        color: palette::heat(part(count)),
-        words: count.to_string(),
-        corner: has_blocks && cell.samples > 0,
-    });
-    let marks: Vec<CellMark> = marks.collect();
-    let cornered = marks.iter().filter(|mark| mark.corner).count() as u64;
-    let mut cell_key = Vec::new();
-    if least == most {
-        let words = format!("{} in each cell", counted(least, "keyframe"));
-        cell_key.push(Entry { swatch: Swatch::Flat(palette::heat(0.0)), words });
+    let (what, cells) = if is_transform {
+        (What::Bytes, Cells { word: "byte", label: "Bytes", count: |cell| cell.bytes, has_blocks })
+    } else {
+        (What::Keyframes, Cells { word: "keyframe", label: "Keyframes", count: CellCoding::keyframes, has_blocks })
+    };
+    let facts = vec![subject.fact(scale), cells.fact(survey), sentence(subject, map, None)];
+    let title = format!("{}, {}, and frame {}", subject.name, what.name(), map.frame);
+    Ok((what, Sheet { title, facts, panels: vec![frame, cells.panel(subject, scale, survey)?] }))
+}
+
+/// What is counted of each cell.
+struct Cells {
+    word: &'static str,
+    label: &'static str,
+    count: fn(&CellCoding) -> u64,
+    /// Whether keyframes may be in blocks.
+    has_blocks: bool,
+}
+
+impl Cells {
+    fn least_and_most(&self, survey: &Survey) -> (u64, u64) {
+        let counts = || survey.cells.iter().map(self.count);
+        (counts().min().unwrap_or(0), counts().max().unwrap_or(0))
     }
-    if cornered > 0 {
-        let words =
-            format!("{}: some keyframes in samples, since blocks would show them too badly", counted(cornered, "cell"));
-        cell_key.push(Entry { swatch: Swatch::Corner(palette::heat(1.0)), words });
+
+    fn panel(&self, subject: &Subject<'_>, scale: Scale, survey: &Survey) -> Result<Panel> {
+        let (least, most) = self.least_and_most(survey);
+        let part = |count: u64| (count - least) as f64 / (most - least).max(1) as f64;
+        let mark = |cell: &CellCoding| {
+            let count = (self.count)(cell);
+            let corner = self.has_blocks && cell.samples > 0;
+            CellMark { rect: cell.rect, color: palette::heat(part(count)), words: count.to_string(), corner }
+        };
+        let marks: Vec<CellMark> = survey.cells.iter().map(mark).collect();
+        let cornered = marks.iter().filter(|mark| mark.corner).count() as u64;
+        let mut key = Vec::new();
+        if least == most {
+            let words = format!("{} in each cell", counted(least, self.word));
+            key.push(Entry { swatch: Swatch::Flat(palette::heat(0.0)), words });
+        }
+        if cornered > 0 {
+            let cells = counted(cornered, "cell");
+            let words = format!("{cells}: some keyframes in samples, since blocks would show them too badly");
+            key.push(Entry { swatch: Swatch::Corner(palette::heat(1.0)), words });
+        }
+        let frames = subject.stream.frames;
+        Ok(Panel {
+            caption: format!("{} of each cell in frames {}-{}", self.label, frames.first, frames.last),
+            image: draw_cells(subject.size(), scale, &marks)?,
+            key,
+            bar: (least < most).then(|| Bar {
+                color: palette::heat,
+                ticks: ticks(least, most),
+                label: format!("{} for each cell:", self.label),
+                mark: None,
+            }),
+        })
     }
-    let keyframes = Panel {
-        caption: format!("Keyframes of each cell in frames {}-{}", frames.first, frames.last),
-        image: draw_cells(size, scale, &marks)?,
-        key: cell_key,
-        bar: (least < most).then(|| Bar {
-            color: palette::heat,
-            ticks: ticks(least, most),
-            label: "Keyframes for each cell:".to_owned(),
-            mark: None,
-        }),
-    };
-    let total: u64 = counts().sum();
-    let blocks: u64 = survey.cells.iter().map(|cell| cell.blocks).sum();
-    let mean = total as f64 / survey.cells.len().max(1) as f64;
-    let ways = match total - blocks {
-        samples if has_blocks => format!(", {blocks} of them in blocks and {samples} in samples"),
-        _ => String::new(),
-    };
-    let spread = match least == most {
-        true => format!("{least} in each"),
-        false => format!("{least} to {most} in each, {mean:.2} in the mean"),
-    };
-    let counts = format!("{} in {}", counted(total, "keyframe"), counted(survey.cells.len() as u64, "cell"));
-    let facts = vec![subject.fact(scale), format!("{counts}: {spread}{ways}."), sentence(subject, map, None)];
-    let title = format!("{}, keyframes, and frame {}", subject.name, map.frame);
-    Ok(Sheet { title, facts, panels: vec![frame, keyframes] })
+
+    fn fact(&self, survey: &Survey) -> String {
+        let (least, most) = self.least_and_most(survey);
+        let total: u64 = survey.cells.iter().map(self.count).sum();
+        let blocks: u64 = survey.cells.iter().map(|cell| cell.blocks).sum();
+        let mean = total as f64 / survey.cells.len().max(1) as f64;
+        let ways = if self.has_blocks {
+            format!(", {blocks} of them in blocks and {} in samples", total - blocks)
+        } else {
+            String::new()
+        };
+        let spread = match least == most {
+            true => format!("{least} in each"),
+            false => format!("{least} to {most} in each, {mean:.2} in the mean"),
+        };
+        let cells = counted(survey.cells.len() as u64, "cell");
+        format!("{} in {cells}: {spread}{ways}.", counted(total, self.word))
+    }
 }
 
 /// At most six whole numbers from `least` to `most`.

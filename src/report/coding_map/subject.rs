@@ -11,6 +11,8 @@ pub enum What {
     /// Boxes around what changes.
     Boxes,
     Keyframes,
+    /// Bytes of each cell.
+    Bytes,
     Error,
 }
 
@@ -20,6 +22,7 @@ impl What {
             What::Nodes => "nodes",
             What::Boxes => "boxes",
             What::Keyframes => "keyframes",
+            What::Bytes => "bytes",
             What::Error => "error",
         }
     }

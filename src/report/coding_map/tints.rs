@@ -10,6 +10,8 @@ pub fn tint(writing: Writing) -> Rgb {
         Writing::Function(Function::Platelet) | Writing::Blend => palette::BLUE,
         Writing::Function(Function::Biquadratic) => palette::YELLOW,
         Writing::Function(Function::Bc4w) | Writing::Blocks => palette::PURPLE,
+        Writing::Transform => palette::BLUE,
+        Writing::Palette => palette::YELLOW,
         Writing::OneValue => palette::GREEN,
     };
     ink.rgb
@@ -27,7 +29,10 @@ mod tests {
     #[test]
     fn an_outline_is_seen_on_every_tint_and_grey() {
         let writings = Function::ALL.map(Writing::Function).into_iter();
-        for writing in writings.chain([Writing::OneValue, Writing::Values, Writing::Blocks, Writing::Blend]) {
+        for writing in writings
+            .chain([Writing::OneValue, Writing::Values, Writing::Blocks, Writing::Blend])
+            .chain([Writing::Transform, Writing::Palette])
+        {
             for ground in [grey(0.0), grey(0.5), grey(1.0), BACKGROUND] {
                 let color = tinted(ground, writing);
                 let line = outlined(color);

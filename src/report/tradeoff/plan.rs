@@ -85,6 +85,8 @@ struct PresetStudy {
     figures: &'static str,
     stream: StreamKind,
     axes: &'static [PresetAxis],
+    /// Settings of all points, unless others are given.
+    fixed: &'static [(&'static str, &'static str)],
 }
 
 struct PresetAxis {
@@ -105,6 +107,7 @@ const PRESETS: &[PresetStudy] = &[
         figures: "CALF figure 7",
         stream: StreamKind::Depth,
         axes: &[axis("depth-window", "1,2,4,8,16", "1,4,16"), axis("max-aabbs", "1,2,4,8,16", "1,4,16")],
+        fixed: &[],
     },
     PresetStudy {
         name: "cells",
@@ -112,6 +115,7 @@ const PRESETS: &[PresetStudy] = &[
         figures: "CALF figure 8",
         stream: StreamKind::Color,
         axes: &[axis("color-cell", "8,16,32,64,128", "16,64"), axis("psnr", "30,35,40,45,50", "30,40,50")],
+        fixed: &[("color-codec", "cells")],
     },
     PresetStudy {
         name: "bound",
@@ -119,6 +123,7 @@ const PRESETS: &[PresetStudy] = &[
         figures: "GDC figures 5 and 8",
         stream: StreamKind::Depth,
         axes: &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")],
+        fixed: &[],
     },
     PresetStudy {
         name: "codecs",
@@ -126,6 +131,7 @@ const PRESETS: &[PresetStudy] = &[
         figures: "base line of GDC figure 8",
         stream: StreamKind::Depth,
         axes: &[axis("depth-codec", "aabb", "aabb")],
+        fixed: &[],
     },
 ];
 
@@ -142,7 +148,7 @@ impl PresetStudy {
             sweep: &CODING,
             stream: Some(self.stream),
             axes: self.axes.iter().map(axis).collect(),
-            fixed: Vec::new(),
+            fixed: self.fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect(),
         };
         with_fixed(study, fixed)
     }
@@ -247,7 +253,7 @@ fn title(kind: &SweepKind, of: &str, axes: &[Axis]) -> String {
     format!("{}: {}", capital(of), labels.join(" × "))
 }
 
-/// Adds fixed settings, and those that the knobs require.
+/// Adds given settings, then those that the study and its knobs require where no other is given.
 fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
     let Study { sweep, stream, axes, .. } = &study;
     let concerns = |name: &str| sweep.knob(name).is_some_and(|knob| knob.concerns(*stream));
@@ -259,9 +265,11 @@ fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
             study.name
         )));
     }
-    for &(name, value) in axes.iter().filter_map(|axis| sweep.knob(axis.knob)).flat_map(|knob| knob.implies) {
+    let knobs = axes.iter().filter_map(|axis| sweep.knob(axis.knob));
+    let implied = knobs.flat_map(|knob| knob.implies.iter().map(|&(name, value)| (name, value.to_owned())));
+    for (name, value) in study.fixed.iter().cloned().chain(implied) {
         if !is_swept(name) && concerns(name) && fixed.iter().all(|(other, _)| *other != name) {
-            fixed.push((name, value.to_owned()));
+            fixed.push((name, value));
         }
     }
     Ok(Study { fixed, ..study })

@@ -18,12 +18,13 @@ use crate::color::quality::Quality;
 use crate::color::settings::SearchSettings;
 use crate::color::temporal::CellEncoder;
 use crate::color::transform::Keyed;
-use crate::color::transform::encode::promise::{Encoded, Start, encode_chunk};
+use crate::color::transform::encode::promise::{Encoded, encode_chunk};
 use crate::color::transform::encode::source::CellSource;
 use crate::color::transform::payload::CELLS;
 use crate::container::EncodedChunk;
 use crate::error::Result;
 
+pub use promise::Start;
 pub use rate::PricedTables;
 pub use training::Trainer;
 
@@ -37,7 +38,7 @@ pub struct TransformEncoder<S> {
     chunk_first: u32,
     frames: Vec<Vec<S>>,
     /// Step and table set of the chunk before, where the next search starts.
-    start: Option<Start>,
+    pub start: Option<Start>,
 }
 
 impl<S: Keyed> TransformEncoder<S> {

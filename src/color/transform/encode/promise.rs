@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::color::quality::Quality;
 use crate::color::settings::SearchSettings;
 use crate::color::transform::blocks::regions;
@@ -33,7 +35,7 @@ const MOST_SLOPE: f64 = 24.0;
 const USUAL_HALF_OFFSET: f64 = 96.0;
 
 /// Where the search for a step starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Start {
     pub step: i32,
     pub set: usize,
@@ -109,7 +111,10 @@ fn worst_error<S: Keyed, Q: Quality<S>>(
     quality: &Q,
     tables: &PricedTables,
 ) -> Result<u64> {
-    let chunk = TransformChunk::parse::<S>(payload, cell.size, cell.frames.len() as u32, &tables.tables)?;
+    // Finer steps have more bytes for as many blocks.
+    let Ok(chunk) = TransformChunk::parse::<S>(payload, cell.size, cell.frames.len() as u32, &tables.tables) else {
+        return Ok(u64::MAX);
+    };
     let mut shown = vec![S::default(); 3 * cell.size[0] * cell.size[1]];
     let mut worst = 0;
     for (frame, source) in cell.frames.iter().enumerate() {

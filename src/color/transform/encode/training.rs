@@ -60,7 +60,7 @@ impl Trainer {
             let stream = Decoder::new(&payload[substream]);
             let reader = Reader { stream, tables: &tables.sets()[header.set] };
             let root = Block::root([width, height], frames as usize);
-            Region::read_by(CountingReader { reader, counts: &mut counts }, root, &header, &S::DOMAIN)
+            Region::read_by(CountingReader { reader, counts: &mut counts }, u64::MAX, root, &header, &S::DOMAIN)
                 .map_err(Error::invalid)?;
         }
         self.cells.push(counts);

@@ -68,6 +68,9 @@ impl Input {
                     settings = without(&settings, &["psnr"]);
                     settings.push(("psnr", psnr));
                 }
+                if point.value("color-block").is_some() && point.value("color-codec").is_none() {
+                    settings.push(("color-codec", "cells".to_owned()));
+                }
                 settings = without(&settings, &["color-block", "psnr-final"]);
             }
             StreamKind::Material => {}

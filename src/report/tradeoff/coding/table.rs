@@ -60,12 +60,22 @@ pub const KNOBS: &[Knob] = &[
     encode("depth-tile", "tile size (pixels)", &[Depth, Material], "half of the face", &["32", "64", "128", "256"]),
     encode("keyframe-interval", "keyframe interval (frames)", &[Depth, Material], "64", &["4", "8", "16", "32", "64"]),
     encode("color-cell", "cell size (pixels)", &[Color], "64", &["8", "16", "32", "64", "128"]).formerly("cell"),
-    encode("psnr", "PSNR threshold (dB)", &[Color], "50, in blocks as psnr-final", &["30", "35", "40", "45", "50"]),
-    encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]),
+    encode("color-codec", "colour codec", &[Color], "transform", &["transform", "cells"]),
+    encode("color-chunk", "chunk length of colour (frames)", &[Color], "24", &["6", "12", "24", "48", "96"])
+        .with(&[("color-codec", "transform")]),
+    encode(
+        "psnr",
+        "PSNR threshold (dB)",
+        &[Color],
+        "40, of cells 50, in blocks as psnr-final",
+        &["30", "35", "40", "45", "50"],
+    ),
+    encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]).with(&[("color-codec", "cells")]),
     encode("psnr-final", "PSNR threshold in blocks (dB)", &[Color], "30 for bc1, else 40", &["30", "35", "40", "45"])
         .with(&[("color-block", "bc7")]),
     encode("lookahead", "keyframe lookahead (frames)", &[Color], "64", &["4", "16", "64", "256"])
-        .formerly("keyframe-reach"),
+        .formerly("keyframe-reach")
+        .with(&[("color-codec", "cells")]),
     encode(
         "material-error",
         "error bound of material (steps of 8 bits)",

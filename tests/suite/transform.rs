@@ -1,0 +1,135 @@
+//! The transform codec through the library: footage is encoded, decoded, and keeps its promise in every frame of every cell.
+
+use half::f16;
+use lightfold::color::SearchSettings;
+use lightfold::color::quality::{Pu21, Quality};
+use lightfold::container::Compression;
+use lightfold::dataset::Source;
+use lightfold::decode::Picture;
+use lightfold::effort::Effort;
+use lightfold::encode::{ColorCodec, EncodeSettings};
+use lightfold::image::{ColorPlane, Face, Plane};
+use lightfold::inspect::{TransformCount, statistics};
+use lightfold::streams::ColorFormat;
+use tempfile::TempDir;
+
+use crate::footage::{Footage, Random, drifting_color};
+use crate::roundtrip::{check_color8, decoder, encoded};
+
+const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
+
+fn settings(cell: u32, color_chunk: u32, min_psnr_db: f64) -> EncodeSettings {
+    let search = SearchSettings { min_psnr_db, effort: Effort::Fast, ..SearchSettings::default() };
+    EncodeSettings { cell, color_chunk, search, compression: Compression::None, ..EncodeSettings::default() }
+}
+
+fn counts(bytes: &[u8]) -> TransformCount {
+    statistics(&decoder(bytes)).unwrap().streams[0].transform
+}
+
+/// Every frame of every cell of a half-float stream reaches the PSNR asked for.
+fn check_half(source: &Source, bytes: &[u8], min_psnr_db: f64) {
+    let decoder = decoder(bytes);
+    let (stream, metric) = (&decoder.streams()[0], Pu21::new(100.0).unwrap());
+    let mut face = decoder.face(stream);
+    for frame in stream.frames.iter() {
+        let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else { panic!("half floats expected") };
+        let wanted = &source.read_color(&source.groups()[0], frame).unwrap()[0];
+        for unit in 0..stream.entry.unit_count() {
+            let [left, top, width, height] = stream.entry.unit_rect(unit);
+            let rows = (top..top + height).map(|y| {
+                let row = |plane: &Plane<[f16; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
+                metric.between(row(&shown).as_flattened(), row(wanted).as_flattened())
+            });
+            let (error, samples) = (rows.sum::<u64>(), (width * height * 3) as usize);
+            assert!(error <= metric.max_squared_error(min_psnr_db, samples), "frame {frame} unit {unit}: {error}");
+        }
+    }
+}
+
+#[test]
+fn cells_of_any_size_keep_the_promise() {
+    for (width, height, cell) in [(1, 1, 64), (3, 5, 64), (33, 65, 64), (100, 3, 40), (37, 29, 16), (251, 250, 251)] {
+        let folder = TempDir::new().unwrap();
+        let color = |_: Face, frame: u32| drifting_color(width, height, frame);
+        let source = Footage { color: Some(&color), frames: [3, 8], ..Footage::new(width, height) }.open(folder.path());
+        for db in [30.0, 48.0] {
+            let bytes = encoded(&source, &settings(cell, 24, db));
+            check_color8(&source, &bytes, db);
+            let bytes = encoded(&source, &EncodeSettings { color: HALF, ..settings(cell, 4, db) });
+            check_half(&source, &bytes, db);
+        }
+    }
+}
+
+#[test]
+fn chunks_of_any_length_keep_the_promise_and_each_decodes_alone() {
+    let folder = TempDir::new().unwrap();
+    let color = |_: Face, frame: u32| drifting_color(40, 24, frame);
+    let source = Footage { color: Some(&color), frames: [0, 99], ..Footage::new(40, 24) }.open(folder.path());
+    for length in [1, 2, 3, 5, 7, 24, 25, 96] {
+        let bytes = encoded(&source, &settings(24, length, 42.0));
+        check_color8(&source, &bytes, 42.0);
+        let decoder = decoder(&bytes);
+        let stream = &decoder.streams()[0];
+        let chunks = decoder.reader().index().unit_chunks(0, 0);
+        assert!(chunks.iter().all(|chunk| chunk.key.first_frame % length == 0 && chunk.key.frame_count <= length));
+        // Any order of frames shows the same, and a frame that is shown already writes nothing.
+        let mut face = decoder.face(stream);
+        let shown: Vec<Picture> = stream.frames.iter().map(|frame| face.decode(frame).unwrap()).collect();
+        let mut random = Random(u64::from(length));
+        for frame in (0..40).map(|_| random.below(100)) {
+            assert!(face.decode(frame).unwrap() == shown[frame as usize], "length {length} frame {frame}");
+            let before = face.cost().updated_pixels;
+            face.decode(frame).unwrap();
+            assert_eq!(face.cost().updated_pixels, before);
+            assert!(decoder.face(stream).decode(frame).unwrap() == shown[frame as usize]);
+        }
+    }
+}
+
+/// Left: noise. Right: flat areas with sharp edges, which never move.
+fn noise_and_graphics(_: Face, frame: u32) -> ColorPlane {
+    let mut random = Random(u64::from(frame));
+    Plane::from_fn(64, 32, |x, y| {
+        let noise = [random.below(256), random.below(256), random.below(256)].map(|v| v as f32 / 255.0);
+        let flat = if (x / 5 + y / 3) % 3 == 0 { [0.9, 0.1, 0.1] } else { [0.1, 0.2, 0.7] };
+        if x < 32 { noise } else { flat }.map(f16::from_f32)
+    })
+}
+
+#[test]
+fn noise_is_stored_as_keyframes_and_flat_graphics_as_palettes() {
+    let folder = TempDir::new().unwrap();
+    let source =
+        Footage { color: Some(&noise_and_graphics), frames: [0, 9], ..Footage::new(64, 32) }.open(folder.path());
+    for color in [EncodeSettings::default().color, HALF] {
+        let settings = EncodeSettings { color, ..settings(32, 5, 80.0) };
+        let bytes = encoded(&source, &settings);
+        let count = counts(&bytes);
+        assert_eq!((count.transform_chunks, count.cells_chunks), (2, 2), "{count:?}");
+        assert!(count.palette_blocks > 0, "{count:?}");
+        match color {
+            ColorFormat::EightBit(_) => check_color8(&source, &bytes, 80.0),
+            ColorFormat::Half { .. } => check_half(&source, &bytes, 80.0),
+        }
+        // As cells, the same promise takes no fewer bytes.
+        let cells = encoded(&source, &EncodeSettings { color_codec: ColorCodec::Cells, ..settings });
+        assert!(bytes.len() < cells.len(), "{} bytes, {} as cells", bytes.len(), cells.len());
+    }
+}
+
+#[test]
+fn the_same_bytes_on_any_number_of_threads_and_in_any_memory() {
+    let folder = TempDir::new().unwrap();
+    let color = |_: Face, frame: u32| drifting_color(64, 48, frame);
+    let source = Footage { color: Some(&color), frames: [0, 19], ..Footage::new(64, 48) }.open(folder.path());
+    let settings = settings(16, 8, 42.0);
+    let encode = |threads, memory: Option<u64>| {
+        let settings = EncodeSettings { memory: lightfold::memory::Budget { bytes: memory }, ..settings.clone() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| encoded(&source, &settings))
+    };
+    let alone = encode(1, None);
+    assert!(alone == encode(2, None) && alone == encode(7, None) && alone == encode(4, Some(3 << 20)));
+}
