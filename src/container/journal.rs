@@ -10,7 +10,7 @@
 //! bytes, at least every 256 chunks or 4 MiB. Neither file is forced to the disk on the way, so [`recover`] compares the
 //! CRC-32 of every chunk with the container's bytes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::fmt;
 use std::hash::{DefaultHasher, Hasher};
 use std::io::{Read, Write};
@@ -61,8 +61,14 @@ pub struct SafeChunks {
 /// Appends records. They stay in memory until [`super::Writer::checkpoint`] has written the chunks they describe.
 pub struct Journal {
     out: Box<dyn Write + Send>,
-    gathered: Vec<u8>,
+    gathered: VecDeque<Record>,
     pushed: SafeChunks,
+    safe: SafeChunks,
+}
+
+struct Record {
+    bytes: Vec<u8>,
+    /// The chunks that survive once it is written.
     safe: SafeChunks,
 }
 
@@ -75,14 +81,15 @@ impl fmt::Debug for Journal {
 impl Journal {
     pub fn start(out: Box<dyn Write + Send>, head: &[u8]) -> Journal {
         let safe = SafeChunks::default();
-        let mut journal = Journal { out, gathered: MAGIC.to_vec(), pushed: safe, safe };
+        let mut journal = Journal { out, gathered: VecDeque::new(), pushed: safe, safe };
+        journal.gathered.push_back(Record { bytes: MAGIC.to_vec(), safe });
         journal.record(HEAD, head);
         journal
     }
 
     pub fn go_on(out: Box<dyn Write + Send>, recovered: &Recovered) -> Journal {
         let safe = recovered.safe();
-        Journal { out, gathered: Vec::new(), pushed: safe, safe }
+        Journal { out, gathered: VecDeque::new(), pushed: safe, safe }
     }
 
     pub fn note(&mut self, body: &[u8]) {
@@ -93,15 +100,17 @@ impl Journal {
         let mut body = Vec::with_capacity(ENTRY_BYTES + 4);
         chunk.entry.write(&mut body);
         body.put_u32(chunk.last_frame);
-        self.record(CHUNK, &body);
         self.pushed = SafeChunks { count: self.pushed.count + 1, last: Some(chunk.entry.key) };
+        self.record(CHUNK, &body);
     }
 
     fn record(&mut self, kind: u8, body: &[u8]) {
-        self.gathered.put_u32(body.len() as u32);
-        self.gathered.put_u32(checksum(kind, body));
-        self.gathered.push(kind);
-        self.gathered.extend_from_slice(body);
+        let mut bytes = Vec::with_capacity(RECORD_HEAD_BYTES + body.len());
+        bytes.put_u32(body.len() as u32);
+        bytes.put_u32(checksum(kind, body));
+        bytes.push(kind);
+        bytes.extend_from_slice(body);
+        self.gathered.push_back(Record { bytes, safe: self.pushed });
     }
 
     /// Chunks that were pushed since the last checkpoint.
@@ -109,12 +118,12 @@ impl Journal {
         self.pushed.count - self.safe.count
     }
 
-    /// Writes the gathered records; the chunks they describe are written.
+    /// Writes the gathered records; the chunks they describe are written. Where the disk fills up half way, the records
+    /// before that count.
     pub(super) fn write(&mut self) -> Result<()> {
-        if !self.gathered.is_empty() {
-            self.out.write_all(&self.gathered).and_then(|()| self.out.flush()).map_err(|error| Error::io("", error))?;
-            self.gathered.clear();
-            self.safe = self.pushed;
+        while let Some(record) = self.gathered.pop_front() {
+            self.out.write_all(&record.bytes).and_then(|()| self.out.flush()).map_err(|error| Error::io("", error))?;
+            self.safe = record.safe;
         }
         Ok(())
     }
@@ -255,6 +264,36 @@ impl<'a> Records<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn records_before_the_end_of_the_disk_count() {
+        /// A disk with room for some bytes.
+        struct Disk(usize);
+        impl Write for Disk {
+            fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+                let written = bytes.len().min(self.0);
+                self.0 -= written;
+                if written == 0 { Err(std::io::ErrorKind::StorageFull.into()) } else { Ok(written) }
+            }
+
+            fn flush(&mut self) -> std::io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut fields = Fields::new(&[1; ENTRY_BYTES], 0, "");
+        let entry = ChunkEntry::read(&mut fields, u64::MAX).unwrap();
+        let key = entry.key;
+        let chunk = CompleteChunk { entry, last_frame: 4 };
+        let record = RECORD_HEAD_BYTES + ENTRY_BYTES + 4;
+        let head = MAGIC.len() + RECORD_HEAD_BYTES;
+        for (room, count) in [(head, 0), (head + record - 1, 0), (head + record, 1), (head + 2 * record + 5, 2)] {
+            let mut journal = Journal::start(Box::new(Disk(room)), b"");
+            (0..4).for_each(|_| journal.chunk(&chunk));
+            assert!(journal.write().is_err());
+            let last = (count > 0).then_some(key);
+            assert_eq!(journal.safe(), SafeChunks { count, last }, "{room}");
+        }
+    }
 
     #[test]
     fn checking_chunks_stops_when_asked() {
