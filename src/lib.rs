@@ -83,8 +83,8 @@ pub use modules::decode::{DecodeCost, Decoder, FaceDecoder, PixelsMut, StreamInf
 pub use modules::depth::DepthRange;
 #[cfg(feature = "encode")]
 pub use modules::encode::{
-    ColorBlockSettings, ColorCodec, ColorTables, DepthCodec, DepthSettings, EncodeSettings, EncodeSummary, Encoder,
-    EncoderStream, ErrorBound, FrameSource, MaterialSettings, ProbePose, TileSize,
+    ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, EncodeSummary, Encoder, EncoderStream,
+    ErrorBound, FrameSource, MaterialSettings, ProbePose, TileSize,
 };
 pub use modules::error::{Error, Result};
 pub use modules::image::{DepthKind, Face, FrameRange, Projection, StreamKind};

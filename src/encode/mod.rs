@@ -28,7 +28,6 @@ pub use job::{
     encode_resumable,
 };
 pub use settings::{
-    ColorBlockSettings, ColorCodec, ColorTables, DepthCodec, DepthSettings, EncodeSettings, ErrorBound,
-    MaterialSettings, TileSize,
+    ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
 pub use source::{FrameSource, GroupRef, selected_groups};

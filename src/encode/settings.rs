@@ -97,14 +97,6 @@ impl ColorCodec {
     }
 }
 
-/// Entropy tables of the transform codec.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ColorTables {
-    /// Those of the format.
-    #[default]
-    BuiltIn,
-}
-
 /// Colour keyframes in texture blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorBlockSettings {
@@ -192,7 +184,6 @@ pub struct EncodeSettings {
     pub color_codec: ColorCodec,
     /// Frames of a chunk of the transform codec, 1 to 96.
     pub color_chunk: u32,
-    pub color_tables: ColorTables,
     /// Quality of colour, and the search for it.
     pub search: SearchSettings,
     /// Keyframes of [`ColorCodec::Cells`] in blocks; `None` for samples.
@@ -218,7 +209,6 @@ impl Default for EncodeSettings {
             color: ColorFormat::EightBit(ToneMap::default()),
             color_codec: ColorCodec::default(),
             color_chunk: 24,
-            color_tables: ColorTables::default(),
             search: SearchSettings { min_psnr_db: ColorCodec::default().usual_psnr_db(), ..SearchSettings::default() },
             color_blocks: None,
             compression: Compression::default(),
@@ -267,9 +257,9 @@ impl EncodeSettings {
 
     pub(super) fn color_header(&self) -> ColorHeader {
         let min_psnr_db = self.color_blocks.map_or(self.search.min_psnr_db, |blocks| blocks.final_psnr_db);
-        let coding = match (self.color_codec, self.color_tables) {
-            (ColorCodec::Cells, _) => ColorCoding::Cells(self.color_blocks.map(|settings| settings.blocks)),
-            (ColorCodec::Transform, ColorTables::BuiltIn) => ColorCoding::Transform(Tables::default()),
+        let coding = match self.color_codec {
+            ColorCodec::Cells => ColorCoding::Cells(self.color_blocks.map(|settings| settings.blocks)),
+            ColorCodec::Transform => ColorCoding::Transform(Tables::default()),
         };
         ColorHeader { format: self.color, coding, min_psnr_db }
     }

@@ -165,7 +165,7 @@ impl<T> Sequence<T> {
     }
 
     /// The chunks that an encoder makes of the frames, and at their end of `None`.
-    fn encode(
+    pub(super) fn encode(
         &self,
         mut code: impl FnMut(Option<&Vec<T>>) -> Result<Option<EncodedChunk>>,
     ) -> Result<Vec<EncodedChunk>> {

@@ -1,9 +1,13 @@
 //! Cells of colour that are hard (CALF 5.1; color.md): every frame must reach its decibels.
 
+use std::sync::Arc;
+
 use half::f16;
 
 use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
+use crate::color::transform::encode::{PricedTables, TransformEncoder};
+use crate::color::transform::{Keyed, Tables};
 use crate::color::{CellChunk, CellFormat, HalfKey, Sample, SearchSettings};
 use crate::decode::Picture;
 use crate::error::{Error, Result};
@@ -16,6 +20,8 @@ use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHe
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
 const WHITE_CD_M2: f64 = 100.0;
+/// Frames of a chunk of the transform codec.
+const CHUNK_FRAMES: u32 = 7;
 
 /// A sequence of a cell: size, frames, and a pixel of each.
 type Cell<T> = (&'static str, [u32; 2], u32, fn(u32, u32, u32) -> [T; 3]);
@@ -96,45 +102,63 @@ const HALVES: [Cell<f16>; 11] = [
 ];
 
 #[derive(Clone, Copy)]
+enum Codec {
+    Cells(Option<ColorBlocks>),
+    Transform,
+}
+
+#[derive(Clone, Copy)]
 struct Coding {
     format: ColorFormat,
-    blocks: Option<ColorBlocks>,
+    codec: Codec,
     min_psnr_db: f64,
 }
 
 impl Coding {
     fn header(&self) -> ColorHeader {
-        let Coding { format, blocks, min_psnr_db } = *self;
-        ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db }
+        let Coding { format, codec, min_psnr_db } = *self;
+        let coding = match codec {
+            Codec::Cells(blocks) => ColorCoding::Cells(blocks),
+            Codec::Transform => ColorCoding::Transform(Tables::default()),
+        };
+        ColorHeader { format, coding, min_psnr_db }
     }
 }
 
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     let formats = [
-        ("CCL8", None, 50.0, "dB"),
-        ("CCB1", Some(ColorBlocks::Bc1), 30.0, "dB"),
-        ("CCB7", Some(ColorBlocks::Bc7), 40.0, "dB"),
+        ("CCL8", Codec::Cells(None), 50.0),
+        ("CCB1", Codec::Cells(Some(ColorBlocks::Bc1)), 30.0),
+        ("CCB7", Codec::Cells(Some(ColorBlocks::Bc7)), 40.0),
+        ("CTR8", Codec::Transform, 45.0),
     ];
-    for (codec, blocks, min_psnr_db, unit) in formats {
-        let group = Group::new(Family::Color, codec, unit);
+    for (name, codec, min_psnr_db) in formats {
+        let group = Group::new(Family::Color, name, "dB");
         let format = ColorFormat::EightBit(ToneMap::default());
-        let coding = Coding { format, blocks, min_psnr_db };
-        let any_path = paths_of(codec);
+        let coding = Coding { format, codec, min_psnr_db };
+        let any_path = paths_of(name);
         for cell in BYTES {
             cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, &coding.header())));
             cases.push(any_path.none(cell.0, move || paths(&clip_of_bytes(cell, &coding.header())?.1)));
         }
     }
-    for (codec, blocks, min_psnr_db) in [("CCLH", None, 50.0), ("CCB6", Some(ColorBlocks::Bc6h), 40.0)] {
-        let group = Group::new(Family::Color, codec, "dB of PU21");
-        let coding = Coding { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, blocks, min_psnr_db };
-        let exact = Group::new(Family::Color, format!("{codec}, keyframes of samples"), "samples of other bits");
-        let any_path = paths_of(codec);
+    let formats = [
+        ("CCLH", Codec::Cells(None), 50.0),
+        ("CCB6", Codec::Cells(Some(ColorBlocks::Bc6h)), 40.0),
+        ("CTRH", Codec::Transform, 45.0),
+    ];
+    for (name, codec, min_psnr_db) in formats {
+        let group = Group::new(Family::Color, name, "dB of PU21");
+        let coding = Coding { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, codec, min_psnr_db };
+        let exact = Group::new(Family::Color, format!("{name}, keyframes of samples"), "samples of other bits");
+        let any_path = paths_of(name);
         for cell in HALVES {
             cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, &coding.header())));
             cases.push(any_path.none(cell.0, move || paths(&clip_of_halves(cell, &coding.header())?.1)));
-            cases.push(exact.none(cell.0, move || changed_keyframes(cell, &coding.header())));
+            if matches!(codec, Codec::Cells(_)) {
+                cases.push(exact.none(cell.0, move || changed_keyframes(cell, &coding.header())));
+            }
         }
     }
     cases
@@ -149,24 +173,39 @@ fn decibels(sum: f64, samples: usize, peak: f64) -> f64 {
 }
 
 /// The clip of a cell, whose samples are converted by `coded`.
-fn clip_of<T, S: Sample, Q: Quality<S>>(
+fn clip_of<T, S: Sample + Keyed, Q: Quality<S>>(
     source: &Sequence<[T; 3]>,
     header: &ColorHeader,
-    CellFormat { size, blocks }: CellFormat<S>,
+    format: CellFormat<S>,
     quality: &Q,
     coded: fn(&T) -> S,
 ) -> Result<Clip> {
     let search = SearchSettings { effort: EFFORT, ..SearchSettings::default() };
-    let mut encoder = CellEncoder::new(search, CLOSE_AT_BYTES);
-    if let Some(blocks) = blocks {
-        encoder = encoder.with_blocks(BlockStage { blocks, size, final_psnr_db: header.min_psnr_db });
-    }
-    let mut chunks = Vec::new();
-    for frame in &source.frames {
-        let samples: Vec<S> = frame.as_flattened().iter().map(coded).collect();
-        chunks.extend(encoder.push(&samples, quality)?);
-    }
-    chunks.extend(encoder.finish(quality)?);
+    let samples = |frame: &Vec<[T; 3]>| frame.as_flattened().iter().map(coded).collect::<Vec<S>>();
+    let chunks = match &header.coding {
+        ColorCoding::Transform(tables) => {
+            let search = SearchSettings { min_psnr_db: header.min_psnr_db, ..search };
+            let tables = Arc::new(PricedTables::new(tables.clone()));
+            let mut encoder = TransformEncoder::new(format, search, CHUNK_FRAMES, tables);
+            source.encode(|frame| match frame {
+                Some(frame) => encoder.push(&samples(frame), quality),
+                None => encoder.finish(quality),
+            })?
+        }
+        ColorCoding::Cells(_) => {
+            let CellFormat { size, blocks } = format;
+            let mut encoder = CellEncoder::new(search, CLOSE_AT_BYTES);
+            if let Some(blocks) = blocks {
+                encoder = encoder.with_blocks(BlockStage { blocks, size, final_psnr_db: header.min_psnr_db });
+            }
+            let mut chunks = Vec::new();
+            for frame in &source.frames {
+                chunks.extend(encoder.push(&samples(frame), quality)?);
+            }
+            chunks.extend(encoder.finish(quality)?);
+            chunks
+        }
+    };
     Ok(Clip::new("cell", CodecHeader::Color(header.clone()), source, chunks))
 }
 

@@ -38,6 +38,7 @@ mod render;
 mod render_decode;
 mod render_quality;
 mod resume;
+mod resume_footage;
 mod roundtrip;
 mod samples;
 mod tradeoff;

@@ -7,11 +7,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use lightfold::color::SearchSettings;
 use lightfold::container::Reader;
 use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
-use lightfold::encode::{EncodeSettings, encode};
+use lightfold::encode::{ColorCodec, EncodeSettings, encode};
 use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::evaluate::reference::{Reference, ReferenceImage};
 use lightfold::evaluate::similarity::Similarity;
@@ -79,6 +80,11 @@ fn encoded(folder: &Path) -> Decoder {
     encoded_with(folder, &EncodeSettings::default())
 }
 
+/// Colour that is nearly the source's, so that baselines judge reconstruction alone.
+fn of_fine_color() -> EncodeSettings {
+    EncodeSettings { color_codec: ColorCodec::Cells, search: SearchSettings::default(), ..EncodeSettings::default() }
+}
+
 fn encoded_with(folder: &Path, settings: &EncodeSettings) -> Decoder {
     let options = SourceOptions { frames: Some(FrameRange { first: 0, last: 0 }), ..SourceOptions::default() };
     let source = Source::open(folder, &options).unwrap();
@@ -92,7 +98,7 @@ fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, renderer: &mut d
 }
 
 fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
-    let decoder = encoded(folder);
+    let decoder = encoded_with(folder, &of_fine_color());
     let mut reference = Reference::open(folder).unwrap();
     let images = reference.images.to_vec();
     let mut rows = Vec::new();

@@ -412,10 +412,11 @@ fn a_decoder_is_run_several_times() {
 /// The sweep of the baseline. Blocks of texture formats are left out: their encoders depend on the processor a little.
 fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
     let of = |sweeps: &str| json(&format!("scene {sweeps} --repeats 1 -o baseline --json"));
-    let report = of("--sweep color-cell=16,64 --sweep psnr=30,45");
+    let cells = of("--sweep color-codec=cells --sweep color-cell=16,64 --sweep psnr=30,45");
+    let transform = of("--sweep color-chunk=6,24 --sweep color-cell=16,64 --sweep psnr=30,45");
     let more =
         of("--sweep depth-codec=quadtree,aabb,bc4w --sweep depth-window=1,4 --sweep lzma2=none,6 --stream depth");
-    let points = report["points"].as_array().unwrap().iter().chain(more["points"].as_array().unwrap());
+    let points = [cells, transform, more].into_iter().flat_map(|report| report["points"].as_array().unwrap().clone());
     let number = |value: &Value| value.as_f64().or_else(|| (value == "inf").then_some(f64::INFINITY));
     let row = |point: &Value| {
         let settings = point["settings"].as_object().unwrap().iter();
@@ -424,7 +425,7 @@ fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
         let quality = if point["kind"] == "color" { &point["min_psnr_db"] } else { &point["psnr_db"] };
         (key, [number(&point["bytes_container"]), number(quality), number(&point["max_error_codes"])])
     };
-    points.map(row).collect()
+    points.map(|point| row(&point)).collect()
 }
 
 const HEAD: &str = "kind,settings,bytes,psnr_db,max_error_codes";
