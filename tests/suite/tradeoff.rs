@@ -413,7 +413,7 @@ fn a_decoder_is_run_several_times() {
 fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
     let of = |sweeps: &str| json(&format!("scene {sweeps} --repeats 1 -o baseline --json"));
     let cells = of("--sweep color-codec=cells --sweep color-cell=16,64 --sweep psnr=30,45");
-    let transform = of("--sweep color-chunk=6,24 --sweep color-cell=16,64 --sweep psnr=30,45");
+    let transform = of("--sweep color-chunk=2,24 --sweep color-cell=16,64 --sweep psnr=30,45");
     let more =
         of("--sweep depth-codec=quadtree,aabb,bc4w --sweep depth-window=1,4 --sweep lzma2=none,6 --stream depth");
     let points = [cells, transform, more].into_iter().flat_map(|report| report["points"].as_array().unwrap().clone());
