@@ -11,7 +11,8 @@ struct Unit {
     stride: u32,
     // W of its stream; 0 where every frame is whole, so that any frame can follow any.
     window: u32,
-    // Domain of its modelling functions: one of DOMAIN_…, the logarithm at near, codes per unit of the logarithm.
+    // Domain of its modelling functions: one of DOMAIN_…, the logarithm at near, codes per unit of the logarithm. Of the
+    // transform codec, `base` is the first word of its stream's table sets.
     domain: u32,
     base: u32,
     scale: u32,
@@ -27,13 +28,14 @@ struct Chunk {
     weight_count: u32,
 }
 
-// What a frame changes: a record of depth or material, or a keyframe of colour.
+// What a frame changes: a record of depth or material, or a keyframe of colour; of the transform codec, a frame that differs
+// from the one before.
 struct Record {
     // Counted from the chunk's first frame.
     frame: u32,
-    // Nodes: word of the header in the stream. Keyframes: byte of the first sample or block.
+    // Nodes: word of the header in the stream. Keyframes: byte of the first sample or block. Transform: byte of the chunk.
     at: u32,
-    // Boxes: rows in the table of boxes.
+    // Boxes, or regions of a transform: rows in the table of boxes.
     first: u32,
     count: u32,
     // Invocations; of a keyframe, those of a blend.
@@ -42,7 +44,7 @@ struct Record {
     coding: u32,
 }
 
-// A rectangle of values of one record.
+// A rectangle of values of one record, or a region of the transform codec.
 struct BoxRow {
     // Pixels in the unit.
     x: u32,

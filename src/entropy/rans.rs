@@ -5,7 +5,7 @@
 use crate::entropy::distribution::{Distribution, PRECISION};
 
 /// States between symbols lie in 2¹⁶..2³².
-const LOW: u32 = 1 << 16;
+pub const LOW: u32 = 1 << 16;
 /// Most bits of one raw value.
 const RAW_BITS: u32 = 12;
 

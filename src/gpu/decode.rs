@@ -21,11 +21,11 @@ use crate::gpu::Gpu;
 use crate::gpu::device::Pipeline;
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, list_of, words_of};
-use crate::gpu::prepare::{self, Prepared, Timeline};
+use crate::gpu::prepare::{self, KernelOf, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, ResidentChunk};
+use crate::gpu::transform_tables::TransformTables;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
-use crate::streams::CodecHeader;
 
 /// Units whose chunks are fetched and checked together, at most.
 const FETCH_TOGETHER: usize = 32;
@@ -87,6 +87,8 @@ struct Buffers {
     states: wgpu::Buffer,
     pictures: wgpu::Buffer,
     log2_table: wgpu::Buffer,
+    /// Of the transform codec.
+    tables: wgpu::Buffer,
     dispatch: wgpu::Buffer,
     items: Growing,
     jobs: wgpu::Buffer,
@@ -96,6 +98,8 @@ struct Buffers {
 #[derive(Default)]
 struct Batch {
     items: Vec<Item>,
+    /// Those of chunks of keyframes, where the codec has others.
+    keyframes: Vec<Item>,
     rounds: u32,
     /// No dispatch takes more invocations than this.
     work: u64,
@@ -115,11 +119,8 @@ pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
     let pictures = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
     let units: u64 = streams.iter().map(|stream| u64::from(stream.entry.unit_count())).sum();
     let lists = [(0, Unit::WORDS), (0, State::WORDS), (LIST_HEAD_WORDS, Item::WORDS), (LIST_HEAD_WORDS, Job::WORDS)];
-    lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(pictures, u64::max)
-}
-
-fn is_transform(header: &CodecHeader) -> bool {
-    matches!(header, CodecHeader::Color(header) if header.tables().is_some())
+    let tables = TransformTables::of(streams).words.len() as u64;
+    lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(pictures.max(tables), u64::max)
 }
 
 /// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
@@ -141,9 +142,6 @@ impl<'a> GpuDecoder<'a> {
         streams: &[&'a StreamInfo],
         row_words: u32,
     ) -> Result<GpuDecoder<'a>> {
-        if streams.iter().any(|stream| is_transform(&stream.header)) {
-            return Err(prepare::no_transform());
-        }
         let mut families = streams.iter().map(|stream| Family::of(&stream.header));
         let Some(family) = families.next().filter(|family| families.all(|other| other == *family)) else {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
@@ -153,13 +151,16 @@ impl<'a> GpuDecoder<'a> {
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
         let pictures = gpu.buffer("pictures", picture_words, none)?;
+        let tables = TransformTables::of(streams);
         let (mut units, mut first_units, mut at) = (Vec::new(), Vec::new(), 0);
-        for stream in streams {
+        for (number, stream) in streams.iter().enumerate() {
+            let first_set = tables.first_sets.get(number);
             first_units.push(units.len());
             for number in 0..stream.entry.unit_count() {
                 let [_, _, width, height] = stream.entry.unit_rect(number);
                 let stride = stride_of(family, width, row_words);
-                units.push(Unit { stride, ..family.unit(&stream.header, [width, height], at) });
+                let unit = family.unit(&stream.header, [width, height], at);
+                units.push(Unit { stride, base: first_set.copied().unwrap_or(unit.base), ..unit });
                 at += stride * height;
             }
         }
@@ -168,6 +169,7 @@ impl<'a> GpuDecoder<'a> {
             states: gpu.buffer("states", units.len() * State::WORDS, none)?,
             pictures,
             log2_table: gpu.filled("log2_table", &crate::depth::domain::LOG2_TABLE)?,
+            tables: gpu.filled("tables", &tables.words)?,
             dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
             items: Growing::new(gpu, "items")?,
             jobs: gpu.buffer("jobs", 4, none)?,
@@ -331,8 +333,8 @@ impl<'a> GpuDecoder<'a> {
     }
 
     pub fn bytes(&self) -> u64 {
-        let Buffers { units, states, pictures, log2_table, dispatch, items, jobs, .. } = &self.buffers;
-        let buffers = [units, states, pictures, log2_table, dispatch, &items.buffer, jobs];
+        let Buffers { units, states, pictures, log2_table, tables, dispatch, items, jobs } = &self.buffers;
+        let buffers = [units, states, pictures, log2_table, tables, dispatch, &items.buffer, jobs];
         self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
     }
 
@@ -438,12 +440,14 @@ impl<'a> GpuDecoder<'a> {
             let why = format!("frame {} is {rounds} steps behind, at most {MAX_ROUNDS} are taken", one.frame);
             return Err(self.gpu.failed("a tile", &why));
         }
-        let Some(ResidentChunk { row, most_work, timeline, .. }) = self.resident.chunk(key) else { return Ok(false) };
-        let (chunk, most_work, timeline) = (*row, *most_work, Arc::clone(timeline));
+        let Some(resident) = self.resident.chunk(key) else { return Ok(false) };
+        let ResidentChunk { row: chunk, most_work, kernel, .. } = *resident;
+        let timeline = Arc::clone(&resident.timeline);
         if batch.work + u64::from(most_work) > self.most_work {
             self.submit(batch)?;
         }
-        batch.items.push(Item { unit: unit as u32, chunk, next, frame, key });
+        let items = if kernel == KernelOf::Keyframes { &mut batch.keyframes } else { &mut batch.items };
+        items.push(Item { unit: unit as u32, chunk, next, frame, key });
         batch.work += u64::from(most_work);
         batch.rounds = batch.rounds.max(rounds);
         self.shown[unit] = Some(Shown { key, frame, timeline });
@@ -469,7 +473,16 @@ impl<'a> GpuDecoder<'a> {
     }
 
     fn submit(&mut self, batch: &mut Batch) -> Result<()> {
-        let Batch { items, rounds, .. } = std::mem::take(batch);
+        let Batch { items, keyframes, rounds, .. } = std::mem::take(batch);
+        self.submit_items(&items, rounds, &Arc::clone(&self.kernel))?;
+        if let (Some(kernel), false) = (self.family.keyframes, keyframes.is_empty()) {
+            let pipeline = self.gpu.pipeline(kernel)?;
+            self.submit_items(&keyframes, rounds, &pipeline)?;
+        }
+        Ok(())
+    }
+
+    fn submit_items(&mut self, items: &[Item], rounds: u32, kernel: &Pipeline) -> Result<()> {
         if items.is_empty() {
             return Ok(());
         }
@@ -478,8 +491,8 @@ impl<'a> GpuDecoder<'a> {
         self.resident.flush(gpu)?;
         self.cost.fetching += start.elapsed();
         let start = Instant::now();
-        self.buffers.list(gpu, &items)?;
-        let [plan, kernel] = [&self.plan, &self.kernel].map(|pipeline| self.bind(pipeline));
+        self.buffers.list(gpu, items)?;
+        let [plan_group, kernel_group] = [&self.plan, kernel].map(|pipeline| self.bind(pipeline));
         let mut left = rounds;
         while left > 0 {
             let now = left.min(ROUNDS_TOGETHER);
@@ -487,10 +500,10 @@ impl<'a> GpuDecoder<'a> {
                 for _ in 0..now {
                     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                     pass.set_pipeline(&self.plan.pipeline);
-                    pass.set_bind_group(0, &plan, &[]);
+                    pass.set_bind_group(0, &plan_group, &[]);
                     pass.dispatch_workgroups(1, 1, 1);
-                    pass.set_pipeline(&self.kernel.pipeline);
-                    pass.set_bind_group(0, &kernel, &[]);
+                    pass.set_pipeline(&kernel.pipeline);
+                    pass.set_bind_group(0, &kernel_group, &[]);
                     pass.dispatch_workgroups_indirect(&self.buffers.dispatch, 0);
                 }
             })?;
@@ -513,6 +526,7 @@ impl<'a> GpuDecoder<'a> {
             "jobs" => &self.buffers.jobs,
             "dispatch" => &self.buffers.dispatch,
             "log2_table" => &self.buffers.log2_table,
+            "tables" => &self.buffers.tables,
             name => {
                 let table = self.resident.tables.iter().find(|table| table.label == name);
                 table.map_or(&self.buffers.pictures, |table| &table.buffer)

@@ -23,6 +23,8 @@ use PixelWords::{Bytes, Codes, Halves};
 pub struct Family {
     /// The kernel that writes pixels.
     pub kernel: &'static Kernel,
+    /// The one of chunks of keyframes, where the codec has others.
+    pub keyframes: Option<&'static Kernel>,
     pub words: PixelWords,
     /// Whether frames are blended of keyframes; else they are reached by changing a picture.
     pub is_color: bool,
@@ -38,6 +40,10 @@ impl Family {
             },
             CodecHeader::Material(header) if header.in_blocks => (&kernels::BOXES_BC1, Bytes),
             CodecHeader::Material(_) => (&kernels::BOXES_MATERIAL, Bytes),
+            CodecHeader::Color(header) if header.tables().is_some() => match header.format {
+                ColorFormat::EightBit(_) => (&kernels::TRANSFORM_8BIT, Bytes),
+                ColorFormat::Half { .. } => (&kernels::TRANSFORM_HALF, Halves),
+            },
             CodecHeader::Color(header) => match (header.format, header.blocks()) {
                 (ColorFormat::EightBit(_), None) => (&kernels::CELLS_8BIT, Bytes),
                 (ColorFormat::EightBit(_), Some(ColorBlocks::Bc1)) => (&kernels::CELLS_BC1, Bytes),
@@ -46,7 +52,13 @@ impl Family {
                 (ColorFormat::Half { .. }, Some(_)) => (&kernels::CELLS_BC6H, Halves),
             },
         };
-        Family { kernel, words, is_color: header.kind() == StreamKind::Color }
+        let keyframes = match header {
+            CodecHeader::Color(header) if header.tables().is_some() => {
+                Some(if header.is_half() { &kernels::CELLS_HALF } else { &kernels::CELLS_8BIT })
+            }
+            _ => None,
+        };
+        Family { kernel, keyframes, words, is_color: header.kind() == StreamKind::Color }
     }
 
     pub fn plan(self) -> &'static Kernel {

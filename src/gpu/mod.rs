@@ -20,6 +20,7 @@ pub mod render;
 pub mod resident;
 #[cfg(feature = "scene")]
 pub mod selftest;
+pub mod transform_tables;
 pub mod verify;
 
 pub use decode::GpuDecoder;

@@ -5,14 +5,24 @@
 
 use crate::block;
 use crate::color::cells::Blend;
-use crate::color::{CellChunk, ColorChunk, Sample};
+use crate::color::transform::basis::LENGTHS;
+use crate::color::transform::blocks::regions;
+use crate::color::transform::domain::CHANNELS;
+use crate::color::transform::payload::{Header, Layout};
+use crate::color::transform::steps::Steps;
+use crate::color::transform::{Domain, Keyed, Tables, TransformChunk};
+use crate::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
 use crate::container::{ChunkPlace, Payload};
 use crate::depth::records::Body;
 use crate::depth::runtime::Runtime;
 use crate::depth::{TemporalChunk, Texel};
-use crate::error::{Error, Result};
-use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
-use crate::gpu::pictures::code_stride;
+use crate::entropy::rans;
+use crate::error::Result;
+use crate::gpu::layout::{
+    BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record, WORKGROUP,
+};
+use crate::gpu::pictures::{code_stride, pack_halves};
+use crate::gpu::transform_tables::SET_WORDS;
 use crate::streams::{CodecHeader, ColorFormat, DepthChunk, PictureChunk};
 
 /// What the host keeps of a resident chunk.
@@ -35,8 +45,18 @@ impl Timeline {
     }
 }
 
+/// The kernel of a family that decodes a chunk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum KernelOf {
+    #[default]
+    Codec,
+    /// The one of chunks of keyframes, where the codec has others.
+    Keyframes,
+}
+
 #[derive(Debug, Clone)]
 pub struct Prepared {
+    pub kernel: KernelOf,
     /// Bytes of the stream, as words.
     pub stream: Vec<u32>,
     pub records: Vec<Record>,
@@ -72,22 +92,26 @@ pub fn prepare(
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
         }
         CodecHeader::Color(header) => match header.format {
-            ColorFormat::EightBit(_) => of_color(&header.chunks_of_bytes(size).parse(payload, frames, place)?)?,
-            ColorFormat::Half { .. } => of_color(&header.chunks_of_halves(size).parse(payload, frames, place)?)?,
+            ColorFormat::EightBit(_) => of_color(&header.chunks_of_bytes(size), payload, frames, place)?,
+            ColorFormat::Half { .. } => of_color(&header.chunks_of_halves(size), payload, frames, place)?,
         },
     })
 }
 
-fn of_color<S: Sample>(chunk: &ColorChunk<S>) -> Result<Prepared> {
-    match chunk {
-        ColorChunk::Cells(chunk) => Ok(of_cells(chunk)),
-        ColorChunk::Transform(_) => Err(no_transform()),
-    }
-}
-
-/// The refusal of streams of the transform codec.
-pub fn no_transform() -> Error {
-    Error::unsupported("colour of the transform codec is not decoded on graphics devices: decode on the CPU")
+fn of_color<S: Keyed>(
+    format: &ChunkFormat<S>,
+    payload: Payload,
+    frames: u32,
+    place: ChunkPlace,
+) -> Result<Prepared> {
+    let Some(tables) = &format.tables else {
+        return Ok(of_cells(&CellChunk::parse_at(payload, format.cell, frames, place)?));
+    };
+    let bytes = payload.to_vec();
+    Ok(match format.parse(payload, frames, place)? {
+        ColorChunk::Cells(chunk) => Prepared { kernel: KernelOf::Keyframes, ..of_cells(&chunk) },
+        ColorChunk::Transform(chunk) => of_transform::<S>(&chunk, &bytes, frames, tables)?,
+    })
 }
 
 /// Bytes as words, the last filled up with zeros.
@@ -103,6 +127,7 @@ pub fn of_nodes(runtime: &Runtime) -> Prepared {
     });
     let pixels = runtime.frames.iter().map(|frame| (frame.frame, frame.updated_pixels));
     Prepared {
+        kernel: KernelOf::Codec,
         records: records.collect(),
         stream: words_from(&runtime.buffer),
         boxes: Vec::new(),
@@ -147,7 +172,14 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     }
     let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
     let timeline = Timeline { records: pixels.collect(), ..Timeline::default() };
-    Prepared { stream: words_from(&chunk.payload), records, boxes, weights: [0; 2], timeline }
+    Prepared {
+        kernel: KernelOf::Codec,
+        stream: words_from(&chunk.payload),
+        records,
+        boxes,
+        weights: [0; 2],
+        timeline,
+    }
 }
 
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
@@ -162,12 +194,58 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     });
     let (weights_at, weights) = chunk.weights();
     Prepared {
+        kernel: KernelOf::Codec,
         records: records.collect(),
         stream: words_from(&chunk.payload),
         boxes: Vec::new(),
         weights: [weights_at as u32, weights.len() as u32],
         timeline: Timeline { records: Vec::new(), keyframes: chunk.keyframes.to_vec(), weights: weights.to_vec() },
     }
+}
+
+/// A chunk of the transform codec, parsed from `payload`: its header, then the substream of each region, in whole words. Each
+/// frame that differs from the one before has a record, with all regions.
+pub fn of_transform<S: Keyed>(
+    chunk: &TransformChunk,
+    payload: &[u8],
+    frames: u32,
+    tables: &Tables,
+) -> Result<Prepared> {
+    let size = chunk.size();
+    let Layout { header, substreams } = Layout::parse::<S>(payload, size, tables)?;
+    let mut stream = header_words(&header, frames, &S::DOMAIN);
+    let (mut boxes, mut end) = (Vec::new(), 0);
+    for (rect, substream) in regions(size).zip(substreams) {
+        let [x, y, width, height] = rect.map(|side| side as u32);
+        end += WORKGROUP;
+        boxes.push(BoxRow { x, y, width, height, at: 4 * stream.len() as u32, end, ..BoxRow::default() });
+        let bytes = &payload[substream];
+        match words_from(bytes).as_slice() {
+            words if bytes.len() >= 4 => stream.extend(words),
+            short => stream.push(rans::LOW + short.first().unwrap_or(&0)),
+        }
+    }
+    let record = Record { count: boxes.len() as u32, work: end, ..Record::default() };
+    let differs = |frame: &u32| {
+        let frame = *frame as usize;
+        chunk.changed_leaves(frame, frame.checked_sub(1)).next().is_some()
+    };
+    let keyframes: Vec<u32> = (0..frames).filter(differs).collect();
+    let records = keyframes.iter().map(|&frame| Record { frame, ..record }).collect();
+    let timeline = Timeline { keyframes, ..Timeline::default() };
+    Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], timeline })
+}
+
+/// What the kernel reads of a chunk before its regions: `shaders/color/transform/reconstruct.wgsl`.
+fn header_words(header: &Header, frames: u32, domain: &Domain) -> Vec<u32> {
+    let steps = Steps::new(header.steps, domain);
+    let slopes = [header.slopes.green, header.slopes.orange].map(|slope| i32::from(slope) as u32);
+    let mut words = vec![(header.set * SET_WORDS) as u32, slopes[0], slopes[1], header.colors.len() as u32, frames];
+    let (steps, lengths) = (&steps, 0..LENGTHS.len());
+    let of_channel = |channel| lengths.clone().map(move |length| steps.step(channel, length) as u32);
+    words.extend((0..CHANNELS).flat_map(of_channel));
+    words.extend(header.colors.iter().flat_map(|color| pack_halves(color.map(|key| key as u16))));
+    words
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
-use crate::gpu::prepare::{Prepared, Timeline};
+use crate::gpu::prepare::{KernelOf, Prepared, Timeline};
 
 const FIRST_WORDS: usize = 1 << 14;
 
@@ -163,6 +163,7 @@ pub struct ResidentChunk {
     pub row: u32,
     /// Invocations that the largest of its records takes.
     pub most_work: u32,
+    pub kernel: KernelOf,
     pub timeline: Arc<Timeline>,
     /// The call that needed it last.
     last_used: u64,
@@ -253,8 +254,8 @@ impl Resident {
         for ((table, place), words) in self.tables.iter_mut().zip(&places).zip([stream].into_iter().chain(rows)) {
             table.put(place.start, words);
         }
-        let timeline = Arc::new(chunk.timeline);
-        self.resident.insert(key, ResidentChunk { row: number, most_work, timeline, last_used: call, places });
+        let (kernel, timeline) = (chunk.kernel, Arc::new(chunk.timeline));
+        self.resident.insert(key, ResidentChunk { row: number, most_work, kernel, timeline, last_used: call, places });
     }
 
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {

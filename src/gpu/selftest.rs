@@ -9,10 +9,11 @@ pub mod pictures;
 mod plans;
 pub mod streams;
 mod texels;
+pub mod transform;
 
 use std::time::Duration;
 
-use crate::color::KeyframeBlocks;
+use crate::color::{HalfKey, KeyframeBlocks};
 use crate::depth::block_tiles::Layout;
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -51,6 +52,8 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::CELLS_BC1, inputs: Words(|seed| cells::random_cases(seed, Some(KeyframeBlocks::BC1))) },
     Row { kernel: &kernels::CELLS_BC7, inputs: Words(|seed| cells::random_cases(seed, Some(KeyframeBlocks::BC7))) },
     Row { kernel: &kernels::CELLS_BC6H, inputs: Words(|seed| cells::random_cases(seed, Some(KeyframeBlocks::BC6H))) },
+    Row { kernel: &kernels::TRANSFORM_8BIT, inputs: Words(transform::cases::<u8>) },
+    Row { kernel: &kernels::TRANSFORM_HALF, inputs: Words(transform::cases::<HalfKey>) },
     Row { kernel: &kernels::PLAN_RECORDS, inputs: Words(|seed| plans::cases(seed, Planned::push_records)) },
     Row { kernel: &kernels::PLAN_CELLS, inputs: Words(|seed| plans::cases(seed, Planned::push_cell)) },
     Row { kernel: &kernels::BC1, inputs: Words(blocks::bc1) },

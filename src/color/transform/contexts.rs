@@ -35,6 +35,8 @@ const PLANE_CLASSES: usize = 4;
 const POSITION_CLASSES: usize = 6;
 const SUM_CLASSES: usize = 8;
 const OTHER_CLASSES: usize = 3;
+/// Class of a sum of magnitudes; those of greater sums are the last.
+pub const CLASSES_OF_SUMS: [u8; 12] = [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7];
 
 /// Kind of a node.
 pub const NODE: Family = Family::after(NONE, SIZES * (LENGTHS.len() + 1), 4, 8);
@@ -149,8 +151,7 @@ impl PlaneContext {
     /// The level at `position`, with the sum of the magnitudes around it and the one in the plane before.
     #[inline(always)]
     pub fn level(&self, position: Position, sum: usize, other: usize) -> usize {
-        const CLASSES: [u8; 12] = [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7];
-        let sum = usize::from(CLASSES[sum.min(11)]);
+        let sum = usize::from(CLASSES_OF_SUMS[sum.min(CLASSES_OF_SUMS.len() - 1)]);
         self.levels + (position.class() * SUM_CLASSES + sum) * OTHER_CLASSES + other.min(OTHER_CLASSES - 1)
     }
 
@@ -177,7 +178,7 @@ impl Position {
     }
 
     #[inline(always)]
-    fn class(self) -> usize {
+    pub fn class(self) -> usize {
         const CLASSES: [u8; 63] = {
             let mut classes = [5; 63];
             let first = [0, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4];

@@ -60,6 +60,10 @@ impl TransformChunk {
         Ok(TransformChunk { size, steps, slopes: layout.header.slopes, regions })
     }
 
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
     pub fn regions(&self) -> &[Region] {
         &self.regions
     }

@@ -109,7 +109,7 @@ pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
             let [least_m, most_m] = MULTIPLIED_M;
             header.kind == DepthKind::Planar || (header.range.near_m() >= least_m && header.range.far_m() <= most_m)
         }
-        CodecHeader::Color(header) => header.tables().is_none() && !header.is_half(),
+        CodecHeader::Color(header) => !header.is_half(),
         CodecHeader::Material(_) => true,
     };
     decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes

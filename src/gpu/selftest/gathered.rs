@@ -11,6 +11,8 @@ pub struct Gathered {
     pub boxes: Vec<BoxRow>,
     pub jobs: Vec<Job>,
     pub stream: Vec<u32>,
+    /// Of the transform codec.
+    pub tables: Vec<u32>,
     /// Pictures before the dispatch, as far as they are not 0.
     pub before: Vec<u32>,
     /// Pictures after it.
@@ -59,6 +61,7 @@ impl Gathered {
                 ("boxes", words_of(&self.boxes)),
                 ("jobs", self.job_words()),
                 ("stream", self.stream),
+                ("tables", self.tables),
                 ("log2_table", LOG2_TABLE.to_vec()),
                 ("pictures", self.before),
             ]

@@ -3,8 +3,10 @@
 //! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
 //! part of the intermediate form comes from its encoder.
 
-use crate::color::CellFormat;
 use crate::color::cells::builder::CellBuilder;
+use crate::color::transform::payload::CELLS;
+use crate::color::transform::{Keyed, Tables};
+use crate::color::{CellFormat, ChunkFormat};
 use crate::container::{
     ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
 };
@@ -24,6 +26,7 @@ use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
 use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
+use crate::gpu::selftest::transform::{random_payload, random_tables};
 use crate::gpu::verify::Verification;
 use crate::gpu::{Gpu, GpuDecoder};
 use crate::image::{DepthKind, ToneMap, Transfer};
@@ -39,7 +42,7 @@ const FACES: u8 = 6;
 /// Frames requested of each stream.
 const VISITS: u32 = 6;
 /// The kernels of all families, in the order in which they are compared.
-static DECODING: [&Kernel; 10] = [
+static DECODING: [&Kernel; 12] = [
     &kernels::NODES,
     &kernels::BOXES_CODES,
     &kernels::BOXES_BC5,
@@ -50,6 +53,8 @@ static DECODING: [&Kernel; 10] = [
     &kernels::CELLS_BC7,
     &kernels::CELLS_HALF,
     &kernels::CELLS_BC6H,
+    &kernels::TRANSFORM_8BIT,
+    &kernels::TRANSFORM_HALF,
 ];
 
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
@@ -181,7 +186,12 @@ fn color_header(random: &mut Random) -> CodecHeader {
         (half, Some(ColorBlocks::Bc6h)),
     ];
     let (format, blocks) = random.pick(&all).unwrap_or(all[0]);
-    CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db: 50.0 })
+    let coding = match random.below(3) {
+        0 if random.one_in(2) => ColorCoding::Transform(random_tables(random)),
+        0 => ColorCoding::Transform(Tables::default()),
+        _ => ColorCoding::Cells(blocks),
+    };
+    CodecHeader::Color(ColorHeader { format, coding, min_psnr_db: 50.0 })
 }
 
 fn material_header(random: &mut Random) -> CodecHeader {
@@ -209,7 +219,8 @@ fn add_stream(
     let (unit_width, unit_height) = (part(width, random), part(height, random));
     let (unit_width, unit_height) = (unit_width.next_multiple_of(grid), unit_height.next_multiple_of(grid));
     // Each frame of some codecs takes bytes.
-    let long = random.one_in(20) && Family::of(header).kernel != &kernels::NODES;
+    let is_short = Family::of(header).kernel == &kernels::NODES || tables_of(header).is_some();
+    let long = random.one_in(20) && !is_short;
     let frame_count = 1 + random.below(if long { 100_000 } else { 40 });
     let entry = StreamEntry {
         kind: header.kind() as u8,
@@ -268,9 +279,9 @@ fn unit_chunks(
             CodecHeader::Depth(_) => records::<u16>(Layout::BlockTiles, size, count, random)?,
             CodecHeader::Material(header) => records::<[u8; 3]>(header.layout(), size, count, random)?,
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                cells(&header.cell_of_bytes(size), count, last, random)?
+                color(&header.chunks_of_bytes(size), count, last, random)?
             }
-            CodecHeader::Color(header) => cells(&header.cell_of_halves(size), count, last, random)?,
+            CodecHeader::Color(header) => color(&header.chunks_of_halves(size), count, last, random)?,
         };
         chunks.push(EncodedChunk { first_frame, frame_count: count, payload });
         first_frame += count;
@@ -340,6 +351,23 @@ fn records<T: BoxTexel>(layout: Layout, size: [u32; 2], count: u32, random: &mut
         }
     }
     table.finish()
+}
+
+fn tables_of(header: &CodecHeader) -> Option<&Tables> {
+    if let CodecHeader::Color(header) = header { header.tables() } else { None }
+}
+
+fn color<S: CellSample + Keyed>(
+    format: &ChunkFormat<S>,
+    count: u32,
+    last: bool,
+    random: &mut Random,
+) -> Result<Vec<u8>> {
+    let Some(tables) = &format.tables else { return cells(&format.cell, count, last, random) };
+    if random.one_in(4) {
+        return Ok([vec![CELLS], cells(&format.cell, count, true, random)?].concat());
+    }
+    Ok(random_payload::<S>(format.cell.size, count, tables, random))
 }
 
 /// Keyframes with weights between them; weights behind the last lead to the next chunk, which the last one has not.

@@ -1,0 +1,21 @@
+// From keys to channels and back (color.md 6.2). Mirrors src/color/transform/domain.rs. Needs `slope_of` and `MIDDLE`.
+
+fn predicted_chroma(slope: i32, luma: i32) -> i32 {
+    return (slope * luma + 8) >> 4u;
+}
+
+fn channels_of(keys: vec3i) -> vec3i {
+    let orange = keys.x - keys.z;
+    let middle = keys.z + (orange >> 1u);
+    let green = keys.y - middle;
+    let luma = middle + (green >> 1u) - MIDDLE;
+    return vec3i(luma, green - predicted_chroma(slope_of(1u), luma), orange - predicted_chroma(slope_of(2u), luma));
+}
+
+fn keys_of_channels(channels: vec3i) -> vec3i {
+    let chroma_green = channels.y + predicted_chroma(slope_of(1u), channels.x);
+    let orange = channels.z + predicted_chroma(slope_of(2u), channels.x);
+    let middle = channels.x + MIDDLE - (chroma_green >> 1u);
+    let blue = middle - (orange >> 1u);
+    return vec3i(blue + orange, chroma_green + middle, blue);
+}

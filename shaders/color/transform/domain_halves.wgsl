@@ -1,0 +1,9 @@
+// Half floats in the transform codec: `Domain::HALVES` of src/color/transform/domain.rs. Needs `bits_of`.
+
+const FRACTION_BITS: u32 = 0u;
+const KEY_BITS: u32 = 16u;
+const MIDDLE: i32 = 0xbc00;
+
+fn sample_of(keys: vec3i) -> vec3u {
+    return bits_of(vec3u(clamp(keys, vec3i(0), vec3i(0xffff))));
+}

@@ -1,0 +1,57 @@
+// Means of squares of 4x4 pixels, and the levels predicted from them (color.md 6.5). Mirrors src/color/transform/means.rs and
+// src/color/transform/steps.rs.
+
+// By channel, then row by row.
+var<workgroup> means: array<i32, 192>;
+
+fn dequantise(level: i32, step: i32) -> i32 {
+    return (level * step + 4) >> 3u;
+}
+
+fn first_square(block: Block, channel: u32) -> u32 {
+    return 64u * channel + 8u * block.y + block.x;
+}
+
+// The predicted level of a block's mean.
+fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
+    let first = first_square(block, channel);
+    let squares = 1u << block.level;
+    let has_left = block.x > 0u;
+    let has_above = block.y > 0u;
+    var count = squares * squares;
+    var shift = 2u * block.level;
+    if (block.frame == 0u) {
+        count = squares * (u32(has_left) + u32(has_above));
+        shift = block.level + u32(has_left && has_above);
+    }
+    var sum = 0;
+    for (var at = 0u; at < count; at++) {
+        let x = at & (squares - 1u);
+        let y = at >> block.level;
+        var square = first + 8u * y + x;
+        if (block.frame == 0u) {
+            // The squares on the left, then those above.
+            square = select(first - 8u + x, first + 8u * x - 1u, has_left && y == 0u);
+        }
+        sum += means[square];
+    }
+    let scaled = (sum >> shift) * i32(32u << block.level) + (step >> 1u);
+    // Rounded down.
+    let quotient = scaled / step;
+    return quotient - i32(scaled - quotient * step < 0);
+}
+
+fn note_square(square: u32, channels: vec3i) {
+    means[square] = channels.x;
+    means[64u + square] = channels.y;
+    means[128u + square] = channels.z;
+}
+
+// Notes the mean of a block from the sum of its constant coefficients in its last frame.
+fn note_block(block: Block, channel: u32, sum: i32) {
+    let mean = ((sum + 128) >> 8u) >> (2u + block.level);
+    let first = first_square(block, channel);
+    for (var at = 0u; at < (1u << (2u * block.level)); at++) {
+        means[first + 8u * (at >> block.level) + (at & ((1u << block.level) - 1u))] = mean;
+    }
+}

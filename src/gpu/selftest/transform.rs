@@ -1,0 +1,273 @@
+//! Inputs of the kernels of the transform codec: random trees of blocks of all sizes and lengths, levels up to the largest,
+//! palettes, every size of cells, and moving pictures as the encoder codes them.
+
+use std::sync::Arc;
+
+use crate::color::quality::{EightBit, Pu21, Quality};
+use crate::color::transform::blocks::{Block, regions};
+use crate::color::transform::coder::{Coder, SourceCoder};
+use crate::color::transform::contexts::{
+    CLUSTERS, FAMILIES, Family, LAST, LATER_PIXEL, LEVELS, NODE, PALETTE_SIZE, PIXEL, PLANES,
+};
+use crate::color::transform::domain::ChromaSlopes;
+use crate::color::transform::encode::{PricedTables, TransformEncoder};
+use crate::color::transform::payload::Header;
+use crate::color::transform::region::{PALETTE, PARTS, QUARTERS, Region, TRANSFORM};
+use crate::color::transform::steps::StepIndices;
+use crate::color::transform::tables::TableSet;
+use crate::color::transform::{Keyed, Tables, TransformChunk};
+use crate::color::{CellFormat, HalfKey, SearchSettings};
+use crate::entropy::{Encoder, SYMBOLS};
+use crate::error::Result;
+use crate::gpu::harness::Case;
+use crate::gpu::layout::{BoxRow, Job, Record, Unit};
+use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::selftest::cells::CellSample;
+use crate::gpu::selftest::gathered::Gathered;
+use crate::gpu::transform_tables::TransformTables;
+use crate::math::random::Random;
+
+/// What random trees consist of.
+#[derive(Debug, Clone, Copy)]
+struct Style {
+    /// One node in so many is split.
+    splits: u32,
+    /// One leaf in so many has a palette.
+    palettes: u32,
+    /// One level in so many is not 0.
+    levels: u32,
+}
+
+/// A coder that writes random symbols where it is asked to read.
+struct Inventor<'a> {
+    random: &'a mut Random,
+    encoder: &'a mut Encoder,
+    tables: &'a TableSet,
+    style: Style,
+    /// Colours of the palette.
+    colors: u32,
+    /// Whether raw bits are an index of a colour.
+    at_pixel: bool,
+}
+
+fn is_of(family: Family, context: usize) -> bool {
+    (family.first_context..family.first_context + family.contexts).contains(&context)
+}
+
+impl Inventor<'_> {
+    fn node(&mut self, context: usize) -> usize {
+        let sizes = 4;
+        let lengths = NODE.contexts / sizes;
+        let (level, length) = ((context - NODE.first_context) / lengths, (context - NODE.first_context) % lengths);
+        let splits = [(QUARTERS, level > 0), (PARTS, length > 0)];
+        let splits: Vec<usize> = splits.into_iter().filter(|(_, legal)| *legal).map(|(kind, _)| kind).collect();
+        let is_leaf = length + 1 < lengths;
+        match self.random.pick(&splits) {
+            Some(kind) if !is_leaf || self.random.one_in(self.style.splits) => kind,
+            _ if self.random.one_in(self.style.palettes) || !is_leaf => PALETTE,
+            _ => TRANSFORM,
+        }
+    }
+}
+
+impl Coder for Inventor<'_> {
+    fn symbol(&mut self, context: usize, _: usize) -> usize {
+        let alphabet = FAMILIES.iter().find(|family| is_of(**family, context)).map_or(1, |family| family.alphabet) as u32;
+        let symbol = match context {
+            _ if is_of(NODE, context) => self.node(context),
+            _ if is_of(LEVELS, context) && !self.random.one_in(self.style.levels) => 0,
+            _ if (is_of(PLANES, context) || is_of(LAST, context)) && !self.random.one_in(3) => {
+                self.random.below(4) as usize
+            }
+            _ => self.random.below(alphabet) as usize,
+        };
+        self.encoder.symbol(self.tables.distribution(context), symbol);
+        if is_of(PALETTE_SIZE, context) {
+            self.colors = symbol as u32 + 1;
+        }
+        self.at_pixel = is_of(PIXEL, context) || is_of(LATER_PIXEL, context);
+        symbol
+    }
+
+    fn bits(&mut self, _: u32, count: u32) -> u32 {
+        let value = if self.at_pixel { self.random.below(self.colors) } else { self.random.word() & ((1 << count) - 1) };
+        self.encoder.bits(value, count);
+        value
+    }
+}
+
+impl SourceCoder for Inventor<'_> {
+    fn is_short(&self) -> bool {
+        false
+    }
+
+    fn is_finished(&self) -> bool {
+        true
+    }
+}
+
+/// A payload that no encoder would write.
+pub fn random_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, random: &mut Random) -> Vec<u8> {
+    let styles = [
+        Style { splits: 2, palettes: 8, levels: 4 },
+        Style { splits: 2, palettes: 2, levels: 30 },
+        Style { splits: 8, palettes: 30, levels: 100 },
+        Style { splits: 3, palettes: 1, levels: 1 },
+    ];
+    let style = random.pick(&styles).unwrap_or(styles[0]);
+    let mut index = || random.pick(&[0, 255, 30, 100, 160]).unwrap_or(0);
+    let steps = StepIndices { luma: index(), chroma: index() };
+    let slopes = ChromaSlopes { green: random.word() as i8, orange: random.word() as i8 };
+    let mask = (1 << S::DOMAIN.key_bits) - 1;
+    let colors = (0..random.below(16)).map(|_| [(); 3].map(|()| (random.word() & mask) as i32)).collect();
+    let set = random.below(tables.sets().len() as u32) as usize;
+    let header = Header { set, steps, slopes, colors };
+    let substream = |[_, _, width, height]: [usize; 4]| {
+        let mut encoder = Encoder::default();
+        let tables = &tables.sets()[set];
+        let inventor =
+            Inventor { random: &mut *random, encoder: &mut encoder, tables, style, colors: 1, at_pixel: false };
+        let root = Block::root([width, height], frames as usize);
+        // Its own symbols are legal.
+        let _ = Region::read_by(inventor, u64::MAX, root, &header, &S::DOMAIN);
+        encoder.finish()
+    };
+    let substreams: Vec<Vec<u8>> = regions(size).map(substream).collect();
+    header.write::<S>(&substreams)
+}
+
+/// The built-in sets, and two of random frequencies.
+pub fn random_tables(random: &mut Random) -> Tables {
+    let set = |random: &mut Random| {
+        let counts: Vec<[u64; SYMBOLS]> =
+            (0..CLUSTERS).map(|_| [(); SYMBOLS].map(|()| 1 + u64::from(random.below(400)))).collect();
+        counts.try_into().ok().map(|counts: [_; CLUSTERS]| TableSet::of_counts(&counts))
+    };
+    Tables::with_own((0..2).filter_map(|_| set(random)).collect())
+}
+
+struct Cell {
+    payload: Vec<u8>,
+    size: [usize; 2],
+    frames: u32,
+}
+
+/// Adds units that show frames of a chunk.
+fn push<S: Keyed + CellSample>(all: &mut Gathered, tables: &Tables, cell: &Cell, shown: &[u32]) -> Result<()> {
+    let Cell { payload, size, frames } = cell;
+    let chunk = TransformChunk::parse::<S>(payload, *size, *frames, tables)?;
+    let [width, height] = size.map(|side| side as u32);
+    let Prepared { stream, records, boxes, .. } = prepare::of_transform::<S>(&chunk, payload, *frames, tables)?;
+    let (bytes, first, first_box) = (4 * all.stream.len() as u32, all.records.len(), all.boxes.len() as u32);
+    all.records.extend(records.iter().map(|row| Record { at: row.at + bytes, first: row.first + first_box, ..*row }));
+    all.boxes.extend(boxes.iter().map(|row| BoxRow { at: row.at + bytes, ..*row }));
+    all.stream.extend(stream);
+    let base = TransformTables::new([tables]).first_sets.first().copied().unwrap_or_default();
+    for &frame in shown {
+        let mut samples = vec![S::default(); 3 * size[0] * size[1]];
+        chunk.show(frame as usize, None, &mut samples);
+        let unit = all.push_unit(Unit { width, height, base, ..Unit::default() }, S::pack(&samples));
+        let record = records.partition_point(|row| row.frame <= frame) - 1;
+        let job = Job { unit, record: (first + record) as u32, ..Job::default() };
+        all.push_job(job, records[record].work);
+        all.pixels += u64::from(width * height);
+        all.inputs += 1;
+    }
+    Ok(())
+}
+
+/// Random trees: every size of blocks and length, cells smaller than a block and of many regions.
+fn random_case<S: Keyed + CellSample>(label: &str, sizes: &[[usize; 2]], lengths: &[u32], random: &mut Random) -> Case {
+    let tables = random_tables(random);
+    let mut all = Gathered { tables: TransformTables::new([&tables]).words, ..Gathered::default() };
+    for (&size, &frames) in sizes.iter().flat_map(|size| lengths.iter().map(move |frames| (size, frames))) {
+        let cell = Cell { payload: random_payload::<S>(size, frames, &tables, random), size, frames };
+        let shown = [0, frames - 1, random.below(frames), random.below(frames)];
+        // A payload that the CPU refuses would be missed among the inputs.
+        if push::<S>(&mut all, &tables, &cell, &shown).is_err() {
+            all.inputs = 0;
+            break;
+        }
+    }
+    all.case(label)
+}
+
+/// Sample kinds with pictures that an encoder codes.
+pub trait Coded: Keyed + CellSample {
+    type Quality: Quality<Self>;
+
+    fn quality() -> Result<Self::Quality>;
+
+    /// A sample from a value of 0 to 255.
+    fn of_level(level: u8) -> Self;
+}
+
+impl Coded for u8 {
+    type Quality = EightBit;
+
+    fn quality() -> Result<EightBit> {
+        Ok(EightBit)
+    }
+
+    fn of_level(level: u8) -> u8 {
+        level
+    }
+}
+
+impl Coded for HalfKey {
+    type Quality = Pu21;
+
+    fn quality() -> Result<Pu21> {
+        Pu21::new(100.0)
+    }
+
+    fn of_level(level: u8) -> HalfKey {
+        HalfKey::from_bits(half::f16::from_f32(f32::from(level) / 128.0).to_bits())
+    }
+}
+
+/// A disc with soft edges on a gradient with some noise, and flat bars, moving by a pixel a frame.
+fn moving_picture<S: Coded>(size: [usize; 2], frame: u32, random: &mut Random) -> Vec<S> {
+    let mut samples = Vec::with_capacity(3 * size[0] * size[1]);
+    for (y, x) in (0..size[1] as i32).flat_map(|y| (0..size[0] as i32).map(move |x| (y, x))) {
+        let (u, v) = (x - 20 - frame as i32, y - 24);
+        let disc = (900 - u * u - v * v).clamp(0, 255);
+        let bars = if y > 40 && (x / 5 + y / 7) % 2 == 0 { 60 } else { 0 };
+        let noise = random.below(3) as i32;
+        for channel in [disc, x + y + bars, 200 - disc / 2] {
+            samples.push(S::of_level((channel + noise).clamp(0, 255) as u8));
+        }
+    }
+    samples
+}
+
+/// Cells as the encoder codes them.
+fn coded_case<S: Coded>(random: &mut Random) -> Result<Case> {
+    const SIZE: [usize; 2] = [64, 64];
+    const FRAMES: u32 = 24;
+    let priced = Arc::new(PricedTables::new(Tables::default()));
+    let mut all = Gathered { tables: TransformTables::new([&priced.tables]).words, ..Gathered::default() };
+    let search = SearchSettings { min_psnr_db: 40.0, ..SearchSettings::default() };
+    let format = CellFormat::of_samples(SIZE[0], SIZE[1]);
+    let mut encoder = TransformEncoder::new(format, search, FRAMES, Arc::clone(&priced));
+    let quality = S::quality()?;
+    for frame in 0..FRAMES {
+        if let Some(chunk) = encoder.push(&moving_picture::<S>(SIZE, frame, random), &quality)? {
+            let cell = Cell { payload: chunk.payload, size: SIZE, frames: chunk.frame_count };
+            push::<S>(&mut all, &priced.tables, &cell, &(0..FRAMES).collect::<Vec<_>>())?;
+        }
+    }
+    Ok(all.case("moving pictures"))
+}
+
+pub(super) fn cases<S: Coded>(seed: u64) -> Vec<Case> {
+    let random = &mut Random::new(seed);
+    let small = [[1, 1], [4, 4], [5, 3], [3, 7], [8, 8], [16, 9], [17, 1], [32, 32]];
+    let mut cases = vec![
+        random_case::<S>("random trees of every length", &small, &[1, 2, 3, 4, 6, 8, 12, 16, 24], random),
+        random_case::<S>("random trees of odd lengths", &small, &[5, 7, 13, 23, 25, 64, 95, 96], random),
+        random_case::<S>("cells of many regions", &[[33, 5], [64, 64], [33, 65], [250, 251]], &[1, 3, 11], random),
+    ];
+    cases.extend(coded_case::<S>(random));
+    cases
+}
