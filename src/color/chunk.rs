@@ -41,6 +41,14 @@ impl<S: Keyed> ChunkFormat<S> {
 }
 
 impl<S: Sample> ColorChunk<S> {
+    /// Whether two frames show the same.
+    pub fn is_same(&self, frame: u32, other: u32) -> bool {
+        match self {
+            ColorChunk::Cells(chunk) => chunk.blend(frame) == chunk.blend(other),
+            ColorChunk::Transform(chunk) => chunk.changed_leaves(frame as usize, Some(other as usize)).next().is_none(),
+        }
+    }
+
     /// Memory for the next payload.
     pub fn into_spare(self) -> Vec<u8> {
         match self {

@@ -25,7 +25,8 @@ impl<S: Keyed> TransformState<S> {
     }
 
     pub fn shows(&self, index: usize, target: u32) -> bool {
-        self.at == Some(target) && self.chunk.as_ref().is_some_and(|(held, _)| *held == index)
+        let held = self.chunk.as_ref().filter(|(held, _)| *held == index);
+        held.zip(self.at).is_some_and(|((_, chunk), at)| chunk.is_same(target, at))
     }
 
     pub fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {

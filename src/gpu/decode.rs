@@ -116,7 +116,7 @@ pub fn picture_words(stream: &StreamInfo, row_words: u32) -> u64 {
 
 /// Words of the largest buffer of a decoder of these streams of one family, but for what its chunks take.
 pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
-    let pictures = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
+    let pictures: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
     let units: u64 = streams.iter().map(|stream| u64::from(stream.entry.unit_count())).sum();
     let lists = [(0, Unit::WORDS), (0, State::WORDS), (LIST_HEAD_WORDS, Item::WORDS), (LIST_HEAD_WORDS, Job::WORDS)];
     let tables = TransformTables::of(streams).words.len() as u64;
@@ -309,8 +309,7 @@ impl<'a> GpuDecoder<'a> {
         let Some(shown) = &self.shown[self.number(one)] else { return false };
         let Ok((key, entry)) = self.chunk(one) else { return false };
         let frame = one.frame - entry.key.first_frame;
-        let blend = |frame: u32| shown.timeline.blend(frame).0;
-        let alike = || self.family.is_color && blend(shown.frame) == blend(frame);
+        let alike = || self.family.is_color && shown.timeline.changed_pixels(frame, Some(shown.frame), 1) == 0;
         shown.key == key && (shown.frame == frame || alike())
     }
 
@@ -462,8 +461,7 @@ impl<'a> GpuDecoder<'a> {
         let at = self.frame_of(unit, key);
         let pixels = u64::from(self.units[unit].width) * u64::from(self.units[unit].height);
         if self.family.is_color {
-            let same = at.is_some_and(|at| timeline.blend(at).0 == timeline.blend(frame).0);
-            return (1, if same { 0 } else { pixels });
+            return (1, timeline.changed_pixels(frame, at, pixels));
         }
         let Ok(window @ 1..) = u8::try_from(self.units[unit].window) else { return (1, pixels) };
         let records = &timeline.records;

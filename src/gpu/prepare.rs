@@ -34,6 +34,8 @@ pub struct Timeline {
     keyframes: Vec<u32>,
     /// Weights of the first frames; those of all later ones are 0.
     weights: Vec<u8>,
+    /// Of the transform codec: pixels that look the same in a set of frames, by that set.
+    pixels_of_frames: Vec<(u128, u64)>,
 }
 
 impl Timeline {
@@ -42,6 +44,16 @@ impl Timeline {
         let keyframe = self.keyframes.partition_point(|&first| first <= frame).saturating_sub(1);
         let weight = self.weights.get(frame as usize).copied().unwrap_or(0);
         (Blend { keyframe, weight }, weight > 0 && keyframe + 1 == self.keyframes.len())
+    }
+
+    /// Pixels of a colour cell of `pixels` that differ between a frame and the one that is shown, if that is of this chunk.
+    pub fn changed_pixels(&self, frame: u32, shown: Option<u32>, pixels: u64) -> u64 {
+        let Some(shown) = shown else { return pixels };
+        if self.pixels_of_frames.is_empty() {
+            return if self.blend(shown).0 == self.blend(frame).0 { 0 } else { pixels };
+        }
+        let changed = self.pixels_of_frames.iter().filter(|(frames, _)| frames >> frame & 1 > frames >> shown & 1);
+        changed.map(|(_, pixels)| pixels).sum()
     }
 }
 
@@ -98,12 +110,7 @@ pub fn prepare(
     })
 }
 
-fn of_color<S: Keyed>(
-    format: &ChunkFormat<S>,
-    payload: Payload,
-    frames: u32,
-    place: ChunkPlace,
-) -> Result<Prepared> {
+fn of_color<S: Keyed>(format: &ChunkFormat<S>, payload: Payload, frames: u32, place: ChunkPlace) -> Result<Prepared> {
     let Some(tables) = &format.tables else {
         return Ok(of_cells(&CellChunk::parse_at(payload, format.cell, frames, place)?));
     };
@@ -172,14 +179,7 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     }
     let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
     let timeline = Timeline { records: pixels.collect(), ..Timeline::default() };
-    Prepared {
-        kernel: KernelOf::Codec,
-        stream: words_from(&chunk.payload),
-        records,
-        boxes,
-        weights: [0; 2],
-        timeline,
-    }
+    Prepared { kernel: KernelOf::Codec, stream: words_from(&chunk.payload), records, boxes, weights: [0; 2], timeline }
 }
 
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
@@ -199,7 +199,7 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
         stream: words_from(&chunk.payload),
         boxes: Vec::new(),
         weights: [weights_at as u32, weights.len() as u32],
-        timeline: Timeline { records: Vec::new(), keyframes: chunk.keyframes.to_vec(), weights: weights.to_vec() },
+        timeline: Timeline { keyframes: chunk.keyframes.to_vec(), weights: weights.to_vec(), ..Timeline::default() },
     }
 }
 
@@ -226,13 +226,12 @@ pub fn of_transform<S: Keyed>(
         }
     }
     let record = Record { count: boxes.len() as u32, work: end, ..Record::default() };
-    let differs = |frame: &u32| {
-        let frame = *frame as usize;
-        chunk.changed_leaves(frame, frame.checked_sub(1)).next().is_some()
-    };
+    let pixels_of_frames = chunk.pixels_of_frames().into_iter().collect();
+    let all = Timeline { pixels_of_frames, ..Timeline::default() };
+    let differs = |&frame: &u32| all.changed_pixels(frame, frame.checked_sub(1), 1) > 0;
     let keyframes: Vec<u32> = (0..frames).filter(differs).collect();
     let records = keyframes.iter().map(|&frame| Record { frame, ..record }).collect();
-    let timeline = Timeline { keyframes, ..Timeline::default() };
+    let timeline = Timeline { keyframes, ..all };
     Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], timeline })
 }
 

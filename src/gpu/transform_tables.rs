@@ -103,7 +103,9 @@ mod tests {
         let sizes = [0, 16, 16 + 64, 16 + 64 + 256].map(|before| layout::SCAN_AT + before);
         for (level, first) in sizes.into_iter().enumerate() {
             let order = scan::order(level);
-            assert!(at(first, order.len()).iter().zip(order).all(|(word, position)| word & 0xffff == u32::from(position.0)));
+            assert!(
+                at(first, order.len()).iter().zip(order).all(|(word, position)| word & 0xffff == u32::from(position.0))
+            );
         }
         assert!(at(layout::CLUSTERS_AT, CONTEXTS).iter().zip(CLUSTER_OF).all(|(&at, of)| at == u32::from(of) * 16));
         for points in [1, 24, 32] {

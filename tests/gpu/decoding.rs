@@ -213,7 +213,8 @@ pub fn texels() -> Result<(), Failed> {
         let (none, auto) = (SpecularMode::None, SpecularMode::Auto);
         for (set, options, count, how) in [
             ("planar", "", 8, (Some(2), auto, None)),
-            ("planar", "--keyframe-interval 2", 8, (Some(2), auto, Some(0))),
+            ("planar", "--keyframe-interval 2 --color-codec cells", 8, (Some(2), auto, Some(0))),
+            ("planar", "--color-cell 36 --color-chunk 2 --keyframe-interval 2", 5, (Some(2), none, Some(0))),
             ("planar", "--color-cell 64 --depth-tile 48", 3, (None, none, None)),
             (
                 "planar",
@@ -227,9 +228,19 @@ pub fn texels() -> Result<(), Failed> {
                 5,
                 (None, none, None),
             ),
-            ("planar", "--color-cell 8 --depth-codec bc4w --transfer linear --exposure 1", 4, (None, none, Some(0))),
+            (
+                "planar",
+                "--color-codec cells --color-cell 8 --depth-codec bc4w --transfer linear --exposure 1",
+                4,
+                (None, none, Some(0)),
+            ),
             ("distance", "--color-cell 20 --depth-tile 32", 6, (Some(2), none, None)),
-            ("distance", "--color-cell 15 --depth-tile 32 --material-block bc1", 4, (None, none, None)),
+            (
+                "distance",
+                "--color-codec cells --color-cell 15 --depth-tile 32 --material-block bc1",
+                4,
+                (None, none, None),
+            ),
         ] {
             let container = path("film.lfold");
             let manifest = path(set);

@@ -169,8 +169,10 @@ fn footage() -> Result<(), Failed> {
     let container = folder.path().join("film.lfold").display().to_string();
     let boxes = ["--depth-codec", "aabb", "--update-threshold", "30"];
     let blocks = ["--color-block", "bc7", "--depth-block", "bc5", "--material-block", "bc1"];
-    let ways: [Vec<&str>; 4] = [
+    let ways: [Vec<&str>; 6] = [
         vec![],
+        vec!["--hdr"],
+        vec!["--color-codec", "cells"],
         [boxes.as_slice(), &blocks].concat(),
         [boxes.as_slice(), &["--color-block", "bc1"]].concat(),
         vec!["--hdr", "--color-block", "bc6h", "--depth-domain", "inverse"],

@@ -1,5 +1,7 @@
 //! From levels to samples: one frame of a cell's chunk (color.md 6.3).
 
+use std::collections::BTreeMap;
+
 use crate::color::transform::basis::{BASIS_BITS, LENGTHS, MAX_LENGTH, basis, length_index, matrix};
 use crate::color::transform::blocks::{Block, Shape, regions};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, inverse};
@@ -101,20 +103,41 @@ impl TransformChunk {
         self.changes(frame, shown).map(|(_, leaf, rect)| (leaf, rect))
     }
 
+    /// Pixels of blocks that look the same in a set of frames, by that set: bit f is frame f.
+    pub fn pixels_of_frames(&self) -> BTreeMap<u128, u64> {
+        let mut pixels = BTreeMap::new();
+        for (region, leaf, [_, _, columns, rows]) in self.leaves() {
+            let Block { place, shape } = leaf.block();
+            let mut left = place.frame..place.frame + shape.frames;
+            let mut seen = 0u128;
+            while let Some(first) = left.next() {
+                if seen >> first & 1 == 1 {
+                    continue;
+                }
+                let same = left.clone().filter(|&other| leaf.is_same(region, first, other));
+                let frames = same.fold(1 << first, |frames, frame| frames | 1 << frame);
+                seen |= frames;
+                *pixels.entry(frames).or_default() += (columns * rows) as u64;
+            }
+        }
+        pixels
+    }
+
     fn changes(&self, frame: usize, shown: Option<usize>) -> impl Iterator<Item = (&Region, &Leaf, [usize; 4])> {
+        self.leaves().filter(move |(region, leaf, _)| {
+            leaf.block().contains_frame(frame) && !shown.is_some_and(|shown| leaf.is_same(region, frame, shown))
+        })
+    }
+
+    /// Blocks with the left, top, width and height in the cell of what lies in it: blocks may lie beyond its edge.
+    fn leaves(&self) -> impl Iterator<Item = (&Region, &Leaf, [usize; 4])> {
         regions(self.size).zip(&self.regions).flat_map(move |([left, top, width, height], region)| {
-            let is_changed = move |leaf: &&Leaf| {
-                leaf.block().contains_frame(frame) && !shown.is_some_and(|shown| leaf.is_same(region, frame, shown))
-            };
-            // Blocks may lie beyond the edge of a cell.
-            let inside = move |leaf: &&Leaf| {
-                let Block { place, .. } = leaf.block();
-                place.x < width && place.y < height
-            };
-            region.leaves.iter().filter(inside).filter(is_changed).map(move |leaf| {
+            region.leaves.iter().filter_map(move |leaf| {
                 let Block { place, shape } = leaf.block();
-                let [columns, rows] = [width - place.x, height - place.y].map(|free| free.min(shape.side()));
-                (region, leaf, [left + place.x, top + place.y, columns, rows])
+                let [columns, rows] =
+                    [width.checked_sub(place.x)?, height.checked_sub(place.y)?].map(|free| free.min(shape.side()));
+                let rect = [left + place.x, top + place.y, columns, rows];
+                (columns > 0 && rows > 0).then_some((region, leaf, rect))
             })
         })
     }

@@ -95,7 +95,9 @@ fn compare(
     let mut on_gpu = GpuDecoder::new(gpu, decoder, streams)?;
     if random.one_in(8) {
         // Enough for any of these chunks and its successor, too little for all of them.
-        on_gpu.limit_resident(1 << 15)?;
+        let chunks = decoder.reader().index().chunks.iter();
+        let of = chunks.filter(|chunk| streams.iter().any(|stream| stream.index == chunk.key.stream));
+        on_gpu.limit_resident(of.map(|chunk| chunk.raw_bytes as usize).fold(1 << 15, usize::max))?;
     }
     if random.one_in(8) {
         on_gpu.limit_work(1000);

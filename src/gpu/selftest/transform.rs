@@ -72,7 +72,8 @@ impl Inventor<'_> {
 
 impl Coder for Inventor<'_> {
     fn symbol(&mut self, context: usize, _: usize) -> usize {
-        let alphabet = FAMILIES.iter().find(|family| is_of(**family, context)).map_or(1, |family| family.alphabet) as u32;
+        let alphabet =
+            FAMILIES.iter().find(|family| is_of(**family, context)).map_or(1, |family| family.alphabet) as u32;
         let symbol = match context {
             _ if is_of(NODE, context) => self.node(context),
             _ if is_of(LEVELS, context) && !self.random.one_in(self.style.levels) => 0,
@@ -90,7 +91,8 @@ impl Coder for Inventor<'_> {
     }
 
     fn bits(&mut self, _: u32, count: u32) -> u32 {
-        let value = if self.at_pixel { self.random.below(self.colors) } else { self.random.word() & ((1 << count) - 1) };
+        let value =
+            if self.at_pixel { self.random.below(self.colors) } else { self.random.word() & ((1 << count) - 1) };
         self.encoder.bits(value, count);
         value
     }
@@ -270,4 +272,27 @@ pub(super) fn cases<S: Coded>(seed: u64) -> Vec<Case> {
     ];
     cases.extend(coded_case::<S>(random));
     cases
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_host_knows_the_pixels_that_change_between_any_two_frames() {
+        let random = &mut Random::new(3);
+        let tables = random_tables(random);
+        for (size, frames) in [([33, 9], 8), ([5, 32], 25), ([64, 64], 6)] {
+            let payload = random_payload::<u8>(size, frames, &tables, random);
+            let chunk = TransformChunk::parse::<u8>(&payload, size, frames, &tables).unwrap();
+            let prepared = prepare::of_transform::<u8>(&chunk, &payload, frames, &tables).unwrap();
+            let pixels = (size[0] * size[1]) as u64;
+            for frame in 0..frames {
+                for shown in (0..frames).map(Some).chain([None]) {
+                    let changed = chunk.updated_pixels(frame as usize, shown.map(|shown| shown as usize));
+                    assert_eq!(prepared.timeline.changed_pixels(frame, shown, pixels), changed, "{frame} {shown:?}");
+                }
+            }
+        }
+    }
 }
