@@ -18,10 +18,14 @@ pub struct Decoder<'a> {
 }
 
 impl<'a> Decoder<'a> {
-    /// A substream of fewer than four bytes is a state in short form, without words.
+    /// A substream of fewer than four bytes is a state in short form, without words; one with a state that no encoder leaves
+    /// counts as too short.
     pub fn new(bytes: &'a [u8]) -> Self {
         match bytes.split_first_chunk() {
-            Some((state, words)) => Decoder { state: u32::from_le_bytes(*state), words, missing: false },
+            Some((state, words)) => {
+                let state = u32::from_le_bytes(*state);
+                Decoder { state, words, missing: state < LOW }
+            }
             None => {
                 let short = bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
                 Decoder { state: LOW + short, words: &[], missing: false }
@@ -180,6 +184,17 @@ mod tests {
             assert!(decoder.finished());
             assert_eq!(bytes.is_empty(), length == 0);
         }
+    }
+
+    #[test]
+    fn a_state_that_no_encoder_leaves_is_no_start() {
+        for state in [0, 1, LOW - 1].map(u32::to_le_bytes) {
+            let mut decoder = Decoder::new(&state);
+            assert!(decoder.is_short());
+            (0..40).for_each(|_| _ = decoder.bits(1));
+            assert!(!decoder.finished());
+        }
+        assert!(Decoder::new(&LOW.to_le_bytes()).finished());
     }
 
     #[test]

@@ -43,6 +43,7 @@ impl Inputs {
             "index" => (Kind::Index, seeds::containers()),
             "lzma2" => (Kind::Header(24), seeds::lzma2()),
             "zstd" => (Kind::Header(24), seeds::zstd()),
+            "transform" => (Kind::Header(64), seeds::transforms()),
             "journal" => (Kind::Journal, seeds::journals()),
             "exr" => (Kind::Header(700), seeds::exr()),
             "png" => (Kind::Png, seeds::png()),

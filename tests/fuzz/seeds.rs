@@ -18,6 +18,7 @@ use lightfold::report::tradeoff::coding::CODING;
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
 use crate::targets::stream::Case;
+use crate::targets::transform;
 
 /// Containers of a folder of frozen vectors.
 pub fn vectors(name: &str) -> Vec<Vec<u8>> {
@@ -60,7 +61,8 @@ pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
                 let equal = chunks.iter().take_while(|chunk| chunk.key.frame_count == frames).take(8);
                 let payloads: Vec<Vec<u8>> =
                     equal.filter_map(|chunk| reader.fetch(chunk).ok()).map(|payload| payload.to_vec()).collect();
-                if frames > 256 || payloads.iter().any(|payload| payload.len() > 60_000) || width.max(height) > 192 {
+                let is_large = frames > 256 || width.max(height) > 192 || stream.codec_header.len() > 255;
+                if is_large || payloads.iter().any(|payload| payload.len() > 60_000) {
                     continue;
                 }
                 let unit_sides = [stream.unit_width, stream.unit_height].map(|side| side.min(192));
@@ -78,6 +80,29 @@ pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
     all.sort();
     all.dedup();
     all
+}
+
+/// Payloads of the transform codec in the vectors, with the table sets of their streams.
+pub fn transforms() -> Vec<Vec<u8>> {
+    let mut all = Vec::new();
+    for file in vectors("valid") {
+        let Ok(reader) = Reader::from_memory(file) else { continue };
+        for (at, stream) in (0..).zip(&reader.index().streams).filter(|(_, stream)| stream.codec.starts_with(b"CTR")) {
+            let own_sets = stream.codec_header[20..].to_vec();
+            for chunk in reader.index().stream_chunks(at) {
+                let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
+                let Ok(payload) = reader.fetch(chunk) else { continue };
+                all.push(transform::Case {
+                    is_half: stream.codec == *b"CTRH",
+                    size: [width, height].map(|side| side as usize),
+                    frames: chunk.key.frame_count,
+                    own_sets: if own_sets == [0] { Vec::new() } else { own_sets.clone() },
+                    payload: payload.to_vec(),
+                });
+            }
+        }
+    }
+    all.iter().map(transform::Case::write).collect()
 }
 
 /// LZMA2 streams after their sizes.

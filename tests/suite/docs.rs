@@ -21,7 +21,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn read(path: impl AsRef<Path>) -> String {
+pub fn read(path: impl AsRef<Path>) -> String {
     let path = root().join(path);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
@@ -67,7 +67,7 @@ fn example_of_tree() -> Vec<u8> {
 }
 
 /// The bytes of block `number` tagged hex of a document, whose offsets must be right.
-fn hex_bytes(document: &str, number: usize) -> Vec<u8> {
+pub fn hex_bytes(document: &str, number: usize) -> Vec<u8> {
     let mut bytes: Vec<u8> = Vec::new();
     for (offset, line) in hex_lines(document, number) {
         assert_eq!(offset, bytes.len(), "the offset of a line of the example is wrong");
@@ -120,7 +120,7 @@ fn the_smallest_file_is_as_small_as_container_md_says() {
 }
 
 /// The rows of the table whose first column heading is `heading`, as cells.
-fn table(document: &str, heading: &str) -> Vec<Vec<String>> {
+pub fn table(document: &str, heading: &str) -> Vec<Vec<String>> {
     let cells = |line: &str| -> Vec<String> { line.split('|').map(|cell| cell.trim().to_owned()).collect() };
     let mut rows = document.lines().skip_while(|line| !line.starts_with(heading));
     assert!(rows.next().is_some() && rows.next().is_some(), "no table headed {heading}");

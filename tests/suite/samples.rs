@@ -7,8 +7,8 @@ use lightfold::Result;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::color::temporal::BlockStage;
-use lightfold::color::transform::Tables;
 use lightfold::color::transform::encode::{PricedTables, TransformEncoder};
+use lightfold::color::transform::{Keyed, Tables};
 use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
 use lightfold::container::{
     ChunkEntry, ChunkKey, Compression, EncodedChunk, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
@@ -312,8 +312,28 @@ pub fn transform_header(format: ColorFormat, search: &SearchSettings) -> ColorHe
 /// 8-bit colour of the transform codec, in chunks of so many frames.
 pub fn color8_transform(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings, chunk_frames: u32) -> Stream {
     let header = transform_header(ColorFormat::EightBit(ToneMap::default()), &search);
+    transform(entry(shape, &CodecHeader::Color(header)), images, &EightBit, (search, chunk_frames))
+}
+
+/// Half-float colour of the transform codec, in chunks of so many frames.
+pub fn color_half_transform(
+    shape: Shape,
+    images: &[Vec<[f16; 3]>],
+    search: SearchSettings,
+    chunk_frames: u32,
+) -> Stream {
+    let header = transform_header(ColorFormat::Half { white_cd_m2: 100.0 }, &search);
+    let quality = Pu21::new(100.0).unwrap();
+    transform(entry(shape, &CodecHeader::Color(header)), &half_keys(images), &quality, (search, chunk_frames))
+}
+
+fn transform<S: Keyed, Q: Quality<S>>(
+    entry: StreamEntry,
+    images: &[Vec<[S; 3]>],
+    quality: &Q,
+    (search, chunk_frames): (SearchSettings, u32),
+) -> Stream {
     let tables = Arc::new(PricedTables::new(Tables::default()));
-    let entry = entry(shape, &CodecHeader::Color(header));
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let rect = entry.unit_rect(unit);
@@ -321,9 +341,9 @@ pub fn color8_transform(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSet
         let mut encoder = TransformEncoder::new(format, search, chunk_frames, Arc::clone(&tables));
         for image in images {
             let cell = cut(image, entry.width, rect);
-            chunks.extend(encoder.push(cell.as_flattened(), &EightBit).unwrap().map(|chunk| (unit, chunk)));
+            chunks.extend(encoder.push(cell.as_flattened(), quality).unwrap().map(|chunk| (unit, chunk)));
         }
-        chunks.extend(encoder.finish(&EightBit).unwrap().map(|chunk| (unit, chunk)));
+        chunks.extend(encoder.finish(quality).unwrap().map(|chunk| (unit, chunk)));
     }
     Stream { entry, chunks }
 }

@@ -16,7 +16,7 @@ use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 
 use crate::samples::{self, Random, Shape, Stream};
-use crate::{vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes};
+use crate::{vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes, vectors_of_transforms};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name)
@@ -30,7 +30,7 @@ fn frozen(name: &str) -> Vec<PathBuf> {
     files
 }
 
-fn crc_line(stream: u32, frame: u32, image: &[u8]) -> String {
+pub fn crc_line(stream: u32, frame: u32, image: &[u8]) -> String {
     format!("{stream} {frame} {:08x}\n", crc32fast::hash(image))
 }
 
@@ -86,7 +86,7 @@ fn valid_vectors_decode_to_their_images_in_any_order() {
 }
 
 /// Runs decode.py; answers what it printed, and the refusals that it wrote.
-fn python(paths: &[PathBuf]) -> (String, String) {
+pub fn python(paths: &[PathBuf]) -> (String, String) {
     let script = folder("decode.py");
     let output = ["python3", "python"]
         .iter()
@@ -146,13 +146,24 @@ fn regenerate_vectors() {
             fs::remove_file(entry.unwrap().path()).unwrap();
         }
     }
-    for (name, bytes) in valid() {
+    write(valid(), invalid());
+}
+
+/// Writes the vectors of the transform codec anew, which are made with the built-in entropy tables.
+#[test]
+#[ignore = "writes tests/vectors"]
+fn regenerate_transform_vectors() {
+    write(vectors_of_transforms::valid(), vectors_of_transforms::invalid());
+}
+
+fn write(valid: Vec<(&str, Vec<u8>)>, invalid: Vec<(&str, Vec<u8>, &str)>) {
+    for (name, bytes) in valid {
         let path = folder("valid").join(name);
         let decoder = Decoder::new(Reader::from_memory(bytes.clone()).unwrap()).unwrap();
         fs::write(path.with_extension("crc"), decode_in_order(&decoder)).unwrap();
         fs::write(path.with_extension("lfold"), bytes).unwrap();
     }
-    for (name, bytes, reason) in invalid() {
+    for (name, bytes, reason) in invalid {
         let limits = vectors_of_limits::ONLY_TOO_LARGE.contains(&name);
         let path = folder(if limits { "limits" } else { "invalid" }).join(name);
         fs::write(path.with_extension("txt"), format!("{reason}\n")).unwrap();
@@ -350,6 +361,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
     all.extend(vectors_of_blocks::valid());
     all.iter_mut().for_each(|(_, bytes)| *bytes = samples::in_rows(std::mem::take(bytes)));
     all.extend(vectors_of_indices::valid());
+    all.extend(vectors_of_transforms::valid());
     all
 }
 
@@ -622,6 +634,7 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.extend(vectors_of_nodes::invalid());
     all.extend(vectors_of_blocks::invalid());
     all.extend(vectors_of_limits::invalid());
+    all.extend(vectors_of_transforms::invalid());
     all.iter_mut().for_each(|(_, bytes, _)| *bytes = samples::in_rows(std::mem::take(bytes)));
     all.extend(vectors_of_indices::invalid());
     all

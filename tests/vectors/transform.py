@@ -127,7 +127,7 @@ def read_sets(fields):
 
 class Substream:
     def __init__(self, data, tables):
-        self.tables = tables
+        self.tables, self.bytes = tables, len(data)
         if len(data) < 4:
             self.x, self.words = (1 << 16) + int.from_bytes(data, "little"), Fields(b"")
         else:
@@ -232,6 +232,8 @@ class Region:
         self.means = [[[0] * 8 for _ in range(8)] for _ in range(3)]
         self.cache = list(colors)
         self.pictures = [[[None] * width for _ in range(height)] for _ in range(frames)]
+        # Leaves, and colours of palettes.
+        self.items, self.most_items = 0, 64 + 8 * stream.bytes
         size = next(size for size in range(4) if 4 << size >= max(width, height))
         self.node(0, 0, 0, size, frames)
         stream.finish()
@@ -255,6 +257,10 @@ class Region:
         else:
             self.palette(left, top, first, size, frames)
 
+    def count(self, items):
+        self.items += items
+        check(self.items <= self.most_items, "a region has more leaves and colours than its substream allows")
+
     def predicted(self, c, left, top, first, size, step):
         q, means, x, y = 1 << size, self.means[c], left // 4, top // 4
         if first > 0:
@@ -266,6 +272,7 @@ class Region:
         return wrap(wrap(m * 32 << size) + (step >> 1)) // step
 
     def transform(self, left, top, first, size, frames):
+        self.count(1)
         side, length, columns = 4 << size, LENGTHS.index(frames), []
         picture = self.pictures[0]
         visible = [max(0, min(side, whole - corner)) for whole, corner in ((len(picture[0]), left), (len(picture), top))]
@@ -321,6 +328,7 @@ class Region:
                 colors.append(tuple(stream.bits(self.domain.key_bits) for _ in range(3)))
             else:
                 colors.append(self.cache[p] if p < len(self.cache) else (0, 0, 0))
+        self.count(1 + len(colors))
         for color in reversed(colors):
             if color in self.cache:
                 self.cache.remove(color)

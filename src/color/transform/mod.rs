@@ -27,3 +27,6 @@ pub mod tables;
 pub use domain::{Domain, Keyed};
 pub use reconstruct::TransformChunk;
 pub use tables::Tables;
+
+#[cfg(test)]
+mod tests;

@@ -272,7 +272,7 @@ mod tests {
         assert!(size_of::<Leaf>() as u64 + palette + 16 * color <= MOST_LEAF_BYTES);
         assert!(size_of::<Region>() <= 100);
         let of = |bytes, size, frames| held_bytes(bytes, size, frames);
-        assert_eq!(of(1000, [64, 64], 24), 705 * 1000 + 5120 * 4 + 1000 + 4 * size_of::<Region>() as u64 + 24 * 4096);
+        assert_eq!(of(1000, [64, 64], 24), 704 * 1000 + 5120 * 4 + 1000 + 4 * size_of::<Region>() as u64 + 24 * 4096);
         assert_eq!(of(1 << 20, [64, 64], 24), 45 * 24 * 4096 + (1 << 20) + 4 * size_of::<Region>() as u64 + 24 * 4096);
     }
 }

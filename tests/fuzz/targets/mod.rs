@@ -9,6 +9,7 @@ pub mod journal;
 pub mod models;
 pub mod stream;
 pub mod texts;
+pub mod transform;
 
 /// What a parser did with an input that it treated properly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +68,9 @@ pub const TARGETS: &[Target] = &[
     payloads!(b"CCB7", 2000),
     payloads!(b"CCLH", 2000),
     payloads!(b"CCB6", 2000),
+    payloads!(b"CTR8", 2000),
+    payloads!(b"CTRH", 2000),
+    Target { name: "transform", execs: 20_000, run: transform::run, bound: transform::bound },
     Target { name: "journal", execs: 4000, run: journal::run, bound: journal::bound },
     Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound },
     Target { name: "png", execs: 4000, run: images::run_png, bound: images::bound },

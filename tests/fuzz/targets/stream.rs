@@ -28,20 +28,20 @@ pub struct Case {
 }
 
 /// Takes from the front of a slice, and zeros where it ends.
-struct Front<'a>(&'a [u8]);
+pub(super) struct Front<'a>(pub(super) &'a [u8]);
 
 impl<'a> Front<'a> {
-    fn bytes(&mut self, count: usize) -> &'a [u8] {
+    pub(super) fn bytes(&mut self, count: usize) -> &'a [u8] {
         let (front, rest) = self.0.split_at(count.min(self.0.len()));
         self.0 = rest;
         front
     }
 
-    fn u8(&mut self) -> u8 {
+    pub(super) fn u8(&mut self) -> u8 {
         self.bytes(1).first().copied().unwrap_or(0)
     }
 
-    fn u16(&mut self) -> u16 {
+    pub(super) fn u16(&mut self) -> u16 {
         u16::from_le_bytes([self.u8(), self.u8()])
     }
 }
