@@ -134,7 +134,16 @@ fn commands() -> Result<(), Failed> {
         lightfold(&["decode", &demo, "--device", device, "-o", &path(device), "--quiet"])?;
     }
     lightfold(&["diff", &path("gpu"), &path("cpu"), "--exact"])?;
-    for vector in ["material", "half-cells-negative", "nodes-linear", "depth-w3-boxes", "blocks"] {
+    for vector in [
+        "material",
+        "half-cells-negative",
+        "nodes-linear",
+        "depth-w3-boxes",
+        "blocks",
+        "transform8-chunks-of-cells",
+        "transform8-palettes",
+        "transform-half-encoded",
+    ] {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid").join(vector);
         let input = input.with_extension("lfold").display().to_string();
         let report: serde_json::Value =
