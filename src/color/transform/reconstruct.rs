@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::color::transform::basis::{BASIS_BITS, LENGTHS, MAX_LENGTH, basis, length_index, matrix};
 use crate::color::transform::blocks::{Block, Shape, regions};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, inverse};
@@ -156,13 +158,8 @@ impl TransformChunk {
             let source = FrameLevels { levels: of.of(region), of, step: self.steps.step(channel, length), weights };
             let coefficients = &mut planes.coefficients;
             source.coefficients(shape.side(), coefficients);
-            let bits = S::DOMAIN.fraction_bits;
-            match shape.level {
-                0 => inverse_transform(&BASIS_4, coefficients, of.extent(), bits, plane),
-                1 => inverse_transform(&BASIS_8, coefficients, of.extent(), bits, plane),
-                2 => inverse_transform(&BASIS_16, coefficients, of.extent(), bits, plane),
-                _ => inverse_transform(&BASIS_32, coefficients, of.extent(), bits, plane),
-            }
+            let (level, extent, fraction_bits) = (shape.level, of.extent(), S::DOMAIN.fraction_bits);
+            planes.vectors.dispatch(InverseTransform { level, coefficients, extent, fraction_bits, out: plane });
         }
     }
 }
@@ -232,13 +229,15 @@ impl Leaf {
 
 /// Room for the channels of a block.
 struct Planes {
+    /// The widest vectors of the processor, with which the same code is compiled again.
+    vectors: Arch,
     coefficients: [i32; MOST_PIXELS],
     channels: [[i32; MOST_PIXELS]; CHANNELS],
 }
 
 impl Default for Planes {
     fn default() -> Self {
-        Planes { coefficients: [0; MOST_PIXELS], channels: [[0; MOST_PIXELS]; CHANNELS] }
+        Planes { vectors: Arch::new(), coefficients: [0; MOST_PIXELS], channels: [[0; MOST_PIXELS]; CHANNELS] }
     }
 }
 
@@ -281,13 +280,33 @@ impl FrameLevels<'_> {
 ///
 /// Functions of even frequency are symmetric, those of odd frequency antisymmetric: half of each row is computed, and the
 /// other half is the difference where this one is the sum. Sums wrap, so that their order does not matter.
-fn inverse_transform<const N: usize>(
-    basis: &[[i32; N]; N],
-    coefficients: &[i32; MOST_PIXELS],
-    [columns, rows]: [usize; 2],
+struct InverseTransform<'a> {
+    level: usize,
+    coefficients: &'a [i32; MOST_PIXELS],
+    /// Columns and rows that have coefficients.
+    extent: [usize; 2],
     fraction_bits: u32,
-    out: &mut [i32; MOST_PIXELS],
-) {
+    out: &'a mut [i32; MOST_PIXELS],
+}
+
+// All of it is inlined, so that it is compiled for each kind of vectors.
+impl NullaryFnOnce for InverseTransform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        match self.level {
+            0 => inverse_transform(&BASIS_4, self),
+            1 => inverse_transform(&BASIS_8, self),
+            2 => inverse_transform(&BASIS_16, self),
+            _ => inverse_transform(&BASIS_32, self),
+        }
+    }
+}
+
+#[inline(always)]
+fn inverse_transform<const N: usize>(basis: &[[i32; N]; N], of: InverseTransform<'_>) {
+    let InverseTransform { coefficients, extent: [columns, rows], fraction_bits, out, .. } = of;
     let shift = BASIS_BITS + fraction_bits + N.trailing_zeros();
     let round = 1 << (shift - 1);
     let scale = |value: i32| i32::wrapping_add(value, 1 << (BASIS_BITS - 1)) >> BASIS_BITS;

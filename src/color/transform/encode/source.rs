@@ -1,5 +1,7 @@
 //! A region's samples, and their transforms of all sizes.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::color::transform::basis::{BASIS_BITS, basis, length_index};
 use crate::color::transform::blocks::{Block, LEAST};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, forward};
@@ -18,7 +20,7 @@ pub struct RegionSource {
     pub root: Block,
     /// Keys by frame, row by row.
     pub keys: Vec<Color>,
-    /// Spatial coefficients by level of the block size: channel, frame, row by row.
+    /// Spatial coefficients by level of the block size: channel, frame, block row by row, row by row.
     spatial: Vec<Vec<f32>>,
 }
 
@@ -50,32 +52,54 @@ impl RegionSource {
                 samples[channel * keys.len() + at] = value as f32;
             }
         }
-        let spatial = (0..=root.shape.level).map(|level| transform(&samples, side, LEAST << level)).collect();
+        let vectors = Arch::new();
+        let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: LEAST << level });
+        let spatial = (0..=root.shape.level).map(transform).collect();
         RegionSource { root, keys, spatial }
     }
 
     /// Coefficients of a channel of a block in units of `step`, by temporal frequency.
     pub fn coefficients(&self, channel: usize, block: Block, bases: &TimeBases, scale: f32, out: &mut Vec<f32>) {
         let (root, side, frames) = (self.root.shape, block.shape.side(), block.shape.frames);
-        let frame_pixels = root.pixels();
-        let first = (channel * root.frames + block.place.frame) * frame_pixels;
-        let spatial = &self.spatial[block.shape.level][first..];
-        let pixels = block.shape.pixels();
+        let first = (channel * root.frames + block.place.frame) * root.pixels();
+        // A row of blocks above this one, and blocks to its left.
+        let before = block.place.y * root.side() + block.place.x * side;
         out.clear();
-        out.resize(frames * pixels, 0.0);
-        let rows = |frame: usize| {
-            let corner = frame * frame_pixels + block.place.y * root.side() + block.place.x;
-            (0..side).map(move |y| &spatial[corner + y * root.side()..][..side])
-        };
-        let basis = bases.of(frames);
-        for (plane, out) in out.chunks_exact_mut(pixels).enumerate() {
-            for frame in 0..frames {
-                let weight = basis[plane * frames + frame] * scale;
-                for (out, row) in out.chunks_exact_mut(side).zip(rows(frame)) {
-                    for (out, value) in out.iter_mut().zip(row) {
-                        *out += weight * value;
-                    }
-                }
+        out.resize(frames * block.shape.pixels(), 0.0);
+        Arch::new().dispatch(TimeTransform {
+            spatial: &self.spatial[block.shape.level][first + before..],
+            between: root.pixels(),
+            basis: bases.of(frames),
+            scale,
+            out,
+        });
+    }
+}
+
+/// Transforms a block in time. Sums have the same order with all kinds of vectors.
+struct TimeTransform<'a> {
+    /// From the block's first coefficient on.
+    spatial: &'a [f32],
+    /// Coefficients from one frame to the next.
+    between: usize,
+    basis: &'a [f32],
+    scale: f32,
+    out: &'a mut [f32],
+}
+
+// All of it is inlined, so that it is compiled for each kind of vectors.
+impl NullaryFnOnce for TimeTransform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let TimeTransform { spatial, between, basis, scale, out } = self;
+        let frames = basis.len().isqrt();
+        let pixels = out.len() / frames;
+        for (weights, out) in basis.chunks_exact(frames).zip(out.chunks_exact_mut(pixels)) {
+            for (weight, frame) in weights.iter().zip(spatial.chunks(between)) {
+                let weight = weight * scale;
+                out.iter_mut().zip(frame).for_each(|(out, value)| *out += weight * value);
             }
         }
     }
@@ -98,7 +122,29 @@ impl TimeBases {
 }
 
 /// Transforms all blocks of `size` pixels square of images of `side` pixels square.
-fn transform(samples: &[f32], side: usize, size: usize) -> Vec<f32> {
+struct SpatialTransform<'a> {
+    samples: &'a [f32],
+    side: usize,
+    size: usize,
+}
+
+impl NullaryFnOnce for SpatialTransform<'_> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<f32> {
+        match self.size {
+            4 => transform::<4>(self.samples, self.side),
+            8 => transform::<8>(self.samples, self.side),
+            16 => transform::<16>(self.samples, self.side),
+            _ => transform::<32>(self.samples, self.side),
+        }
+    }
+}
+
+#[inline(always)]
+fn transform<const SIZE: usize>(samples: &[f32], side: usize) -> Vec<f32> {
+    let size = SIZE;
     let rows = orthonormal(size);
     let mut columns = vec![0.0; size * size];
     for (k, n) in (0..size).flat_map(|k| (0..size).map(move |n| (k, n))) {
@@ -114,10 +160,14 @@ fn transform(samples: &[f32], side: usize, size: usize) -> Vec<f32> {
                     half.iter_mut().zip(row).for_each(|(half, value)| *half += weight * value);
                 }
             }
-            for (half, out) in half.chunks_exact(size).zip(out.chunks_exact_mut(size)) {
-                for (value, column) in half.iter().zip(columns.chunks_exact(size)) {
-                    out.iter_mut().zip(column).for_each(|(out, weight)| *out += value * weight);
+            // Of each row of `half`, a part goes to each block.
+            for (at, half) in half.as_chunks::<SIZE>().0.iter().enumerate() {
+                let (row, block) = (at / (side / size), at % (side / size));
+                let mut sums = [0.0; SIZE];
+                for (value, column) in half.iter().zip(columns.as_chunks::<SIZE>().0) {
+                    sums.iter_mut().zip(column).for_each(|(sum, weight)| *sum += value * weight);
                 }
+                out[(block * size + row) * size..][..size].copy_from_slice(&sums);
             }
         }
     }
