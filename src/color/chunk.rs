@@ -2,7 +2,7 @@
 
 use crate::color::blend::Sample;
 use crate::color::cells::{CellChunk, CellFormat};
-use crate::color::transform::payload::{CELLS, SECTION, check_frames};
+use crate::color::transform::payload::{SECTION, check_frames, holds_cells};
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::{ChunkPlace, Payload};
 use crate::error::{Error, Result};
@@ -26,7 +26,7 @@ impl<S: Keyed> ChunkFormat<S> {
         let Some(tables) = &self.tables else {
             return Ok(ColorChunk::Cells(CellChunk::parse_at(payload, self.cell, frames, place)?));
         };
-        if payload.first() != Some(&CELLS) {
+        if !holds_cells(&payload) {
             let chunk = TransformChunk::parse::<S>(&payload, self.cell.size, frames, tables)?;
             return Ok(ColorChunk::Transform(chunk));
         }

@@ -16,8 +16,6 @@ pub mod quality;
 pub mod settings;
 #[cfg(feature = "encode")]
 pub mod temporal;
-// Streams do not name it yet.
-#[allow(dead_code, unused_imports)]
 pub mod transform;
 
 pub use blend::{HalfKey, Sample};

@@ -32,8 +32,9 @@ const OPEN_BYTES: usize = 384 << 20;
 const TILE_WORK_BYTES: u64 = 24;
 
 /// Bytes that the search of the transform codec takes for each pixel of a chunk of a cell: coefficients of four block sizes in three
-/// channels (48), keys and samples (24), and levels of two partitions and of those that are tried (48).
-const SEARCH_BYTES: u64 = 120;
+/// channels (48), keys and samples (24), levels of two partitions and of those that are tried (48), and at most 100 for nodes and places of
+/// blocks of 4x4 pixels in them.
+const SEARCH_BYTES: u64 = 220;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScanLimits {

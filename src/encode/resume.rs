@@ -17,6 +17,7 @@ use std::time::UNIX_EPOCH;
 
 use serde::{Deserialize, Serialize};
 
+use crate::color::transform::Tables;
 use crate::color::transform::encode::Start;
 use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
@@ -139,6 +140,10 @@ impl Completed {
                     completed.scans.insert(probe, ScanNote { scan, files: files.into_iter().collect() });
                 }
                 Note::Searches(searches) => {
+                    let sets = Tables::default().sets().len();
+                    if searches.iter().any(|note| !note.start.is_possible(sets)) {
+                        return Err(broken());
+                    }
                     let by_place = |note: SearchNote| ((note.stream, note.unit, note.frame), note.start);
                     completed.searches.extend(searches.into_iter().map(by_place));
                 }

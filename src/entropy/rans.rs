@@ -13,7 +13,7 @@ const RAW_BITS: u32 = 12;
 pub struct Decoder<'a> {
     state: u32,
     words: &'a [u8],
-    /// Words that were needed behind the last.
+    /// Whether a word was needed after the end.
     missing: bool,
 }
 

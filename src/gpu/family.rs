@@ -26,7 +26,7 @@ pub struct Family {
     /// The one of chunks of keyframes, where the codec has others.
     pub keyframes: Option<&'static Kernel>,
     pub words: PixelWords,
-    /// Whether frames are blended of keyframes; else they are reached by changing a picture.
+    /// Whether a chunk decodes any of its frames at once; else frames are reached by changing a picture.
     pub is_color: bool,
 }
 

@@ -30,7 +30,7 @@ use crate::streams::{CodecHeader, ColorFormat, DepthChunk, PictureChunk};
 pub struct Timeline {
     /// Frames that have a record, with the pixels that it writes; none of colour.
     pub records: Vec<(u32, u64)>,
-    /// Frames of keyframes of colour.
+    /// Frames of keyframes of colour; of the transform codec, frames that have a record.
     keyframes: Vec<u32>,
     /// Weights of the first frames; those of all later ones are 0.
     weights: Vec<u8>,

@@ -193,7 +193,7 @@ struct TransformReport {
     /// By side in pixels.
     transform_blocks: BTreeMap<usize, u64>,
     palette_blocks: u64,
-    table_sets: usize,
+    own_table_sets: usize,
 }
 
 impl<'a> Inspection<'a> {
@@ -413,7 +413,7 @@ impl TransformReport {
             cells_chunks: count.cells_chunks,
             transform_blocks: (0..).map(|level| LEAST << level).zip(count.blocks).collect(),
             palette_blocks: count.palette_blocks,
-            table_sets: tables.own().len(),
+            own_table_sets: tables.own().len(),
         }
     }
 }

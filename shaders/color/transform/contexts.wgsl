@@ -16,8 +16,8 @@ const CONTEXT_LATER_FRAME: u32 = 1545u;
 const CONTEXT_LATER_ROW: u32 = 1547u;
 const CONTEXT_LATER_PIXEL: u32 = 1549u;
 
-// First words of tables. At the number of points of a basis are its length's index, in 8 bits, and the first word of its
-// functions; from here on the classes of sums of magnitudes.
+// First words of tables. Word n, for a basis of n points: the index of the length in 8 bits, and from bit 8 the first word of its
+// functions. Classes of sums of magnitudes start here.
 const SUM_CLASSES_AT: u32 = 97u;
 // Positions of each size of blocks in the order of coding, and from bit 16 their classes.
 const SCAN_AT: u32 = 109u;

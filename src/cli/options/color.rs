@@ -44,9 +44,9 @@ pub struct ColorArgs {
     #[arg(long, value_name = "CODEC", value_parser = one_of(COLOR_CODECS))]
     pub color_codec: Option<ColorCodec>,
     /// Frames of a chunk of the transform codec: more compress better, fewer take less memory, and less time to seek
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)),
-        default_value_t = EncodeSettings::default().color_chunk)]
-    pub color_chunk: u32,
+    /// [default: 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
+    pub color_chunk: Option<u32>,
     /// Least PSNR of each frame of each cell, in dB; with --color-block, of temporal coding alone [default: 40; of cells 50,
     /// or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
@@ -83,7 +83,8 @@ pub struct ColorArgs {
 
 impl ColorArgs {
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
-        let codec = match (self.color_codec, self.color_block) {
+        let blocks = self.color_block.flatten();
+        let codec = match (self.color_codec, blocks) {
             (Some(ColorCodec::Transform), Some(_)) => {
                 return refuse(
                     "--color-block is of --color-codec cells: leave out one of --color-block and --color-codec transform",
@@ -93,7 +94,6 @@ impl ColorArgs {
             (None, Some(_)) => ColorCodec::Cells,
             (None, None) => ColorCodec::default(),
         };
-        let blocks = self.color_block.flatten();
         let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));
         let psnr = self.psnr.or(of_blocks).unwrap_or(codec.usual_psnr_db());
         for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", Some(psnr))] {
@@ -109,13 +109,16 @@ impl ColorArgs {
         }
         settings.cell = self.color_cell;
         settings.color_codec = codec;
-        settings.color_chunk = self.color_chunk;
+        settings.color_chunk = self.color_chunk.unwrap_or(settings.color_chunk);
         settings.search =
             SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.lookahead };
         settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
         });
+        if self.color_chunk.is_some() && codec != ColorCodec::Transform {
+            return refuse("--color-chunk is of --color-codec transform");
+        }
         if settings.color_blocks.is_none() && self.psnr_final.is_some() {
             return refuse("--psnr-final needs --color-block");
         }

@@ -14,7 +14,7 @@ pub const EFFORTS: &Choices<Effort> = &[
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct EffortArgs {
-    /// Search effort: for the farthest keyframe of colour, and for blocks of all kinds
+    /// Search effort: for partitions and steps of colour, its farthest keyframe, and for blocks of all kinds
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,
 }

@@ -14,7 +14,7 @@ pub trait Coder {
         self.symbol(context, usize::from(value)) == 1
     }
 
-    /// A number in a symbol and raw bits (color.md 6.6, numbers); at most 2²² + 24.
+    /// A number in a symbol and raw bits (color.md 6.6, numbers); at most 2²³ + 24.
     #[inline(always)]
     fn number(&mut self, context: usize, value: u32) -> u32 {
         let (class, low, bits) = number_parts(value);

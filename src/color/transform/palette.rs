@@ -53,6 +53,7 @@ impl Palette {
     /// Codes a palette and its indices; a decoder passes an empty one.
     pub fn code(&mut self, coder: &mut impl Coder, shape: Shape, cache: &mut ColorCache, key_bits: u32) {
         let count = coder.symbol(PALETTE_SIZE.first_context + shape.level, self.colors.len().wrapping_sub(1)) + 1;
+        self.colors.reserve_exact(count.saturating_sub(self.colors.len()));
         self.colors.resize(count, [0; 3]);
         for color in &mut self.colors {
             let place = coder.symbol(PALETTE_COLOR.first_context, cache.place(*color).unwrap_or(CACHED));

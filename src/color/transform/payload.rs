@@ -32,7 +32,7 @@ pub struct Layout {
     pub substreams: Vec<Range<usize>>,
 }
 
-/// Whether a payload holds a chunk of cells, from its second byte on.
+/// Whether a payload holds keyframes and weights (color.md 4), from its second byte on.
 pub fn holds_cells(payload: &[u8]) -> bool {
     payload.first() == Some(&CELLS)
 }

@@ -10,7 +10,7 @@ pub const OCTAVE: [u32; 16] =
 const INVERSE_ROOTS: [u32; LENGTHS.len()] = [4096, 2896, 2365, 2048, 1672, 1448, 1182, 1024, 836];
 /// Bits of the fraction of a step, beyond those of the domain.
 pub const STEP_BITS: u32 = 3;
-/// What a chroma channel's step index is above the payload's: orange, green.
+/// What a chroma channel's step index is above the payload's: green, orange.
 const CHROMA_OFFSETS: [u8; 2] = [3, 8];
 
 /// Step indices of a payload: index i is a step of 2^(i/16 − 2) sample values.

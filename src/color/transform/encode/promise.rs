@@ -41,6 +41,13 @@ pub struct Start {
     pub set: usize,
 }
 
+impl Start {
+    /// Whether a search over `sets` table sets could have ended here.
+    pub fn is_possible(self, sets: usize) -> bool {
+        (0..=COARSEST).contains(&self.step) && self.set < sets
+    }
+}
+
 /// A payload that keeps the promise.
 #[derive(Debug)]
 pub struct Encoded {
@@ -75,27 +82,26 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
         let payload = trials.payload(&trial);
         let worst = worst_error(&payload, cell, quality, tables)?;
         start.set = trial.header.set;
-        let octaves = log2_ratio(worst, limit);
-        if worst <= limit {
+        let finer = worst.map_or(NEAR, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
+        if worst.is_some_and(|worst| worst <= limit) {
             kept = Some((trial.step, payload));
         } else {
             too_coarse = trial.step;
         }
-        let finest_kept = kept.as_ref().map_or(-1, |(step, _)| *step);
+        let coarsest_kept = kept.as_ref().map_or(-1, |(step, _)| *step);
         let enough = match search.effort {
             Effort::Fast => number >= 1,
             Effort::Normal => number >= 3,
             Effort::Exhaustive => false,
         };
-        let between = too_coarse - finest_kept;
+        let between = too_coarse - coarsest_kept;
         if between <= 1 || (enough && kept.is_some()) {
             break;
         }
-        let guess = trial.step - (octaves / OCTAVES_AN_INDEX).ceil() as i32;
-        start.step = guess.clamp(finest_kept + 1, too_coarse - 1);
+        start.step = (trial.step - finer).clamp(coarsest_kept + 1, too_coarse - 1);
         // Bisection, where guesses creep.
         if number > 6 {
-            start.step = (finest_kept + too_coarse) / 2;
+            start.step = (coarsest_kept + too_coarse) / 2;
         }
         if near.is_none() {
             partition = Some(trial);
@@ -104,16 +110,16 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
     Ok(kept.map(|(step, payload)| Encoded { payload, start: Start { step, ..start } }))
 }
 
-/// Largest squared error of a frame as it is decoded.
+/// Largest squared error of a frame as it is decoded; `None` where a decoder refuses the payload, because it has more leaves than
+/// its bytes allow. A finer step has more bytes.
 fn worst_error<S: Keyed, Q: Quality<S>>(
     payload: &[u8],
     cell: &CellSource<'_, S>,
     quality: &Q,
     tables: &PricedTables,
-) -> Result<u64> {
-    // Finer steps have more bytes for as many blocks.
+) -> Result<Option<u64>> {
     let Ok(chunk) = TransformChunk::parse::<S>(payload, cell.size, cell.frames.len() as u32, &tables.tables) else {
-        return Ok(u64::MAX);
+        return Ok(None);
     };
     let mut shown = vec![S::default(); 3 * cell.size[0] * cell.size[1]];
     let mut worst = 0;
@@ -121,7 +127,7 @@ fn worst_error<S: Keyed, Q: Quality<S>>(
         chunk.show(frame, frame.checked_sub(1), &mut shown);
         worst = worst.max(quality.squared_error(&shown, &shown, 0, source, u64::MAX));
     }
-    Ok(worst)
+    Ok(Some(worst))
 }
 
 /// Trees of all regions for one step.

@@ -63,7 +63,8 @@ impl Quantiser<'_> {
         else {
             return nothing;
         };
-        let reachable: f32 = order[..=first].iter().map(|&position| plane.coefficients[at(position)].powi(2)).sum();
+        let reachable: f32 =
+            order[..=first].iter().map(|&position| plane.coefficients[at(position)]).map(|value| value * value).sum();
         // Squared error of what lies beyond the scan's current position, if it is all dropped.
         let mut dropped = (energy - reachable).max(0.0);
         let flag = self.costs.symbol(plane.context.coded(plane.coded_before), 1);

@@ -277,6 +277,9 @@ impl<'a> Search<'a> {
                 }
             }
         }
+        if palette.colors.len() == 1 {
+            palette.indices.clear();
+        }
         Some(palette)
     }
 }
