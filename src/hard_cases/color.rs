@@ -36,7 +36,7 @@ const BYTES: [Cell<u8>; 14] = [
         2 => [0, 0, 255],
         _ => [0; 3],
     }),
-    ("a still picture: no error at all", [16, 16], 60, |_, x, y| [(x * 16) as u8, (y * 16) as u8, 128]),
+    ("a still picture", [16, 16], 60, |_, x, y| [(x * 16) as u8, (y * 16) as u8, 128]),
     ("equal keyframes with another picture between", [12, 12], 31, |frame, x, y| {
         if frame % 10 == 5 { [200, (x * 9) as u8, 10] } else { [20, (y * 9) as u8, 100] }
     }),
