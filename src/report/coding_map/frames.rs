@@ -140,12 +140,13 @@ fn part_word(header: &CodecHeader) -> Option<&'static str> {
 
 pub(super) fn key(subject: &Subject<'_>, map: &CodingMap) -> Vec<Entry> {
     let pixels = subject.pixels();
-    let word = match subject.stream.kind {
-        StreamKind::Color => Some("cell"),
+    let word = |writing| match (subject.stream.kind, writing) {
+        (StreamKind::Color, Writing::Transform | Writing::Palette) => Some("block"),
+        (StreamKind::Color, _) => Some("cell"),
         _ => part_word(&subject.stream.header),
     };
     let line = |writing: Writing, parts: u64, written: u64| {
-        let count = word.map_or_else(String::new, |word| format!("{}, ", counted(parts, word)));
+        let count = word(writing).map_or_else(String::new, |word| format!("{}, ", counted(parts, word)));
         let swatch = Swatch::Flat(tints::tinted(palette::grey(0.4), writing));
         let name = name(&subject.stream.header, writing);
         Entry { swatch, words: format!("{name}: {count}{} of the image", percent(written, pixels)) }
