@@ -3,8 +3,8 @@
 //! The modules and the direction in which they import each other are in `ARCHITECTURE.md`; the meaning of every byte is in
 //! `formats/`.
 
-// Parts of a module that only a feature uses are not gated one by one.
-#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+// Parts of a module that only a feature or a test uses are not gated one by one.
+#![cfg_attr(not(all(feature = "cli", feature = "internals")), allow(dead_code, unused_imports))]
 // The hidden modules are documented where a name does not say it all.
 #![cfg_attr(feature = "internals", allow(missing_docs))]
 
@@ -28,8 +28,6 @@ mod modules {
     pub mod effort;
     #[cfg(feature = "encode")]
     pub mod encode;
-    // Only the transform codec uses it, which streams do not name yet.
-    #[allow(dead_code, unused_imports)]
     pub mod entropy;
     pub mod error;
     #[cfg(feature = "render")]
