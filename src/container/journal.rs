@@ -264,6 +264,7 @@ impl<'a> Records<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::container::chunk::Storage;
 
     #[test]
     fn records_before_the_end_of_the_disk_count() {
@@ -280,9 +281,9 @@ mod tests {
                 Ok(())
             }
         }
-        let mut fields = Fields::new(&[1; ENTRY_BYTES], 0, "");
-        let entry = ChunkEntry::read(&mut fields, u64::MAX).unwrap();
-        let key = entry.key;
+        let key = ChunkKey { stream: 0, unit: 1, first_frame: 3, frame_count: 2 };
+        let (stored_bytes, raw_bytes, crc32, storage) = (7, 7, 0, Storage::Raw);
+        let entry = ChunkEntry { key, offset: 16, stored_bytes, raw_bytes, crc32, storage };
         let chunk = CompleteChunk { entry, last_frame: 4 };
         let record = RECORD_HEAD_BYTES + ENTRY_BYTES + 4;
         let head = MAGIC.len() + RECORD_HEAD_BYTES;

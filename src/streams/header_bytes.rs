@@ -219,7 +219,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::container::Index;
     use crate::depth::domain::Domain;
+    use crate::streams::info::streams;
 
     fn entry(header: &CodecHeader) -> StreamEntry {
         StreamEntry {
@@ -278,6 +280,9 @@ mod tests {
                 let odd = StreamEntry { unit_width: width, unit_height: height, ..entry(&header) };
                 let refused = header.in_blocks() && (width, height) != (12, 4);
                 assert_eq!(CodecHeader::read(&odd).is_err(), refused, "{}", header.codec_name());
+                // Behind a stream of the same header too.
+                let index = Index { streams: vec![entry(&header), odd], ..Index::default() };
+                assert_eq!(streams(&index).is_err(), refused, "{}", header.codec_name());
             }
         }
     }

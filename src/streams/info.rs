@@ -1,5 +1,7 @@
 //! The streams of an index, typed, and the memory that decoding them takes (container.md 2).
 
+use std::collections::HashMap;
+
 use crate::container::{Index, OpenLimits, StreamEntry};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
@@ -69,17 +71,17 @@ impl StreamInfo {
 
 pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
     // Entropy tables are held once for all streams of one header.
-    let mut color: Option<(&StreamEntry, CodecHeader)> = None;
+    let mut with_tables: HashMap<([u8; 4], u8, &[u8]), CodecHeader> = HashMap::new();
     let streams = index.streams.iter().zip(0..).map(|(entry, at)| {
         let named = |error: Error| error.context(format!("stream {at}"));
-        let alike = |of: &(&StreamEntry, CodecHeader)| {
-            (of.0.codec, of.0.kind, &of.0.codec_header) == (entry.codec, entry.kind, &entry.codec_header)
-        };
-        let header = match color.take_if(|held| alike(held)) {
-            Some((_, header)) => header,
+        let key = (entry.codec, entry.kind, entry.codec_header.as_slice());
+        let header = match with_tables.get(&key) {
+            Some(header) => header.clone(),
             None => CodecHeader::read(entry).map_err(named)?,
         };
-        color = matches!(header, CodecHeader::Color(_)).then(|| (entry, header.clone()));
+        if matches!(&header, CodecHeader::Color(color) if color.tables().is_some()) {
+            with_tables.entry(key).or_insert_with(|| header.clone());
+        }
         let face = Face::from_index(entry.face).ok_or_else(|| named(Error::invalid("a face that is unknown")))?;
         Ok(StreamInfo {
             index: at,

@@ -86,7 +86,7 @@ static BUILT_IN_SETS: [[Distribution; CLUSTERS]; BUILT_IN] = {
 
 /// Distributions of all clusters.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TableSet(Box<[Distribution; CLUSTERS]>);
+pub struct TableSet(Arc<[Distribution; CLUSTERS]>);
 
 impl TableSet {
     #[inline(always)]
@@ -99,11 +99,11 @@ impl TableSet {
     }
 
     fn read(fields: &mut Fields<'_>) -> Result<TableSet> {
-        let mut distributions = Box::new([Distribution::CERTAIN; CLUSTERS]);
+        let mut distributions = [Distribution::CERTAIN; CLUSTERS];
         for (distribution, alphabet) in distributions.iter_mut().zip(ALPHABETS) {
             *distribution = Distribution::read(fields, alphabet.into())?;
         }
-        Ok(TableSet(distributions))
+        Ok(TableSet(Arc::new(distributions)))
     }
 }
 
@@ -128,8 +128,9 @@ impl Default for Tables {
 
 impl Tables {
     pub fn with_own(own: Vec<TableSet>) -> Tables {
-        let built_in = BUILT_IN_SETS.iter().map(|set| TableSet(Box::new(*set)));
-        Tables { sets: Arc::new(built_in.chain(own).collect()) }
+        static SHARED: LazyLock<[TableSet; BUILT_IN]> =
+            LazyLock::new(|| BUILT_IN_SETS.map(|set| TableSet(Arc::new(set))));
+        Tables { sets: Arc::new(SHARED.iter().cloned().chain(own).collect()) }
     }
 
     pub fn sets(&self) -> &[TableSet] {
@@ -166,6 +167,8 @@ impl Tables {
 
 #[cfg(feature = "encode")]
 mod encode {
+    use std::sync::Arc;
+
     use super::TableSet;
     use crate::color::transform::contexts::{ALPHABETS, CLUSTERS};
     use crate::entropy::{Distribution, SYMBOLS};
@@ -173,11 +176,11 @@ mod encode {
     impl TableSet {
         /// The set that suits counts of symbols by cluster.
         pub fn of_counts(counts: &[[u64; SYMBOLS]; CLUSTERS]) -> TableSet {
-            let mut distributions = Box::new([Distribution::CERTAIN; CLUSTERS]);
+            let mut distributions = [Distribution::CERTAIN; CLUSTERS];
             for ((distribution, counts), alphabet) in distributions.iter_mut().zip(counts).zip(ALPHABETS) {
                 *distribution = Distribution::of_counts(counts, alphabet.into());
             }
-            TableSet(distributions)
+            TableSet(Arc::new(distributions))
         }
     }
 }

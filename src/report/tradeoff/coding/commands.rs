@@ -238,7 +238,9 @@ mod tests {
             let line = shell_line(&scene.temporal(&point(Color, settings)));
             assert_eq!(
                 line,
-                format!("lightfold encode scene --stream=color --color-cell=8 --psnr={psnr} --no-compression")
+                format!(
+                    "lightfold encode scene --stream=color --color-cell=8 --color-codec=cells --psnr={psnr} --no-compression"
+                )
             );
         }
         let plain = point(Color, &[("psnr", "40")]);
