@@ -207,7 +207,20 @@ class Rvl(InProcess):
         return found
 
 
-class Ffmpeg(Codec):
+class Played(Codec):
+    """A codec whose program decodes a film several times in one process, so that its start can be left out."""
+
+    loops = 0
+
+    def decode(self):
+        if not self.loops:
+            once = max(self.played(3) - self.played(1), 1e-3) / 2
+            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
+        taken = (self.played(1 + self.loops) - self.played(1)) / self.loops
+        return taken if taken > 0 else None
+
+
+class Ffmpeg(Played):
     """A coder of ffmpeg; all streams are one film, and each begins with a frame that needs no other."""
 
     def __init__(self, label, film, threads, work, coder, bound=None):
@@ -216,7 +229,6 @@ class Ffmpeg(Codec):
         self.work = pathlib.Path(work)
         name = re.sub(r"\W+", "-", f"{film.name}-{label}")
         self.file, self.first = self.work / f"{name}.mkv", self.work / f"{name}-first.mkv"
-        self.loops = 0
 
     def open(self):
         need("ffmpeg", "ffmpeg")
@@ -242,13 +254,6 @@ class Ffmpeg(Codec):
     def played(self, times):
         loop = ["-stream_loop", str(times - 1)] if times > 1 else []
         return seconds_of([*QUIET, "-threads", self.threads, *loop, "-i", self.file, "-f", "null", "-"], self.clock)
-
-    def decode(self):
-        if not self.loops:
-            once = max(self.played(3) - self.played(1), 1e-3) / 2
-            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
-        taken = (self.played(1 + self.loops) - self.played(1)) / self.loops
-        return taken if taken > 0 else None
 
     def payloads(self):
         back = self.file.with_suffix(".back")
@@ -325,14 +330,14 @@ TO_YUV = "scale=out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_c
 TO_RGB = "scale=in_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_chroma_inp,format=rgb24"
 
 
-class PerStream(Codec):
+class PerStream(Played):
     """A coder of ffmpeg, 4:4:4, in a raw file for each stream."""
 
     clock = staticmethod(processor_time)
 
     def __init__(self, label, film, work):
         super().__init__(label, film)
-        self.coder, self.quality, self.loops = CODERS[label], CODERS[label].start, 0
+        self.coder, self.quality = CODERS[label], CODERS[label].start
         self.folder = pathlib.Path(tempfile.mkdtemp(dir=work))
         self.files = [self.folder / f"{at:06}{self.coder.suffix}" for at in range(len(film.payloads))]
 
@@ -368,13 +373,6 @@ class PerStream(Codec):
         film.write_bytes(b"".join(file.read_bytes() for file in self.files) * times)
         source = ["-threads", "1", "-c:v", self.coder.decoder, "-i", film]
         return seconds_of([*QUIET, *source, "-fps_mode", "passthrough", "-f", "null", "-"], self.clock)
-
-    def decode(self):
-        if not self.loops:
-            once = max(self.played(3) - self.played(1), 1e-3) / 2
-            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
-        taken = (self.played(1 + self.loops) - self.played(1)) / self.loops
-        return taken if taken > 0 else None
 
     def payloads(self):
         back, found = self.folder / "back", b""

@@ -11,7 +11,7 @@ use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::settings::TemporalSettings;
 use lightfold::effort::Effort;
-use lightfold::encode::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
+use lightfold::encode::{ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
@@ -28,6 +28,26 @@ pub fn encoded(source: &Source, settings: &EncodeSettings) -> Vec<u8> {
 
 pub fn decoder(bytes: &[u8]) -> Decoder {
     Decoder::new(Reader::from_memory(bytes.to_vec()).unwrap()).unwrap()
+}
+
+/// Every frame of every cell of a half-float stream reaches the PSNR asked for.
+pub fn check_half(source: &Source, bytes: &[u8], min_psnr_db: f64) {
+    let decoder = decoder(bytes);
+    let (stream, metric) = (&decoder.streams()[0], Pu21::new(100.0).unwrap());
+    let mut face = decoder.face(stream);
+    for frame in stream.frames.iter() {
+        let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else { panic!("half floats expected") };
+        let wanted = &source.read_color(&source.groups()[0], frame).unwrap()[0];
+        for unit in 0..stream.entry.unit_count() {
+            let [left, top, width, height] = stream.entry.unit_rect(unit);
+            let rows = (top..top + height).map(|y| {
+                let row = |plane: &Plane<[f16; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
+                metric.between(row(&shown).as_flattened(), row(wanted).as_flattened())
+            });
+            let (error, samples) = (rows.sum::<u64>(), (width * height * 3) as usize);
+            assert!(error <= metric.max_squared_error(min_psnr_db, samples), "frame {frame} unit {unit}: {error}");
+        }
+    }
 }
 
 /// Settings of depth by codec and bound.
@@ -117,8 +137,10 @@ fn sizes_that_are_no_multiple_of_anything() {
         footage.depth = None;
         footage.color = Some(&color);
         let source = footage.open(folder.path());
-        for cell in [64, 4, 1] {
-            let settings = EncodeSettings { cell, compression: Compression::Lzma2(1), ..EncodeSettings::default() };
+        let codecs = [ColorCodec::Cells, ColorCodec::Transform];
+        for (color_codec, cell) in codecs.into_iter().flat_map(|codec| [64, 4, 1].map(|cell| (codec, cell))) {
+            let compression = Compression::Lzma2(1);
+            let settings = EncodeSettings { color_codec, cell, compression, ..EncodeSettings::default() };
             check_color8(&source, &encoded(&source, &settings), settings.search.min_psnr_db);
         }
         footage.color = None;
@@ -243,24 +265,9 @@ fn high_dynamic_range_reaches_its_own_quality() {
             search: SearchSettings { min_psnr_db, effort, lookahead: 16 },
             ..EncodeSettings::default()
         };
-        let bytes = encoded(&source, &settings);
-        let decoder = decoder(&bytes);
-        let stream = &decoder.streams()[0];
-        let metric = Pu21::new(100.0).unwrap();
-        let mut face = decoder.face(stream);
-        for frame in stream.frames.iter() {
-            let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else { panic!("half floats expected") };
-            let wanted = &source.read_color(&source.groups()[0], frame).unwrap()[0];
-            for unit in 0..stream.entry.unit_count() {
-                let [left, top, width, height] = stream.entry.unit_rect(unit);
-                let mut error = 0;
-                for y in top..top + height {
-                    let row = |plane: &Plane<[f16; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
-                    error += metric.between(row(&shown).as_flattened(), row(wanted).as_flattened());
-                }
-                let samples = (width * height * 3) as usize;
-                assert!(error <= metric.max_squared_error(min_psnr_db, samples), "frame {frame} unit {unit}");
-            }
+        for color_codec in [ColorCodec::Cells, ColorCodec::Transform] {
+            let settings = EncodeSettings { color_codec, ..settings.clone() };
+            check_half(&source, &encoded(&source, &settings), min_psnr_db);
         }
     }
 }

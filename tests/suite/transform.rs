@@ -2,9 +2,7 @@
 
 use half::f16;
 use lightfold::color::SearchSettings;
-use lightfold::color::quality::{Pu21, Quality};
 use lightfold::container::Compression;
-use lightfold::dataset::Source;
 use lightfold::decode::Picture;
 use lightfold::effort::Effort;
 use lightfold::encode::{ColorCodec, EncodeSettings};
@@ -14,7 +12,7 @@ use lightfold::streams::ColorFormat;
 use tempfile::TempDir;
 
 use crate::footage::{Footage, Random, drifting_color};
-use crate::roundtrip::{check_color8, decoder, encoded};
+use crate::roundtrip::{check_color8, check_half, decoder, encoded};
 
 const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
 
@@ -25,26 +23,6 @@ fn settings(cell: u32, color_chunk: u32, min_psnr_db: f64) -> EncodeSettings {
 
 fn counts(bytes: &[u8]) -> TransformCount {
     statistics(&decoder(bytes)).unwrap().streams[0].transform
-}
-
-/// Every frame of every cell of a half-float stream reaches the PSNR asked for.
-fn check_half(source: &Source, bytes: &[u8], min_psnr_db: f64) {
-    let decoder = decoder(bytes);
-    let (stream, metric) = (&decoder.streams()[0], Pu21::new(100.0).unwrap());
-    let mut face = decoder.face(stream);
-    for frame in stream.frames.iter() {
-        let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else { panic!("half floats expected") };
-        let wanted = &source.read_color(&source.groups()[0], frame).unwrap()[0];
-        for unit in 0..stream.entry.unit_count() {
-            let [left, top, width, height] = stream.entry.unit_rect(unit);
-            let rows = (top..top + height).map(|y| {
-                let row = |plane: &Plane<[f16; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
-                metric.between(row(&shown).as_flattened(), row(wanted).as_flattened())
-            });
-            let (error, samples) = (rows.sum::<u64>(), (width * height * 3) as usize);
-            assert!(error <= metric.max_squared_error(min_psnr_db, samples), "frame {frame} unit {unit}: {error}");
-        }
-    }
 }
 
 #[test]
