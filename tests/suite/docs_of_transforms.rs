@@ -147,7 +147,7 @@ fn hex(bytes: &[u8]) -> String {
 
 /// Prints what section 8 shows: `cargo test --test suite print_transform_example -- --ignored --nocapture`.
 #[test]
-#[ignore = "prints"]
+#[ignore = "prints the example of color.md 8"]
 fn print_transform_example() {
     let written = example(&read("formats/color.md"));
     println!("{}", hex(&written));
