@@ -63,6 +63,8 @@ mod modules {
     #[cfg(feature = "scene")]
     pub mod scene;
     pub mod streams;
+    #[cfg(feature = "encode")]
+    pub mod train;
     #[cfg(feature = "render")]
     pub mod views;
 }

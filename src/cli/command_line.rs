@@ -7,7 +7,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, man, pack, place,
-    quadtree, render, selftest,
+    quadtree, render, selftest, train_color,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -50,6 +50,8 @@ pub enum Command {
     Bc4w(bc4w::Args),
     /// Join containers, recompress them, or pack quadtrees at an error bound
     Pack(pack::Args),
+    /// Train entropy tables of colour on containers
+    TrainColor(train_color::Args),
     /// Show sizes and contents of a container or a scene, verify a container, check the conventions of a dataset
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time

@@ -25,6 +25,7 @@ mod quadtree;
 mod render;
 mod selftest;
 mod tradeoff;
+mod train_color;
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -84,6 +85,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Render(args) => render::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),
+        Command::TrainColor(args) => train_color::run(&args, global),
         Command::Selftest(args) => selftest::run(&args, global),
         Command::Completions(args) => completions::run(&args, command()),
         Command::Man(args) => man::run(&args, command()),

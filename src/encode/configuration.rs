@@ -4,6 +4,8 @@
 use serde::Serialize;
 
 use crate::color::SearchSettings;
+use crate::color::transform::Tables;
+use crate::color::transform::tables::TableSet;
 use crate::depth::TemporalSettings;
 use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{DepthCodec, DepthSettings, EncodeSettings, MaterialSettings};
@@ -43,6 +45,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         color,
         color_codec,
         color_chunk,
+        color_tables,
         search,
         color_blocks,
         compression,
@@ -77,11 +80,18 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`color_cell`", cell.to_string()),
         ("`color_codec`", format!("{color_codec:?}")),
         ("`color_chunk`", color_chunk.to_string()),
+        ("`color_tables`", color_tables.as_ref().map_or_else(|| "none".to_owned(), digest_of_tables)),
         ("`psnr`", format!("{min_psnr_db:?}")),
         ("`lookahead`", lookahead.to_string()),
         ("`color_block`", format!("{color_blocks:?}")),
         ("the domain of colour", format!("{color:?}")),
     ]
+}
+
+fn digest_of_tables(set: &TableSet) -> String {
+    let mut bytes = Vec::new();
+    Tables::with_own(vec![set.clone()]).write(&mut bytes);
+    digest(&bytes)
 }
 
 /// What rounding depends on: the system's logarithms, and for encoders of blocks the processor's instruction sets.

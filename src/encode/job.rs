@@ -125,7 +125,7 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> 
 
 pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
     let order = Order::of(source, settings);
-    Completed::of(recovered, &configuration::of(source, settings), &order).map(|_| ())
+    Completed::of(recovered, &configuration::of(source, settings), &order, settings).map(|_| ())
 }
 
 /// Complete chunks of an interrupted encode, in words; `None` where there are none.
@@ -185,7 +185,7 @@ fn prepare(
 ) -> Result<Completed> {
     check(source, settings)?;
     let Some(recovered) = recovered else { return Ok(Completed::default()) };
-    let mut completed = Completed::of(recovered, &configuration::of(source, settings), order)?;
+    let mut completed = Completed::of(recovered, &configuration::of(source, settings), order, settings)?;
     completed.check_files(source, settings, order, monitor)?;
     Ok(completed)
 }

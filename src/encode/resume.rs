@@ -17,7 +17,6 @@ use std::time::UNIX_EPOCH;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::transform::Tables;
 use crate::color::transform::encode::Start;
 use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
@@ -124,7 +123,12 @@ pub(super) struct Completed {
 }
 
 impl Completed {
-    pub fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Completed> {
+    pub fn of(
+        recovered: &Recovered,
+        now: &Fingerprint,
+        order: &Order<'_>,
+        settings: &EncodeSettings,
+    ) -> Result<Completed> {
         let of_old = |_| configuration::other("it was begun by another version of lightfold");
         let begun = serde_json::from_slice(&recovered.head).map_err(of_old)?;
         if let Some(difference) = Fingerprint(begun).difference(now) {
@@ -140,7 +144,7 @@ impl Completed {
                     completed.scans.insert(probe, ScanNote { scan, files: files.into_iter().collect() });
                 }
                 Note::Searches(searches) => {
-                    let sets = Tables::default().sets().len();
+                    let sets = settings.tables().sets().len();
                     if searches.iter().any(|note| !note.start.is_possible(sets)) {
                         return Err(broken());
                     }

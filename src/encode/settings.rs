@@ -4,6 +4,7 @@ use crate::block::SIDE;
 use crate::color::SearchSettings;
 use crate::color::transform::Tables;
 use crate::color::transform::blocks::MAX_FRAMES;
+use crate::color::transform::tables::TableSet;
 use crate::container::Compression;
 use crate::container::index::MAX_SIZE;
 use crate::depth::block::MAX_TILE;
@@ -184,6 +185,8 @@ pub struct EncodeSettings {
     pub color_codec: ColorCodec,
     /// Frames of a chunk of the transform codec, 1 to 96.
     pub color_chunk: u32,
+    /// Entropy tables of the transform codec beside the built-in ones, stored in each colour stream.
+    pub color_tables: Option<TableSet>,
     /// Quality of colour, and the search for it.
     pub search: SearchSettings,
     /// Keyframes of [`ColorCodec::Cells`] in blocks; `None` for samples.
@@ -209,6 +212,7 @@ impl Default for EncodeSettings {
             color: ColorFormat::EightBit(ToneMap::default()),
             color_codec: ColorCodec::default(),
             color_chunk: 24,
+            color_tables: None,
             search: SearchSettings { min_psnr_db: ColorCodec::default().usual_psnr_db(), ..SearchSettings::default() },
             color_blocks: None,
             compression: Compression::default(),
@@ -231,6 +235,9 @@ impl EncodeSettings {
                 "chunks of {} frames of colour: 1 to {MAX_FRAMES} are possible",
                 self.color_chunk
             )));
+        }
+        if self.color_tables.is_some() && self.color_codec != ColorCodec::Transform {
+            return Err(Error::Usage("`color_tables` is of `color_codec` transform".into()));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if self.color_codec == ColorCodec::Transform {
@@ -259,9 +266,16 @@ impl EncodeSettings {
         let min_psnr_db = self.color_blocks.map_or(self.search.min_psnr_db, |blocks| blocks.final_psnr_db);
         let coding = match self.color_codec {
             ColorCodec::Cells => ColorCoding::Cells(self.color_blocks.map(|settings| settings.blocks)),
-            ColorCodec::Transform => ColorCoding::Transform(Tables::default()),
+            ColorCodec::Transform => ColorCoding::Transform(self.tables()),
         };
         ColorHeader { format: self.color, coding, min_psnr_db }
+    }
+
+    pub(super) fn tables(&self) -> Tables {
+        match &self.color_tables {
+            Some(set) => Tables::with_own(vec![set.clone()]),
+            None => Tables::default(),
+        }
     }
 
     pub(super) fn material_header(&self) -> MaterialHeader {

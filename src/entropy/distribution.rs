@@ -7,7 +7,7 @@ use crate::error::Result;
 /// Most values of a symbol.
 pub const SYMBOLS: usize = 16;
 pub const PRECISION: u32 = 12;
-const SLOTS: u16 = 1 << PRECISION;
+pub const SLOTS: u16 = 1 << PRECISION;
 
 /// Symbol s owns the slots `starts[s]..starts[s + 1]` of 4096.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

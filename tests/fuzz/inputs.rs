@@ -51,6 +51,7 @@ impl Inputs {
             "cameras" => (Kind::Json, seeds::cameras()),
             "sweep" => (Kind::Bytes, seeds::sweeps()),
             "patterns" => (Kind::Bytes, seeds::patterns()),
+            "color-tables" => (Kind::Bytes, seeds::color_tables()),
             "gltf" => (Kind::Json, seeds::gltf()),
             "glb" => (Kind::Header(4000), seeds::glb()),
             "obj" => (Kind::Bytes, seeds::obj()),

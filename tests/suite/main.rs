@@ -43,6 +43,7 @@ mod resume_footage;
 mod roundtrip;
 mod samples;
 mod tradeoff;
+mod train;
 mod transform;
 mod transform_payloads;
 mod vectors;

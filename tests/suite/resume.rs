@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use lightfold::Error;
+use lightfold::color::transform::Tables;
 use lightfold::container::Compression;
 use lightfold::container::journal::{self, Recovered};
 use lightfold::encode::{
@@ -312,7 +313,7 @@ fn other_options_are_refused_by_name() {
     let mut footage = depth(DepthCodec::Quadtree);
     let left = stopped_after(&footage.whole().0, 0.6);
     type Change = fn(&mut EncodeSettings);
-    let changes: [(&str, Change); 14] = [
+    let changes: [(&str, Change); 15] = [
         ("`depth_codec` was Quadtree and is Boxes now", |s| s.depth.codec = DepthCodec::Boxes),
         ("`max_error` was Codes(40) and is Codes(41) now", |s| s.depth.error = ErrorBound::Codes(41)),
         ("`depth_tile` was PerSide(2) and is PerSide(1) now", |s| s.tiles = TileSize::PerSide(1)),
@@ -325,6 +326,7 @@ fn other_options_are_refused_by_name() {
         ("`min_children`", |s| s.depth.min_children = 1),
         ("`effort`", |s| s.depth.effort = lightfold::effort::Effort::Fast),
         ("`color_cell`", |s| s.cell = 32),
+        ("`color_tables` was none and is #", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
         ("`psnr`", |s| s.search.min_psnr_db = 49.0),
         ("`stream`", |s| s.kinds = vec![StreamKind::Depth]),
     ];

@@ -10,7 +10,9 @@ use lightfold::image::{Plane, StreamKind, exr, png};
 use lightfold::streams::{ColorBlocks, ColorFormat};
 use tempfile::TempDir;
 
+use crate::roundtrip::{decoder, encoded};
 use crate::samples::{self, Random};
+use crate::train::trained;
 
 /// Images on disk, and how they are encoded.
 pub struct Footage {
@@ -123,6 +125,13 @@ pub fn transform(hdr: bool) -> Footage {
     })
 }
 
+pub fn transform_with_own_tables() -> Footage {
+    let mut footage = transform(false);
+    let container = encoded(&footage.source(), &footage.settings);
+    footage.settings.color_tables = trained(&[decoder(&container)], 1).0.pop();
+    footage
+}
+
 /// Two probes, one of them with fewer frames, of two faces, in all kinds.
 pub fn dataset() -> Footage {
     let mut settings = EncodeSettings { compression: Compression::Lzma2(1), cell: 8, ..EncodeSettings::default() };
@@ -173,6 +182,7 @@ pub fn all() -> Vec<(&'static str, Footage)> {
         ("half", color(true, None)),
         ("transform", transform(false)),
         ("transform of half floats", transform(true)),
+        ("transform with own tables", transform_with_own_tables()),
         ("half in bc6h", color(true, Some(ColorBlocks::Bc6h))),
         ("dataset", dataset()),
     ]

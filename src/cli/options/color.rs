@@ -1,11 +1,15 @@
 //! Options of colour.
 
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 
 use super::choice::{Choices, one_of};
 use crate::cli::refuse;
 use crate::color::settings::SearchSettings;
 use crate::color::transform::blocks::MAX_FRAMES;
+use crate::color::transform::encode::table_text;
+use crate::color::transform::tables::TableSet;
 use crate::dataset::{InvalidColor, SourceOptions};
 use crate::encode::{ColorBlockSettings, ColorCodec, EncodeSettings};
 use crate::error::Result;
@@ -47,6 +51,9 @@ pub struct ColorArgs {
     /// [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub color_chunk: Option<u32>,
+    /// Entropy tables of lightfold train-color: stored once, used by each cell that they make smaller
+    #[arg(long, value_name = "TABLES")]
+    pub color_tables: Option<PathBuf>,
     /// Least PSNR of each frame of each cell, in dB; with --color-block, of temporal coding alone [default: 40; of cells 50,
     /// or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
@@ -110,6 +117,7 @@ impl ColorArgs {
         settings.cell = self.color_cell;
         settings.color_codec = codec;
         settings.color_chunk = self.color_chunk.unwrap_or(settings.color_chunk);
+        settings.color_tables = self.color_tables.as_deref().map(read_tables).transpose()?;
         settings.search =
             SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.lookahead };
         settings.color_blocks = blocks.map(|blocks| {
@@ -118,6 +126,9 @@ impl ColorArgs {
         });
         if self.color_chunk.is_some() && codec != ColorCodec::Transform {
             return refuse("--color-chunk is of --color-codec transform");
+        }
+        if self.color_tables.is_some() && codec != ColorCodec::Transform {
+            return refuse("--color-tables is of --color-codec transform");
         }
         if settings.color_blocks.is_none() && self.psnr_final.is_some() {
             return refuse("--psnr-final needs --color-block");
@@ -129,5 +140,17 @@ impl ColorArgs {
         };
         source.invalid_color = self.invalid_color;
         Ok(())
+    }
+}
+
+fn read_tables(path: &Path) -> Result<TableSet> {
+    let sets = table_text::read_file(path)?;
+    match <[TableSet; 1]>::try_from(sets) {
+        Ok([set]) => Ok(set),
+        Err(sets) => refuse(format!(
+            "--color-tables {}: {} table sets, one was expected: train with --sets 1",
+            path.display(),
+            sets.len()
+        )),
     }
 }

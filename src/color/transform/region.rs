@@ -27,6 +27,11 @@ pub const FREE_ITEMS: u64 = 64;
 /// Those that it may have for each byte of its substream on top (color.md 6.4): symbols can take no bits.
 pub const ITEMS_A_BYTE: u64 = 8;
 
+/// Leaves and colours that a substream may have.
+pub fn most_items(substream: &[u8]) -> u64 {
+    FREE_ITEMS + ITEMS_A_BYTE * substream.len() as u64
+}
+
 /// A block without children, in few bytes.
 #[derive(Debug)]
 pub struct Leaf {
@@ -101,8 +106,7 @@ impl Region {
     ) -> Result<Region> {
         let (bytes, at) = substream;
         let coder = Reader { stream: entropy::Decoder::new(bytes), tables };
-        let most_items = FREE_ITEMS + ITEMS_A_BYTE * bytes.len() as u64;
-        Region::read_by(coder, most_items, root, header, domain)
+        Region::read_by(coder, most_items(bytes), root, header, domain)
             .map_err(|message| Error::invalid_at(SECTION, at as u64, message))
     }
 

@@ -4,8 +4,9 @@
 use std::sync::{Arc, LazyLock};
 
 use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES};
+use crate::color::transform::text_reader::TextReader;
 use crate::container::fields::Fields;
-use crate::entropy::{Distribution, SYMBOLS};
+use crate::entropy::Distribution;
 use crate::error::Result;
 
 /// Built-in sets.
@@ -13,82 +14,46 @@ pub const BUILT_IN: usize = 4;
 /// Most sets that a stream brings along.
 pub const MOST_OWN: usize = 8;
 
-/// The numbers of formats/color-tables.txt.
-static NUMBERS: [u16; numbers(TEXT, &mut [])] = {
-    let mut values = [0; numbers(TEXT, &mut [])];
-    numbers(TEXT, &mut values);
-    values
-};
-const TEXT: &[u8] = include_bytes!("../../../formats/color-tables.txt");
-
-/// Counts the decimal numbers of a text, and stores as many as fit into `values`; a line from `#` on is a comment.
-const fn numbers(text: &[u8], values: &mut [u16]) -> usize {
-    let (mut at, mut count) = (0, 0);
-    while at < text.len() {
-        if text[at] == b'#' {
-            while at < text.len() && text[at] != b'\n' {
-                at += 1;
-            }
-        } else if text[at].is_ascii_digit() {
-            let mut value = 0;
-            while at < text.len() && text[at].is_ascii_digit() {
-                value = value * 10 + (text[at] - b'0') as u16;
-                at += 1;
-            }
-            if count < values.len() {
-                values[count] = value;
-            }
-            count += 1;
-        } else {
-            at += 1;
-        }
-    }
-    count
+/// What formats/color-tables.txt says.
+struct BuiltIn {
+    cluster_of: [u8; CONTEXTS],
+    sets: [[Distribution; CLUSTERS]; BUILT_IN],
 }
 
-/// Distribution of each context.
-pub static CLUSTER_OF: [u8; CONTEXTS] = {
-    let mut clusters = [0; CONTEXTS];
+static BUILT_IN_TABLES: BuiltIn = {
+    let mut reader = TextReader::new(include_bytes!("../../../formats/color-tables.txt"));
+    let mut cluster_of = [0; CONTEXTS];
     let mut family = 0;
     while family < FAMILIES.len() {
-        let first = FAMILIES[family].first_context;
         let mut at = 0;
         while at < FAMILIES[family].contexts {
-            clusters[first + at] = FAMILIES[family].first_cluster as u8 + NUMBERS[first + at] as u8;
+            cluster_of[FAMILIES[family].first_context + at] = reader.cluster(FAMILIES[family]);
             at += 1;
         }
         family += 1;
     }
-    clusters
-};
-
-static BUILT_IN_SETS: [[Distribution; CLUSTERS]; BUILT_IN] = {
     let mut sets = [[Distribution::CERTAIN; CLUSTERS]; BUILT_IN];
-    let (mut set, mut next) = (0, CONTEXTS);
+    let mut set = 0;
     while set < BUILT_IN {
-        let mut cluster = 0;
-        while cluster < CLUSTERS {
-            let mut frequencies = [0; SYMBOLS];
-            let mut symbol = 0;
-            while symbol < ALPHABETS[cluster] as usize {
-                frequencies[symbol] = NUMBERS[next];
-                next += 1;
-                symbol += 1;
-            }
-            sets[set][cluster] = Distribution::of_frequencies(&frequencies);
-            cluster += 1;
-        }
+        sets[set] = reader.set();
         set += 1;
     }
-    assert!(next == NUMBERS.len(), "formats/color-tables.txt has another number of numbers");
-    sets
+    assert!(reader.is_at_end() && reader.fault().is_none(), "formats/color-tables.txt breaks color.md 6.7");
+    BuiltIn { cluster_of, sets }
 };
+
+/// Distribution of each context.
+pub static CLUSTER_OF: [u8; CONTEXTS] = BUILT_IN_TABLES.cluster_of;
 
 /// Distributions of all clusters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TableSet(Arc<[Distribution; CLUSTERS]>);
 
 impl TableSet {
+    pub fn new(distributions: [Distribution; CLUSTERS]) -> TableSet {
+        TableSet(Arc::new(distributions))
+    }
+
     #[inline(always)]
     pub fn distribution(&self, context: usize) -> &Distribution {
         &self.0[usize::from(CLUSTER_OF[context])]
@@ -103,7 +68,7 @@ impl TableSet {
         for (distribution, alphabet) in distributions.iter_mut().zip(ALPHABETS) {
             *distribution = Distribution::read(fields, alphabet.into())?;
         }
-        Ok(TableSet(Arc::new(distributions)))
+        Ok(TableSet::new(distributions))
     }
 }
 
@@ -128,8 +93,7 @@ impl Default for Tables {
 
 impl Tables {
     pub fn with_own(own: Vec<TableSet>) -> Tables {
-        static SHARED: LazyLock<[TableSet; BUILT_IN]> =
-            LazyLock::new(|| BUILT_IN_SETS.map(|set| TableSet(Arc::new(set))));
+        static SHARED: LazyLock<[TableSet; BUILT_IN]> = LazyLock::new(|| BUILT_IN_TABLES.sets.map(TableSet::new));
         Tables { sets: Arc::new(SHARED.iter().cloned().chain(own).collect()) }
     }
 
@@ -167,8 +131,6 @@ impl Tables {
 
 #[cfg(feature = "encode")]
 mod encode {
-    use std::sync::Arc;
-
     use super::TableSet;
     use crate::color::transform::contexts::{ALPHABETS, CLUSTERS};
     use crate::entropy::{Distribution, SYMBOLS};
@@ -180,7 +142,7 @@ mod encode {
             for ((distribution, counts), alphabet) in distributions.iter_mut().zip(counts).zip(ALPHABETS) {
                 *distribution = Distribution::of_counts(counts, alphabet.into());
             }
-            TableSet(Arc::new(distributions))
+            TableSet::new(distributions)
         }
     }
 }

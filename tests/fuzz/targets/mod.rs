@@ -78,6 +78,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },
+    Target { name: "color-tables", execs: 2000, run: texts::run_color_tables, bound: texts::bound },
     Target { name: "gltf", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "glb", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "obj", execs: 2000, run: models::run_obj, bound: models::bound },

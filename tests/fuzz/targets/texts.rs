@@ -1,7 +1,8 @@
-//! Texts: manifests, cameras, the CSV of a sweep, file patterns and frame ranges.
+//! Texts: manifests, cameras, entropy tables, the CSV of a sweep, file patterns and frame ranges.
 
 use std::path::Path;
 
+use lightfold::color::transform::encode::table_text;
 use lightfold::container::Reader;
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
@@ -59,6 +60,18 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
         Err(format!("more is seen than there is: {seen:?}"))
     } else {
         Ok(Verdict::Accepted)
+    }
+}
+
+/// Entropy tables are parsed, written and parsed again.
+pub fn run_color_tables(bytes: &[u8]) -> Judged {
+    let sets = match table_text::read(bytes) {
+        Ok(sets) => sets,
+        Err(error) => return refused(&error),
+    };
+    match table_text::read(table_text::write(&sets).as_bytes()) {
+        Ok(again) if again == sets => Ok(Verdict::Accepted),
+        _ => Err("entropy tables come back as others".into()),
     }
 }
 

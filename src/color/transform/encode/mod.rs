@@ -8,6 +8,7 @@ mod quantise;
 mod rate;
 mod search;
 mod source;
+pub mod table_text;
 mod training;
 mod tree;
 
@@ -26,7 +27,7 @@ use crate::error::Result;
 
 pub use promise::Start;
 pub use rate::PricedTables;
-pub use training::Trainer;
+pub use training::{PayloadCounts, Trainer};
 
 /// Encodes the frames of one cell into chunks of a fixed number of frames.
 #[derive(Debug)]

@@ -1,0 +1,78 @@
+//! `lightfold train-color IN… -o TABLES`: entropy tables of the transform codec, trained on containers.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::cli::options::{MemoryArgs, check_stdout};
+use crate::cli::output::{self, human_bytes};
+use crate::cli::progress::Progress;
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::color::transform::tables::MOST_OWN;
+use crate::decode::Decoder;
+use crate::error::Result;
+use crate::train::{self, TrainSettings, TrainSummary, Trained};
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
+    lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \
+    lightfold train-color kitchen.lfold -o - --sets 4\n\n\
+    The tables suit footage of the same kind, noise and quality. A container stores them once, in some 2 kB, and each cell takes \
+    the cheapest set, trained or built in. Encodes with tables can be trained on again.")]
+pub struct Args {
+    /// Containers with colour of the transform codec, - for standard input
+    #[arg(value_name = "IN.lfold", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// The tables to write, as text; - for standard output
+    #[arg(long, short, value_name = "TABLES")]
+    pub output: PathBuf,
+    /// Number of table sets; --color-tables takes one
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=MOST_OWN as i64))]
+    pub sets: u8,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    summary: TrainSummary,
+    seconds: f64,
+}
+
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    check_stdout(&args.output, args.json)?;
+    let start = Instant::now();
+    if args.inputs.iter().any(|input| is_same_file(input, &args.output)) {
+        return refuse(format!("{}: an input file would be overwritten", args.output.display()));
+    }
+    let inputs = args.inputs.iter().map(Decoder::open).collect::<Result<Vec<_>>>()?;
+    let chunks = train::find_chunks(&inputs)?;
+    let progress = Progress::start(global, "training", chunks.len() as u64)?;
+    let settings = TrainSettings { sets: args.sets.into(), memory: args.memory.get() };
+    let Trained { text, summary } = train::train(&inputs, chunks, settings, &progress)?;
+    drop(progress);
+    output::write_file(&args.output, &text)?;
+    let report = Report { summary, seconds: start.elapsed().as_secs_f64() };
+    global.report(args.json, &report, || words(&args.output, summary))?;
+    Ok(ExitStatus::Passed)
+}
+
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+}
+
+fn words(path: &Path, summary: TrainSummary) -> String {
+    let TrainSummary { payloads, symbols, sets, payload_bytes, trained_payload_bytes, table_bytes } = summary;
+    let [before, after, stored] = [payload_bytes, trained_payload_bytes, table_bytes].map(human_bytes);
+    let sets = if sets == 1 { "1 table set".to_owned() } else { format!("{sets} table sets") };
+    format!(
+        "{}: {sets} from {symbols} symbols of {payloads} payloads; these take {before}, with the trained tables about {after}, \
+         and {stored} for the tables",
+        path.display()
+    )
+}

@@ -1,0 +1,130 @@
+//! Table sets as text, in the form of formats/color-tables.txt (color.md 6.7).
+
+use std::fmt::Write;
+use std::io::Read;
+use std::path::Path;
+
+use crate::color::transform::contexts::FAMILIES;
+use crate::color::transform::tables::{CLUSTER_OF, TableSet};
+use crate::color::transform::text_reader::{Fault, TextReader};
+use crate::error::{Error, Result};
+use crate::files::open_regular;
+
+/// A set takes some 5 kB.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Reads all sets of a file, at least one.
+pub fn read_file(path: &Path) -> Result<Vec<TableSet>> {
+    let mut text = Vec::new();
+    open_regular(path)?.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(Error::invalid(format!("a file of entropy tables has at most {MAX_BYTES} bytes")).in_file(path));
+    }
+    read(&text).map_err(|error| error.in_file(path))
+}
+
+pub fn read(text: &[u8]) -> Result<Vec<TableSet>> {
+    let mut reader = TextReader::new(text);
+    for (context, family) in FAMILIES.iter().flat_map(|family| (0..family.contexts).map(move |at| (at, family))) {
+        let cluster = reader.cluster(*family);
+        check(&reader)?;
+        if cluster != CLUSTER_OF[family.first_context + context] {
+            return Err(at_line(
+                reader.line(),
+                "the distribution that formats/color-tables.txt gives this context was expected",
+            ));
+        }
+    }
+    let mut sets = Vec::new();
+    while sets.is_empty() || !reader.is_at_end() {
+        let distributions = reader.set();
+        check(&reader)?;
+        sets.push(TableSet::new(distributions));
+    }
+    Ok(sets)
+}
+
+fn at_line(line: usize, message: &str) -> Error {
+    Error::invalid(format!("line {line}: {message}"))
+}
+
+fn check(reader: &TextReader<'_>) -> Result<()> {
+    let Some((fault, line)) = reader.fault() else { return Ok(()) };
+    Err(match fault {
+        Fault::Character => at_line(line, "a decimal number was expected, or a comment behind #"),
+        Fault::End => at_line(line, "the text ends where a number was expected"),
+        Fault::TooLarge { most } => at_line(line, &format!("a number of at most {most} was expected")),
+        Fault::NoFrequency => at_line(line, "a frequency of at least 1 was expected for each symbol"),
+        Fault::Sum(sum) => {
+            at_line(line, &format!("the frequencies of a distribution sum to {sum}, 4096 were expected"))
+        }
+    })
+}
+
+/// The reverse of [`read`].
+pub fn write(sets: &[TableSet]) -> String {
+    let mut text = "# Entropy tables of the transform codec (color.md 6.7): decimal numbers.\n\
+        # Clusters of contexts, counted from the first of their family; a line for each family.\n"
+        .to_owned();
+    let line = |text: &mut String, numbers: &mut dyn Iterator<Item = u32>| {
+        let words: Vec<String> = numbers.map(|number| number.to_string()).collect();
+        text.push_str(&words.join(" "));
+        text.push('\n');
+    };
+    for family in FAMILIES {
+        let clusters = &CLUSTER_OF[family.first_context..][..family.contexts];
+        line(&mut text, &mut clusters.iter().map(|&cluster| u32::from(cluster) - family.first_cluster as u32));
+    }
+    for (number, set) in sets.iter().enumerate() {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "# Set {number}: the frequencies of each cluster, which sum to 4096.");
+        for family in FAMILIES {
+            for distribution in &set.distributions()[family.first_cluster..][..family.clusters] {
+                line(&mut text, &mut (0..family.alphabet).map(|symbol| distribution.frequency(symbol)));
+            }
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::transform::Tables;
+
+    const BUILT_IN: &str = include_str!("../../../../formats/color-tables.txt");
+
+    #[test]
+    fn the_built_in_sets_come_back_as_the_file_of_the_format() {
+        let sets = read(BUILT_IN.as_bytes()).unwrap();
+        assert_eq!(sets, Tables::default().sets());
+        assert_eq!(write(&sets), BUILT_IN);
+        let own = write(&sets[2..3]);
+        assert_eq!(read(own.as_bytes()).unwrap(), sets[2..3]);
+        let without_comments = own.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("  # x\r\n");
+        assert_eq!(read(without_comments.as_bytes()).unwrap(), sets[2..3]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        let lines: Vec<&str> = BUILT_IN.lines().collect();
+        let says = |line: usize, new: &str| {
+            let mut changed = lines.clone();
+            changed[line - 1] = new;
+            read(changed.join("\n").as_bytes()).unwrap_err().to_string()
+        };
+        assert_eq!(says(17, "1882 x 678 407"), "line 17: a decimal number was expected, or a comment behind #");
+        assert_eq!(says(17, "1882 -1 678 407"), "line 17: a decimal number was expected, or a comment behind #");
+        assert_eq!(
+            says(17, "1882 1129 678 408"),
+            "line 17: the frequencies of a distribution sum to 4097, 4096 were expected"
+        );
+        assert_eq!(says(17, "4096 0 0 0"), "line 17: a frequency of at least 1 was expected for each symbol");
+        assert_eq!(says(17, "99999999999 1 1 1"), "line 17: a number of at most 4096 was expected");
+        assert_eq!(says(3, "8"), "line 3: a number of at most 7 was expected");
+        assert!(says(3, "1").starts_with("line 3: the distribution that formats/color-tables.txt gives"));
+        let cut = lines[..15].join("\n");
+        assert_eq!(read(cut.as_bytes()).unwrap_err().to_string(), "line 15: the text ends where a number was expected");
+        assert!(read(lines[..300].join("\n").as_bytes()).is_err() && read(b"").is_err() && read(&[0xff]).is_err());
+    }
+}

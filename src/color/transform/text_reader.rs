@@ -1,0 +1,121 @@
+//! Reads entropy tables in the text form of formats/color-tables.txt (color.md 6.7). The compiler reads the built-in sets with it,
+//! an encoder the set of a stream.
+
+use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, Family};
+use crate::entropy::distribution::SLOTS;
+use crate::entropy::{Distribution, SYMBOLS};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    Character,
+    End,
+    TooLarge {
+        most: u16,
+    },
+    /// An encoder needs a frequency of at least 1 for each symbol.
+    NoFrequency,
+    /// Frequencies that do not sum to 4096.
+    Sum(u32),
+}
+
+/// The first fault stays, with its line, and what is read from there on has no meaning: the compiler has no `?`.
+#[derive(Debug)]
+pub struct TextReader<'a> {
+    text: &'a [u8],
+    at: usize,
+    line: usize,
+    fault: Option<Fault>,
+}
+
+impl<'a> TextReader<'a> {
+    pub const fn new(text: &'a [u8]) -> TextReader<'a> {
+        TextReader { text, at: 0, line: 1, fault: None }
+    }
+
+    /// The first fault and its line.
+    pub const fn fault(&self) -> Option<(Fault, usize)> {
+        match self.fault {
+            Some(fault) => Some((fault, self.line)),
+            None => None,
+        }
+    }
+
+    pub const fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Whether only blanks and comments are left.
+    pub const fn is_at_end(&mut self) -> bool {
+        let mut in_comment = false;
+        while self.fault.is_none() && self.at < self.text.len() {
+            match self.text[self.at] {
+                b'\n' => {
+                    in_comment = false;
+                    self.line += 1;
+                }
+                b'#' => in_comment = true,
+                byte if in_comment || byte.is_ascii_whitespace() => {}
+                _ => return false,
+            }
+            self.at += 1;
+        }
+        self.at == self.text.len()
+    }
+
+    /// A number of the contexts' part: the distribution of a context, counted from the first of all families.
+    pub const fn cluster(&mut self, family: Family) -> u8 {
+        (family.first_cluster + self.number(family.clusters as u16 - 1) as usize) as u8
+    }
+
+    pub const fn set(&mut self) -> [Distribution; CLUSTERS] {
+        let mut set = [Distribution::CERTAIN; CLUSTERS];
+        let mut cluster = 0;
+        while cluster < CLUSTERS && self.fault.is_none() {
+            set[cluster] = self.distribution(ALPHABETS[cluster] as usize);
+            cluster += 1;
+        }
+        set
+    }
+
+    const fn distribution(&mut self, alphabet: usize) -> Distribution {
+        let mut frequencies = [0; SYMBOLS];
+        let (mut symbol, mut sum) = (0, 0);
+        while symbol < alphabet {
+            frequencies[symbol] = self.number(SLOTS);
+            if frequencies[symbol] == 0 {
+                self.refuse(Fault::NoFrequency);
+            }
+            sum += frequencies[symbol] as u32;
+            symbol += 1;
+        }
+        if sum != SLOTS as u32 {
+            self.refuse(Fault::Sum(sum));
+            return Distribution::CERTAIN;
+        }
+        Distribution::of_frequencies(&frequencies)
+    }
+
+    const fn number(&mut self, most: u16) -> u16 {
+        if self.is_at_end() {
+            self.refuse(Fault::End);
+        }
+        let start = self.at;
+        let mut value: u32 = 0;
+        while self.fault.is_none() && self.at < self.text.len() && self.text[self.at].is_ascii_digit() {
+            value = value.saturating_mul(10).saturating_add((self.text[self.at] - b'0') as u32);
+            self.at += 1;
+        }
+        if self.at == start {
+            self.refuse(Fault::Character);
+        } else if value > most as u32 {
+            self.refuse(Fault::TooLarge { most });
+        }
+        if self.fault.is_some() { 0 } else { value as u16 }
+    }
+
+    const fn refuse(&mut self, fault: Fault) {
+        if self.fault.is_none() {
+            self.fault = Some(fault);
+        }
+    }
+}
