@@ -18,8 +18,9 @@ use crate::train::{self, TrainSettings, TrainSummary, Trained};
 #[command(after_help = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
     lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \
     lightfold train-color kitchen.lfold -o - --sets 4\n\n\
-    The tables suit footage of the same kind, noise and quality. A container stores them once, in some 2 kB, and each cell takes \
-    the cheapest set, trained or built in. Encodes with tables can be trained on again.")]
+    The tables suit footage of the same kind, noise and quality; other footage may gain nothing from them. A container stores \
+    them once, in some 1.3 kB, and each cell takes the cheapest set, trained or built in. Encodes with tables can be trained on \
+    again.")]
 pub struct Args {
     /// Containers with colour of the transform codec, - for standard input
     #[arg(value_name = "IN.lfold", required = true)]

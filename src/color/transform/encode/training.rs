@@ -206,8 +206,8 @@ mod tests {
         for (at, distribution) in trained.distributions().iter().enumerate().skip(1) {
             let sets = &Tables::default();
             for symbol in 0..SYMBOLS {
-                let mean =
-                    sets.sets().iter().map(|set| set.distributions()[at].frequency(symbol)).sum::<u32>() as f64 / 4.0;
+                let sum: u32 = sets.sets().iter().map(|set| set.distributions()[at].frequency(symbol)).sum();
+                let mean = f64::from(sum) / BUILT_IN as f64;
                 assert!(
                     (f64::from(distribution.frequency(symbol)) - mean).abs() <= 8.0,
                     "cluster {at}, symbol {symbol}"
