@@ -1,6 +1,6 @@
 //! Counts of one chunk, frame by frame: keyframes, boxes, nodes, pixels, bytes.
 
-use crate::color::transform::region::Content;
+use crate::color::transform::region::{Content, Region};
 use crate::color::transform::{Keyed, TransformChunk};
 use crate::color::{CellChunk, ColorChunk, Sample};
 use crate::depth::Texel;
@@ -52,7 +52,7 @@ impl BlockCount {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TransformCount {
     pub transform_chunks: u64,
-    /// Chunks of keyframes and weights.
+    /// Chunks of keyframes and weights in a stream of the transform codec.
     pub cells_chunks: u64,
     /// Transformed blocks of 4, 8, 16 and 32 pixels square.
     pub blocks: [u64; 4],
@@ -111,7 +111,7 @@ fn count_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkMeasure {
 /// All bytes are of the first frame, with which a chunk is read.
 fn count_transform(chunk: &TransformChunk, frames: u32) -> ChunkMeasure {
     let mut count = TransformCount { transform_chunks: 1, ..TransformCount::default() };
-    for leaf in chunk.regions().iter().flat_map(|region| &region.leaves) {
+    for leaf in chunk.regions().iter().flat_map(Region::leaves) {
         match leaf.content {
             Content::Transform { .. } => count.blocks[leaf.block().shape.level] += 1,
             Content::Palette(_) => count.palette_blocks += 1,

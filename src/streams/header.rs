@@ -139,7 +139,7 @@ impl ColorHeader {
         if let ColorCoding::Cells(blocks) = self.coding { blocks } else { None }
     }
 
-    /// Entropy tables of the transform codec; `None` for cells.
+    /// Entropy tables of the transform codec; `None` for keyframes and weights.
     pub fn tables(&self) -> Option<&Tables> {
         if let ColorCoding::Transform(tables) = &self.coding { Some(tables) } else { None }
     }
@@ -240,10 +240,12 @@ impl CodecHeader {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
             CodecHeader::Depth(_) | CodecHeader::Material(_) => 10 * bytes,
             CodecHeader::Color(header) => {
-                let cells = 4 * bytes + (8 * bytes).min(4 << 20);
+                let keyframes = 4 * bytes + (8 * bytes).min(4 << 20);
                 let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
                 let size = [width as usize, height as usize];
-                header.tables().map_or(cells, |_| cells.max(region::held_bytes(bytes, size, chunk.key.frame_count)))
+                header
+                    .tables()
+                    .map_or(keyframes, |_| keyframes.max(region::held_bytes(bytes, size, chunk.key.frame_count)))
             }
         }
     }

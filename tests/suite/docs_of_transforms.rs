@@ -1,5 +1,6 @@
 //! Sections 6 to 8 of formats/color.md say what the library does.
 
+use lightfold::color::transform::authored::{Author, Question, contexts_of};
 use lightfold::color::transform::basis::{COSINES, LENGTHS};
 use lightfold::color::transform::blocks::{Block, MAX_FRAMES};
 use lightfold::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES, Family};
@@ -13,7 +14,6 @@ use lightfold::color::transform::{Tables, TransformChunk};
 use lightfold::entropy::Encoder;
 
 use crate::docs::{hex_bytes, read, table};
-use crate::transform_payloads::{Author, Question, contexts_of};
 
 const NAMES: [&str; 13] = [
     "NODE",

@@ -2,12 +2,15 @@
 
 use half::f16;
 use lightfold::color::cells::builder::CellBuilder;
+use lightfold::color::transform::authored::{
+    ANY, Author, PALETTES, Question, Taste, USUAL, WHOLE, contexts_of, random_payload,
+};
 use lightfold::color::transform::basis::LENGTHS;
 use lightfold::color::transform::blocks::Block;
 use lightfold::color::transform::contexts::{NODE, PALETTE_SIZE, PIXEL};
 use lightfold::color::transform::domain::{ChromaSlopes, Domain};
 use lightfold::color::transform::payload::{CELLS, Header, holds_cells};
-use lightfold::color::transform::region::{PALETTE, QUARTERS, Region};
+use lightfold::color::transform::region::{Content, PALETTE, QUARTERS, Region};
 use lightfold::color::transform::steps::StepIndices;
 use lightfold::color::transform::tables::BUILT_IN;
 use lightfold::color::transform::{Keyed, Tables, TransformChunk};
@@ -18,9 +21,7 @@ use lightfold::image::transfer::ToneMap;
 use lightfold::streams::{CodecHeader, ColorCoding, ColorFormat, ColorHeader};
 
 use crate::samples::{self, Random, Shape, Stream};
-use crate::transform_payloads::{
-    self, ANY, Author, Coverage, PALETTES, Question, Taste, USUAL, WHOLE, contexts_of, own_set, own_sets, usual_header,
-};
+use crate::transform_payloads::{Coverage, own_set, own_sets, usual_header};
 use crate::vectors::shape;
 
 /// The row of a stream with these tables, of samples of so many bytes.
@@ -55,12 +56,22 @@ fn stream<S: Keyed>(
     Stream { entry, chunks }
 }
 
+fn payload_of_taste<S: Keyed>(
+    size: [usize; 2],
+    frames: usize,
+    header: &Header,
+    tables: &Tables,
+    (taste, random): (Taste, &mut Random),
+) -> Vec<u8> {
+    random_payload::<S>(size, frames, header, tables, (taste, &mut |end| random.below(end))).unwrap()
+}
+
 /// A stream of one chunk in which all is chosen by taste.
 fn random<S: Keyed>(face: u8, size: [u32; 2], frames: u32, header: &Header, (taste, seed): (Taste, u64)) -> Stream {
     let tables = Tables::default();
     let mut random = Random(seed);
     stream::<S>(shape(face, size, size, 0, frames), &[frames as usize], &tables, |size, frames| {
-        transform_payloads::payload::<S>(size, frames, header, &tables, (taste, &mut random))
+        payload_of_taste::<S>(size, frames, header, &tables, (taste, &mut random))
     })
 }
 
@@ -70,7 +81,7 @@ fn whole<S: Keyed>(face: u8, size: [u32; 2], seed: u64) -> Stream {
     let frames = LENGTHS.iter().sum::<usize>() as u32;
     stream::<S>(shape(face, size, size, 0, frames), &LENGTHS, &tables, |size, frames| {
         let header = Header { set: usize::from(face), ..usual_header(S::BYTES) };
-        transform_payloads::payload::<S>(size, frames, &header, &tables, (WHOLE, &mut random))
+        payload_of_taste::<S>(size, frames, &header, &tables, (WHOLE, &mut random))
     })
 }
 
@@ -126,7 +137,7 @@ fn own_tables<S: Keyed>(seed: u64) -> Vec<u8> {
         stream::<S>(shape(face, [24, 8], [8, 8], 4, 10), &[4, 2], &tables, |size, frames| {
             let set = random.below(tables.sets().len() as u32) as usize;
             let header = Header { set, ..usual_header(S::BYTES) };
-            transform_payloads::payload::<S>(size, frames, &header, &tables, (USUAL, &mut random))
+            payload_of_taste::<S>(size, frames, &header, &tables, (USUAL, &mut random))
         })
     });
     container(&streams.collect::<Vec<_>>())
@@ -141,7 +152,7 @@ fn chunks_of_cells() -> Vec<u8> {
         number += 1;
         if number % 3 != 0 {
             let header = usual_header(1);
-            return transform_payloads::payload::<u8>(size, frames, &header, &tables, (USUAL, &mut random));
+            return payload_of_taste::<u8>(size, frames, &header, &tables, (USUAL, &mut random));
         }
         let mut cell = CellBuilder::default();
         let mut samples = || (0..3 * size[0] * size[1]).map(|_| random.below(256) as u8).collect::<Vec<u8>>();
@@ -227,7 +238,11 @@ fn most_items(more: usize) -> Vec<u8> {
         };
         let author = Author::new(&mut stream, &tables.sets()[header.set], pick);
         let region = Region::read_by(author, u64::MAX, Block::root(size, 1), &header, &Domain::BYTES).unwrap();
-        let items = region.palettes.iter().map(|palette| 1 + palette.colors.len()).sum::<usize>();
+        let items = region.leaves().map(|leaf| match &leaf.content {
+            Content::Palette(palette) => 1 + palette.colors.len(),
+            Content::Transform { .. } => 1,
+        });
+        let items = items.sum::<usize>();
         let bytes = stream.finish();
         if items == 64 + 8 * bytes.len() + more {
             let payload = header.write::<u8>(&[bytes]);
@@ -307,7 +322,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let tables = own_sets(2, &mut random);
     let payload = |size, frames| {
         let taste = (USUAL, &mut Random(901));
-        transform_payloads::payload::<u8>(size, frames, &usual_header(1), &Tables::default(), taste)
+        payload_of_taste::<u8>(size, frames, &usual_header(1), &Tables::default(), taste)
     };
     let with_header = |change: &dyn Fn(&mut Vec<u8>)| {
         let shape = shape(0, [6, 5], [6, 5], 0, 2);

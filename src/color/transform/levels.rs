@@ -120,10 +120,17 @@ fn code_last(coder: &mut impl Coder, context: &PlaneContext, shape: Shape, last:
     (index - 1).min(shape.pixels() - 1)
 }
 
-/// Levels of a block as they are read: only those other than 0, in the order of coding.
-#[derive(Debug, Default)]
+/// Levels of blocks as they are read: only those other than 0, in the order of coding.
+#[derive(Debug)]
 pub struct SparseLevels {
     pub levels: Vec<Level>,
+}
+
+impl SparseLevels {
+    /// The list never grows: a substream that has more levels is shorter than its symbols say, and refused.
+    pub fn with_capacity(most: usize) -> SparseLevels {
+        SparseLevels { levels: Vec::with_capacity(most) }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -149,6 +156,8 @@ impl Levels for SparseLevels {
 
     #[inline(always)]
     fn put(&mut self, channel: usize, plane: usize, position: Position, value: i32) {
-        self.levels.push(Level { value, position, plane: plane as u8, channel: channel as u8 });
+        if self.levels.len() < self.levels.capacity() {
+            self.levels.push(Level { value, position, plane: plane as u8, channel: channel as u8 });
+        }
     }
 }

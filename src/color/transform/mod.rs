@@ -7,6 +7,8 @@
 //! Based on: block transforms and partitions of HEVC (ITU-T H.265), palettes of its screen content extensions, static
 //! entropy tables in place of adaptation.
 
+#[cfg(feature = "gpu")]
+pub mod authored;
 pub mod basis;
 pub mod blocks;
 pub mod coder;

@@ -59,9 +59,12 @@ impl TransformChunk {
             let bytes = (&payload[substream.clone()], substream.start);
             Region::read(bytes, root, &layout.header, set, &S::DOMAIN)
         };
-        let regions = regions(size).zip(&layout.substreams).map(read).collect::<Result<_>>()?;
+        let mut read_regions = Vec::with_capacity(layout.substreams.len());
+        for region in regions(size).zip(&layout.substreams).map(read) {
+            read_regions.push(region?);
+        }
         let steps = Steps::new(layout.header.steps, &S::DOMAIN);
-        Ok(TransformChunk { size, steps, slopes: layout.header.slopes, regions })
+        Ok(TransformChunk { size, steps, slopes: layout.header.slopes, regions: read_regions })
     }
 
     pub fn size(&self) -> [usize; 2] {
@@ -82,9 +85,7 @@ impl TransformChunk {
             let window = Window { columns, rows, side: shape.side(), stride: 3 * self.size[0] };
             let out = out.get_mut(3 * (top * self.size[0] + left)..).unwrap_or_default();
             match &leaf.content {
-                Content::Palette(index) => {
-                    window.write_palette(&region.palettes[*index as usize], shape, frame - place.frame, out);
-                }
+                Content::Palette(palette) => window.write_palette(palette, shape, frame - place.frame, out),
                 Content::Transform { channels, .. } => {
                     self.decode_channels::<S>(region, channels, (shape, frame - place.frame), &mut planes);
                     window.write_channels(&planes, self.slopes, out);
@@ -108,7 +109,7 @@ impl TransformChunk {
     /// Pixels of blocks that look the same in a set of frames, by that set: bit f is frame f.
     pub fn pixels_of_frames(&self) -> BTreeMap<u128, u64> {
         let mut pixels = BTreeMap::new();
-        for (region, leaf, [_, _, columns, rows]) in self.leaves() {
+        for (_, leaf, [_, _, columns, rows]) in self.leaves() {
             let Block { place, shape } = leaf.block();
             let mut left = place.frame..place.frame + shape.frames;
             let mut seen = 0u128;
@@ -116,7 +117,7 @@ impl TransformChunk {
                 if seen >> first & 1 == 1 {
                     continue;
                 }
-                let same = left.clone().filter(|&other| leaf.is_same(region, first, other));
+                let same = left.clone().filter(|&other| leaf.is_same(first, other));
                 let frames = same.fold(1 << first, |frames, frame| frames | 1 << frame);
                 seen |= frames;
                 *pixels.entry(frames).or_default() += (columns * rows) as u64;
@@ -126,15 +127,15 @@ impl TransformChunk {
     }
 
     fn changes(&self, frame: usize, shown: Option<usize>) -> impl Iterator<Item = (&Region, &Leaf, [usize; 4])> {
-        self.leaves().filter(move |(region, leaf, _)| {
-            leaf.block().contains_frame(frame) && !shown.is_some_and(|shown| leaf.is_same(region, frame, shown))
+        self.leaves().filter(move |(_, leaf, _)| {
+            leaf.block().contains_frame(frame) && !shown.is_some_and(|shown| leaf.is_same(frame, shown))
         })
     }
 
     /// Blocks with the left, top, width and height in the cell of what lies in it: blocks may lie beyond its edge.
     fn leaves(&self) -> impl Iterator<Item = (&Region, &Leaf, [usize; 4])> {
         regions(self.size).zip(&self.regions).flat_map(move |([left, top, width, height], region)| {
-            region.leaves.iter().filter_map(move |leaf| {
+            region.leaves().filter_map(move |leaf| {
                 let Block { place, shape } = leaf.block();
                 let [columns, rows] =
                     [width.checked_sub(place.x)?, height.checked_sub(place.y)?].map(|free| free.min(shape.side()));
@@ -158,8 +159,8 @@ impl TransformChunk {
             let source = FrameLevels { levels: of.of(region), of, step: self.steps.step(channel, length), weights };
             let coefficients = &mut planes.coefficients;
             source.coefficients(shape.side(), coefficients);
-            let (level, extent, fraction_bits) = (shape.level, of.extent(), S::DOMAIN.fraction_bits);
-            planes.vectors.dispatch(InverseTransform { level, coefficients, extent, fraction_bits, out: plane });
+            let (size_class, extent, fraction_bits) = (shape.level, of.extent(), S::DOMAIN.fraction_bits);
+            planes.vectors.dispatch(InverseTransform { size_class, coefficients, extent, fraction_bits, out: plane });
         }
     }
 }
@@ -211,16 +212,15 @@ impl Window {
 
 impl Leaf {
     /// Whether two frames of the chunk show the same in this block.
-    fn is_same(&self, region: &Region, frame: usize, other: usize) -> bool {
+    fn is_same(&self, frame: usize, other: usize) -> bool {
         let block = self.block();
         if !block.contains_frame(other) {
             return false;
         }
         match &self.content {
             Content::Transform { still, .. } => *still || frame == other,
-            Content::Palette(index) => {
-                let [a, b] = [frame, other]
-                    .map(|frame| region.palettes[*index as usize].frame(block.shape, frame - block.place.frame));
+            Content::Palette(palette) => {
+                let [a, b] = [frame, other].map(|frame| palette.frame(block.shape, frame - block.place.frame));
                 a == b
             }
         }
@@ -281,7 +281,8 @@ impl FrameLevels<'_> {
 /// Functions of even frequency are symmetric, those of odd frequency antisymmetric: half of each row is computed, and the
 /// other half is the difference where this one is the sum. Sums wrap, so that their order does not matter.
 struct InverseTransform<'a> {
-    level: usize,
+    /// As of [`Shape`].
+    size_class: usize,
     coefficients: &'a [i32; MOST_PIXELS],
     /// Columns and rows that have coefficients.
     extent: [usize; 2],
@@ -295,7 +296,7 @@ impl NullaryFnOnce for InverseTransform<'_> {
 
     #[inline(always)]
     fn call(self) {
-        match self.level {
+        match self.size_class {
             0 => inverse_transform(&BASIS_4, self),
             1 => inverse_transform(&BASIS_8, self),
             2 => inverse_transform(&BASIS_16, self),

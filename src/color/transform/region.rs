@@ -32,12 +32,28 @@ pub fn most_items(substream: &[u8]) -> u64 {
     FREE_ITEMS + ITEMS_A_BYTE * substream.len() as u64
 }
 
+/// What a region may hold (color.md 6.4).
+#[derive(Debug, Clone, Copy)]
+struct MostContent {
+    /// Leaves, and colours of palettes.
+    items: u64,
+    /// Levels other than 0.
+    levels: u64,
+}
+
+impl MostContent {
+    /// Each level takes a raw bit of its substream for its sign.
+    fn of_substream(bytes: &[u8]) -> MostContent {
+        MostContent { items: most_items(bytes), levels: 8 * bytes.len() as u64 }
+    }
+}
+
 /// A block without children, in few bytes.
 #[derive(Debug)]
 pub struct Leaf {
     /// Column, row and first frame.
     place: [u8; 3],
-    level: u8,
+    size_class: u8,
     frames: u8,
     pub content: Content,
 }
@@ -46,12 +62,15 @@ impl Leaf {
     fn new(Block { place, shape }: Block, content: Content) -> Leaf {
         // A region has at most 32 columns, 32 rows and 96 frames.
         let place = [place.x as u8, place.y as u8, place.frame as u8];
-        Leaf { place, level: shape.level as u8, frames: shape.frames as u8, content }
+        Leaf { place, size_class: shape.level as u8, frames: shape.frames as u8, content }
     }
 
     pub fn block(&self) -> Block {
         let [x, y, frame] = self.place.map(usize::from);
-        Block { place: Place { x, y, frame }, shape: Shape { level: self.level.into(), frames: self.frames.into() } }
+        Block {
+            place: Place { x, y, frame },
+            shape: Shape { level: self.size_class.into(), frames: self.frames.into() },
+        }
     }
 }
 
@@ -62,8 +81,7 @@ pub enum Content {
         /// Whether all frames are one picture.
         still: bool,
     },
-    /// Index among the region's.
-    Palette(u32),
+    Palette(Box<Palette>),
 }
 
 /// Levels of a channel of a block.
@@ -90,12 +108,41 @@ impl ChannelLevels {
 /// A region as it was read.
 #[derive(Debug, Default)]
 pub struct Region {
-    pub leaves: Vec<Leaf>,
-    pub levels: Vec<Level>,
-    pub palettes: Vec<Palette>,
+    leaves: Leaves,
+    levels: Vec<Level>,
+}
+
+/// Leaves in lists that never grow, so that no leaf is held twice while more are read.
+#[derive(Debug, Default)]
+struct Leaves {
+    lists: Vec<Vec<Leaf>>,
+    count: usize,
+}
+
+impl Leaves {
+    fn push(&mut self, leaf: Leaf) {
+        self.count += 1;
+        match self.lists.last_mut() {
+            Some(list) if list.len() < list.capacity() => list.push(leaf),
+            _ => {
+                let mut list = Vec::with_capacity((self.count / SPARE_SHARE).max(LEAST_LIST));
+                list.push(leaf);
+                self.lists.push(list);
+            }
+        }
+    }
 }
 
 impl Region {
+    pub fn leaves(&self) -> impl Iterator<Item = &Leaf> {
+        self.leaves.lists.iter().flatten()
+    }
+
+    /// Levels other than 0 of all leaves.
+    pub fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+
     /// Reads a whole substream; `at` is its offset in the payload.
     pub fn read(
         substream: (&[u8], usize),
@@ -106,7 +153,8 @@ impl Region {
     ) -> Result<Region> {
         let (bytes, at) = substream;
         let coder = Reader { stream: entropy::Decoder::new(bytes), tables };
-        Region::read_by(coder, most_items(bytes), root, header, domain)
+        let most = MostContent::of_substream(bytes);
+        Region::read_within(coder, most, root, header, domain)
             .map_err(|message| Error::invalid_at(SECTION, at as u64, message))
     }
 
@@ -118,6 +166,18 @@ impl Region {
         header: &Header,
         domain: &Domain,
     ) -> Result<Region, &'static str> {
+        Region::read_within(coder, MostContent { items: most_items, levels: u64::MAX }, root, header, domain)
+    }
+
+    fn read_within<C: SourceCoder>(
+        coder: C,
+        most: MostContent,
+        root: Block,
+        header: &Header,
+        domain: &Domain,
+    ) -> Result<Region, &'static str> {
+        let pixels = (root.shape.pixels() * root.shape.frames) as u64;
+        let most_levels = most.levels.min(CHANNELS as u64 * pixels) as usize;
         let mut reader = RegionReader {
             coder,
             header,
@@ -126,9 +186,9 @@ impl Region {
             means: Means::default(),
             cache: ColorCache::new(&header.colors),
             history: History::default(),
-            levels: SparseLevels::default(),
-            region: Region::default(),
-            items_left: most_items,
+            levels: SparseLevels::with_capacity(most_levels),
+            leaves: Leaves::default(),
+            items_left: most.items,
             illegal: None,
         };
         reader.node(root);
@@ -136,13 +196,38 @@ impl Region {
             Some(message) => Err(message),
             None if !reader.coder.is_finished() => Err("a region's substream does not end where its symbols do"),
             None => {
-                let mut region = Region { levels: reader.levels.levels, ..reader.region };
-                region.leaves.shrink_to_fit();
-                region.levels.shrink_to_fit();
-                region.palettes.shrink_to_fit();
-                Ok(region)
+                let mut levels = reader.levels.levels;
+                levels.shrink_to_fit();
+                Ok(Region { leaves: reader.leaves, levels })
             }
         }
+    }
+}
+
+#[cfg(test)]
+impl Region {
+    /// What an allocation takes on top of its bytes.
+    const ALLOCATION: usize = 16;
+
+    /// Bytes that the region takes, itself among them.
+    pub fn allocated_bytes(&self) -> usize {
+        let room = |count: usize, bytes: usize| if count == 0 { 0 } else { count * bytes + Region::ALLOCATION };
+        let palette = |palette: &Palette| {
+            let colors = room(palette.colors.capacity(), size_of::<[i32; 3]>());
+            room(1, size_of::<Palette>()) + colors + room(palette.indices.capacity(), 1)
+        };
+        let palettes: usize = self.palettes().map(palette).sum();
+        let lists = &self.leaves.lists;
+        let leaves: usize = lists.iter().map(|list| room(list.capacity(), size_of::<Leaf>())).sum();
+        let lists = room(lists.capacity(), size_of::<Vec<Leaf>>());
+        size_of::<Region>() + palettes + leaves + lists + room(self.levels.capacity(), size_of::<Level>())
+    }
+
+    pub fn palettes(&self) -> impl Iterator<Item = &Palette> {
+        self.leaves().filter_map(|leaf| match &leaf.content {
+            Content::Palette(palette) => Some(&**palette),
+            Content::Transform { .. } => None,
+        })
     }
 }
 
@@ -155,7 +240,7 @@ struct RegionReader<'a, C> {
     cache: ColorCache,
     history: History,
     levels: SparseLevels,
-    region: Region,
+    leaves: Leaves,
     items_left: u64,
     illegal: Option<&'static str>,
 }
@@ -210,7 +295,7 @@ impl<C: SourceCoder> RegionReader<'_, C> {
             self.means.set_block(channel, block, &constant[..block.shape.frames], step);
         }
         let still = levels[first..].iter().all(|level| level.plane == 0);
-        self.region.leaves.push(Leaf::new(block, Content::Transform { channels, still }));
+        self.leaves.push(Leaf::new(block, Content::Transform { channels, still }));
     }
 
     fn palette(&mut self, block: Block) {
@@ -221,29 +306,37 @@ impl<C: SourceCoder> RegionReader<'_, C> {
             self.illegal = Some("a pixel names a colour that its palette does not have");
         }
         note_palette(&palette, block, self.header, self.domain, &mut self.means);
-        self.region.leaves.push(Leaf::new(block, Content::Palette(self.region.palettes.len() as u32)));
-        self.region.palettes.push(palette);
+        self.leaves.push(Leaf::new(block, Content::Palette(Box::new(palette))));
     }
 }
 
-/// Bytes of a leaf, or of a palette with one colour or a colour more, in memory of its own.
-const ITEM_BYTES: u64 = 80;
-const LEVEL_BYTES: u64 = size_of::<Level>() as u64;
-/// Bytes of a leaf with a palette of sixteen colours.
-const MOST_LEAF_BYTES: u64 = 336;
+/// A list of leaves has room for one in so many of those that there are, and for at least [`LEAST_LIST`].
+const SPARE_SHARE: usize = 8;
+const LEAST_LIST: usize = 8;
 
-/// Upper bound of the bytes that a chunk of `frames` frames of a cell of `size` pixels holds with its payload, when it is parsed.
+/// Most bytes of a leaf or of a colour of a palette: a leaf of which there is no other counts one, with a palette of one colour two.
+const ITEM_BYTES: u64 = 88;
+/// A level is held twice when the list is cut to its length.
+const LEVEL_BYTES: u64 = 2 * size_of::<Level>() as u64;
+/// Most bytes of a leaf with a palette of sixteen colours.
+const MOST_LEAF_BYTES: u64 = 384;
+/// Most bytes of a region without its leaves and levels: spare room for leaves, the place of its substream.
+const REGION_BYTES: u64 = 640;
+
+/// Upper bound of the bytes that a chunk of `frames` frames of a cell of `size` pixels holds with its payload, when and while it is
+/// parsed (container.md 2).
 pub fn held_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
     let regions = regions(size).len() as u64;
     let pixels = padded_pixels(size) * u64::from(frames);
-    let items = FREE_ITEMS * regions + payload_bytes.saturating_mul(ITEMS_A_BYTE);
-    // A level takes a bit for its sign.
-    let by_payload = items.saturating_mul(ITEM_BYTES).saturating_add(payload_bytes.saturating_mul(8 * LEVEL_BYTES));
-    let squares = pixels / (LEAST * LEAST) as u64;
-    let by_pixels = squares * MOST_LEAF_BYTES + CHANNELS as u64 * pixels * LEVEL_BYTES;
+    let by_payload = payload_bytes.saturating_mul(ITEMS_A_BYTE * ITEM_BYTES + 8 * LEVEL_BYTES);
+    let by_payload = by_payload.saturating_add(regions * FREE_ITEMS * ITEM_BYTES);
+    let by_pixels = pixels * BYTES_A_PIXEL;
     // An index of a palette for each pixel.
-    by_payload.min(by_pixels) + pixels + regions * size_of::<Region>() as u64 + payload_bytes
+    by_payload.min(by_pixels) + pixels + regions * REGION_BYTES + payload_bytes
 }
+
+/// Of leaves of the least size with the largest palettes, and of levels of all coefficients.
+const BYTES_A_PIXEL: u64 = MOST_LEAF_BYTES / (LEAST * LEAST) as u64 + CHANNELS as u64 * LEVEL_BYTES;
 
 /// Notes the means of a palette's last frame (color.md 6.5).
 pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &Domain, means: &mut Means) {
@@ -266,17 +359,47 @@ pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &D
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::transform::palette::{Color, MOST_COLORS};
+
+    const ALLOCATION: u64 = Region::ALLOCATION as u64;
 
     #[test]
-    fn parsed_chunks_take_what_is_said_of_them() {
-        let palette = (size_of::<Palette>() + 2 * 16) as u64;
-        let color = size_of::<crate::color::transform::palette::Color>() as u64;
-        assert!(size_of::<Leaf>() as u64 <= ITEM_BYTES);
-        assert!(size_of::<Leaf>() as u64 + palette + color <= 2 * ITEM_BYTES && color <= ITEM_BYTES);
-        assert!(size_of::<Leaf>() as u64 + palette + 16 * color <= MOST_LEAF_BYTES);
-        assert!(size_of::<Region>() <= 100);
-        let of = |bytes, size, frames| held_bytes(bytes, size, frames);
-        assert_eq!(of(1000, [64, 64], 24), 704 * 1000 + 5120 * 4 + 1000 + 4 * size_of::<Region>() as u64 + 24 * 4096);
-        assert_eq!(of(1 << 20, [64, 64], 24), 45 * 24 * 4096 + (1 << 20) + 4 * size_of::<Region>() as u64 + 24 * 4096);
+    fn bounds_of_parsed_chunks_hold_what_they_are_made_of() {
+        let leaf = size_of::<Leaf>() as u64;
+        let list = 3 * size_of::<Vec<Leaf>>() as u64;
+        let with_room = leaf + leaf.div_ceil(SPARE_SHARE as u64) + (list + ALLOCATION).div_ceil(LEAST_LIST as u64);
+        let palette = |colors: usize| {
+            // One colour has no indices.
+            let indices = if colors > 1 { ALLOCATION } else { 0 };
+            ALLOCATION + (size_of::<Palette>() + colors * size_of::<Color>()) as u64 + ALLOCATION + indices
+        };
+        assert!(with_room <= ITEM_BYTES, "a leaf takes {with_room}");
+        for colors in 1..=MOST_COLORS {
+            let bytes = with_room + palette(colors);
+            assert!(bytes <= (1 + colors as u64) * ITEM_BYTES, "a leaf with {colors} colours takes {bytes}");
+            assert!(bytes <= MOST_LEAF_BYTES, "a leaf with {colors} colours takes {bytes}");
+        }
+        let places = size_of::<Range<usize>>() + size_of::<usize>();
+        let region = LEAST_LIST as u64 * leaf + ALLOCATION + (size_of::<Region>() + places) as u64;
+        assert!(region <= REGION_BYTES, "a region takes {region}");
+    }
+
+    #[test]
+    fn the_document_has_the_numbers_of_the_bound() {
+        let with_commas = |value: u64| match value {
+            0..1000 => value.to_string(),
+            _ => format!("{},{:03}", value / 1000, value % 1000),
+        };
+        let by_payload = with_commas(ITEMS_A_BYTE * ITEM_BYTES + 8 * LEVEL_BYTES);
+        let [free, region] = [FREE_ITEMS * ITEM_BYTES, REGION_BYTES].map(with_commas);
+        let sentence = format!(
+            "count {by_payload} · b + {free} · r, but at most {BYTES_A_PIXEL} · p, and on top b + {region} · r + p;"
+        );
+        let document = include_str!("../../../formats/container.md").replace('\n', " ");
+        assert!(document.contains(&sentence), "container.md 2 does not say: {sentence}");
+        let pixels = 24 * 4096;
+        let on_top = |bytes: u64| bytes + 640 * 4 + pixels;
+        assert_eq!(held_bytes(1000, [64, 64], 24), 832 * 1000 + 5632 * 4 + on_top(1000));
+        assert_eq!(held_bytes(1 << 20, [64, 64], 24), 72 * pixels + on_top(1 << 20));
     }
 }

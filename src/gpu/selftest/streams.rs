@@ -26,7 +26,7 @@ use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
 use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
-use crate::gpu::selftest::transform::{random_payload, random_tables};
+use crate::gpu::selftest::transform::{any_payload, random_tables};
 use crate::gpu::verify::Verification;
 use crate::gpu::{Gpu, GpuDecoder};
 use crate::image::{DepthKind, ToneMap, Transfer};
@@ -369,7 +369,7 @@ fn color<S: CellSample + Keyed>(
     if random.one_in(4) {
         return Ok([vec![CELLS], cells(&format.cell, count, true, random)?].concat());
     }
-    Ok(random_payload::<S>(format.cell.size, count, tables, random))
+    any_payload::<S>(format.cell.size, count, tables, random)
 }
 
 /// Keyframes with weights between them; weights behind the last lead to the next chunk, which the last one has not.

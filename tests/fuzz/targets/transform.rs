@@ -81,9 +81,8 @@ pub fn run(bytes: &[u8]) -> Judged {
     if case.is_half { case.decode::<HalfKey>() } else { case.decode::<u8>() }
 }
 
-/// What a parsed chunk holds (container.md 2), three times while its lists grow; levels of one block beyond the end of a
-/// substream; the tables, and frames.
+/// What a parsed chunk holds (container.md 2), the tables, and frames.
 pub fn bound(bytes: &[u8]) -> u64 {
     let case = Case::read(bytes);
-    (4 << 20) + 3 * held_bytes(case.payload.len() as u64, case.size, case.frames)
+    (4 << 20) + held_bytes(case.payload.len() as u64, case.size, case.frames)
 }

@@ -1,0 +1,205 @@
+//! Payloads that no encoder writes, for tests: an author answers each question of a region's reader (color.md 6.4) with a legal
+//! symbol, picked by hand or at random.
+
+use std::ops::Range;
+
+use crate::color::transform::basis::LENGTHS;
+use crate::color::transform::blocks::{Block, regions};
+use crate::color::transform::coder::{Coder, SourceCoder};
+use crate::color::transform::contexts::{
+    FAMILIES, Family, LAST, LATER_PIXEL, LEVELS, NODE, PALETTE_COLOR, PALETTE_SIZE, PIXEL, PLANES,
+};
+use crate::color::transform::payload::Header;
+use crate::color::transform::region::{PARTS, QUARTERS, Region, TRANSFORM};
+use crate::color::transform::tables::TableSet;
+use crate::color::transform::{Keyed, Tables};
+use crate::entropy::Encoder;
+use crate::error::{Error, Result};
+
+/// How symbols are chosen at random.
+#[derive(Debug, Clone, Copy)]
+pub struct Taste {
+    /// Weights of the kinds of nodes, in the order of their symbols.
+    pub nodes: [u32; 4],
+    /// Values are such that nothing wraps, or any.
+    pub values: Values,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Values {
+    Usual,
+    Any,
+}
+
+pub const USUAL: Taste = Taste { nodes: [6, 3, 2, 1], values: Values::Usual };
+pub const ANY: Taste = Taste { nodes: [6, 3, 2, 1], values: Values::Any };
+/// Blocks are not split where they need not be.
+pub const WHOLE: Taste = Taste { nodes: [100, 0, 0, 0], values: Values::Usual };
+pub const PALETTES: Taste = Taste { nodes: [1, 3, 1, 12], values: Values::Usual };
+
+/// Answers a random number below the given one.
+pub type RandomBelow<'a> = &'a mut dyn FnMut(u32) -> u32;
+
+/// Writes what a region's reader asks for.
+pub struct Author<'a, P> {
+    pub stream: &'a mut Encoder,
+    pub tables: &'a TableSet,
+    pub pick: P,
+    /// Family of the last symbol, and the symbol.
+    last: (Family, usize),
+    colors: usize,
+    /// Whether a symbol was picked that is not legal, or none is.
+    strayed: bool,
+}
+
+/// What an author chooses among.
+#[derive(Debug)]
+pub enum Question<'a> {
+    /// A symbol of a context: the legal ones.
+    Symbol(usize, &'a [usize]),
+    /// Raw bits: a number below this.
+    Bits(u32),
+    /// The number of raw bits of a number: below this.
+    Length(u32),
+}
+
+impl<'a, P: FnMut(Question<'_>) -> u32> Author<'a, P> {
+    pub fn new(stream: &'a mut Encoder, tables: &'a TableSet, pick: P) -> Author<'a, P> {
+        Author { stream, tables, pick, last: (NODE, 0), colors: 0, strayed: false }
+    }
+}
+
+fn family_of(context: usize) -> Family {
+    FAMILIES.into_iter().find(|family| contexts_of(*family).contains(&context)).unwrap_or(NODE)
+}
+
+pub fn contexts_of(family: Family) -> Range<usize> {
+    family.first_context..family.first_context + family.contexts
+}
+
+/// Whether the format allows a symbol, whatever its frequency.
+fn is_legal(context: usize, symbol: usize) -> bool {
+    if !contexts_of(NODE).contains(&context) {
+        return true;
+    }
+    let lengths = LENGTHS.len() + 1;
+    let (size, length) = ((context - NODE.first_context) / lengths, (context - NODE.first_context) % lengths);
+    match symbol {
+        TRANSFORM => length < LENGTHS.len(),
+        QUARTERS => size > 0,
+        PARTS => length > 0,
+        _ => true,
+    }
+}
+
+impl<P: FnMut(Question<'_>) -> u32> Coder for Author<'_, P> {
+    fn symbol(&mut self, context: usize, _: usize) -> usize {
+        let family = family_of(context);
+        let distribution = self.tables.distribution(context);
+        let is_possible = |&symbol: &usize| distribution.frequency(symbol) > 0 && is_legal(context, symbol);
+        let possible: Vec<usize> = (0..family.alphabet).filter(is_possible).collect();
+        let symbol = (self.pick)(Question::Symbol(context, &possible)) as usize;
+        if possible.contains(&symbol) {
+            self.stream.symbol(distribution, symbol);
+        } else {
+            self.strayed = true;
+        }
+        self.last = (family, symbol);
+        if contexts_of(PALETTE_SIZE).contains(&context) {
+            self.colors = symbol + 1;
+        }
+        symbol
+    }
+
+    fn bits(&mut self, _: u32, count: u32) -> u32 {
+        let is = |family: Family| family.first_context == self.last.0.first_context;
+        let is_length = self.last.1 == 15 && (is(LEVELS) || is(PLANES));
+        let value = match count {
+            5 if is_length => {
+                self.last.1 = 0;
+                (self.pick)(Question::Length(32))
+            }
+            _ if is(PIXEL) || is(LATER_PIXEL) => (self.pick)(Question::Bits(self.colors as u32)),
+            _ => (self.pick)(Question::Bits(1 << count)),
+        };
+        self.stream.bits(value, count);
+        value
+    }
+}
+
+impl<P: FnMut(Question<'_>) -> u32> SourceCoder for Author<'_, P> {
+    fn is_short(&self) -> bool {
+        self.strayed
+    }
+
+    fn is_finished(&self) -> bool {
+        !self.strayed
+    }
+}
+
+impl Taste {
+    /// Answers a question by chance.
+    fn answer(self, question: Question<'_>, random_below: RandomBelow<'_>) -> u32 {
+        match question {
+            Question::Symbol(context, possible) => self.symbol(context, possible, random_below) as u32,
+            Question::Bits(below) => random_below(below),
+            Question::Length(below) => random_below(if self.values == Values::Any { below } else { 2 }),
+        }
+    }
+
+    fn symbol(self, context: usize, possible: &[usize], random_below: RandomBelow<'_>) -> usize {
+        let Some(&last) = possible.last() else { return 0 };
+        let is_in = |family: Family| contexts_of(family).contains(&context);
+        let any = possible[random_below(possible.len() as u32) as usize];
+        // The first symbol with one probability, the second with the same of what is left, and so on.
+        let mut falling = |percent: u32| possible.iter().copied().find(|_| random_below(100) < percent).unwrap_or(last);
+        if is_in(NODE) {
+            let weighted: Vec<usize> =
+                possible.iter().flat_map(|&kind| vec![kind; self.nodes[kind] as usize]).collect();
+            return weighted.get(random_below(weighted.len().max(1) as u32) as usize).copied().unwrap_or(any);
+        }
+        match self.values {
+            Values::Any => any,
+            Values::Usual if is_in(LEVELS) => falling(70),
+            Values::Usual if is_in(PLANES) => falling(35),
+            Values::Usual if is_in(LAST) => falling(30),
+            Values::Usual if is_in(PALETTE_COLOR) => {
+                if falling(50) == possible[0] {
+                    last
+                } else {
+                    any
+                }
+            }
+            Values::Usual => any,
+        }
+    }
+}
+
+/// Trees that are tried for a region before it is given up: few have more leaves than their bytes justify.
+const MOST_TRIES: usize = 1000;
+
+/// A payload of which all that stands behind its header is chosen by taste. The payload is legal.
+pub fn random_payload<S: Keyed>(
+    size: [usize; 2],
+    frames: usize,
+    header: &Header,
+    tables: &Tables,
+    (taste, random_below): (Taste, RandomBelow<'_>),
+) -> Result<Vec<u8>> {
+    let set = &tables.sets()[header.set];
+    let mut substream = |[_, _, width, height]: [usize; 4]| {
+        let root = Block::root([width, height], frames);
+        for _ in 0..MOST_TRIES {
+            let mut stream = Encoder::default();
+            let author = Author::new(&mut stream, set, |question: Question<'_>| taste.answer(question, random_below));
+            Region::read_by(author, u64::MAX, root, header, &S::DOMAIN).map_err(Error::invalid)?;
+            let bytes = stream.finish();
+            if Region::read((&bytes, 0), root, header, set, &S::DOMAIN).is_ok() {
+                return Ok(bytes);
+            }
+        }
+        Err(Error::invalid("no random tree of blocks is legal"))
+    };
+    let substreams = regions(size).map(&mut substream).collect::<Result<Vec<_>>>()?;
+    Ok(header.write::<S>(&substreams))
+}
