@@ -48,7 +48,7 @@ impl Default for ScanLimits {
     }
 }
 
-/// Limits of a group's colour cells. They follow from footage and settings alone, because the file depends on them.
+/// Limits of a group's cells of keyframes and weights. They follow from footage and settings alone, because the file depends on them.
 pub(super) struct ColorMemory {
     /// With a shorter lookahead where more pictures would be pending.
     pub search: SearchSettings,
@@ -158,7 +158,7 @@ pub(super) fn scan_limits(
     Ok(limits)
 }
 
-/// Colour cells: pending pictures and open chunks.
+/// Cells of keyframes and weights: pending pictures and open chunks.
 fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let header = CodecHeader::Color(settings.color_header());
     let units = unit_count(group, settings);
@@ -170,7 +170,7 @@ fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     pending + open + compressing(settings, open / units.max(1))
 }
 
-/// Colour cells of the transform codec: the frames of a chunk, and what the search of one cell takes.
+/// Cells of the transform codec: the frames of a chunk, and what the search of one cell takes.
 fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> (u64, u64) {
     let header = CodecHeader::Color(settings.color_header());
     let frames = u64::from(settings.color_chunk).min(group.frames.count());

@@ -189,7 +189,7 @@ fn transforms(report: &Report<'_>) -> Option<Table> {
     for stats in report.inspection.streams.iter().filter(is_transform) {
         counts.entry(stats.stream.header.codec_name()).or_default().add(stats.transform);
     }
-    let mut table = Table::new("Codec|>Chunks|>In cells|>Blocks 4x4|>8x8|>16x16|>32x32|>Palettes");
+    let mut table = Table::new("Codec|>Chunks|>Keyframe chunks|>Blocks 4x4|>8x8|>16x16|>32x32|>Palettes");
     for (codec, count) in &counts {
         let TransformCount { transform_chunks, cells_chunks, blocks, palette_blocks } = count;
         let numbers = [transform_chunks + cells_chunks, *cells_chunks].into_iter().chain(*blocks);

@@ -7,7 +7,8 @@ pub const LEAST: usize = 4;
 /// Most frames of a chunk.
 pub const MAX_FRAMES: u32 = 96;
 
-/// Size of a node: 4·2^level pixels square, over `frames` frames.
+/// Size of a node: 4·2^level pixels square, over `frames` frames. `level` is the size class, z in color.md 6; a level of a
+/// transform is a quantised coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
     pub level: usize,

@@ -105,15 +105,15 @@ pub fn node(shape: Shape) -> usize {
 }
 
 /// `before` is the number of planes of the channel that had some last, at most 2.
-pub fn planes(channel: usize, level: usize, before: usize) -> usize {
-    PLANES.first_context + (channel * SIZES + level) * 3 + before
+pub fn planes(channel: usize, size_class: usize, before: usize) -> usize {
+    PLANES.first_context + (channel * SIZES + size_class) * 3 + before
 }
 
 /// A plane of a channel of a block: a temporal frequency.
 #[derive(Debug, Clone, Copy)]
 pub struct PlaneContext {
     channel: usize,
-    level: usize,
+    size_class: usize,
     class: usize,
     /// First context of the other levels, first of the last one, by position class.
     levels: usize,
@@ -127,7 +127,7 @@ impl PlaneContext {
         let others = LEVELS.first_context + COLORS * PLANE_CLASSES * POSITION_CLASSES * OTHER_CLASSES;
         PlaneContext {
             channel,
-            level: shape.level,
+            size_class: shape.level,
             class,
             levels: others + row * SUM_CLASSES * OTHER_CLASSES,
             last_levels: LEVELS.first_context + row * OTHER_CLASSES,
@@ -136,12 +136,12 @@ impl PlaneContext {
 
     pub fn coded(&self, before: bool) -> usize {
         CODED.first_context
-            + ((self.channel * PLANE_CLASSES + self.class) * SIZES + self.level) * 2
+            + ((self.channel * PLANE_CLASSES + self.class) * SIZES + self.size_class) * 2
             + usize::from(before)
     }
 
     pub fn last(&self) -> usize {
-        LAST.first_context + (usize::from(self.channel > 0) * SIZES + self.level) * PLANE_CLASSES + self.class
+        LAST.first_context + (usize::from(self.channel > 0) * SIZES + self.size_class) * PLANE_CLASSES + self.class
     }
 
     pub fn last_bits(&self, class: usize) -> usize {

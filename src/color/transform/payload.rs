@@ -11,7 +11,7 @@ use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
 pub const SECTION: &str = "color.md 6.4";
-/// First byte of a payload that holds a chunk of cells (color.md 4) in place of regions.
+/// First byte of a payload that holds keyframes and weights (color.md 4) in place of regions.
 pub const CELLS: u8 = 255;
 
 /// How a cell's chunk is coded.

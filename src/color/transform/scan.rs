@@ -33,9 +33,9 @@ static ZIGZAG_8: [Position; 64] = zigzag(8);
 static ZIGZAG_16: [Position; 256] = zigzag(16);
 static ZIGZAG_32: [Position; 1024] = zigzag(32);
 
-/// The order of the positions of a block of 4·2^level pixels square.
-pub fn order(level: usize) -> &'static [Position] {
-    match level {
+/// The order of the positions of a block of 4·2^size_class pixels square.
+pub fn order(size_class: usize) -> &'static [Position] {
+    match size_class {
         0 => &ZIGZAG_4,
         1 => &ZIGZAG_8,
         2 => &ZIGZAG_16,
