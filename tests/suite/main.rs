@@ -49,6 +49,7 @@ mod transform_payloads;
 mod vectors;
 mod vectors_in_every_byte;
 mod vectors_of_blocks;
+mod vectors_of_damage;
 mod vectors_of_indices;
 mod vectors_of_limits;
 mod vectors_of_nodes;

@@ -29,6 +29,12 @@ use lightfold::streams::{
     NodeHeader,
 };
 
+// Both test binaries that include this file find it there.
+#[path = "samples_of_files.rs"]
+mod files;
+
+pub use files::*;
+
 /// A seeded generator, the same on every machine.
 #[derive(Debug, Clone)]
 pub struct Random(pub u64);
@@ -417,69 +423,6 @@ pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], compress
     writer.finish().unwrap().0
 }
 
-/// Puts a container of version 1.0 together around an index, with right CRC-32s: `stored` is what lies between head and
-/// index, `patch` may spoil the index's bytes.
-pub fn assemble(index: &Index, stored: &[u8], patch: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
-    let mut index = index.write_rows().unwrap();
-    patch(&mut index);
-    let head = b"\x89LFLD\r\n\x1a\x01\x00\x00\x00\x00\x00\x00\x00";
-    with_foot([head, stored].concat(), &index, 0)
-}
-
-/// Head and chunks, completed by an index and a foot with right CRC-32s.
-pub fn with_foot(mut file: Vec<u8>, index: &[u8], form: u8) -> Vec<u8> {
-    let offset = file.len() as u64;
-    file.extend_from_slice(index);
-    let mut foot = Vec::new();
-    foot.extend_from_slice(&offset.to_le_bytes());
-    foot.extend_from_slice(&(index.len() as u64).to_le_bytes());
-    foot.extend_from_slice(&crc32fast::hash(index).to_le_bytes());
-    foot.extend_from_slice(&[form, 0, 0, 0]);
-    foot.extend_from_slice(&(offset + index.len() as u64 + 40).to_le_bytes());
-    file.extend_from_slice(&foot_end(foot));
-    file
-}
-
-/// A container whose index `patch` may spoil, in the form that it has.
-pub fn with_index(file: &[u8], patch: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
-    let (index, form) = index_bytes(file);
-    let start = file.len() - 40 - index.len();
-    let mut index = index.to_vec();
-    patch(&mut index);
-    with_foot(file[..start].to_vec(), &index, form)
-}
-
-/// The bytes of a container's index, and its form.
-pub fn index_bytes(file: &[u8]) -> (&[u8], u8) {
-    let foot = file.len() - 40;
-    let start = u64::from_le_bytes(file[foot..foot + 8].try_into().unwrap()) as usize;
-    (&file[start..foot], file[foot + 20])
-}
-
-/// A container of this version as version 1.0 wrote it; others are left alone.
-pub fn in_rows(file: Vec<u8>) -> Vec<u8> {
-    if file.get(10) != Some(&1) {
-        return file;
-    }
-    let (index, stored) = take_apart(&file);
-    assemble(&index, &stored, |_| ())
-}
-
-/// The first 32 bytes of a foot, completed by their CRC-32 and the magic.
-pub fn foot_end(mut foot: Vec<u8>) -> Vec<u8> {
-    foot.truncate(32);
-    foot.extend_from_slice(&crc32fast::hash(&foot).to_le_bytes());
-    foot.extend_from_slice(b"LFND");
-    foot
-}
-
-/// The index of a container, and the bytes between head and index.
-pub fn take_apart(file: &[u8]) -> (Index, Vec<u8>) {
-    let index = Reader::from_memory(file.to_vec()).unwrap().index().clone();
-    let end = index.chunks.iter().map(|chunk| chunk.offset as usize + chunk.stored_bytes as usize).max().unwrap_or(16);
-    (index, file[16..end].to_vec())
-}
-
 /// A container of one static stream of 2x2 depths, whose index may be changed.
 pub fn static_depth(change: impl FnOnce(&mut Index)) -> Vec<u8> {
     let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
@@ -513,24 +456,6 @@ pub fn shared_chunk(units: u32) -> Vec<u8> {
     };
     let key = |unit| ChunkKey { unit, ..chunk.key };
     index.chunks = (0..units).map(|unit| ChunkEntry { key: key(unit), ..chunk }).collect();
-    assemble(&index, &stored, |_| ())
-}
-
-/// Replaces the payloads of all chunks: `change` gets a chunk's place in the table and its payload.
-pub fn with_payloads(file: &[u8], mut change: impl FnMut(usize, &mut Vec<u8>)) -> Vec<u8> {
-    let reader = Reader::from_memory(file.to_vec()).unwrap();
-    let mut index = reader.index().clone();
-    let mut stored = Vec::new();
-    for (at, chunk) in index.chunks.iter_mut().enumerate() {
-        let mut payload = reader.fetch(chunk).unwrap().into_vec();
-        change(at, &mut payload);
-        chunk.offset = 16 + stored.len() as u64;
-        chunk.stored_bytes = payload.len() as u32;
-        chunk.raw_bytes = payload.len() as u32;
-        chunk.crc32 = crc32fast::hash(&payload);
-        chunk.storage = Storage::Raw;
-        stored.extend_from_slice(&payload);
-    }
     assemble(&index, &stored, |_| ())
 }
 
