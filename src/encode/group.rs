@@ -56,7 +56,7 @@ pub(super) struct GroupCoder<'a> {
     pub settings: &'a EncodeSettings,
     /// Of depth. Its table takes longer than a small frame; all faces of a probe share one.
     pub quantiser: Option<Arc<Quantiser>>,
-    pub pu21: Option<Pu21>,
+    pu21: Option<Pu21>,
     /// Of the transform codec.
     pub tables: Option<Arc<PricedTables>>,
     table: Option<EncodeTable>,
@@ -73,6 +73,11 @@ impl<'a> GroupCoder<'a> {
             tables = header.tables().map(|tables| Arc::new(PricedTables::new(tables.clone())));
         }
         Ok(GroupCoder { group, header, settings, quantiser: None, pu21, tables, table })
+    }
+
+    /// The metric of half floats.
+    pub fn pu21(&self) -> Result<&Pu21> {
+        self.pu21.as_ref().ok_or_else(|| Error::invalid("half floats in a stream of another format"))
     }
 
     /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of clipped pixels.

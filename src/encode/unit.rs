@@ -186,17 +186,15 @@ impl Unit {
             (Unit::DepthBlocks(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
             (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
-            (Unit::ColorHalf(encoder), Coded::Half(plane)) => match &coder.pu21 {
-                Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
-                None => Ok(None),
-            },
+            (Unit::ColorHalf(encoder), Coded::Half(plane)) => {
+                encoder.push(cut(plane, rect).as_flattened(), coder.pu21()?)
+            }
             (Unit::Transform8(encoder), Coded::Bytes(plane)) => {
                 encoder.push(cut(plane, rect).as_flattened(), &EightBit)
             }
-            (Unit::TransformHalf(encoder), Coded::Half(plane)) => match &coder.pu21 {
-                Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
-                None => Ok(None),
-            },
+            (Unit::TransformHalf(encoder), Coded::Half(plane)) => {
+                encoder.push(cut(plane, rect).as_flattened(), coder.pu21()?)
+            }
             // A group's images and units are made from one header.
             _ => Err(Error::invalid("a picture of another kind than its unit")),
         }
@@ -210,12 +208,9 @@ impl Unit {
             Unit::DepthBlocks(encoder) => Ok(encoder.finish().into_iter().collect()),
             Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::Color8(encoder) => encoder.finish(&EightBit),
-            Unit::ColorHalf(encoder) => coder.pu21.as_ref().map_or(Ok(Vec::new()), |pu21| encoder.finish(pu21)),
+            Unit::ColorHalf(encoder) => encoder.finish(coder.pu21()?),
             Unit::Transform8(encoder) => Ok(encoder.finish(&EightBit)?.into_iter().collect()),
-            Unit::TransformHalf(encoder) => {
-                let last = coder.pu21.as_ref().map_or(Ok(None), |pu21| encoder.finish(pu21));
-                Ok(last?.into_iter().collect())
-            }
+            Unit::TransformHalf(encoder) => Ok(encoder.finish(coder.pu21()?)?.into_iter().collect()),
         }
     }
 
