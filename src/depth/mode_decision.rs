@@ -82,7 +82,7 @@ pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Opt
 /// The PSNR of a squared error, summed over `pixels`, in dB of 16-bit codes; infinite for no error.
 pub fn psnr_db(squared_error: u64, pixels: usize) -> f64 {
     let peak = f64::from(u16::MAX);
-    10.0 * (peak * peak * pixels as f64 / squared_error as f64).log10()
+    10.0 * libm::log10(peak * peak * pixels as f64 / squared_error as f64)
 }
 
 struct Best<'a> {

@@ -46,7 +46,7 @@ impl DepthRange {
     /// ln(far/near), exact to a few ulp also where far and near are neighbouring floats.
     fn log_span(self) -> f64 {
         let (near, far) = (f64::from(self.near_m), f64::from(self.far_m));
-        ((far - near) / near).ln_1p()
+        libm::log1p((far - near) / near)
     }
 
     /// The code of a surface at `z_m` metres (depth.md 2): round(65534 · ln(z/near) / ln(far/near)). `+inf` is the
@@ -61,7 +61,7 @@ impl DepthRange {
             return 0;
         }
         let near = f64::from(self.near_m);
-        let log = ((f64::from(z_m) - near) / near).ln_1p();
+        let log = libm::log1p((f64::from(z_m) - near) / near);
         (log / span * f64::from(FAR_CODE) + 0.5).min(f64::from(FAR_CODE)) as u16
     }
 
@@ -73,14 +73,14 @@ impl DepthRange {
             FAR_CODE => self.far_m,
             _ => {
                 let log = self.log_span() * f64::from(code) / f64::from(FAR_CODE);
-                (f64::from(self.near_m) * log.exp()) as f32
+                (f64::from(self.near_m) * libm::exp(log)) as f32
             }
         }
     }
 
     /// The widest gap between two neighbouring codes, as a ratio: (far/near)^(1/65534) − 1.
     pub fn step_ratio(self) -> f64 {
-        (self.log_span() / f64::from(FAR_CODE)).exp_m1()
+        libm::expm1(self.log_span() / f64::from(FAR_CODE))
     }
 }
 
@@ -125,7 +125,7 @@ impl Quantiser {
         for code in 1..=FAR_CODE {
             // Aim at the boundary below the code, then walk to the first float that reaches it.
             let log = range.log_span() * (f64::from(code) - 0.5) / f64::from(FAR_CODE);
-            let aim = (f64::from(range.near_m) * log.exp()) as f32;
+            let aim = (f64::from(range.near_m) * libm::exp(log)) as f32;
             let mut bits = aim.clamp(range.near_m, range.far_m).to_bits();
             while bits > near_bits && range.code(f32::from_bits(bits)) >= code {
                 bits -= 1;

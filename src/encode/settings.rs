@@ -136,9 +136,9 @@ impl ErrorBound {
         match self {
             ErrorBound::Codes(codes) => codes,
             ErrorBound::Relative(share) => {
-                let step = range.step_ratio().ln_1p();
+                let step = libm::log1p(range.step_ratio());
                 // Rounding to codes takes half a step of the share itself.
-                if step > 0.0 { (share.ln_1p() / step - 0.5).clamp(0.0, f64::from(FAR_CODE)) as u16 } else { 0 }
+                if step > 0.0 { (libm::log1p(share) / step - 0.5).clamp(0.0, f64::from(FAR_CODE)) as u16 } else { 0 }
             }
         }
     }

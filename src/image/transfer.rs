@@ -27,7 +27,7 @@ impl Transfer {
         match self {
             Transfer::Linear => linear,
             Transfer::Srgb if linear.abs() <= 0.003_130_8 => linear * 12.92,
-            Transfer::Srgb => (1.055 * linear.abs().powf(1.0 / 2.4) - 0.055).copysign(linear),
+            Transfer::Srgb => (1.055 * libm::pow(linear.abs(), 1.0 / 2.4) - 0.055).copysign(linear),
         }
     }
 
@@ -35,7 +35,7 @@ impl Transfer {
         match self {
             Transfer::Linear => code,
             Transfer::Srgb if code.abs() <= 0.040_45 => code / 12.92,
-            Transfer::Srgb => ((code.abs() + 0.055) / 1.055).powf(2.4).copysign(code),
+            Transfer::Srgb => libm::pow((code.abs() + 0.055) / 1.055, 2.4).copysign(code),
         }
     }
 }
@@ -55,7 +55,7 @@ impl ToneMap {
     }
 
     fn gain(self) -> f64 {
-        f64::from(self.exposure_ev).exp2()
+        libm::exp2(self.exposure_ev.into())
     }
 }
 

@@ -67,7 +67,7 @@ pub fn psnr_to_max_sse(db: f64, samples: u64, peak: f64) -> u64 {
     if samples == 0 || db == f64::NEG_INFINITY {
         return u64::MAX;
     }
-    let estimate = peak * peak * samples as f64 * 10_f64.powf(-db / 10.0);
+    let estimate = peak * peak * samples as f64 * libm::pow(10.0, -db / 10.0);
     // NaN, an overflowing db, or a target so high that not even an error of 1 fits.
     if estimate.is_nan() || estimate < 0.5 {
         return 0;
@@ -92,7 +92,8 @@ fn psnr_of_sum(sum: f64, samples: u64, peak: f64) -> f64 {
     if samples == 0 || sum == 0.0 {
         return f64::INFINITY;
     }
-    10.0 * (peak * peak / (sum / samples as f64)).log10()
+    // The same bits on every machine: encoders decide by it.
+    10.0 * libm::log10(peak * peak / (sum / samples as f64))
 }
 
 /// At most [`U8_RUN`] samples. Differences in i16 and sums in i32, because processors have one instruction for that.
@@ -118,6 +119,17 @@ mod tests {
         // An error of exactly one code everywhere: 20 log10(255).
         let one = SquaredError::of_u8(&[0; 100], &[1; 100]).unwrap();
         assert!((one.psnr_db() - 48.130_803_608_679_1).abs() < 1e-9, "{}", one.psnr_db());
+    }
+
+    #[test]
+    fn decibels_have_the_same_bits_on_every_machine() {
+        let bits = |sum: u128, samples, peak| SquaredError { sum, samples, peak }.psnr_db().to_bits();
+        let found =
+            [bits(1, 3, U8_PEAK), bits(65_039, 4, U8_PEAK), bits(7, 12_288, 16_384.0), bits(1 << 40, 9, U16_PEAK)];
+        assert_eq!(
+            found.map(|bits| format!("{bits:016x}")),
+            ["404a737543f0f996", "401814230dcd12f0", "405d2edcdcf2dd06", "c02d1488ead26814"]
+        );
     }
 
     #[test]

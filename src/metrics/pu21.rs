@@ -39,8 +39,9 @@ pub fn pu21_encode(luminance_cd_m2: f64) -> f64 {
     let y =
         if luminance_cd_m2.is_nan() { PU21_MIN_CD_M2 } else { luminance_cd_m2 }.clamp(PU21_MIN_CD_M2, PU21_MAX_CD_M2);
     let [p1, p2, p3, p4, p5, p6, p7] = P;
-    let power = y.powf(p4);
-    p7 * (((p1 + p2 * power) / (1.0 + p3 * power)).powf(p5) - p6)
+    // The same bits on every machine: encoders decide by it.
+    let power = libm::pow(y, p4);
+    p7 * (libm::pow((p1 + p2 * power) / (1.0 + p3 * power), p5) - p6)
 }
 
 /// PU21 codes of all 65,536 half-float values, for one luminance of white.
@@ -83,6 +84,16 @@ mod tests {
         assert_eq!(pu21_encode(0.0), pu21_encode(0.005));
         assert_eq!(pu21_encode(f64::NAN), pu21_encode(0.005));
         assert_eq!(pu21_encode(f64::INFINITY), pu21_encode(1e4));
+    }
+
+    #[test]
+    fn codes_have_the_same_bits_on_every_machine() {
+        let found =
+            [0.02, 0.5, 18.0, 100.0, 1234.5].map(|luminance| format!("{:016x}", pu21_encode(luminance).to_bits()));
+        assert_eq!(
+            found,
+            ["3ff1027f8a04f4e2", "4036356c4a0d416d", "406342004ba6a6c2", "4070062471823160", "407b4416af980882"]
+        );
     }
 
     #[test]
