@@ -11,3 +11,13 @@ pub enum Effort {
     /// Full search: the reference.
     Exhaustive,
 }
+
+impl Effort {
+    pub fn name(self) -> &'static str {
+        match self {
+            Effort::Fast => "fast",
+            Effort::Normal => "normal",
+            Effort::Exhaustive => "exhaustive",
+        }
+    }
+}

@@ -100,7 +100,10 @@ impl Work<'_> {
         if self.args.resume {
             self.say("nothing to resume; starting anew");
         } else if images > 0 {
-            self.say(&format!("replacing an unfinished capture of {images} images; --resume would continue it"));
+            self.say(&format!(
+                "replacing an unfinished capture of {}; --resume would continue it",
+                counted(images, "image")
+            ));
         }
         let state = serde_json::to_string_pretty(&now.0)
             .map_err(|error| Error::invalid(format!("the state of the capture: {error}")))?;
@@ -124,7 +127,7 @@ impl Work<'_> {
         let mut fields = Fingerprint::of_program();
         fields.extend(self.plan.options());
         fields.push(("the contents of the scene", self.scene.contents().to_owned()));
-        fields.push(("--animation", format!("{:?}", self.args.animation.as_deref().unwrap_or("the first"))));
+        fields.push(("--animation", self.args.animation.clone().unwrap_or_else(|| "the first".to_owned())));
         // Sines and roots are rounded by the system's library.
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
         Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())

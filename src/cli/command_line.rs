@@ -46,7 +46,7 @@ pub enum Command {
     EncodeDepth(EncodeSequence<encode_depth::Args>),
     /// Build quadtrees of one depth sequence, to pack at any error bound
     Quadtree(EncodeSequence<quadtree::Args>),
-    /// Encode one depth sequence as BC4w blocks at a fixed 4:1, and measure their PSNR
+    /// Encode one depth sequence as BC4w blocks, 32 bytes for 8x8 pixels, and measure their PSNR
     Bc4w(bc4w::Args),
     /// Join containers, recompress them, or pack quadtrees at an error bound
     Pack(pack::Args),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use crate::decode::{DamagedChunk, Decoder};
+use crate::report::coding_map::counted;
 
 /// One line for each place in the file; equal chunks share one.
 pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {
@@ -15,7 +16,8 @@ pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {
         let Some(rows) = rows_at.remove(&place(damaged)) else { continue };
         let key = damaged.chunk.key;
         let stream = &decoder.streams()[key.stream as usize];
-        let also = if rows > 1 { format!(" and {} chunks of the same bytes", rows - 1) } else { String::new() };
+        let also =
+            if rows > 1 { format!(" and {} of the same bytes", counted(rows - 1, "chunk")) } else { String::new() };
         let _ = writeln!(
             out,
             "  stream {} ({} of probe {} face {}), unit {}, frames {}{also}, at byte {}: {}",

@@ -11,7 +11,7 @@ use crate::cli::options::{CameraArgs, Choices, FrameArgs, MemoryArgs, SelectionA
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::manifest::MANIFEST_NAME;
+use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::decode::{
     self, DecodeReport, DecodeSummary, DecodeTimes, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu,
     OnDamage, Request,
@@ -234,6 +234,7 @@ impl Export<'_> {
         }
         let Some(pattern) = file_pattern(output)? else {
             if output.join(MANIFEST_NAME).exists() {
+                check_replaced(output)?;
                 output::note(format_args!(
                     "{}: contains a dataset; files of the same names are replaced, others stay",
                     output.display()
@@ -285,6 +286,17 @@ impl Export<'_> {
     }
 }
 
+/// Refuses a folder whose dataset `decode` did not write: it may be the source of the container.
+fn check_replaced(folder: &Path) -> Result<()> {
+    match Manifest::read(folder).is_ok_and(|manifest| decode::has_decoded(&manifest)) {
+        true => Ok(()),
+        false => refuse(format!(
+            "{}: contains a dataset that lightfold did not decode; its files would be replaced: name another folder",
+            folder.display()
+        )),
+    }
+}
+
 /// The pattern of an output path; none if it names a folder.
 fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -309,8 +321,8 @@ struct Document<'a> {
 fn speed_text(args: &Args, summary: &DecodeSummary, times: &DecodeTimes, megapixels_per_second: f64) -> String {
     let on = if times.device == "cpu" { String::new() } else { format!(", on {}", times.device) };
     format!(
-        "{} images, {:.1} Mpixel of which {:.2}% changed, {} read, {} {}, {:.3} s, {megapixels_per_second:.0} Mpixel/s{on}",
-        summary.frames,
+        "{}, {:.1} Mpixel of which {:.2}% changed, {} read, {} {}, {:.3} s, {megapixels_per_second:.0} Mpixel/s{on}",
+        counted(summary.frames, "image"),
         summary.pixels as f64 / 1e6,
         100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64,
         human_bytes(summary.cost.bytes_read),

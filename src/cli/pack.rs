@@ -10,6 +10,7 @@ use crate::container::Reader;
 use crate::error::Result;
 use crate::files::OutputFile;
 use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
+use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -67,7 +68,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let report = PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() };
     global.report(args.output.store.json, &report, || {
         let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));
-        format!("{}: {} streams, {from} became {to}", path.display(), summary.streams)
+        format!("{}: {}, {from} became {to}", path.display(), counted(summary.streams, "stream"))
     })?;
     Ok(ExitStatus::Passed)
 }

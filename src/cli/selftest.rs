@@ -14,6 +14,7 @@ use crate::hard_cases::device::DeviceFigures;
 use crate::hard_cases::{self, CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
 use crate::monitor::Monitor;
 use crate::report::Table;
+use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -195,7 +196,8 @@ fn device_text(tested: &Tested, cases: &[CaseReport]) -> String {
     let mut firsts: Vec<String> = first.collect();
     if let Some(streams) = streams {
         let words = streams.verification.mismatched_words;
-        out += &format!("{} streams, {} images, {words} words differ\n", streams.streams, streams.images);
+        let (count, images) = (counted(streams.streams, "stream"), counted(streams.images, "image"));
+        out += &format!("{count}, {images}, {words} words differ\n");
         firsts.extend(streams.verification.first.clone());
     }
     firsts.iter().for_each(|line| out += &format!("first: {line}\n"));

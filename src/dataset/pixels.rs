@@ -17,6 +17,16 @@ pub enum InvalidDepth {
     Near,
 }
 
+impl InvalidDepth {
+    pub fn name(self) -> &'static str {
+        match self {
+            InvalidDepth::Refuse => "refuse",
+            InvalidDepth::Far => "far",
+            InvalidDepth::Near => "near",
+        }
+    }
+}
+
 /// Treatment of colour that is NaN, and of material values that are not finite.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum InvalidColor {
@@ -25,6 +35,12 @@ pub enum InvalidColor {
     Refuse,
     /// The component becomes 0.
     Black,
+}
+
+impl InvalidColor {
+    pub fn name(self) -> &'static str {
+        if self == InvalidColor::Refuse { "refuse" } else { "black" }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -122,6 +122,21 @@ enum Content {
     Equirect,
 }
 
+impl Content {
+    fn words(self) -> &'static str {
+        match self {
+            Content::Face => "one face",
+            Content::Faces(FaceLayout::Cross) => "a cross of six faces",
+            Content::Faces(FaceLayout::Strip) => "a strip of six faces",
+            Content::Equirect => "an equirectangular image",
+        }
+    }
+}
+
+fn words_of(value: Option<impl std::fmt::Display>, without: &str) -> String {
+    value.map_or_else(|| without.to_owned(), |value| value.to_string())
+}
+
 /// An open dataset. Reading takes `&self`, so that frames can be read in parallel.
 #[derive(Debug)]
 pub struct Source {
@@ -514,20 +529,21 @@ impl Source {
     pub fn reading_rules(&self) -> Vec<(&'static str, String)> {
         let range = self.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
         vec![
-            ("what an image shows", format!("{:?}", self.content)),
+            ("what an image shows", self.content.words().to_owned()),
             ("the size of the images", format!("{}x{}", self.file_size.0, self.file_size.1)),
             ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
-            ("the background", format!("{:?}", self.rules.background)),
-            ("the depth scale", format!("{:?}", self.rules.scale)),
-            ("`invalid_depth`", format!("{:?}", self.rules.invalid)),
-            ("`invalid_color`", format!("{:?}", self.invalid_color)),
-            ("the kind of depth", format!("{:?} as {:?}", self.depth_in_files, self.depth_stored)),
-            ("near and far in the manifest", format!("{:?}", range.map(|depth| (depth.near, depth.far)))),
+            ("the background", self.rules.background.to_string()),
+            ("the depth scale", self.rules.scale.to_string()),
+            ("`invalid_depth`", self.rules.invalid.name().to_owned()),
+            ("`invalid_color`", self.invalid_color.name().to_owned()),
+            ("the kind of depth", format!("{} as {}", self.depth_in_files.name(), self.depth_stored.name())),
+            ("near in the manifest", words_of(range.and_then(|depth| depth.near), "none")),
+            ("far in the manifest", words_of(range.and_then(|depth| depth.far), "none")),
             ("whether a depth scale is stated", self.scale_stated.to_string()),
-            ("the color space", format!("{:?}", self.color_space)),
-            ("the color channels", format!("{:?}", self.color_channel)),
-            ("the depth channel", format!("{:?}", self.depth_channel)),
-            ("the material channels", format!("{:?}", self.material_channels)),
+            ("the color space", words_of(self.color_space.map(ColorSpace::name), "that of the files")),
+            ("the color channels", self.color_channel.words()),
+            ("the depth channel", self.depth_channel.words()),
+            ("the material channels", self.material_channels.join(", ")),
         ]
     }
 

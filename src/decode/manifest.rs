@@ -41,6 +41,11 @@ pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileForm
     format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
 }
 
+/// Whether a dataset was decoded from a container.
+pub fn has_decoded(manifest: &Manifest) -> bool {
+    manifest.extra.as_ref().is_some_and(|extra| extra.get("lightfold").is_some())
+}
+
 /// Its `extra` holds the streams' coding, so that a later comparison can use the same codes. `None` where PNG files
 /// hold codes that a manifest cannot describe, where streams differ in size, or where cube faces are not square.
 pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], format: FileFormat) -> Option<Manifest> {

@@ -7,18 +7,23 @@ use crate::color::SearchSettings;
 use crate::color::transform::Tables;
 use crate::color::transform::tables::TableSet;
 use crate::depth::TemporalSettings;
+use crate::depth::mode_decision::Decide;
+use crate::effort::Effort;
 use crate::encode::source::{FrameSource, selected_groups};
-use crate::encode::{DepthCodec, DepthSettings, EncodeSettings, MaterialSettings};
+use crate::encode::{
+    ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
+};
 use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::StreamKind;
+use crate::image::{StreamKind, ToneMap};
+use crate::streams::{ColorBlocks, ColorFormat};
 
 pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerprint {
     let mut fields = Fingerprint::of_program();
     fields.extend(of_settings(settings));
     fields.push(("the name of the dataset", source.name().to_owned()));
-    fields.push(("the frame rate", format!("{:?}", source.fps())));
-    fields.push(("the projection", format!("{:?}", source.projection())));
+    fields.push(("the frame rate", source.fps().to_string()));
+    fields.push(("the projection", source.projection().name().to_owned()));
     fields.push(("the probes", digest(format!("{:?}", source.probes()).as_bytes())));
     let groups: Vec<_> = selected_groups(source, settings).iter().map(|group| (group.at, group.group)).collect();
     fields.push(("the streams, their frames and sizes", digest(format!("{groups:?}").as_bytes())));
@@ -62,29 +67,29 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     vec![
         ("`stream`", kinds.join(",")),
         ("the compression of chunks", compression.to_string()),
-        ("`depth_codec`", format!("{codec:?}")),
-        ("`max_error`", format!("{error:?}")),
-        ("`depth_domain`", format!("{domain:?}")),
-        ("`optimize`", format!("{decide:?}")),
-        ("`effort`", format!("{effort:?}, {search_effort:?}")),
+        ("`depth_codec`", name_of_codec(*codec).to_owned()),
+        ("`max_error`", words_of_bound(*error)),
+        ("`depth_domain`", domain.name().to_owned()),
+        ("`optimize`", if *decide == Decide::Size { "size" } else { "quality" }.to_owned()),
+        ("`effort`", words_of_efforts(*effort, *search_effort)),
         ("`min_children`", min_children.to_string()),
         ("`depth_window`", window.to_string()),
         ("`update_threshold`", epsilon.to_string()),
         ("`max_aabbs`", max_aabbs.to_string()),
         ("`keyframe_interval`", keyframe_interval.to_string()),
-        ("`depth_tile`", format!("{tiles:?}")),
-        ("`near`", format!("{near_m:?}")),
-        ("`far`", format!("{far_m:?}")),
+        ("`depth_tile`", words_of_tiles(*tiles)),
+        ("`near`", metres(*near_m)),
+        ("`far`", metres(*far_m)),
         ("`material_error`", material_error.to_string()),
         ("`material_block`", in_blocks.to_string()),
         ("`color_cell`", cell.to_string()),
-        ("`color_codec`", format!("{color_codec:?}")),
+        ("`color_codec`", if *color_codec == ColorCodec::Cells { "cells" } else { "transform" }.to_owned()),
         ("`color_chunk`", color_chunk.to_string()),
         ("`color_tables`", color_tables.as_ref().map_or_else(|| "none".to_owned(), digest_of_tables)),
-        ("`psnr`", format!("{min_psnr_db:?}")),
+        ("`psnr`", format!("{min_psnr_db} dB")),
         ("`lookahead`", lookahead.to_string()),
-        ("`color_block`", format!("{color_blocks:?}")),
-        ("the domain of colour", format!("{color:?}")),
+        ("`color_block`", words_of_blocks(*color_blocks)),
+        ("the domain of colour", words_of_color(*color)),
     ]
 }
 
@@ -94,7 +99,61 @@ fn digest_of_tables(set: &TableSet) -> String {
     digest(&bytes)
 }
 
-/// What rounding depends on: the system's logarithms, and for encoders of blocks the processor's instruction sets.
+fn name_of_codec(codec: DepthCodec) -> &'static str {
+    match codec {
+        DepthCodec::Quadtree => "quadtree",
+        DepthCodec::Tree => "the quadtree of a later pack",
+        DepthCodec::Boxes => "aabb",
+        DepthCodec::BoxesInBlocks => "aabb with bc5 blocks",
+        DepthCodec::Blocks => "bc4w",
+    }
+}
+
+fn words_of_bound(error: ErrorBound) -> String {
+    match error {
+        ErrorBound::Codes(codes) => format!("{codes} in codes"),
+        ErrorBound::Relative(share) => format!("{share} of the distance"),
+    }
+}
+
+fn words_of_efforts(depth: Effort, color: Effort) -> String {
+    match (depth.name(), color.name()) {
+        (depth, color) if depth == color => depth.to_owned(),
+        (depth, color) => format!("{depth} for depth and {color} for colour"),
+    }
+}
+
+fn words_of_tiles(tiles: TileSize) -> String {
+    match tiles {
+        TileSize::PerSide(tiles) => format!("{tiles} per side"),
+        TileSize::Pixels(side) => format!("{side} in pixels"),
+    }
+}
+
+fn metres(distance_m: Option<f32>) -> String {
+    distance_m.map_or_else(|| "that of the images".to_owned(), |distance| format!("{distance} m"))
+}
+
+fn words_of_blocks(blocks: Option<ColorBlockSettings>) -> String {
+    let Some(ColorBlockSettings { blocks, final_psnr_db }) = blocks else { return "none".to_owned() };
+    let name = match blocks {
+        ColorBlocks::Bc1 => "bc1",
+        ColorBlocks::Bc7 => "bc7",
+        ColorBlocks::Bc6h => "bc6h",
+    };
+    format!("{name} at {final_psnr_db} dB")
+}
+
+fn words_of_color(format: ColorFormat) -> String {
+    match format {
+        ColorFormat::EightBit(ToneMap { transfer, exposure_ev }) => {
+            format!("8 bits, {}, at {exposure_ev} EV", transfer.name())
+        }
+        ColorFormat::Half { white_cd_m2 } => format!("half floats with white at {white_cd_m2} cd/m²"),
+    }
+}
+
+/// What rounding depends on: the system's sines where images are resampled, and for encoders of blocks the processor's instruction sets.
 fn machine(settings: &EncodeSettings) -> String {
     let in_blocks = settings.color_blocks.is_some()
         || settings.material.in_blocks

@@ -13,6 +13,30 @@ use crate::error::{Error, Result};
 pub struct OutputFolder {
     path: PathBuf,
     work: TempDir,
+    /// Dropped after the temporary folder in it.
+    _made: MadeFolders,
+}
+
+/// Parents that were made for a folder; those that are empty are removed at the end.
+#[derive(Debug)]
+struct MadeFolders(Vec<PathBuf>);
+
+impl MadeFolders {
+    fn create(folder: &Path) -> std::io::Result<MadeFolders> {
+        let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
+        let made = MadeFolders(missing.map(Path::to_path_buf).collect());
+        std::fs::create_dir_all(folder)?;
+        Ok(made)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            // One with files stays.
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
 }
 
 impl OutputFolder {
@@ -27,10 +51,10 @@ impl OutputFolder {
         if std::fs::metadata(parent).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", parent.display())));
         }
-        std::fs::create_dir_all(parent).map_err(io)?;
+        let made = MadeFolders::create(parent).map_err(io)?;
         let work = tempfile::Builder::new().prefix(".lightfold.").suffix(".partial").tempdir_in(parent);
         let work = work.map_err(|error| io(error.kind().into()))?;
-        Ok(OutputFolder { path: path.to_path_buf(), work })
+        Ok(OutputFolder { path: path.to_path_buf(), work, _made: made })
     }
 
     /// Where to write until [`Self::commit`].
@@ -104,5 +128,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(path.join("a")).unwrap().count(), 2);
         drop(OutputFolder::create(&path).unwrap());
         assert_eq!(std::fs::read_dir(base.path().join("new")).unwrap().count(), 1);
+        drop(OutputFolder::create(&base.path().join("other/deep/out")).unwrap());
+        assert!(!base.path().join("other").exists());
     }
 }

@@ -64,6 +64,15 @@ pub enum ChannelSelect {
     Named(String),
 }
 
+impl ChannelSelect {
+    pub fn words(&self) -> String {
+        match self {
+            ChannelSelect::Auto => "the usual ones".to_owned(),
+            ChannelSelect::Named(name) => name.clone(),
+        }
+    }
+}
+
 impl From<Option<String>> for ChannelSelect {
     fn from(name: Option<String>) -> Self {
         name.map_or(ChannelSelect::Auto, ChannelSelect::Named)

@@ -48,6 +48,17 @@ pub enum Projection {
     Perspective,
 }
 
+impl Projection {
+    /// As in manifests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Projection::Cubemap => "cubemap",
+            Projection::Equirect => "equirect",
+            Projection::Perspective => "perspective",
+        }
+    }
+}
+
 /// What a depth value measures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]

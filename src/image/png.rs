@@ -26,6 +26,13 @@ pub enum ColorSpace {
     Srgb,
 }
 
+impl ColorSpace {
+    /// As in manifests.
+    pub fn name(self) -> &'static str {
+        if self == ColorSpace::Srgb { "srgb" } else { "linear-rec709" }
+    }
+}
+
 /// Colour as linear light. Gray is repeated in all three components; alpha is ignored.
 pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result<ColorPlane> {
     let transfer = match space {

@@ -72,7 +72,7 @@ fn an_output_that_is_an_input_is_refused() {
     let frame = "probe_00/face_px/depth.0001.exr";
     let before = std::fs::read(folder.path().join(frame)).unwrap();
     let said = refused(&format!("encode-depth probe_00/face_px/depth.%04d.exr -o {frame}"), folder.path());
-    assert!(said.contains("overwritten"), "{said}");
+    assert!(said.contains("a container is written, not an image"), "{said}");
     assert!(refused("encode . -o lightfield.json", folder.path()).contains("overwritten"));
     assert_eq!(std::fs::read(folder.path().join(frame)).unwrap(), before);
 }
@@ -101,6 +101,29 @@ fn a_failed_decode_leaves_nothing_and_a_second_one_joins_the_first() {
     assert!(String::from_utf8(again.stderr).unwrap().contains("contains a dataset"));
     assert!(folder.path().join("out/probe_00/face_px/depth.0003.exr").is_file());
     assert!(folder.path().join("out/probe_00/face_nx/depth.0003.exr").is_file());
+}
+
+#[test]
+fn a_source_is_not_replaced_by_its_decoded_images() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    fine("encode . -o a.lfold", folder.path());
+    let manifest = || std::fs::read(folder.path().join("lightfield.json")).unwrap();
+    let before = manifest();
+    assert!(refused("decode a.lfold -o .", folder.path()).contains("that lightfold did not decode"));
+    assert_eq!(manifest(), before);
+}
+
+#[test]
+fn a_container_does_not_get_the_name_of_an_image() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    for name in ["a.png", "a.EXR"] {
+        assert!(
+            refused(&format!("encode . -o {name}"), folder.path()).contains("a container is written, not an image")
+        );
+        assert!(!folder.path().join(name).exists());
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -314,9 +314,9 @@ fn other_options_are_refused_by_name() {
     let left = stopped_after(&footage.whole().0, 0.6);
     type Change = fn(&mut EncodeSettings);
     let changes: [(&str, Change); 15] = [
-        ("`depth_codec` was Quadtree and is Boxes now", |s| s.depth.codec = DepthCodec::Boxes),
-        ("`max_error` was Codes(40) and is Codes(41) now", |s| s.depth.error = ErrorBound::Codes(41)),
-        ("`depth_tile` was PerSide(2) and is PerSide(1) now", |s| s.tiles = TileSize::PerSide(1)),
+        ("`depth_codec` was quadtree and is aabb now", |s| s.depth.codec = DepthCodec::Boxes),
+        ("`max_error` was 40 in codes and is 41 in codes now", |s| s.depth.error = ErrorBound::Codes(41)),
+        ("`depth_tile` was 2 per side and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
         ("the compression of chunks was Zstandard 9 and is LZMA2 6 now", |s| s.compression = Compression::Lzma2(6)),
         ("`near`", |s| s.near_m = Some(0.5)),
         ("`far`", |s| s.far_m = Some(1e6)),

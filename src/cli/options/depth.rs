@@ -28,7 +28,7 @@ const DEPTH_CODECS: &Choices<DepthCodec> = &[
         "Modelling functions in a quadtree, within --max-error of the source at every pixel",
     ),
     ("aabb", DepthCodec::Boxes, "Raw codes in boxes around changed pixels"),
-    ("bc4w", DepthCodec::Blocks, "Blocks of 8x8 pixels at a fixed 4:1, without an error bound"),
+    ("bc4w", DepthCodec::Blocks, "32 bytes for 8x8 pixels, without an error bound"),
 ];
 
 const DEPTH_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes for 4x4 pixels")];

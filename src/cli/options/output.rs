@@ -1,5 +1,6 @@
 //! Where a container is written, how, and with how much memory.
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -13,7 +14,7 @@ use crate::memory::Budget;
 #[derive(Debug, Clone, Args)]
 pub struct OutputArgs {
     /// The container to write, - for standard output
-    #[arg(long = "output", short = 'o', value_name = "OUT.lfold")]
+    #[arg(long = "output", short = 'o', value_name = "OUT.lfold", value_parser = parse_container_path)]
     pub path: PathBuf,
     #[command(flatten)]
     pub store: StoreArgs,
@@ -83,8 +84,27 @@ impl EncodeOutputArgs {
     }
 }
 
-/// Refuses a report and a result on standard output.
+/// An image's name would be given to a container by mistake only.
+fn parse_container_path(text: &str) -> std::result::Result<PathBuf, String> {
+    const IMAGES: [&str; 4] = ["exr", "png", "jpg", "jpeg"];
+    let path = PathBuf::from(text);
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match IMAGES.contains(&ending.as_str()) {
+        true => Err("a container is written, not an image: name a file that ends in .lfold".to_owned()),
+        false => Ok(path),
+    }
+}
+
+/// Refuses standard output for a container where it is a terminal, or has a report.
 pub fn check_stdout(path: &Path, has_report: bool) -> Result<()> {
+    if path == Path::new("-") && !has_report && std::io::stdout().is_terminal() {
+        return refuse("standard output is a terminal: name a file, or redirect it");
+    }
+    check_report(path, has_report)
+}
+
+/// Refuses a report and a result on standard output.
+pub fn check_report(path: &Path, has_report: bool) -> Result<()> {
     match has_report && path == Path::new("-") {
         true => refuse("--json and -o - would both write to standard output; name a file"),
         false => Ok(()),

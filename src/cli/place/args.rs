@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{self, Choices, EFFORTS, check_stdout, one_of, parse_not_negative, parse_positive};
+use crate::cli::options::{self, Choices, EFFORTS, check_report, one_of, parse_not_negative, parse_positive};
 use crate::cli::refuse;
 use crate::effort::Effort;
 use crate::error::Result;
@@ -149,7 +149,7 @@ impl Args {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        check_stdout(&self.output, self.json)?;
+        check_report(&self.output, self.json)?;
         if self.theta.is_some() && self.lighting == Lighting::Diffuse {
             return refuse("--theta needs --lighting specular");
         }

@@ -237,16 +237,16 @@ impl CapturePlan {
         let passes: Vec<&str> = passes.iter().map(|pass| pass.name()).collect();
         vec![
             ("the name", name.clone()),
-            ("`fps`", format!("{fps:?}")),
+            ("`fps`", fps.to_string()),
             ("`frames`", frames.to_string()),
-            ("`projection`", format!("{projection:?}")),
+            ("`projection`", projection.name().to_owned()),
             ("`size`", format!("{width}x{height}")),
             ("the cameras", digest(format!("{cameras:?}").as_bytes())),
-            ("`fov`", fov_y_deg.map_or("none".to_owned(), |fov| format!("{fov:?}"))),
+            ("`fov`", fov_y_deg.map_or("none".to_owned(), |fov| fov.to_string())),
             ("what is captured", passes.join(", ")),
             ("`samples`", samples.to_string()),
-            ("`depth`", format!("{depth:?}")),
-            ("`far`", format!("{far_m:?}")),
+            ("`depth`", depth.name().to_owned()),
+            ("`far`", far_m.to_string()),
         ]
     }
 }
