@@ -21,7 +21,7 @@ use crate::cli::{
         an error, or no point of tradeoff meets its limits; 2 bad input or usage; 130 interrupted.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
-        lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
+        lightfold diff lightfield.json film.lfold --max-error 100 --min-cell-psnr 40"
 )]
 pub struct Cli {
     #[command(subcommand)]

@@ -42,7 +42,7 @@ const LOAD_ANY_BYTES: u64 = 64 << 20;
     lightfold decode film.lfold --device gpu --null\n  \
     lightfold decode film.lfold --verify\n  \
     lightfold decode damaged.lfold --keep-going -o rescued\n\n\
-    With cameras, only the tiles and cells that they see are decoded.\n\
+    With cameras, only the tiles and cells that they see are decoded; in image files all others are black, or at distance 0.\n\
     CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
     A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
     \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]
@@ -77,8 +77,8 @@ pub struct Args {
     pub frames: FrameArgs,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Image format. PNG stores codes without loss, 8-bit colour and 16-bit log depth; other programs need the range in
-    /// lightfield.json to turn depth codes into metres
+    /// Image format. PNG stores 8-bit colour and 16-bit log codes of depth without loss, and clips colour of half floats to
+    /// 8-bit sRGB. Its depth codes are not part of lightfield.json; lightfold inspect prints the range that turns them into metres
     #[arg(long, value_parser = one_of(FORMATS), default_value = "exr")]
     pub format: FileFormat,
     /// Report as JSON
@@ -156,6 +156,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.keep_going && !args.json {
         output::note(damage::lines(&decoder, &decoded.damaged).trim_end());
     }
+    note_losses(args, &decoded);
     let report = DecodeReport::new(&decoded, &times);
     if args.json {
         let report = if args.keep_going { report.with_damage(&decoder, &decoded) } else { report };
@@ -174,6 +175,22 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Some(found) if found.mismatched_words > 0 => Ok(ExitStatus::Failed),
         _ if !decoded.damaged.is_empty() => Err(verdict(&decoded, images).in_file(input)),
         _ => Ok(ExitStatus::Passed),
+    }
+}
+
+/// Says what files do not hold, also with --quiet: the images alone do not tell.
+fn note_losses(args: &Args, decoded: &Decoded) {
+    let Some(output) = &args.output else { return };
+    if decoded.clipped_pixels > 0 {
+        output::note(format_args!(
+            "{}: {} did not fit 8 bits and were clipped; --format exr keeps half floats",
+            output.display(),
+            counted(decoded.clipped_pixels, "colour pixel")
+        ));
+    }
+    if let Some(why) = decoded.no_manifest {
+        let stays = if output.join(MANIFEST_NAME).exists() { "; the older one stays, and may not fit" } else { "" };
+        output::note(format_args!("{}: {MANIFEST_NAME} was not written: {why}{stays}", output.display()));
     }
 }
 
@@ -297,10 +314,23 @@ fn check_replaced(folder: &Path) -> Result<()> {
     }
 }
 
+/// Whether the name is that of an image in a format that is not written, rather than that of a folder.
+fn has_image_extension(path: &Path) -> bool {
+    const EXTENSIONS: [&str; 18] = [
+        "avif", "bmp", "dds", "dpx", "exr", "gif", "hdr", "heic", "jp2", "jpeg", "jpg", "jxl", "ktx2", "png", "tga",
+        "tif", "tiff", "webp",
+    ];
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
+}
+
 /// The pattern of an output path; none if it names a folder.
 fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let image = FileFormat::of(output).is_some();
+    if !image && !output.is_dir() && has_image_extension(output) {
+        return refuse(format!("{}: file names ending in .exr or .png were expected, or a folder", output.display()));
+    }
     if !image && !name.contains('%') {
         return Ok(None);
     }

@@ -4,25 +4,30 @@ use crate::cli::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::compare::{self, Bounds, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
+use crate::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
+use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  lightfold diff scene/lightfield.json scene.lfold --max-error 1 --min-psnr 50\n  \
+#[command(
+    after_help = "Examples:\n  lightfold diff scene/lightfield.json scene.lfold --max-error 100 --min-cell-psnr 40\n  \
     lightfold diff scene.lfold frames --json\n  \
+    lightfold diff color.%04d.exr other.%04d.exr --hdr --min-cell-psnr 40\n  \
     lightfold diff a.lfold b.lfold --exact --stream depth --probe 00\n  \
     lightfold diff face_px/depth.%04d.exr decoded/depth.####.exr --frames 0-9\n\n\
     Each side is a container, a lightfield.json or its folder, or an image sequence: a pattern, a folder of images, one \
     image. Streams are matched by kind, probe and face; single streams of a kind are matched regardless of their names.\n\n\
     Depth is compared in 16-bit log codes from near to far, colour in 8-bit codes after the transfer function, half floats \
     in the PU21 encoding. Range and encoding are those of A if it is a container, else of B, else of the manifest of a \
-    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB. Errors in metres are computed \
+    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB, which clips light above 1; --hdr \
+    compares half floats. Errors in metres are computed \
     from the files, not from codes. Background against a surface, and a depth outside the range, count as 65535 codes.\n\n\
     Exit codes: 0 all bounds hold; 1 a bound is exceeded, bits differ (--exact), or streams or frames are missing although \
-    a bound or --exact was given; 2 bad input.")]
+    a bound or --exact was given; 2 bad input."
+)]
 pub struct Args {
     /// First side and reference; - for a container on standard input
     #[arg(value_name = "A")]
@@ -39,6 +44,12 @@ pub struct Args {
     /// Lowest allowed PSNR of a frame of a colour cell, in dB, as for encode --psnr
     #[arg(long, value_name = "DB", value_parser = parse_db)]
     pub min_cell_psnr: Option<f64>,
+    /// Compare colour as half floats, also where a side is 8-bit: PSNR is that of their PU21 encoding, with the peak at 100 cd/m²
+    #[arg(long)]
+    pub hdr: bool,
+    /// Luminance of the value 1.0 for --hdr, in cd/m² [default: that of the container or its manifest, else 100]
+    #[arg(long, value_name = "CD_M2", requires = "hdr")]
+    pub white: Option<f64>,
     /// Require every bit to be equal, of depth and colour as stored in the files
     #[arg(long)]
     pub exact: bool,
@@ -93,6 +104,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let settings = CompareSettings {
         coverage: if args.common { Coverage::Common } else { Coverage::Whole },
         measure: if args.exact { Measure::Bits } else { Measure::Codes },
+        color: if args.hdr { ColorDomain::Half { white_cd_m2: args.white } } else { ColorDomain::AsCoded },
         ssim: args.ssim,
         memory: args.memory.get(),
     };
@@ -109,6 +121,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let judgement = bounds.judge(&comparison);
     let rows = if args.streams { usize::MAX } else { diff_text::FEW_ROWS };
     let text = || diff_text::report(&sides, &comparison, &judgement, rows);
+    if let Some(total) = comparison.color().filter(|total| total.clipped_pixels > 0) {
+        output::note(format_args!(
+            "{} of both sides did not fit 8 bits and were clipped: --hdr compares half floats",
+            counted(total.clipped_pixels, "colour pixel")
+        ));
+    }
     output::print_either(args.json, &output::with_memory(comparison.report(&sides, &judgement)), text)?;
     Ok(if judgement.failed { ExitStatus::Failed } else { ExitStatus::Passed })
 }

@@ -17,6 +17,7 @@ use crate::encode::{self, EncodeReport, EncodeSettings, EncodeSummary, Kept, Res
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::image::StreamKind;
+use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
@@ -167,6 +168,7 @@ impl Encode<'_> {
             return refuse("--resume needs a file: an encode to standard output cannot be resumed");
         }
         let done = self.encode()?;
+        note_clipping(path, &done.summary);
         self.global.report(json, &done, || text(path, &done)).map(|()| ExitStatus::Passed)
     }
 
@@ -175,6 +177,7 @@ impl Encode<'_> {
         if self.is_input(path) {
             return refuse(format!("{}: an input file would be overwritten", path.display()));
         }
+        self.note_block_bound();
         // Checked before an earlier encode is replaced.
         encode::check(self.source, self.settings)?;
         let start = Instant::now();
@@ -202,6 +205,21 @@ impl Encode<'_> {
         encode::selected_groups(self.source, self.settings)
             .iter()
             .any(|of| of.group.frames.iter().any(|frame| self.source.file(of.group, frame).is_ok_and(same)))
+    }
+
+    /// Blocks lose more than the search for keyframes allows.
+    fn note_block_bound(&self) {
+        let searched_db = self.settings.search.min_psnr_db;
+        let has_color =
+            encode::selected_groups(self.source, self.settings).iter().any(|of| of.group.kind == StreamKind::Color);
+        if let Some(blocks) =
+            self.settings.color_blocks.filter(|blocks| has_color && blocks.final_psnr_db < searched_db)
+        {
+            self.global.note(format_args!(
+                "keyframes in blocks keep {} dB (--psnr-final); the {searched_db} dB of --psnr hold before they are put in blocks",
+                blocks.final_psnr_db
+            ));
+        }
     }
 
     fn say(&self, words: &str) {
@@ -293,25 +311,30 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     format!("{how} in {}: {chunks}; the same command with --resume continues", partial.display())
 }
 
-pub fn text(path: &Path, report: &EncodeReport) -> String {
-    let EncodeReport { summary, ratio_percent, seconds } = report;
-    let clipped = match summary.clipped_pixels {
-        0 => String::new(),
-        count => format!(
-            "\n{count} of {} colour pixels ({:.2}%) were clipped to 8 bits: see --exposure and --hdr",
+/// Says, also with --quiet, that light is lost: the container does not tell.
+fn note_clipping(path: &Path, summary: &EncodeSummary) {
+    if summary.clipped_pixels > 0 {
+        output::note(format_args!(
+            "{}: {} of {} colour pixels ({:.2}%) were clipped to 8 bits: see --exposure and --hdr",
+            path.display(),
+            summary.clipped_pixels,
             summary.color_pixels,
-            100.0 * count as f64 / summary.color_pixels as f64
-        ),
-    };
+            100.0 * summary.clipped_pixels as f64 / summary.color_pixels as f64
+        ));
+    }
+}
+
+pub fn text(path: &Path, report: &EncodeReport) -> String {
+    let EncodeReport { summary, ratio_percent, seconds, .. } = report;
     let resumed = match summary.resumed_chunks {
         0 => String::new(),
         count => format!(", {count} resumed chunks"),
     };
     format!(
-        "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}{clipped}",
+        "{}: {}, {}, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}",
         path.display(),
-        summary.streams,
-        summary.frames,
+        counted(summary.streams as u64, "stream"),
+        counted(summary.frames, "image"),
         human_bytes(summary.bytes),
         human_bytes(summary.raw_bytes),
         ratio_percent,

@@ -68,7 +68,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let report = PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() };
     global.report(args.output.store.json, &report, || {
         let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));
-        format!("{}: {}, {from} became {to}", path.display(), counted(summary.streams, "stream"))
+        let streams = counted(summary.streams, "stream");
+        let gains_nothing = settings.repack != Repack::Keep && summary.bytes >= input_bytes;
+        let words = if gains_nothing { ", no smaller" } else { "" };
+        format!("{}: {streams}, {from} became {to}{words}", path.display())
     })?;
     Ok(ExitStatus::Passed)
 }

@@ -9,6 +9,7 @@ use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DecodeTable, DepthPlane, EncodeTable, Plane, StreamKind, ToneMap};
 use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
+use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::streams::{ColorFormat, convert};
 
 /// Width of cells where neither side states it.
@@ -24,6 +25,16 @@ pub enum Origin {
     Default,
 }
 
+/// What colour is compared in.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum ColorDomain {
+    /// The coding of the container or of the decoded dataset, else 8-bit sRGB.
+    #[default]
+    AsCoded,
+    /// Half floats. Without a white it is that of the coding, else that of a standard display.
+    Half { white_cd_m2: Option<f64> },
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
     pub coding: Coding,
@@ -32,7 +43,11 @@ pub struct Domain {
 
 impl Domain {
     /// The domain of a pair of streams; `None` where the range of depth must be found first.
-    pub fn of_pair(sides: &[Side; 2], streams: [&SideStream; 2]) -> Option<Domain> {
+    pub fn of_pair(sides: &[Side; 2], streams: [&SideStream; 2], color: ColorDomain) -> Option<Domain> {
+        Domain::of_codings(sides, streams).map(|domain| domain.with_color(color))
+    }
+
+    fn of_codings(sides: &[Side; 2], streams: [&SideStream; 2]) -> Option<Domain> {
         for (origin, container) in [(Origin::Container as fn(usize) -> Origin, true), (Origin::Manifest, false)] {
             for at in 0..2 {
                 if (sides[at].form == SideForm::Container) == container
@@ -48,6 +63,18 @@ impl Domain {
             StreamKind::Material => Coding::Material,
         };
         Some(Domain { coding, origin: Origin::Default })
+    }
+
+    fn with_color(self, color: ColorDomain) -> Domain {
+        let (Coding::Color(format, cell), ColorDomain::Half { white_cd_m2 }) = (self.coding, color) else {
+            return self;
+        };
+        let (own, origin) = match format {
+            ColorFormat::Half { white_cd_m2 } => (white_cd_m2, self.origin),
+            ColorFormat::EightBit(_) => (DEFAULT_WHITE_CD_M2, Origin::Default),
+        };
+        let format = ColorFormat::Half { white_cd_m2: white_cd_m2.unwrap_or(own) };
+        Domain { coding: Coding::Color(format, cell), origin }
     }
 }
 

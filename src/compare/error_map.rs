@@ -2,7 +2,7 @@
 
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::difference::{self, Level, half_levels, sample_error};
-use crate::compare::domain::{Converted, Converter, Domain};
+use crate::compare::domain::{ColorDomain, Converted, Converter, Domain};
 use crate::compare::pairing::Pair;
 use crate::compare::side::{Coding, Side, SideReader};
 use crate::error::{Error, Result};
@@ -58,7 +58,7 @@ impl ErrorMap {
 pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<ErrorMap> {
     let streams = pair.streams;
     let named = |error: Error| error.context(format!("{}, frame {frame}", streams[0].id));
-    let domain = Domain::of_pair(sides, streams)
+    let domain = Domain::of_pair(sides, streams, ColorDomain::AsCoded)
         .ok_or_else(|| named(Error::invalid("neither side has the range of its depth codes")))?;
     let convert = |at: usize, frame: u32| {
         let image = SideReader::new(&sides[at], vec![streams[at]]).image(0, frame)?;

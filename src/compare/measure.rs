@@ -7,7 +7,7 @@
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
 use crate::compare::difference::{BitErrors, SampleErrors, half_levels};
-use crate::compare::domain::{Converted, Converter, Domain, Origin};
+use crate::compare::domain::{ColorDomain, Converted, Converter, Domain, Origin};
 use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideReader, Values};
 use crate::depth::DepthRange;
@@ -41,10 +41,11 @@ pub enum SsimFrames {
     None,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CompareSettings {
     pub coverage: Coverage,
     pub measure: Measure,
+    pub color: ColorDomain,
     pub ssim: SsimFrames,
     pub memory: Budget,
 }
@@ -52,7 +53,7 @@ pub struct CompareSettings {
 /// Compares all pairs. The monitor advances by one for every pair of images.
 pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
     let at_once = streams_at_once(pairing, settings.memory)?;
-    let domains = domains(pairing, at_once, monitor)?;
+    let domains = domains(pairing, settings.color, at_once, monitor)?;
     let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs.iter().copied().zip(domains).collect();
     let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
     let reports = try_map_at_once(jobs, at_once, |pairs| {
@@ -108,8 +109,8 @@ fn visit(
 }
 
 /// The domain of each pair; unknown ranges of depth are found by reading both sides.
-fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
-    let known: Vec<_> = pairing.pairs.iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams)).collect();
+fn domains(pairing: &Pairing<'_>, color: ColorDomain, at_once: usize, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
+    let known: Vec<_> = pairing.pairs.iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams, color)).collect();
     let unknown: Vec<Pair<'_>> =
         pairing.pairs.iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
     let chunks: Vec<_> = unknown.chunk_by(|one, next| one.shares_files(next)).collect();

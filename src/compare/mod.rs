@@ -17,7 +17,7 @@ mod side;
 pub use bounds::{Bound, Bounds, Judgement, Violation};
 pub use comparison::{Comparison, Measured, SampleTotal, StreamReport, side_name};
 pub use difference::{Lowest, SampleErrors};
-pub use domain::{Domain, Origin};
+pub use domain::{ColorDomain, Domain, Origin};
 pub use error_map::{CellPsnr, ErrorMap, LargestError, error_map};
 pub use measure::{CompareSettings, Measure, SsimFrames, compare};
 pub use open::{SideOptions, open_both};

@@ -111,7 +111,10 @@ pub(super) fn check_color(plane: &mut ColorPlane, invalid: InvalidColor) -> Resu
                 match invalid {
                     InvalidColor::Black => *component = f16::ZERO,
                     InvalidColor::Refuse => {
-                        let message = format!("colour at {} is not a number", pixel(index, width));
+                        let message = format!(
+                            "colour at {} is not a number; set `invalid_color` to black to replace it",
+                            pixel(index, width)
+                        );
                         return Err(Error::invalid(message));
                     }
                 }

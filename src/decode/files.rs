@@ -77,7 +77,7 @@ pub fn decode_to_files(
     format: FileFormat,
     monitor: &dyn Monitor,
 ) -> Result<Decoded> {
-    let written = AtomicU64::new(0);
+    let written = Written::default();
     let each = |part: &StreamFrames<'_>| memory::stream_bytes(decoder, part.stream) + memory::file_bytes(part.stream);
     let at_once = jobs_at_once(decoder, memory, || streams.iter().map(each).max())?;
     let parts = try_map_at_once(streams.to_vec(), at_once, |StreamFrames { stream, frames }| {
@@ -89,8 +89,9 @@ pub fn decode_to_files(
             monitor.check()?;
             match face.decode_intact(frame, filter)? {
                 Some(picture) => {
-                    let bytes = writer.write_new(&pattern.path(frame), picture)?;
-                    written.fetch_add(bytes, Ordering::Relaxed);
+                    let file = writer.write_new(&pattern.path(frame), picture)?;
+                    written.bytes.fetch_add(file.bytes, Ordering::Relaxed);
+                    written.clipped_pixels.fetch_add(file.clipped_pixels, Ordering::Relaxed);
                 }
                 None => missing.push(frame),
             }
@@ -101,11 +102,18 @@ pub fn decode_to_files(
         Ok(DecodedPart { stream: stream.index, summary, damaged: face.damaged(), missing })
     })?;
     let mut decoded = Decoded::of(parts);
-    decoded.summary.bytes_out = written.into_inner();
+    decoded.summary.bytes_out = written.bytes.into_inner();
+    decoded.clipped_pixels = written.clipped_pixels.into_inner();
     if let Destination::Dataset(folder) = destination
         && decoded.summary.frames > 0
-        && let Some(mut manifest) = manifest_of(decoder, streams, format)
     {
+        let mut manifest = match manifest_of(decoder, streams, format) {
+            Ok(manifest) => manifest,
+            Err(why) => {
+                decoded.no_manifest = Some(why);
+                return Ok(decoded);
+            }
+        };
         if !decoded.missing.is_empty() {
             let list: Vec<_> = decoded.missing.iter().map(|missing| missing.report(decoder)).collect();
             manifest.extra.get_or_insert_with(|| json!({}))["missing"] = json!(list);
@@ -114,6 +122,17 @@ pub fn decode_to_files(
         std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
     }
     Ok(decoded)
+}
+
+#[derive(Default)]
+struct Written {
+    bytes: AtomicU64,
+    clipped_pixels: AtomicU64,
+}
+
+struct WrittenFile {
+    bytes: u64,
+    clipped_pixels: u64,
 }
 
 /// Between the domain of a codec and that of a file.
@@ -143,21 +162,24 @@ impl ImageWriter {
         ImageWriter { format, table }
     }
 
-    /// Writes a file, and its folder where there is none; returns its bytes.
-    fn write_new(&self, path: &Path, picture: Picture) -> Result<u64> {
+    /// Writes a file, and its folder where there is none.
+    fn write_new(&self, path: &Path, picture: Picture) -> Result<WrittenFile> {
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
         }
-        self.write(path, picture).map_err(|error| error.in_file(path))?;
-        Ok(std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len())
+        let clipped_pixels = self.write(path, picture).map_err(|error| error.in_file(path))?;
+        let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+        Ok(WrittenFile { bytes, clipped_pixels })
     }
 
-    fn write(&self, path: &Path, picture: Picture) -> Result<()> {
+    /// Returns the number of clipped pixels.
+    fn write(&self, path: &Path, picture: Picture) -> Result<u64> {
         match (self.format, picture, &self.table) {
             (FileFormat::Png, Picture::Depth(codes), _) => png::write_depth16(path, &codes),
             (FileFormat::Png, Picture::Color8(codes) | Picture::Material(codes), _) => png::write_color8(path, &codes),
             (FileFormat::Png, Picture::ColorHalf(light), Table::Codes(table)) => {
-                png::write_color8(path, &convert::color_codes(&light, table).0)
+                let (codes, clipped) = convert::color_codes(&light, table);
+                return png::write_color8(path, &codes).map(|()| clipped);
             }
             (FileFormat::Exr, Picture::Depth(codes), Table::Metres(table)) => {
                 exr::write_depth(path, &codes.map(|&code| table.metres(code)))
@@ -172,5 +194,6 @@ impl ImageWriter {
             // A stream's pictures and its table are of one kind.
             _ => Err(Error::invalid("a picture of another kind than its stream")),
         }
+        .map(|()| 0)
     }
 }

@@ -46,14 +46,22 @@ pub fn has_decoded(manifest: &Manifest) -> bool {
     manifest.extra.as_ref().is_some_and(|extra| extra.get("lightfold").is_some())
 }
 
-/// Its `extra` holds the streams' coding, so that a later comparison can use the same codes. `None` where PNG files
-/// hold codes that a manifest cannot describe, where streams differ in size, or where cube faces are not square.
-pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], format: FileFormat) -> Option<Manifest> {
+/// Its `extra` holds the streams' coding, so that a later comparison can use the same codes. An error says why there is
+/// none: PNG files hold codes that a manifest cannot describe, streams differ in size, or cube faces are not square.
+pub(super) fn manifest_of(
+    decoder: &Decoder,
+    streams: &[StreamFrames<'_>],
+    format: FileFormat,
+) -> Result<Manifest, &'static str> {
+    const NO_STREAM: &str = "no stream was decoded";
     let index = decoder.reader().index();
-    let size = streams.first()?.stream.size();
+    let size = streams.first().ok_or(NO_STREAM)?.stream.size();
     let cube = index.projection == 0;
-    if streams.iter().any(|part| part.stream.size() != size) || cube && size[0] != size[1] {
-        return None;
+    if streams.iter().any(|part| part.stream.size() != size) {
+        return Err("the streams differ in size");
+    }
+    if cube && size[0] != size[1] {
+        return Err("the cube faces are not square");
     }
     let mut files = manifest::Files::default();
     let (mut depth, mut color, mut material) = (None, None, None);
@@ -76,7 +84,11 @@ pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], forma
                 }
             }
             (CodecHeader::Color(header), _) => {
-                let srgb = header.format == ColorFormat::EightBit(ToneMap::default());
+                // PNG files of half floats hold sRGB codes as well.
+                let srgb = match header.format {
+                    ColorFormat::EightBit(tone) => tone == ToneMap::default(),
+                    ColorFormat::Half { .. } => true,
+                };
                 coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
                 let space = match format {
                     FileFormat::Exr => ColorSpace::LinearRec709,
@@ -94,12 +106,15 @@ pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], forma
         }
     }
     if files == manifest::Files::default() {
-        return None;
+        return Err(
+            "a manifest cannot describe what these PNG files hold: depth codes, weights, or colour with another \
+                    transfer function or exposure than sRGB",
+        );
     }
     if !ranges.is_empty() {
         coding.insert("depth".into(), ranges.into());
     }
-    let all = streams.iter().map(|part| part.frames).reduce(FrameRange::hull)?;
+    let all = streams.iter().map(|part| part.frames).reduce(FrameRange::hull).ok_or(NO_STREAM)?;
     let present: Vec<Face> =
         Face::CUBE.into_iter().filter(|face| streams.iter().any(|part| part.stream.face == *face)).collect();
     let mut probes = Vec::new();
@@ -121,7 +136,7 @@ pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], forma
             extra: None,
         });
     }
-    Some(Manifest {
+    Ok(Manifest {
         lightfield: manifest::MANIFEST_VERSION,
         name: if index.name.is_empty() { "unnamed".to_owned() } else { index.name.clone() },
         fps: index.fps,

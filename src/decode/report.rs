@@ -27,6 +27,8 @@ pub struct DecodeReport<'a> {
     updated_pixels: u64,
     bytes_read: u64,
     bytes_out: u64,
+    /// Pixels of half floats that PNG files clipped.
+    clipped_pixels: u64,
     fetching_thread_seconds: f64,
     applying_thread_seconds: f64,
     #[serde(flatten)]
@@ -70,6 +72,7 @@ impl<'a> DecodeReport<'a> {
             updated_pixels: cost.updated_pixels,
             bytes_read: cost.bytes_read,
             bytes_out,
+            clipped_pixels: decoded.clipped_pixels,
             fetching_thread_seconds: cost.fetching.as_secs_f64(),
             applying_thread_seconds: cost.applying.as_secs_f64(),
             times,

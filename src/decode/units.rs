@@ -53,6 +53,10 @@ pub struct Decoded {
     /// Damaged chunks, by stream, unit and frame.
     pub damaged: Vec<DamagedChunk>,
     pub missing: Vec<MissingImages>,
+    /// Pixels of half floats that files of 8 bits clipped.
+    pub clipped_pixels: u64,
+    /// Why a folder of images has no manifest, where it has none.
+    pub no_manifest: Option<&'static str>,
 }
 
 pub(super) struct DecodedPart {

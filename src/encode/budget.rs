@@ -107,9 +107,12 @@ impl GroupNeed {
     fn need<'a>(&self, what: &'a str, kind: StreamKind, settings: &EncodeSettings) -> Need<'a> {
         let kept = if kind == StreamKind::Depth { self.keep } else { 0 };
         let instead = match (kind, settings.color_codec) {
-            (StreamKind::Color, ColorCodec::Transform) => "a smaller `color_chunk`",
-            (StreamKind::Color, ColorCodec::Cells) => "a smaller `lookahead`",
-            _ => "a smaller `keyframe_interval`",
+            (StreamKind::Color, ColorCodec::Transform) if settings.color_chunk > 1 => "a smaller `color_chunk`",
+            (StreamKind::Color, ColorCodec::Cells) if settings.search.lookahead > 1 => "a smaller `lookahead`",
+            (StreamKind::Depth | StreamKind::Material, _) if settings.temporal.keyframe_interval > 1 => {
+                "a smaller `keyframe_interval`"
+            }
+            _ => "",
         };
         Need { what, fixed: self.state + kept, each: self.frame, instead }
     }

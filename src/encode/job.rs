@@ -65,6 +65,8 @@ pub struct EncodeSummary {
 pub struct EncodeReport {
     #[serde(flatten)]
     pub summary: EncodeSummary,
+    /// The summary's `frames` under the name that text reports use.
+    pub images: u64,
     /// Container bytes in percent of raw bytes.
     pub ratio_percent: f64,
     pub seconds: f64,
@@ -73,7 +75,7 @@ pub struct EncodeReport {
 impl EncodeReport {
     pub fn new(summary: EncodeSummary, seconds: f64) -> EncodeReport {
         let ratio_percent = 100.0 * summary.bytes as f64 / summary.raw_bytes as f64;
-        EncodeReport { summary, ratio_percent, seconds }
+        EncodeReport { images: summary.frames, summary, ratio_percent, seconds }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use half::f16;
 use lightfold::image::{Face, Plane};
 use tempfile::TempDir;
 
@@ -63,6 +64,75 @@ fn a_single_image_can_be_named() {
     assert!(refused("decode a.lfold --face px -o one.exr", folder.path()).contains("one file for 4 images"));
     assert!(refused("decode a.lfold -o -", folder.path()).contains("name a folder"));
     assert!(refused("decode a.lfold --face px -o a%04d%04d.exr", folder.path()).contains("a%04d%04d.exr"));
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Four frames of a face with light up to 15.
+fn bright(folder: &Path) {
+    let color = |_: Face, frame: u32| {
+        Plane::from_fn(16, 16, |x, y| [x as f32, y as f32 / 16.0, frame as f32 / 4.0].map(f16::from_f32))
+    };
+    let depth = |_: Face, _: u32| Plane::from_fn(16, 16, |x, y| 1.0 + (x * y) as f32 * 0.01);
+    Footage { frames: [0, 3], color: Some(&color), depth: Some(&depth), ..Footage::new(16, 16) }.write(folder);
+}
+
+#[test]
+fn clipped_light_and_missing_manifests_are_said_also_to_the_quiet() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    bright(at);
+    // Light of 2 to 15, in 14 of 16 columns of 4 images.
+    let clipped = 14 * 16 * 4;
+    let encoded = said(&fine("encode . -o codes.lfold -q", at));
+    assert!(encoded.contains(&format!("{clipped} of 1024 colour pixels")), "{encoded}");
+    assert_eq!(said(&fine("encode . -o a.lfold --hdr -q", at)), "");
+    let decoded = said(&fine("decode a.lfold --stream color --format png -o out -q", at));
+    assert!(decoded.contains(&format!("out: {clipped} colour pixels")), "{decoded}");
+    assert!(at.join("out/lightfield.json").is_file());
+    fine("diff a.lfold out", at);
+    let codes = said(&fine("decode a.lfold --stream depth --format png -o codes -q", at));
+    assert!(codes.contains("lightfield.json was not written") && !codes.contains("older"), "{codes}");
+    assert!(!at.join("codes/lightfield.json").exists());
+    let over = said(&fine("decode a.lfold --stream depth --format png -o out -q", at));
+    assert!(over.contains("the older one stays"), "{over}");
+    assert_eq!(said(&fine("decode a.lfold -o exact -q", at)), "");
+    let report: serde_json::Value = serde_json::from_slice(&fine("encode . -o b.lfold --json", at).stdout).unwrap();
+    assert_eq!((&report["images"], &report["frames"]), (&8.into(), &8.into()));
+}
+
+#[test]
+fn names_of_images_that_are_not_written_are_refused() {
+    let folder = TempDir::new().unwrap();
+    bright(folder.path());
+    fine("encode . -o a.lfold --hdr", folder.path());
+    for name in ["pp.tif", "pp.####.jpg", "pp.%04d.webp", "pp.EXR"] {
+        let said = refused(&format!("decode a.lfold --stream color -o {name}"), folder.path());
+        assert!(said.contains(".exr or .png"), "{said}");
+        assert!(!folder.path().join(name).exists(), "{name}");
+    }
+    fine("decode a.lfold --frames 0 -o film.v2", folder.path());
+    let frames = "probe_00/face_px/color.0000.exr probe_00/face_px/color.0001.exr";
+    assert!(refused(&format!("encode-color {frames} -o b.lfold"), folder.path()).contains("color.%04d.exr"));
+}
+
+#[test]
+fn what_an_option_does_not_reach_is_said() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    bright(at);
+    let blocks = said(&fine("encode . -o a.lfold --color-block bc7 --psnr 50", at));
+    assert!(blocks.contains("keep 40 dB (--psnr-final)"), "{blocks}");
+    assert!(!said(&fine("encode . -o a.lfold --color-block bc7", at)).contains("--psnr-final"));
+    assert!(refused("encode . -o b.lfold --white 300", at).contains("--hdr"));
+    let memory = "encode . -o b.lfold --stream color --memory 1k --color-chunk";
+    assert!(refused(&format!("{memory} 2"), at).contains("a smaller --color-chunk"));
+    assert!(!refused(&format!("{memory} 1"), at).contains("smaller"));
+    fine("encode . -o c.lfold", at);
+    let packed = said(&fine("pack c.lfold --zstd -o d.lfold", at));
+    assert!(packed.contains("no smaller"), "{packed}");
 }
 
 #[test]

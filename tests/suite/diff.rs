@@ -155,6 +155,48 @@ fn lossless_containers_and_folders_are_equal_to_their_source() {
 }
 
 #[test]
+fn light_above_one_is_compared_as_half_floats_and_clipping_is_said() {
+    let bench = Bench::new();
+    for (name, gain) in [("one", 1.0), ("ten", 10.0)] {
+        std::fs::create_dir(bench.path(name)).unwrap();
+        let light =
+            Plane::from_fn(SIZE, SIZE, |x, y| [2.0, 2.0 + x as f32, 2.0 + y as f32].map(|v| f16::from_f32(gain * v)));
+        exr::write_color(&bench.path(name).join("color.0000.exr"), &light).unwrap();
+    }
+    let sides = "one/color.%04d.exr ten/color.%04d.exr --min-cell-psnr 90";
+    let (code, _, said) = bench.run(sides);
+    assert_eq!(code, 0);
+    let clipped = 2 * SIZE * SIZE;
+    assert!(said.contains(&format!("{clipped} colour pixels")) && said.contains("--hdr"), "{said}");
+    assert_eq!(bench.json(sides).1["color"]["clipped_pixels"], clipped);
+    let psnr = |white: &str| {
+        let (code, report) = bench.json(&format!("{sides} --hdr{white}"));
+        assert_eq!((code, &report["color"]["clipped_pixels"]), (1, &0.into()), "{report}");
+        report["color"]["min_cell_psnr_db"].as_f64().unwrap()
+    };
+    let [usual, hundred, bright] = ["", " --white 100", " --white 1000"].map(psnr);
+    assert!(usual < 20.0 && usual == hundred && usual != bright, "{usual} {hundred} {bright}");
+    let same = "one/color.%04d.exr one/color.%04d.exr --min-cell-psnr 90 --hdr";
+    let (code, _, said) = bench.run(same);
+    assert_eq!((code, said.as_str()), (0, ""));
+    bench.refused(&format!("{sides} --white 100"), "--hdr");
+    bench.refused(&format!("{sides} --hdr --white 0"), "above 0");
+}
+
+#[test]
+fn half_floats_of_containers_keep_their_white_unless_another_is_given() {
+    let bench = Bench::new();
+    bench.encode("set", "codes.lfold", |_| {});
+    bench.encode("set", "half.lfold", |settings| settings.color = ColorFormat::Half { white_cd_m2: 300.0 });
+    let white = |line: &str| bench.json(line).1["domains"]["color"][0]["white_cd_m2"].clone();
+    assert_eq!(white("set half.lfold"), 300.0);
+    assert_eq!(white("set half.lfold --hdr"), 300.0);
+    assert_eq!(white("set half.lfold --hdr --white 50"), 50.0);
+    assert_eq!(white("set codes.lfold"), Value::Null);
+    assert_eq!(white("set codes.lfold --hdr"), 100.0);
+}
+
+#[test]
 fn one_pixel_is_found() {
     let bench = Bench::new();
     bench.encode("set", "set.lfold", |_| {});

@@ -12,7 +12,8 @@ use crate::inspect::Inspection;
     group = clap::ArgGroup::new("looks").args(["plot", "check"]),
     after_help = "Raw sizes count 32-bit depth and 24-bit colour. Temporal: after temporal coding, before compression of chunks.\n\
     Keys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all frames are decoded \
-    in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
+    in order.\nUnits: the tiles of depth and material, the cells of colour. In cells: chunks of the transform codec that are \
+    coded as keyframes, where that is smaller. Palettes: blocks of a few colours, of any size.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
     For a scene (glTF, GLB, OBJ, or built in): bounds in metres, triangles, materials and lights at time 0, and animations.\n\n\
     --check reads one frame of up to 16 probes. For face order and orientation, planar depth or distance, scale, positions, \
     orientations, near, far, background and colour it reports fine, SUSPECT or cannot tell. The exit code is 1 if a check \
@@ -32,7 +33,7 @@ pub struct Args {
     /// One row for every stream [default: many streams are summed by probe and kind]
     #[arg(long)]
     pub streams: bool,
-    /// One row for every frame of every stream
+    /// One row for every frame of every stream; the bytes of a chunk are counted at its first frame
     #[arg(long)]
     pub per_frame: bool,
     // Without a value it is the older form of --per-frame.
@@ -59,7 +60,8 @@ pub struct Args {
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Frame of --plot [default: the first, and the one that changes most] or --check [default: the first]
+    /// Frame of --plot [default: the one that changes most, of depth and material also the first] or --check [default: the
+    /// first]
     #[arg(long, value_name = "N", requires = "looks")]
     pub frame: Option<u32>,
     /// Source of the container, for error maps with --plot: a lightfield.json or its folder, or an image sequence

@@ -72,14 +72,16 @@ pub struct ColorArgs {
     /// Exposure in stops before conversion to 8 bits, -8 to 8
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: f32,
-    /// Half floats instead of 8 bits; PSNR is then computed in the PU21 encoding
+    /// Half floats instead of 8 bits, which clip light above 1 of EXR files. PSNR is then that of the PU21 encoding, with its peak
+    /// at 100 cd/m². Infinite light becomes 65504
     #[arg(long)]
     pub hdr: bool,
     /// Luminance of the value 1.0 for --hdr, in cd/m²
-    #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2)]
+    #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2, requires = "hdr")]
     pub white: f64,
     /// Keyframe lookahead: distinct frames between two keyframes of a cell, limited to 768 MiB for all faces of an image.
-    /// More compress better and take more memory and time
+    /// More compress better and take more memory and time. Of --color-codec cells; the transform codec uses it only in chunks
+    /// that are smaller as keyframes
     #[arg(long, alias = "keyframe-reach", value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub lookahead: u32,

@@ -22,7 +22,8 @@ pub struct OutputArgs {
 
 #[derive(Debug, Clone, Args)]
 pub struct StoreArgs {
-    /// Compress chunks with LZMA2, level 0 (fast) to 9 (small) [default level: 6]
+    /// Compress chunks with LZMA2, level 0 (fast) to 9 (small); colour of the transform codec is entropy-coded already and gains
+    /// next to nothing [default level: 6]
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
         value_parser = clap::value_parser!(u32).range(0..=9))]
     pub lzma2: Option<u32>,

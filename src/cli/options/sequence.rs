@@ -28,6 +28,9 @@ pub struct SequenceInputArgs {
     /// The sequence: a pattern such as name.%04d.exr or name.####.exr, a folder, or one file
     #[arg(value_name = "SEQ")]
     pub input: String,
+    /// Files that a shell made of a pattern.
+    #[arg(hide = true)]
+    pub more: Vec<String>,
     #[command(flatten)]
     pub frames: FrameArgs,
     /// Name of the probe
@@ -69,6 +72,13 @@ impl SequenceInputArgs {
     }
 
     pub fn open(&self, kind: StreamKind, options: &SourceOptions) -> Result<Source> {
+        if !self.more.is_empty() {
+            return refuse(format!(
+                "{} and {} more inputs: one sequence was expected; write it as a pattern such as color.%04d.exr",
+                self.input,
+                self.more.len()
+            ));
+        }
         let images = self.images.layout()?;
         let arrangement = match images.arrangement {
             Arrangement::Single(_) => Arrangement::Single(self.face),

@@ -33,7 +33,11 @@ pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> Str
     let _ = writeln!(text, "{} {}\n", results.about, results.sweep.method);
     let tested: Vec<_> = findings.iter().filter(|finding| finding.verdict != Verdict::NotMeasured).collect();
     for finding in &tested {
-        let _ = writeln!(text, "{}: {}\n  {}", finding.verdict.name(), finding.sentence, finding.rests_on);
+        let head = match finding.verdict {
+            Verdict::Found => "These points agree with a paper",
+            _ => "These points do not agree with a paper",
+        };
+        let _ = writeln!(text, "{head}: {}\n  {}", finding.sentence, finding.rests_on);
     }
     if !tested.is_empty() {
         text.push('\n');

@@ -68,7 +68,7 @@ impl Input {
                     settings = without(&settings, &["psnr"]);
                     settings.push(("psnr", psnr));
                 }
-                if point.value("color-block").is_some() && point.value("color-codec").is_none() {
+                if point.value("color-block").is_some_and(|of| of != "none") && point.value("color-codec").is_none() {
                     settings.push(("color-codec", "cells".to_owned()));
                 }
                 settings = without(&settings, &["color-block", "psnr-final"]);
@@ -245,6 +245,8 @@ mod tests {
         }
         let plain = point(Color, &[("psnr", "40")]);
         assert_eq!(scene.temporal(&plain), scene.encode(&plain));
+        let line = shell_line(&scene.temporal(&point(Color, &[("color-block", "none")])));
+        assert_eq!(line, "lightfold encode scene --stream=color --no-compression");
     }
 
     #[test]

@@ -70,7 +70,7 @@ pub const KNOBS: &[Knob] = &[
         "40, of cells 50, in blocks as psnr-final",
         &["30", "35", "40", "45", "50"],
     ),
-    encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]).with(&[("color-codec", "cells")]),
+    encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]),
     encode("psnr-final", "PSNR threshold in blocks (dB)", &[Color], "30 for bc1, else 40", &["30", "35", "40", "45"])
         .with(&[("color-block", "bc7")]),
     encode("lookahead", "keyframe lookahead (frames)", &[Color], "64", &["4", "16", "64", "256"])
