@@ -5,6 +5,7 @@ frame as BC1 (hap) or as BC3 of YCoCg (hap_q), and lossless codecs have none.
 """
 
 import math
+from typing import NamedTuple
 
 import lightfold_runs as lf
 import peers_codecs as pc
@@ -16,8 +17,20 @@ MEANS, PROMISES = [38.5, 41.5, 45.0], [40, 50]
 NEAR, TRIES = 0.1, 10
 CELLS, TRANSFORM = ["--color-codec", "cells"], ["--color-codec", "transform"]
 BLOCKS = ["--color-block", "bc7", "--lzma2"]
-# Least and greatest --psnr of a search.
-LIMITS, START = (20, 70), 38
+
+
+class Setting(NamedTuple):
+    """An option of ours that mean PSNR grows with, in dB for each 1, or falls with."""
+    option: str
+    start: float
+    slope: float
+    limits: tuple
+
+    def arguments(self, value):
+        return [self.option, value if self.slope > 0 else round(value)]
+
+
+PSNR, QP = Setting("--psnr", 38, 1.0, (20, 70)), Setting("--color-qp", 100, -0.3, (0, 240))
 
 
 def search(measure, start, slope, limits):
@@ -95,10 +108,12 @@ class Source:
         codec.quality = search(above, coder.start, coder.slope, (coder.lowest, coder.highest))
         return None if codec.quality is None else codec
 
-    def ours_at(self, label, options, value, wanted):
-        """Ours with the --psnr where `value` of the container, in dB, is what is wanted; None where no --psnr has it."""
-        setting = search(lambda db: value(self.encoded([*options, "--psnr", db])) - wanted, START, 1.0, LIMITS)
-        return None if setting is None else self.ours(label, [*options, "--psnr", setting])
+    def ours_at(self, label, options, setting, value, wanted):
+        """Ours where `value` of the container, in dB, is what is wanted; None where nothing that is set has it."""
+        sign = math.copysign(1, setting.slope)
+        above = lambda at: value(self.encoded([*options, *setting.arguments(sign * at)])) - wanted
+        at = search(above, sign * setting.start, abs(setting.slope), sorted(sign * limit for limit in setting.limits))
+        return None if at is None else self.ours(label, [*options, *setting.arguments(sign * at)])
 
 
 def add(contest, label, asked, find):
@@ -129,9 +144,9 @@ def at_means(contest, source):
     for wanted in MEANS:
         for label in pc.CODERS:
             add(contest, label, f"{wanted}", lambda: source.rival_at(label, mean, wanted))
-        for label, options in (("bc7 + LZMA2", [*BLOCKS, "--psnr-final", "20"]), ("transform", TRANSFORM)):
+        for label, options, setting in (("bc7 + LZMA2", [*BLOCKS, "--psnr-final", "20"], PSNR), ("transform", TRANSFORM, QP)):
             label = f"lightfold, {label}"
-            add(contest, label, f"{wanted}", lambda: source.ours_at(label, options, source.mean_psnr, wanted))
+            add(contest, label, f"{wanted}", lambda: source.ours_at(label, options, setting, source.mean_psnr, wanted))
     add(contest, "ffv1", "lossless", lambda: one_thread(pc.Ffv1, "ffv1", source, ["-pix_fmt", "bgr0"]))
     for label, more in (("lightfold, cells + zstd", "--zstd"), ("lightfold, cells + LZMA2", "--lzma2")):
         add(contest, label, "lossless", lambda: source.ours(label, [*CELLS, "--psnr", "200", more]))

@@ -9,7 +9,7 @@ import math
 import os
 
 import peers_frames as pf
-from peers_color import BLOCKS, TRANSFORM
+from peers_color import BLOCKS, PSNR, QP, TRANSFORM
 
 MEANS = [38.5, 40.0]
 CELL, MARGIN, SCALE, PICTURES = 64, 32, 4, 6
@@ -40,14 +40,14 @@ def write(source, folder):
     folder.mkdir(parents=True, exist_ok=True)
     film = source.film
     for mean in MEANS:
-        ours = source.ours_at("transform", TRANSFORM, source.mean_psnr, mean)
+        ours = source.ours_at("transform", TRANSFORM, QP, source.mean_psnr, mean)
         if ours is None:
-            raise pf.NotMeasured(f"no --psnr has a mean of {mean} dB")
+            raise pf.NotMeasured(f"no --color-qp has a mean of {mean} dB")
         ours.encode()
         wanted = 10 * math.log10(ours.size())
         x265 = source.rival_at("x265 medium", lambda codec: 10 * math.log10(codec.size()), wanted)
         size_db = lambda file: 10 * math.log10(os.path.getsize(file))
-        blocks = source.ours_at("bc7", [*BLOCKS, "--psnr-final", "20"], size_db, wanted)
+        blocks = source.ours_at("bc7", [*BLOCKS, "--psnr-final", "20"], PSNR, size_db, wanted)
         shown = [film.payloads]
         sizes = []
         for name, codec in (("x265", x265), ("BC7", blocks), ("ours", ours)):

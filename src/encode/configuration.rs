@@ -61,7 +61,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = temporal;
     let MaterialSettings { epsilon: material_error, in_blocks } = material;
     let DepthSettings { codec, error, domain, decide, effort, min_children } = depth;
-    let SearchSettings { min_psnr_db, effort: search_effort, lookahead } = search;
+    let SearchSettings { min_psnr_db, constant_step, effort: search_effort, lookahead } = search;
     let kinds: Vec<&str> =
         StreamKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).map(StreamKind::name).collect();
     vec![
@@ -86,7 +86,8 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`color_codec`", if *color_codec == ColorCodec::Cells { "cells" } else { "transform" }.to_owned()),
         ("`color_chunk`", color_chunk.to_string()),
         ("`color_tables`", color_tables.as_ref().map_or_else(|| "none".to_owned(), digest_of_tables)),
-        ("`psnr`", format!("{min_psnr_db} dB")),
+("`psnr`", format!("{min_psnr_db} dB")),
+        ("`color_qp`", constant_step.map_or_else(|| "none".to_owned(), |step| step.to_string())),
         ("`lookahead`", lookahead.to_string()),
         ("`color_block`", words_of_blocks(*color_blocks)),
         ("the domain of colour", words_of_color(*color)),

@@ -14,6 +14,7 @@ use lightfold::effort::Effort;
 use lightfold::encode::{ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
+use lightfold::metrics::SquaredError;
 use lightfold::monitor::Silent;
 use lightfold::streams::{CodecHeader, ColorFormat, convert};
 
@@ -85,7 +86,8 @@ pub fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
 }
 
 /// Every frame of every cell of an 8-bit colour stream reaches the PSNR asked for.
-pub fn check_color8(source: &Source, bytes: &[u8], min_psnr_db: f64) {
+pub fn check_color8(source: &Source, bytes: &[u8], min_psnr_db: f64) -> Vec<f64> {
+    let mut psnrs_db = Vec::new();
     let decoder = decoder(bytes);
     let table = EncodeTable::new(&ToneMap::default());
     let group = &source.groups()[0];
@@ -106,9 +108,11 @@ pub fn check_color8(source: &Source, bytes: &[u8], min_psnr_db: f64) {
                 let error = EightBit.squared_error(&a, &a, 0, &b, u64::MAX);
                 let allowed = EightBit.max_squared_error(min_psnr_db, a.len());
                 assert!(error <= allowed, "frame {frame} unit {unit}: {error} > {allowed}");
+                psnrs_db.push(SquaredError::of_u8(&a, &b).unwrap().psnr_db());
             }
         }
     }
+    psnrs_db
 }
 
 #[test]
@@ -262,7 +266,7 @@ fn high_dynamic_range_reaches_its_own_quality() {
         let settings = EncodeSettings {
             cell: 10,
             color: ColorFormat::Half { white_cd_m2: 100.0 },
-            search: SearchSettings { min_psnr_db, effort, lookahead: 16 },
+            search: SearchSettings { min_psnr_db, effort, lookahead: 16, ..SearchSettings::default() },
             ..EncodeSettings::default()
         };
         for color_codec in [ColorCodec::Cells, ColorCodec::Transform] {

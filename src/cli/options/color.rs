@@ -58,6 +58,11 @@ pub struct ColorArgs {
     /// or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
+    /// Constant quantiser of the transform codec instead of --psnr: one step for all cells, 0 (finest) to 240; 16 more double it.
+    /// Fastest to encode, and smallest at a given mean PSNR, but no least PSNR is kept
+    #[arg(long, value_name = "N", conflicts_with_all = ["psnr", "color_block"],
+        value_parser = clap::value_parser!(u8).range(0..=240))]
+    pub color_qp: Option<u8>,
     /// Store keyframes of cells in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the
     /// loss. Implies --color-codec cells [default: none]
     #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(COLOR_BLOCKS))]
@@ -104,7 +109,8 @@ impl ColorArgs {
             (None, None) => ColorCodec::default(),
         };
         let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));
-        let psnr = self.psnr.or(of_blocks).unwrap_or(codec.usual_psnr_db());
+        let no_promise = self.color_qp.map(|_| 0.0);
+        let psnr = self.psnr.or(of_blocks).or(no_promise).unwrap_or(codec.usual_psnr_db());
         for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", Some(psnr))] {
             if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
                 return refuse(format!("{option} {db}: 0 to 200 dB was expected"));
@@ -120,17 +126,23 @@ impl ColorArgs {
         settings.color_codec = codec;
         settings.color_chunk = self.color_chunk.unwrap_or(settings.color_chunk);
         settings.color_tables = self.color_tables.as_deref().map(read_tables).transpose()?;
-        settings.search =
-            SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.lookahead };
+        settings.search = SearchSettings {
+            min_psnr_db: psnr,
+            constant_step: self.color_qp,
+            effort: settings.search.effort,
+            lookahead: self.lookahead,
+        };
         settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
         });
-        if self.color_chunk.is_some() && codec != ColorCodec::Transform {
-            return refuse("--color-chunk is of --color-codec transform");
-        }
-        if self.color_tables.is_some() && codec != ColorCodec::Transform {
-            return refuse("--color-tables is of --color-codec transform");
+        let of_transform = [
+            ("--color-qp", self.color_qp.is_some()),
+            ("--color-chunk", self.color_chunk.is_some()),
+            ("--color-tables", self.color_tables.is_some()),
+        ];
+        if let Some((option, _)) = of_transform.into_iter().find(|(_, given)| *given && codec != ColorCodec::Transform) {
+            return refuse(format!("{option} needs --color-codec transform"));
         }
         if settings.color_blocks.is_none() && self.psnr_final.is_some() {
             return refuse("--psnr-final needs --color-block");

@@ -7,6 +7,7 @@ use crate::color::transform::blocks::{Block, LEAST, REGION};
 use crate::color::transform::domain::CHANNELS;
 use crate::color::transform::domain::Domain;
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
+use crate::color::transform::encode::weights::FrameWeights;
 use crate::color::transform::steps::{STEP_BITS, Steps};
 
 const SQUARES: usize = (REGION / LEAST) * (REGION / LEAST);
@@ -38,6 +39,7 @@ pub struct Pricing<'a> {
     pub steps: &'a Steps,
     pub domain: &'a Domain,
     pub lambda: f32,
+    pub weights: &'a FrameWeights,
 }
 
 impl Pricing<'_> {
@@ -70,10 +72,11 @@ impl Estimates {
             return;
         }
         if length_index(block.shape.frames).is_some() {
+            let weight = pricing.weights.mean(block);
             let of = |channel| {
                 let scale = pricing.scale(channel, block.shape.frames);
                 source.coefficients(channel, block, pricing.bases, scale, scratch);
-                estimate(scratch, pricing.lambda)
+                weight * estimate(scratch, pricing.lambda / weight)
             };
             self.whole[index] = (0..CHANNELS).map(of).sum::<f32>() + pricing.lambda * BLOCK_BITS;
         }

@@ -1,4 +1,4 @@
-//! Encodes chunks of a cell: the coarsest quantiser step whose decoded frames keep the promised PSNR (color.md 6).
+//! Encodes chunks of a cell: as few bytes as decoded frames of the promised PSNR take (color.md 6, 9).
 //!
 //! In: the samples of a cell, frame by frame. Out: payloads of [`crate::color::transform::payload`].
 
@@ -11,6 +11,7 @@ mod source;
 pub mod table_text;
 mod training;
 mod tree;
+mod weights;
 
 use std::sync::Arc;
 
@@ -28,6 +29,9 @@ use crate::error::Result;
 pub use promise::Start;
 pub use rate::PricedTables;
 pub use training::{PayloadCounts, Trainer};
+
+/// A PSNR that no error has.
+const LOSSLESS_DB: f64 = 200.0;
 
 /// Encodes the frames of one cell into chunks of a fixed number of frames.
 #[derive(Debug)]
@@ -62,11 +66,12 @@ impl<S: Keyed> TransformEncoder<S> {
     fn close<Q: Quality<S>>(&mut self, quality: &Q) -> Result<EncodedChunk> {
         let frames = std::mem::take(&mut self.frames);
         let cell = CellSource { size: self.format.size, frames: &frames };
-        let transformed = encode_chunk(&cell, quality, &self.search, &self.tables, self.start)?;
+        let transformed = encode_chunk(&cell, quality, &self.search, &self.tables, self.start);
         let raw_bytes = 3 * S::BYTES * self.format.pixels() * frames.len();
+        // Keyframes are no smaller than a quarter of the samples unless frames repeat, which costs a transform little.
+        let most_bytes = if self.search.constant_step.is_some() { raw_bytes } else { raw_bytes / 4 };
         let payload = match transformed {
-            // Keyframes are no smaller than a quarter of the samples unless frames repeat, which costs a transform little.
-            Some(Encoded { payload, start }) if payload.len() <= raw_bytes / 4 => {
+            Some(Encoded { payload, start }) if payload.len() <= most_bytes => {
                 self.start = Some(start);
                 payload
             }
@@ -83,9 +88,11 @@ impl<S: Keyed> TransformEncoder<S> {
         Ok(EncodedChunk { first_frame, frame_count, payload })
     }
 
-    /// The chunk as keyframes and weights (color.md 4).
+    /// The chunk as keyframes and weights (color.md 4), without loss if no least PSNR is promised.
     fn as_cells<Q: Quality<S>>(&self, frames: &[Vec<S>], quality: &Q) -> Result<Vec<u8>> {
-        let mut encoder = CellEncoder::new(self.search, usize::MAX);
+        let lossless = self.search.constant_step.map(|_| LOSSLESS_DB);
+        let search = SearchSettings { min_psnr_db: lossless.unwrap_or(self.search.min_psnr_db), ..self.search };
+        let mut encoder = CellEncoder::new(search, usize::MAX);
         for frame in frames {
             encoder.push(frame, quality)?;
         }

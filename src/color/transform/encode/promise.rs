@@ -1,4 +1,5 @@
-//! The search for the coarsest step that keeps the promised quality in every frame, measured on decoded frames.
+//! The search for the step, and for the weights of frames, that keep the promised quality in every frame with the fewest bytes,
+//! measured on decoded frames.
 
 use std::collections::BTreeMap;
 
@@ -13,13 +14,13 @@ use crate::color::transform::encode::rate::{Counts, PricedTables, SymbolCounter,
 use crate::color::transform::encode::search::{Search, SearchContext};
 use crate::color::transform::encode::source::{CellSource, RegionSource, TimeBases};
 use crate::color::transform::encode::tree::Tree;
+use crate::color::transform::encode::weights::FrameWeights;
 use crate::color::transform::palette::{CACHED, Color, ColorCache};
 use crate::color::transform::payload::Header;
 use crate::color::transform::reconstruct::TransformChunk;
 use crate::color::transform::steps::{OCTAVE, StepIndices, Steps};
 use crate::effort::Effort;
 use crate::entropy::{Encoder, SYMBOLS};
-use crate::error::Result;
 
 /// λ in steps² a bit.
 const LAMBDA: f32 = 0.09;
@@ -27,6 +28,14 @@ const LAMBDA: f32 = 0.09;
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// A partition is searched anew where the step moves by more indices than this.
 const NEAR: i32 = 8;
+/// Mean excess of the errors over the limit, in octaves, from which on the step alone follows it.
+const FAR: f64 = 1.0;
+/// Number of the first trial whose partition is searched with weights.
+const WEIGHTED: i32 = 3;
+/// Errors of this share of the limit are as good as the limit.
+const ENOUGH: f64 = 0.985;
+/// Errors aim at this share of the limit, in octaves.
+const AIM: f64 = -0.005;
 /// Largest step index that is tried.
 const COARSEST: i32 = 240;
 /// Steepest slope of chroma in 16ths.
@@ -62,72 +71,25 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
     search: &SearchSettings,
     tables: &PricedTables,
     start: Option<Start>,
-) -> Result<Option<Encoded>> {
-    let limit = quality.max_squared_error(search.min_psnr_db, 3 * cell.size[0] * cell.size[1]);
+) -> Option<Encoded> {
     let slopes = fit_slopes(cell);
     let trials = Trials {
         cell,
+        quality,
         tables,
         effort: search.effort,
         slopes,
         regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes)).collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
-    let mut start = start.unwrap_or_else(|| Start { step: usual_step::<S, Q>(search.min_psnr_db), set: 0 });
-    let (mut kept, mut too_coarse): (Option<(i32, Vec<u8>)>, i32) = (None, COARSEST + 1);
-    let mut partition: Option<Trial> = None;
-    for number in 0.. {
-        let near = partition.as_ref().filter(|trial| (trial.step - start.step).abs() <= NEAR);
-        let trial = trials.encode(start, near);
-        let payload = trials.payload(&trial);
-        let worst = worst_error(&payload, cell, quality, tables)?;
-        start.set = trial.header.set;
-        let finer = worst.map_or(NEAR, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
-        if worst.is_some_and(|worst| worst <= limit) {
-            kept = Some((trial.step, payload));
-        } else {
-            too_coarse = trial.step;
-        }
-        let coarsest_kept = kept.as_ref().map_or(-1, |(step, _)| *step);
-        let enough = match search.effort {
-            Effort::Fast => number >= 1,
-            Effort::Normal => number >= 3,
-            Effort::Exhaustive => false,
-        };
-        let between = too_coarse - coarsest_kept;
-        if between <= 1 || (enough && kept.is_some()) {
-            break;
-        }
-        start.step = (trial.step - finer).clamp(coarsest_kept + 1, too_coarse - 1);
-        // Bisection, where guesses creep.
-        if number > 6 {
-            start.step = (coarsest_kept + too_coarse) / 2;
-        }
-        if near.is_none() {
-            partition = Some(trial);
+    let start = start.unwrap_or_else(|| Start { step: usual_step::<S, Q>(search.min_psnr_db), set: 0 });
+    match search.constant_step {
+        Some(step) => trials.at_step(Start { step: i32::from(step), ..start }),
+        None => {
+            let limit = quality.max_squared_error(search.min_psnr_db, 3 * cell.size[0] * cell.size[1]);
+            trials.balance(start, limit).map_or_else(|ended| trials.refine(ended, limit), Some)
         }
     }
-    Ok(kept.map(|(step, payload)| Encoded { payload, start: Start { step, ..start } }))
-}
-
-/// Largest squared error of a frame as it is decoded; `None` where a decoder refuses the payload, because it has more leaves than
-/// its bytes allow. A finer step has more bytes.
-fn worst_error<S: Keyed, Q: Quality<S>>(
-    payload: &[u8],
-    cell: &CellSource<'_, S>,
-    quality: &Q,
-    tables: &PricedTables,
-) -> Result<Option<u64>> {
-    let Ok(chunk) = TransformChunk::parse::<S>(payload, cell.size, cell.frames.len() as u32, &tables.tables) else {
-        return Ok(None);
-    };
-    let mut shown = vec![S::default(); 3 * cell.size[0] * cell.size[1]];
-    let mut worst = 0;
-    for (frame, source) in cell.frames.iter().enumerate() {
-        chunk.show(frame, frame.checked_sub(1), &mut shown);
-        worst = worst.max(quality.squared_error(&shown, &shown, 0, source, u64::MAX));
-    }
-    Ok(Some(worst))
 }
 
 /// Trees of all regions for one step.
@@ -138,8 +100,9 @@ struct Trial {
     trees: Vec<Tree>,
 }
 
-struct Trials<'a, S> {
+struct Trials<'a, S, Q> {
     cell: &'a CellSource<'a, S>,
+    quality: &'a Q,
     tables: &'a PricedTables,
     effort: Effort,
     slopes: ChromaSlopes,
@@ -147,9 +110,107 @@ struct Trials<'a, S> {
     bases: TimeBases,
 }
 
-impl<S: Keyed> Trials<'_, S> {
+/// What a decoder makes of a trial: squared errors by frame, `None` where it refuses the payload, because it has more leaves than
+/// its bytes allow. A finer step has more bytes.
+struct Measured {
+    trial: Trial,
+    payload: Vec<u8>,
+    errors: Option<Vec<u64>>,
+}
+
+impl Measured {
+    fn keeps(&self, limit: u64) -> bool {
+        self.errors.as_ref().is_some_and(|errors| errors.iter().all(|&error| error <= limit))
+    }
+}
+
+impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
+    /// Encodes at the given step, or a finer one if decoders refuse that.
+    fn at_step(&self, start: Start) -> Option<Encoded> {
+        let even = FrameWeights::even(self.cell.frames.len());
+        let Measured { trial, payload, errors } = self.measure(start, &even, None);
+        match errors {
+            Some(_) => Some(Encoded { payload, start: Start { set: trial.header.set, ..start } }),
+            None => self.refine(start, u64::MAX),
+        }
+    }
+
+    /// Finer and finer steps until one keeps the limit.
+    fn refine(&self, mut start: Start, limit: u64) -> Option<Encoded> {
+        let even = FrameWeights::even(self.cell.frames.len());
+        let mut finer = NEAR;
+        while start.step > 0 {
+            start.step = (start.step - finer).max(0);
+            finer *= 2;
+            let measured = self.measure(start, &even, None);
+            if measured.keeps(limit) {
+                return Some(Encoded { payload: measured.payload, start });
+            }
+        }
+        None
+    }
+
+    /// Moves the step and the weights of frames until the errors of all frames are close to the limit. Answers the smallest payload
+    /// that keeps it, or where the search ended.
+    fn balance(&self, mut start: Start, limit: u64) -> Result<Encoded, Start> {
+        let mut weights = FrameWeights::even(self.cell.frames.len());
+        let mut kept: Option<Encoded> = None;
+        let mut partition: Option<Trial> = None;
+        let most_trials = match self.effort {
+            Effort::Fast => 3,
+            Effort::Normal => 10,
+            Effort::Exhaustive => 30,
+        };
+        for number in 0..most_trials {
+            // The partition is searched anew once the weights say which frames are hard, and where the step is far from its own.
+            partition.take_if(|trial| (trial.step - start.step).abs() > NEAR || number == WEIGHTED);
+            let measured = self.measure(start, &weights, partition.as_ref());
+            let keeps = measured.keeps(limit);
+            let Measured { trial, payload, errors } = measured;
+            start.set = trial.header.set;
+            if partition.is_none() {
+                partition = Some(trial);
+            }
+            let Some(errors) = errors else {
+                start.step = (start.step - NEAR).max(0);
+                continue;
+            };
+            if keeps {
+                let repeats = kept.as_ref().is_some_and(|kept| kept.payload == payload);
+                if kept.as_ref().is_none_or(|kept| payload.len() < kept.payload.len()) {
+                    kept = Some(Encoded { payload, start });
+                }
+                if repeats || errors.iter().all(|&error| error as f64 >= ENOUGH * limit as f64) {
+                    break;
+                }
+            }
+            let excess: Vec<f64> = errors.iter().map(|&error| log2_ratio(error, limit).max(-4.0) - AIM).collect();
+            let mean = excess.iter().sum::<f64>() / excess.len() as f64;
+            let finer =
+                if mean.abs() > FAR { (mean / OCTAVES_AN_INDEX).round() as i32 } else { weights.follow(&excess) };
+            start.step = (start.step - finer).clamp(0, COARSEST);
+        }
+        kept.ok_or(start)
+    }
+
+    fn measure(&self, start: Start, weights: &FrameWeights, partition: Option<&Trial>) -> Measured {
+        let Trials { cell, quality, tables, .. } = self;
+        let trial = self.encode(start, weights, partition);
+        let payload = self.payload(&trial);
+        let parsed = TransformChunk::parse::<S>(&payload, cell.size, cell.frames.len() as u32, &tables.tables);
+        let mut shown = vec![S::default(); 3 * cell.size[0] * cell.size[1]];
+        let errors = parsed.ok().map(|chunk| {
+            let error_of = |(frame, source): (usize, &Vec<S>)| {
+                chunk.show(frame, frame.checked_sub(1), &mut shown);
+                quality.squared_error(&shown, &shown, 0, source, u64::MAX)
+            };
+            cell.frames.iter().enumerate().map(error_of).collect()
+        });
+        Measured { trial, payload, errors }
+    }
+
     /// Encodes at a step, with the partition of a trial or a new one.
-    fn encode(&self, start: Start, partition: Option<&Trial>) -> Trial {
+    fn encode(&self, start: Start, weights: &FrameWeights, partition: Option<&Trial>) -> Trial {
         let colors = match partition {
             Some(trial) => trial.header.colors.clone(),
             None => self.frequent_colors(),
@@ -163,6 +224,7 @@ impl<S: Keyed> Trials<'_, S> {
             costs: &self.tables.costs[start.set],
             bases: &self.bases,
             lambda: LAMBDA,
+            weights,
             effort: self.effort,
         };
         let trees: Vec<Tree> = match partition {

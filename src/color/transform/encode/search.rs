@@ -9,6 +9,7 @@ use crate::color::transform::encode::quantise::{Cost, Plane, Quantiser};
 use crate::color::transform::encode::rate::{Costs, RateCounter};
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
 use crate::color::transform::encode::tree::{BlockLevels, Tree};
+use crate::color::transform::encode::weights::{FrameWeights, TimeWeights};
 use crate::color::transform::means::Means;
 use crate::color::transform::palette::{ColorCache, MOST_COLORS, Palette};
 use crate::color::transform::payload::Header;
@@ -28,10 +29,16 @@ pub struct SearchContext<'a> {
     pub costs: &'a Costs,
     pub bases: &'a TimeBases,
     pub lambda: f32,
+    pub weights: &'a FrameWeights,
     pub effort: Effort,
 }
 
 impl SearchContext<'_> {
+    fn pricing(&self) -> Pricing<'_> {
+        let SearchContext { bases, steps, domain, lambda, weights, .. } = self;
+        Pricing { bases, steps, domain, lambda: *lambda, weights }
+    }
+
     /// Ways whose estimate is within this factor of the best are tried.
     fn slack(&self) -> f32 {
         match self.effort {
@@ -70,9 +77,7 @@ impl<'a> Search<'a> {
 
     /// The best partition.
     pub fn partition(source: &'a RegionSource, context: &'a SearchContext<'a>) -> Tree {
-        let pricing =
-            Pricing { bases: context.bases, steps: &context.steps, domain: context.domain, lambda: context.lambda };
-        let estimates = (context.effort != Effort::Exhaustive).then(|| Estimates::new(source, &pricing));
+        let estimates = (context.effort != Effort::Exhaustive).then(|| Estimates::new(source, &context.pricing()));
         Search::new(source, context, estimates).node(source.root).tree
     }
 
@@ -192,32 +197,40 @@ impl<'a> Search<'a> {
     }
 
     fn transform(&mut self, block: Block, length: usize) -> Found {
-        let SearchContext { costs, bases, lambda, steps, domain, .. } = self.context;
-        let quantiser = Quantiser { costs, lambda: *lambda };
-        let pricing = Pricing { bases, steps, domain, lambda: *lambda };
+        let SearchContext { costs, bases, lambda, steps, weights, .. } = self.context;
+        let pricing = self.context.pricing();
+        let weights = TimeWeights::new(bases, weights.of(block));
         let (shape, pixels) = (block.shape, block.shape.pixels());
         let mut channels_before = Magnitudes::default();
         let mut values: [Vec<i32>; CHANNELS] = Default::default();
         let mut cost = Cost::default();
         let mut planes_before = 0;
+        let mut errors = Vec::new();
         for (channel, values) in values.iter_mut().enumerate() {
             self.source.coefficients(channel, block, bases, pricing.scale(channel, shape.frames), &mut self.scratch);
             let step = steps.step(channel, length);
             let predicted = self.state.means.predict(channel, block, step);
             self.scratch[0] -= predicted as f32;
             values.resize(pixels * shape.frames, 0);
+            errors.clear();
             let mut other = channels_before.clone();
             let (mut coded, mut planes) = (false, 0);
             // Cost of the planes up to the last with levels, and of those behind it.
             let (mut coded_cost, mut tail) = (Cost::default(), Cost::default());
             let mut tail_energy = 0.0;
             for (plane, (coefficients, levels)) in
-                self.scratch.chunks_exact(pixels).zip(values.chunks_exact_mut(pixels)).enumerate()
+                self.scratch.chunks_exact_mut(pixels).zip(values.chunks_exact_mut(pixels)).enumerate()
             {
+                let weight = weights.of_plane(plane);
+                let saved = weights.compensate(plane, coefficients, &mut errors);
                 let context = PlaneContext::new(channel, shape, plane);
                 let mut magnitudes = Magnitudes::default();
                 let plane_of = Plane { coefficients, shape, context, other: &other, coded_before: coded };
-                let quantised = quantiser.quantise(&plane_of, levels, &mut magnitudes);
+                let quantiser = Quantiser { costs, lambda: lambda / weight };
+                let mut quantised = quantiser.quantise(&plane_of, levels, &mut magnitudes);
+                weights.subtract(plane, levels, &mut errors);
+                quantised.cost.error = weight * (quantised.cost.error - saved);
+                quantised.energy = weight * (quantised.energy - saved);
                 coded = quantised.coded;
                 tail.add(quantised.cost);
                 tail_energy += quantised.energy;

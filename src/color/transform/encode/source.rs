@@ -116,7 +116,8 @@ impl TimeBases {
         TimeBases((0..=frames).map(of).collect())
     }
 
-    fn of(&self, frames: usize) -> &[f32] {
+    /// The basis of a length, one function a row.
+    pub fn of(&self, frames: usize) -> &[f32] {
         &self.0[frames]
     }
 }
