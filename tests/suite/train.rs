@@ -137,7 +137,7 @@ fn commands_train_and_use_tables() {
             "plain.lfold: line 1: a decimal number was expected",
         ),
         (format!("{encode} -o x.lfold --color-tables missing.txt"), "missing.txt: No such file"),
-        (format!("{with_tables} -o x.lfold --color-codec cells"), "--color-tables is of --color-codec transform"),
+        (format!("{with_tables} -o x.lfold --color-codec cells"), "--color-tables needs --color-codec transform"),
         ("train-color cells.lfold -o x.txt".into(), "cells.lfold: no colour in transform blocks"),
         ("train-color plain.lfold cells.lfold -o x.txt".into(), "cells.lfold: no colour in transform blocks"),
         ("train-color tables.txt -o x.txt".into(), "tables.txt"),
