@@ -141,7 +141,8 @@ impl ColorArgs {
             ("--color-chunk", self.color_chunk.is_some()),
             ("--color-tables", self.color_tables.is_some()),
         ];
-        if let Some((option, _)) = of_transform.into_iter().find(|(_, given)| *given && codec != ColorCodec::Transform) {
+        if let Some((option, _)) = of_transform.into_iter().find(|(_, given)| *given && codec != ColorCodec::Transform)
+        {
             return refuse(format!("{option} needs --color-codec transform"));
         }
         if settings.color_blocks.is_none() && self.psnr_final.is_some() {

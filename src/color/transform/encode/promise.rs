@@ -34,8 +34,9 @@ const FAR: f64 = 1.0;
 const WEIGHTED: i32 = 3;
 /// Errors of this share of the limit are as good as the limit.
 const ENOUGH: f64 = 0.985;
-/// Errors aim at this share of the limit, in octaves.
-const AIM: f64 = -0.005;
+/// How far below the limit errors aim, in octaves; as much more after each trial that misses it by little.
+const MARGIN: f64 = 0.005;
+const LITTLE: f64 = 0.1;
 /// Largest step index that is tried.
 const COARSEST: i32 = 240;
 /// Steepest slope of chroma in 16ths.
@@ -138,7 +139,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     /// Finer and finer steps until one keeps the limit.
     fn refine(&self, mut start: Start, limit: u64) -> Option<Encoded> {
         let even = FrameWeights::even(self.cell.frames.len());
-        let mut finer = NEAR;
+        let mut finer = 1;
         while start.step > 0 {
             start.step = (start.step - finer).max(0);
             finer *= 2;
@@ -156,6 +157,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let mut weights = FrameWeights::even(self.cell.frames.len());
         let mut kept: Option<Encoded> = None;
         let mut partition: Option<Trial> = None;
+        let mut margin = MARGIN;
         let most_trials = match self.effort {
             Effort::Fast => 3,
             Effort::Normal => 10,
@@ -184,7 +186,11 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
                     break;
                 }
             }
-            let excess: Vec<f64> = errors.iter().map(|&error| log2_ratio(error, limit).max(-4.0) - AIM).collect();
+            let excess: Vec<f64> = errors.iter().map(|&error| log2_ratio(error, limit).max(-4.0) + margin).collect();
+            let worst = excess.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if !keeps && worst < LITTLE {
+                margin += MARGIN;
+            }
             let mean = excess.iter().sum::<f64>() / excess.len() as f64;
             let finer =
                 if mean.abs() > FAR { (mean / OCTAVES_AN_INDEX).round() as i32 } else { weights.follow(&excess) };
