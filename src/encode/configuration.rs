@@ -86,7 +86,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`color_codec`", if *color_codec == ColorCodec::Cells { "cells" } else { "transform" }.to_owned()),
         ("`color_chunk`", color_chunk.to_string()),
         ("`color_tables`", color_tables.as_ref().map_or_else(|| "none".to_owned(), digest_of_tables)),
-("`psnr`", format!("{min_psnr_db} dB")),
+        ("`psnr`", format!("{min_psnr_db} dB")),
         ("`color_qp`", constant_step.map_or_else(|| "none".to_owned(), |step| step.to_string())),
         ("`lookahead`", lookahead.to_string()),
         ("`color_block`", words_of_blocks(*color_blocks)),

@@ -37,6 +37,7 @@ def wrap(value):
 class Domain:
     def __init__(self, size):
         self.key_bits, self.middle, self.fraction = (8, 128, 6) if size == 1 else (16, 48128, 0)
+        self.shown = (0, 255) if size == 1 else (0x0400, 0xFBFF)
 
 
 def predict(slope, luma):
@@ -49,8 +50,8 @@ def keys_of(channels, slopes, domain):
     orange = wrap(orange + predict(slopes[1], luma))
     m = wrap(luma + domain.middle - (green >> 1))
     b = wrap(m - (orange >> 1))
-    most = (1 << domain.key_bits) - 1
-    return [max(0, min(most, wrap(key))) for key in (b + orange, green + m, b)]
+    least, most = domain.shown
+    return [max(least, min(most, wrap(key))) for key in (b + orange, green + m, b)]
 
 
 def channels_of(keys, slopes, domain):

@@ -3,7 +3,9 @@
 const FRACTION_BITS: u32 = 6u;
 const KEY_BITS: u32 = 8u;
 const MIDDLE: i32 = 128;
+const LEAST_KEY: i32 = 0;
+const MOST_KEY: i32 = 255;
 
 fn sample_of(keys: vec3i) -> vec3u {
-    return vec3u(clamp(keys, vec3i(0), vec3i(255)));
+    return vec3u(keys);
 }

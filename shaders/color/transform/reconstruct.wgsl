@@ -83,7 +83,8 @@ fn transform_rows(local: u32, block: Block, channel: u32, columns: u32) {
         } else if (channel == 1u) {
             green[turn] = value;
         } else {
-            put(4u * block.x + x, 4u * block.y + y, keys_of_channels(vec3i(luma[turn], green[turn], value)));
+            let keys = keys_of_channels(vec3i(luma[turn], green[turn], value));
+            put(4u * block.x + x, 4u * block.y + y, clamp(keys, vec3i(LEAST_KEY), vec3i(MOST_KEY)));
         }
     }
 }

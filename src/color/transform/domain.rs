@@ -16,19 +16,21 @@ pub struct Domain {
     pub key_bits: u32,
     /// Key that luma counts from.
     pub middle: i32,
+    /// Least and greatest key that blocks of a transform show: those of finite samples.
+    pub shown: [i32; 2],
 }
 
 impl Domain {
-    pub const BYTES: Domain = Domain { fraction_bits: 6, key_bits: 8, middle: 128 };
-    /// Keys of half floats; the middle is that of 1.0.
-    pub const HALVES: Domain = Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00 };
+    pub const BYTES: Domain = Domain { fraction_bits: 6, key_bits: 8, middle: 128, shown: [0, 255] };
+    /// Keys of half floats; the middle is that of 1.0, and the keys of -65504 to 65504 are shown.
+    pub const HALVES: Domain = Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff] };
 }
 
 /// Samples that the transform codec codes, by their keys.
 pub trait Keyed: Sample {
     const DOMAIN: Domain;
 
-    /// The sample of a key, which is clamped to the keys that there are.
+    /// The sample of a key of `key_bits` bits.
     fn from_key(key: i32) -> Self;
 }
 
@@ -37,7 +39,7 @@ impl Keyed for u8 {
 
     #[inline(always)]
     fn from_key(key: i32) -> u8 {
-        key.clamp(0, 255) as u8
+        key as u8
     }
 }
 
@@ -46,7 +48,7 @@ impl Keyed for HalfKey {
 
     #[inline(always)]
     fn from_key(key: i32) -> HalfKey {
-        HalfKey(key.clamp(0, 0xffff) as u16)
+        HalfKey(key as u16)
     }
 }
 

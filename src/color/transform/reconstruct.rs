@@ -201,10 +201,12 @@ impl Window {
 
     fn write_channels<S: Keyed>(&self, planes: &Planes, slopes: ChromaSlopes, out: &mut [S]) {
         let [luma, green, orange] = &planes.channels;
+        let [least, most] = S::DOMAIN.shown;
         let chroma = green.chunks_exact(self.side).zip(orange.chunks_exact(self.side));
         for ((row, out), (green, orange)) in self.rows(luma, out).zip(chroma) {
             for ((out, &luma), (&green, &orange)) in out.iter_mut().zip(row).zip(green.iter().zip(orange)) {
-                *out = inverse([luma, green, orange], slopes, &S::DOMAIN).map(S::from_key);
+                let keys = inverse([luma, green, orange], slopes, &S::DOMAIN);
+                *out = keys.map(|key| S::from_key(key.clamp(least, most)));
             }
         }
     }
