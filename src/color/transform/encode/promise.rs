@@ -28,10 +28,10 @@ const LAMBDA: f32 = 0.09;
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// A partition is searched anew where the step moves by more indices than this.
 const NEAR: i32 = 8;
-/// Mean excess of the errors over the limit, in octaves, from which on the step alone follows it.
-const FAR: f64 = 1.0;
-/// Number of the first trial whose partition is searched with weights.
-const WEIGHTED: i32 = 3;
+/// Trials whose step is predicted from the errors before.
+const PREDICTED: i32 = 6;
+/// Round whose partition is searched with weights.
+const WEIGHTED: i32 = 2;
 /// Errors of this share of the limit are as good as the limit.
 const ENOUGH: f64 = 0.985;
 /// How far below the limit errors aim, in octaves; as much more after each trial that misses it by little.
@@ -84,17 +84,22 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
         bases: TimeBases::up_to(cell.frames.len()),
     };
     let start = start.unwrap_or_else(|| Start { step: usual_step::<S, Q>(search.min_psnr_db), set: 0 });
-    match search.constant_step {
+    let kept = match search.constant_step {
         Some(step) => trials.at_step(Start { step: i32::from(step), ..start }),
         None => {
             let limit = quality.max_squared_error(search.min_psnr_db, 3 * cell.size[0] * cell.size[1]);
-            trials.balance(start, limit).map_or_else(|ended| trials.refine(ended, limit), Some)
+            let mut kept = trials.coarsest(start, limit);
+            if let Some(kept) = &mut kept {
+                trials.balance(kept, limit);
+            }
+            kept
         }
-    }
+    };
+    kept.map(|Kept { payload, start, .. }| Encoded { payload, start })
 }
 
 /// Trees of all regions for one step.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Trial {
     step: i32,
     header: Header,
@@ -119,6 +124,15 @@ struct Measured {
     errors: Option<Vec<u64>>,
 }
 
+/// The best payload so far, and the errors of its frames.
+struct Kept {
+    payload: Vec<u8>,
+    start: Start,
+    errors: Vec<u64>,
+    /// The partition that was searched last.
+    partition: Trial,
+}
+
 impl Measured {
     fn keeps(&self, limit: u64) -> bool {
         self.errors.as_ref().is_some_and(|errors| errors.iter().all(|&error| error <= limit))
@@ -127,76 +141,88 @@ impl Measured {
 
 impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     /// Encodes at the given step, or a finer one if decoders refuse that.
-    fn at_step(&self, start: Start) -> Option<Encoded> {
-        let even = FrameWeights::even(self.cell.frames.len());
-        let Measured { trial, payload, errors } = self.measure(start, &even, None);
+    fn at_step(&self, start: Start) -> Option<Kept> {
+        let Measured { trial, payload, errors } =
+            self.measure(start, &FrameWeights::even(self.cell.frames.len()), None);
+        let set = trial.header.set;
         match errors {
-            Some(_) => Some(Encoded { payload, start: Start { set: trial.header.set, ..start } }),
-            None => self.refine(start, u64::MAX),
+            Some(errors) => Some(Kept { payload, start: Start { set, ..start }, errors, partition: trial }),
+            None => self.coarsest(start, u64::MAX),
         }
     }
 
-    /// Finer and finer steps until one keeps the limit.
-    fn refine(&self, mut start: Start, limit: u64) -> Option<Encoded> {
+    /// The coarsest step whose frames keep the limit, all with the same weight.
+    fn coarsest(&self, mut start: Start, limit: u64) -> Option<Kept> {
         let even = FrameWeights::even(self.cell.frames.len());
-        let mut finer = 1;
-        while start.step > 0 {
-            start.step = (start.step - finer).max(0);
-            finer *= 2;
-            let measured = self.measure(start, &even, None);
-            if measured.keeps(limit) {
-                return Some(Encoded { payload: measured.payload, start });
+        let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, COARSEST + 1);
+        let mut partition: Option<Trial> = None;
+        for number in 0.. {
+            let near = partition.take_if(|trial| (trial.step - start.step).abs() <= NEAR);
+            let Measured { trial, payload, errors } = self.measure(start, &even, near.as_ref());
+            start.set = trial.header.set;
+            let worst = errors.as_ref().and_then(|errors| errors.iter().copied().max());
+            let finer = worst.map_or(NEAR, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
+            let step = trial.step;
+            partition = Some(near.unwrap_or(trial));
+            match errors.filter(|_| worst.is_some_and(|worst| worst <= limit)) {
+                Some(errors) => kept = partition.clone().map(|partition| Kept { payload, start, errors, partition }),
+                None => too_coarse = step,
             }
+            let coarsest_kept = kept.as_ref().map_or(-1, |kept| kept.start.step);
+            let enough = match self.effort {
+                Effort::Fast => true,
+                Effort::Normal => number >= 2,
+                Effort::Exhaustive => false,
+            };
+            let between = too_coarse - coarsest_kept;
+            if between <= 1 || (enough && kept.is_some() && (number <= PREDICTED || between <= NEAR)) {
+                break;
+            }
+            // Where the error hardly follows the step, predictions creep.
+            start.step = match &kept {
+                _ if number < PREDICTED => (step - finer).clamp(coarsest_kept + 1, too_coarse - 1),
+                Some(_) => (coarsest_kept + too_coarse) / 2,
+                None => (too_coarse - (NEAR << (number - PREDICTED).min(5))).max(0),
+            };
         }
-        None
+        kept
     }
 
-    /// Moves the step and the weights of frames until the errors of all frames are close to the limit. Answers the smallest payload
-    /// that keeps it, or where the search ended.
-    fn balance(&self, mut start: Start, limit: u64) -> Result<Encoded, Start> {
+    /// Moves the weights of frames, and the step with them, until the errors of all frames are close to the limit; keeps what is smaller.
+    fn balance(&self, kept: &mut Kept, limit: u64) {
         let mut weights = FrameWeights::even(self.cell.frames.len());
-        let mut kept: Option<Encoded> = None;
-        let mut partition: Option<Trial> = None;
+        let (mut start, mut errors, mut keeps) = (kept.start, kept.errors.clone(), true);
         let mut margin = MARGIN;
-        let most_trials = match self.effort {
-            Effort::Fast => 3,
-            Effort::Normal => 10,
-            Effort::Exhaustive => 30,
+        let rounds = match self.effort {
+            Effort::Fast => 2,
+            Effort::Normal => 8,
+            Effort::Exhaustive => 24,
         };
-        for number in 0..most_trials {
-            // The partition is searched anew once the weights say which frames are hard, and where the step is far from its own.
-            partition.take_if(|trial| (trial.step - start.step).abs() > NEAR || number == WEIGHTED);
-            let measured = self.measure(start, &weights, partition.as_ref());
-            let keeps = measured.keeps(limit);
-            let Measured { trial, payload, errors } = measured;
-            start.set = trial.header.set;
-            if partition.is_none() {
-                partition = Some(trial);
-            }
-            let Some(errors) = errors else {
-                start.step = (start.step - NEAR).max(0);
-                continue;
-            };
-            if keeps {
-                let repeats = kept.as_ref().is_some_and(|kept| kept.payload == payload);
-                if kept.as_ref().is_none_or(|kept| payload.len() < kept.payload.len()) {
-                    kept = Some(Encoded { payload, start });
-                }
-                if repeats || errors.iter().all(|&error| error as f64 >= ENOUGH * limit as f64) {
-                    break;
-                }
+        for round in 0..rounds {
+            let is_close = |&error: &u64| error as f64 >= ENOUGH * limit as f64;
+            if (keeps && errors.iter().all(is_close)) || errors.iter().all(|&error| error == 0) {
+                break;
             }
             let excess: Vec<f64> = errors.iter().map(|&error| log2_ratio(error, limit).max(-4.0) + margin).collect();
-            let worst = excess.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if !keeps && worst < LITTLE {
+            if !keeps && excess.iter().all(|&excess| excess < LITTLE) {
                 margin += MARGIN;
             }
-            let mean = excess.iter().sum::<f64>() / excess.len() as f64;
-            let finer =
-                if mean.abs() > FAR { (mean / OCTAVES_AN_INDEX).round() as i32 } else { weights.follow(&excess) };
-            start.step = (start.step - finer).clamp(0, COARSEST);
+            start.step = (start.step - weights.follow(&excess)).clamp(0, COARSEST);
+            // The partition is searched anew once the weights say which frames are hard.
+            let partition = (round != WEIGHTED).then_some(&kept.partition);
+            let measured = self.measure(start, &weights, partition);
+            keeps = measured.keeps(limit);
+            let Some(measured_errors) = measured.errors else { break };
+            errors = measured_errors;
+            start.set = measured.trial.header.set;
+            if round == WEIGHTED {
+                kept.partition = measured.trial;
+            }
+            if keeps && measured.payload.len() < kept.payload.len() {
+                kept.payload = measured.payload;
+                kept.start = start;
+            }
         }
-        kept.ok_or(start)
     }
 
     fn measure(&self, start: Start, weights: &FrameWeights, partition: Option<&Trial>) -> Measured {
