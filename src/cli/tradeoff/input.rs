@@ -271,7 +271,7 @@ mod tests {
             words.join(" ")
         };
         assert_eq!(sort(sorted.encode), "--depth-channel=Z --frames=0-3 --hdr");
-        assert_eq!(sort(sorted.diff), "--channel=Z --frames=0-3");
+        assert_eq!(sort(sorted.diff), "--channel=Z --frames=0-3 --hdr");
         assert_eq!(sorted.decode, ["--gpu-index=1"]);
         let said = |line: &str| of(line).unwrap_err().to_string();
         assert!(said("--stream depth").contains("tradeoff gives it"));
