@@ -188,7 +188,7 @@ fn results_go_to_standard_output_and_words_to_standard_error() {
     let encoded = output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file));
     assert!(encoded.stdout.is_empty() && stderr(&encoded).contains("a.lfold"), "{encoded:?}");
     let quiet = output(lightfold().arg("encode").arg(dataset()).arg("--quiet").arg("-o").arg(&file));
-    // Loss that was not asked for is said to the quiet as well.
+    // --quiet keeps warnings about clipped pixels.
     let is_clipping = |line: &str| line.contains("were clipped to 8 bits");
     assert!(quiet.stdout.is_empty() && stderr(&quiet).lines().all(is_clipping), "{quiet:?}");
     let json = output(lightfold().arg("encode").arg(dataset()).args(["--quiet", "--json", "-o"]).arg(&file));

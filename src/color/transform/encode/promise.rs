@@ -116,8 +116,8 @@ struct Trials<'a, S, Q> {
     bases: TimeBases,
 }
 
-/// What a decoder makes of a trial: squared errors by frame, `None` where it refuses the payload, because it has more leaves than
-/// its bytes allow. A finer step has more bytes.
+/// A trial as it decodes: squared errors by frame, `None` where decoders refuse the payload because it has more leaves than its bytes
+/// allow. A finer step has more bytes.
 struct Measured {
     trial: Trial,
     payload: Vec<u8>,
