@@ -1,7 +1,5 @@
 //! Rough costs of all blocks of a region, which say what partitions are worth a closer look.
 
-use std::collections::HashMap;
-
 use crate::color::transform::basis::length_index;
 use crate::color::transform::blocks::{Block, LEAST, REGION};
 use crate::color::transform::domain::CHANNELS;
@@ -19,8 +17,9 @@ const SPLIT_BITS: f32 = 2.0;
 /// Estimated costs in steps² + λ·bits: of a block as one, and of the best partition below it.
 #[derive(Debug)]
 pub struct Estimates {
-    /// Index of a run of frames by its first frame and length.
-    runs: HashMap<(usize, usize), usize>,
+    /// Index of a run of frames: that of first frame f and length n is at f · frames + n - 1.
+    runs: Vec<Option<usize>>,
+    frames: usize,
     whole: Vec<f32>,
     best: Vec<f32>,
 }
@@ -52,16 +51,18 @@ impl Pricing<'_> {
 
 impl Estimates {
     pub fn new(source: &RegionSource, pricing: &Pricing<'_>) -> Estimates {
-        let mut runs = HashMap::new();
-        note_runs(source.root, &mut runs);
-        let entries = runs.len() * LEVELS * SQUARES;
-        let mut estimates = Estimates { runs, whole: vec![f32::INFINITY; entries], best: vec![f32::INFINITY; entries] };
+        let frames = source.root.shape.frames;
+        let mut runs = vec![None; frames * frames];
+        let count = number_runs(source.root, &mut runs, 0);
+        let entries = count * LEVELS * SQUARES;
+        let mut estimates =
+            Estimates { runs, frames, whole: vec![f32::INFINITY; entries], best: vec![f32::INFINITY; entries] };
         estimates.visit(source, source.root, pricing, &mut Vec::new());
         estimates
     }
 
     fn index(&self, block: Block) -> usize {
-        let run = self.runs.get(&(block.place.frame, block.shape.frames)).copied().unwrap_or(0);
+        let run = self.runs[block.place.frame * self.frames + block.shape.frames - 1].unwrap_or(0);
         let square = block.place.y / LEAST * (REGION / LEAST) + block.place.x / LEAST;
         (run * LEVELS + block.shape.level) * SQUARES + square
     }
@@ -101,12 +102,18 @@ impl Estimates {
     }
 }
 
-fn note_runs(block: Block, runs: &mut HashMap<(usize, usize), usize>) {
-    let next = runs.len();
-    runs.entry((block.place.frame, block.shape.frames)).or_insert(next);
-    if block.shape.frames > 1 {
-        block.parts().for_each(|part| note_runs(part, runs));
+/// Gives each run of frames that a partition can have an index, from `next` on; answers the index after the last.
+fn number_runs(block: Block, runs: &mut [Option<usize>], mut next: usize) -> usize {
+    let frames = runs.len().isqrt();
+    let run = &mut runs[block.place.frame * frames + block.shape.frames - 1];
+    if run.is_none() {
+        *run = Some(next);
+        next += 1;
     }
+    if block.shape.frames > 1 {
+        next = block.parts().fold(next, |next, part| number_runs(part, runs, next));
+    }
+    next
 }
 
 /// Error and bits of coefficients: those well below a step are dropped, others cost bits by their logarithm.

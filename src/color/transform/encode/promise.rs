@@ -2,6 +2,7 @@
 //! measured on decoded frames.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
@@ -32,8 +33,6 @@ const NEAR: i32 = 8;
 const PREDICTED: i32 = 6;
 /// Round whose partition is searched with weights.
 const WEIGHTED: i32 = 2;
-/// Errors of this share of the limit are as good as the limit.
-const ENOUGH: f64 = 0.985;
 /// How far below the limit errors aim, in octaves; as much more after each trial that misses it by little.
 const MARGIN: f64 = 0.005;
 const LITTLE: f64 = 0.1;
@@ -130,7 +129,7 @@ struct Kept {
     start: Start,
     errors: Vec<u64>,
     /// The partition that was searched last.
-    partition: Trial,
+    partition: Rc<Trial>,
 }
 
 impl Measured {
@@ -146,7 +145,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             self.measure(start, &FrameWeights::even(self.cell.frames.len()), None);
         let set = trial.header.set;
         match errors {
-            Some(errors) => Some(Kept { payload, start: Start { set, ..start }, errors, partition: trial }),
+            Some(errors) => Some(Kept { payload, start: Start { set, ..start }, errors, partition: trial.into() }),
             None => self.coarsest(start, u64::MAX),
         }
     }
@@ -155,22 +154,22 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     fn coarsest(&self, mut start: Start, limit: u64) -> Option<Kept> {
         let even = FrameWeights::even(self.cell.frames.len());
         let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, COARSEST + 1);
-        let mut partition: Option<Trial> = None;
+        let mut partition: Option<Rc<Trial>> = None;
         for number in 0.. {
             let near = partition.take_if(|trial| (trial.step - start.step).abs() <= NEAR);
-            let Measured { trial, payload, errors } = self.measure(start, &even, near.as_ref());
+            let Measured { trial, payload, errors } = self.measure(start, &even, near.as_deref());
             start.set = trial.header.set;
             let worst = errors.as_ref().and_then(|errors| errors.iter().copied().max());
             let finer = worst.map_or(NEAR, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
             let step = trial.step;
-            partition = Some(near.unwrap_or(trial));
+            partition = Some(near.unwrap_or_else(|| trial.into()));
             match errors.filter(|_| worst.is_some_and(|worst| worst <= limit)) {
                 Some(errors) => kept = partition.clone().map(|partition| Kept { payload, start, errors, partition }),
                 None => too_coarse = step,
             }
             let coarsest_kept = kept.as_ref().map_or(-1, |kept| kept.start.step);
             let enough = match self.effort {
-                Effort::Fast => true,
+                Effort::Fast => number >= 1,
                 Effort::Normal => number >= 2,
                 Effort::Exhaustive => false,
             };
@@ -193,13 +192,14 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let mut weights = FrameWeights::even(self.cell.frames.len());
         let (mut start, mut errors, mut keeps) = (kept.start, kept.errors.clone(), true);
         let mut margin = MARGIN;
-        let rounds = match self.effort {
-            Effort::Fast => 2,
-            Effort::Normal => 8,
-            Effort::Exhaustive => 24,
+        // Errors of the share `enough` of the limit are as good as the limit.
+        let (rounds, enough) = match self.effort {
+            Effort::Fast => (2, 0.8),
+            Effort::Normal => (8, 0.985),
+            Effort::Exhaustive => (24, 0.985),
         };
         for round in 0..rounds {
-            let is_close = |&error: &u64| error as f64 >= ENOUGH * limit as f64;
+            let is_close = |&error: &u64| error as f64 >= enough * limit as f64;
             if (keeps && errors.iter().all(is_close)) || errors.iter().all(|&error| error == 0) {
                 break;
             }
@@ -209,14 +209,14 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             }
             start.step = (start.step - weights.follow(&excess)).clamp(0, COARSEST);
             // The partition is searched anew once the weights say which frames are hard.
-            let partition = (round != WEIGHTED).then_some(&kept.partition);
+            let partition = (round != WEIGHTED).then_some(kept.partition.as_ref());
             let measured = self.measure(start, &weights, partition);
             keeps = measured.keeps(limit);
             let Some(measured_errors) = measured.errors else { break };
             errors = measured_errors;
             start.set = measured.trial.header.set;
             if round == WEIGHTED {
-                kept.partition = measured.trial;
+                kept.partition = measured.trial.into();
             }
             if keeps && measured.payload.len() < kept.payload.len() {
                 kept.payload = measured.payload;
