@@ -126,6 +126,7 @@ fn main() {
     }
     println!("cargo::rustc-env=LIGHTFOLD_SOURCES=#{:016x}", hash_of_sources(Path::new(env!("CARGO_MANIFEST_DIR"))));
     println!("cargo::rustc-check-cfg=cfg(footage_at_hand)");
+    println!("cargo::rustc-check-cfg=cfg(seurat_at_hand)");
     println!("cargo::rerun-if-env-changed=LIGHTFOLD_DATA");
     println!("cargo::rerun-if-changed=build.rs");
     let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
@@ -133,6 +134,9 @@ fn main() {
     if data.join("sponza/lightfield.json").is_file() {
         println!("cargo::rustc-cfg=footage_at_hand");
         println!("cargo::rustc-env=LIGHTFOLD_DATA={}", data.display());
+        if data.join("seurat/manifest_v3.json").is_file() {
+            println!("cargo::rustc-cfg=seurat_at_hand");
+        }
     }
     // The kernels of `intel_tex_2` come with an object made from C++, which names `__gxx_personality_v0` and does not say
     // where it is. The library is named by its file, which is there without the packages that compile C++; and as an

@@ -1,9 +1,10 @@
-//! `lightfold inspect IN`: sizes and contents of a container or a scene; checks of containers and manifests.
+//! `lightfold inspect IN`: sizes and contents of a container, a scene or a Seurat manifest; checks of containers and manifests.
 
 mod args;
 mod check;
 mod plot;
 mod scene;
+mod seurat;
 mod text;
 
 use serde::Serialize;
@@ -11,6 +12,7 @@ use serde::Serialize;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::dataset::manifest;
+use crate::dataset::seurat::is_manifest as is_seurat_manifest;
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::inspect::{self, Check, ChunksReport, ContainerReport, FrameReport, FrameRows, InspectSettings};
@@ -45,6 +47,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     if let Some(name) = args.input.to_str().filter(|name| Scene::is_named_by(name)) {
         return scene::run(args, name, global);
+    }
+    if is_seurat_manifest(&args.input) {
+        return seurat::run(args, global);
     }
     if manifest::is_dataset(&args.input) {
         return refuse(format!(

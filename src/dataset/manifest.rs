@@ -244,17 +244,22 @@ pub fn manifest_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
+/// The bytes of a manifest of any kind, at most [`MAX_MANIFEST_BYTES`].
+pub(super) fn read_text(path: &Path) -> Result<Vec<u8>> {
+    let file = crate::files::open_regular(path)?;
+    let mut text = Vec::new();
+    // Reads one byte more than allowed instead of trusting the file's stated length.
+    file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+    if text.len() as u64 > MAX_MANIFEST_BYTES {
+        return Err(Error::invalid("the manifest is larger than 16 MiB").in_file(path));
+    }
+    Ok(text)
+}
+
 impl Manifest {
     pub fn read(path: &Path) -> Result<Manifest> {
         let path = manifest_path(path);
-        let file = crate::files::open_regular(&path)?;
-        let mut text = Vec::new();
-        // Reads one byte more than allowed instead of trusting the file's stated length.
-        file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(&path, error))?;
-        if text.len() as u64 > MAX_MANIFEST_BYTES {
-            return Err(Error::invalid("the manifest is larger than 16 MiB").in_file(&path));
-        }
-        Manifest::from_json(&text).map_err(|error| error.in_file(&path))
+        Manifest::from_json(&read_text(&path)?).map_err(|error| error.in_file(&path))
     }
 
     pub fn from_json(text: &[u8]) -> Result<Manifest> {

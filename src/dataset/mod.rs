@@ -1,8 +1,10 @@
-//! Datasets: manifests, and readers of EXR or PNG sequences as planes of metres and linear light.
+//! Datasets: manifests, and readers of EXR or PNG sequences as planes of metres and linear light; captures of Seurat manifests
+//! as rays.
 
 pub mod cameras;
 pub mod manifest;
 mod pixels;
+pub mod seurat;
 pub mod source;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};

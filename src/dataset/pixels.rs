@@ -51,7 +51,7 @@ pub struct DepthRules {
     pub invalid: InvalidDepth,
 }
 
-fn pixel(index: usize, width: u32) -> String {
+pub(super) fn pixel(index: usize, width: u32) -> String {
     format!("pixel ({}, {})", index as u64 % u64::from(width.max(1)), index as u64 / u64::from(width.max(1)))
 }
 

@@ -267,7 +267,7 @@ impl Source {
         }
         let sequence = Sequence::find(spec, options.frames)?;
         let first = sequence.path(sequence.frames.first);
-        let size = if is_png(&first) {
+        let size = if png::is_png(&first) {
             png::read_size(&first, &options.limits)
         } else {
             exr::read_size(&first, &options.limits)
@@ -421,14 +421,14 @@ impl Source {
     /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         self.read(StreamKind::Color, group, frame, |path| {
-            let mut plane = if is_png(path) {
+            let mut plane = if png::is_png(path) {
                 png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
             } else {
                 exr::read_color(path, &self.color_channel, &self.limits)?
             };
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
-            if !is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
+            if !png::is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
                 linear_from_srgb(&mut plane);
             }
             self.faces_of(plane, group, resample_color)
@@ -464,7 +464,7 @@ impl Source {
     /// Material of a frame, one plane for each face of the group, every value finite.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         self.read(StreamKind::Material, group, frame, |path| {
-            if is_png(path) {
+            if png::is_png(path) {
                 return Err(Error::unsupported("material is read from EXR files only"));
             }
             let [a, b, c] = &self.material_channels;
@@ -500,7 +500,7 @@ impl Source {
     }
 
     fn depth_file(&self, path: &Path) -> Result<DepthPlane> {
-        let plane = if is_png(path) {
+        let plane = if png::is_png(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
                     "this file holds integers; say how many metres one of them is with `depth_scale` (0.001 for \
@@ -564,11 +564,6 @@ impl Source {
             }
         }
     }
-}
-
-/// Whether a file is read as PNG; everything else is taken for EXR.
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
 /// What a single sequence is called: its file name up to the frame number, or its folder.

@@ -49,9 +49,17 @@ pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> R
 
 /// Reflection weight, refraction weight and index of refraction from the channels of the three `names`.
 pub fn read_material(path: &Path, names: [&str; 3], limits: &ReadLimits) -> Result<MaterialPlane> {
+    read_channels(path, names, limits)
+}
+
+/// The channels of these names, of which any may occur twice; 0 outside the data window.
+pub fn read_channels<const N: usize>(path: &Path, names: [&str; N], limits: &ReadLimits) -> Result<Plane<[f32; N]>> {
     read_planes(path, limits, 0.0, |all| {
-        let [a, b, c] = names;
-        Ok([find_named(all, a)?, find_named(all, b)?, find_named(all, c)?])
+        let mut found = [0; N];
+        for (index, name) in found.iter_mut().zip(names) {
+            *index = find_named(all, name)?;
+        }
+        Ok(found)
     })
 }
 

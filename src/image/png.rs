@@ -56,6 +56,19 @@ pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result
     Plane::new(width, height, data)
 }
 
+/// Whether a file is read as PNG, by its name.
+pub fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+/// Red, green, blue and alpha as 16-bit codes, those of 8 bits times 257. Gray is repeated in all three components; alpha is
+/// 65535 where the file has none.
+pub fn read_rgba16(path: &Path, limits: &ReadLimits) -> Result<Plane<[u16; 4]>> {
+    let image = decode(path, limits)?;
+    let (width, height) = (image.width(), image.height());
+    Plane::new(width, height, image.into_rgba16().pixels().map(|pixel| pixel.0).collect())
+}
+
 /// Depth from a gray image of 8 or 16 bits: code × `scale` (metres per unit), so that code 0 is 0.0. What 0 means is
 /// up to the caller.
 pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthPlane> {

@@ -34,5 +34,5 @@ pub use primitive::{Fence, Quad, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
 pub use raycast::{FirstHit, HitSurface, SceneAtTime};
 pub use shading::OPAQUE;
-pub use summary::{AnimationSummary, SceneSummary};
+pub use summary::{AnimationSummary, SceneBounds, SceneSummary};
 pub use trace::{Hit, trace};

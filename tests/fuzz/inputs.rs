@@ -48,6 +48,7 @@ impl Inputs {
             "exr" => (Kind::Header(700), seeds::exr()),
             "png" => (Kind::Png, seeds::png()),
             "manifest" => (Kind::Json, seeds::manifests()),
+            "seurat" => (Kind::Json, seeds::seurat_manifests()),
             "cameras" => (Kind::Json, seeds::cameras()),
             "sweep" => (Kind::Bytes, seeds::sweeps()),
             "patterns" => (Kind::Bytes, seeds::patterns()),

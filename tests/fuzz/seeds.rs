@@ -236,6 +236,31 @@ pub fn manifests() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
+/// Manifests of Seurat captures: perspective with far planes and without, orthographic; w of 1 and 2.
+pub fn seurat_manifests() -> Vec<Vec<u8>> {
+    let view = |clip_from_eye: &str, world_from_eye: &str, depth_type: &str| {
+        format!(
+            r#"{{"projective_camera":{{"image_width":64,"image_height":48,"clip_from_eye_matrix":[{clip_from_eye}],
+            "world_from_eye_matrix":[{world_from_eye}],"depth_type":"{depth_type}"}},"depth_image_file":{{"color":
+            {{"path":"none/c.exr","channel_0":"R","channel_1":"CONSTANT_ZERO","channel_2":"b.x","channel_alpha":"CONSTANT_ONE"}},
+            "depth":{{"path":"none/d.png","channel_0":"R"}}}}}}"#
+        )
+    };
+    let identity = "1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1";
+    let (moved, scaled) = ("1,0,0,1.5, 0,1,0,-2, 0,0,1,3e2, 0,0,0,1", "-2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,2");
+    let finite = "1.5,0,0.25,0, 0,2,-0.5,0, 0,0,-1.0202,-0.20202, 0,0,-1,0";
+    let infinite = "1,0,0,0, 0,1,0,0, 0,0,-1,-0.2, 0,0,-1,0";
+    let views = [
+        view(finite, moved, "WINDOW_Z"),
+        view(infinite, scaled, "EYE_Z"),
+        view(identity, scaled, "RAY_DEPTH"),
+        view(infinite, identity, "WINDOW_Z"),
+    ];
+    let all = format!(r#"{{"headbox_center":[0,1,-2.5],"view_groups":[{{"views":[{}]}}]}}"#, views.join(","));
+    let groups = views.map(|view| format!(r#"{{"views":[{view}],"name":"left"}}"#));
+    [all, format!(r#"{{"view_groups":[{}]}}"#, groups.join(","))].map(String::into_bytes).to_vec()
+}
+
 /// Files of cameras.
 pub fn cameras() -> Vec<Vec<u8>> {
     [

@@ -42,6 +42,7 @@ mod resume;
 mod resume_footage;
 mod roundtrip;
 mod samples;
+mod seurat;
 mod tradeoff;
 mod train;
 mod transform;

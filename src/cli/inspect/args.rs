@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use crate::cli::options::{MemoryArgs, SelectionArgs, SideArgs};
+use crate::cli::refuse;
 use crate::decode::{Decoder, StreamInfo};
+use crate::error::Result;
 use crate::image::sequence::FrameRange;
 use crate::inspect::Inspection;
 
@@ -15,6 +17,7 @@ use crate::inspect::Inspection;
     in order.\nUnits: the tiles of depth and material, the cells of colour. In cells: chunks of the transform codec that are \
     coded as keyframes, where that is smaller. Palettes: blocks of a few colours, of any size.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
     For a scene (glTF, GLB, OBJ, or built in): bounds in metres, triangles, materials and lights at time 0, and animations.\n\n\
+    For a Seurat manifest: view groups, views, image sizes, depth types, and the box around the cameras in metres.\n\n\
     --check reads one frame of up to 16 probes. For face order and orientation, planar depth or distance, scale, positions, \
     orientations, near, far, background and colour it reports fine, SUSPECT or cannot tell. The exit code is 1 if a check \
     is suspect.\n\n\
@@ -22,10 +25,11 @@ use crate::inspect::Inspection;
     lightfold inspect film.lfold --per-frame --frames 10-19 --csv > frames.csv\n  \
     lightfold inspect film.lfold --verify --json\n  \
     lightfold inspect film.lfold --plot pictures --source lightfield.json --probe 00\n  \
-    lightfold inspect scene.glb\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
+    lightfold inspect scene.glb\n  lightfold inspect manifest.json --json\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
 )]
 pub struct Args {
-    /// A container, - for standard input; a scene as for capture; with --check a lightfield.json or its folder
+    /// A container, - for standard input; a scene as for capture; a Seurat manifest; with --check a lightfield.json or its
+    /// folder
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     #[command(flatten)]
@@ -74,6 +78,17 @@ pub struct Args {
 impl Args {
     pub fn is_per_frame(&self) -> bool {
         self.per_frame || matches!(self.frames, Some(None))
+    }
+
+    /// `what` is the input and its kind, which has no other report than a table or JSON.
+    pub fn refuse_all_but_json(&self, what: &str) -> Result<()> {
+        let selection = &self.selection;
+        let is_selective = !selection.probe.is_empty() || !selection.face.is_empty() || !selection.stream.is_empty();
+        let is_per_frame = self.per_frame || self.frames.is_some();
+        if is_selective || is_per_frame || self.streams || self.verify || self.csv || self.plot.is_some() {
+            return refuse(format!("{what} is reported as a table or with --json; leave out the other options"));
+        }
+        Ok(())
     }
 
     pub fn frame_range(&self) -> Option<FrameRange> {

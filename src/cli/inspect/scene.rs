@@ -5,10 +5,10 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::Result;
 use crate::report::Table;
-use crate::scene::{Play, Scene, SceneSummary};
+use crate::scene::{Play, Scene, SceneBounds, SceneSummary};
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -19,12 +19,7 @@ struct Document<'a> {
 }
 
 pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
-    let selection = &args.selection;
-    let is_selective = !selection.probe.is_empty() || !selection.face.is_empty() || !selection.stream.is_empty();
-    let is_per_frame = args.per_frame || args.frames.is_some();
-    if is_selective || is_per_frame || args.streams || args.verify || args.csv || args.plot.is_some() {
-        return refuse(format!("{name}: a scene is reported as a table or with --json; leave out the other options"));
-    }
+    args.refuse_all_but_json(&format!("{name}: a scene"))?;
     let (scene, notes) = Scene::open(name, Play::First)?;
     let document = Document { scene: name, summary: scene.summary(), notes };
     if !args.json {
@@ -33,13 +28,16 @@ pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     output::print_either(args.json, &document, || text(name, &document.summary)).map(|()| ExitStatus::Passed)
 }
 
+pub fn box_text(&SceneBounds { min, max }: &SceneBounds) -> String {
+    let numbers = |numbers: [f64; 3]| numbers.map(|value| format!("{value:.3}"));
+    let size = numbers([0, 1, 2].map(|axis| max[axis] - min[axis])).join(" x ");
+    format!("{} to {}, {size} m in x, y, z", numbers(min).join(", "), numbers(max).join(", "))
+}
+
 fn text(name: &str, summary: &SceneSummary) -> String {
     let mut out = format!("{name}\n");
-    if let Some(bounds) = summary.bounds_m {
-        let (min, max) = (bounds.min, bounds.max);
-        let numbers = |numbers: [f64; 3]| numbers.map(|value| format!("{value:.3}"));
-        let size = numbers([0, 1, 2].map(|axis| max[axis] - min[axis])).join(" x ");
-        let _ = writeln!(out, "{} to {}, {size} m in x, y, z", numbers(min).join(", "), numbers(max).join(", "));
+    if let Some(bounds) = &summary.bounds_m {
+        let _ = writeln!(out, "{}", box_text(bounds));
     }
     let mut table = Table::new("What|>Count");
     for (what, count) in [

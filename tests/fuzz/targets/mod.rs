@@ -75,6 +75,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound },
     Target { name: "png", execs: 4000, run: images::run_png, bound: images::bound },
     Target { name: "manifest", execs: 4000, run: texts::run_manifest, bound: texts::bound },
+    Target { name: "seurat", execs: 4000, run: texts::run_seurat, bound: texts::bound },
     Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },

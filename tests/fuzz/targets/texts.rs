@@ -4,11 +4,12 @@ use std::path::Path;
 
 use lightfold::color::transform::encode::table_text;
 use lightfold::container::Reader;
+use lightfold::dataset::seurat::{SeuratCapture, SeuratView};
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::StreamKind;
-use lightfold::image::{Face, FrameRange, Pattern};
+use lightfold::image::{Face, FrameRange, Pattern, ReadLimits};
 use lightfold::report::tradeoff::coding::CODING;
 use lightfold::report::tradeoff::store::Store;
 use lightfold::views::camera_units::CameraUnits;
@@ -43,6 +44,49 @@ pub fn run_manifest(bytes: &[u8]) -> Judged {
         std::fs::write(&path, bytes).expect("the manifest is written");
         judge(&Source::open(&path, &SourceOptions::default())).map(|_| Verdict::Accepted)
     })
+}
+
+/// A Seurat manifest is parsed, its cameras give rays, and its views are read where none of their files exist.
+pub fn run_seurat(bytes: &[u8]) -> Judged {
+    let capture = FOLDER.with(|folder| SeuratCapture::from_json(bytes, folder.path()));
+    let capture = match capture {
+        Ok(capture) => capture,
+        Err(error) => return refused(&error),
+    };
+    if let Some([least, greatest]) = capture.cameras_box()
+        && least.cmpgt(greatest).any()
+    {
+        return Err(format!("the box around the cameras is inverted: {least} {greatest}"));
+    }
+    for view in &capture.views {
+        check_rays(view)?;
+        view.perspective();
+        // A path of the input may lead to a file of this machine.
+        if !view.color.path.exists() && !view.depth.path.exists() {
+            judge(&view.read(&ReadLimits { max_image_bytes: 1 << 20 }))?;
+        }
+    }
+    Ok(Verdict::Accepted)
+}
+
+fn check_rays(view: &SeuratView) -> Result<(), String> {
+    let [width, height] = view.size();
+    for pixel in [[0, 0], [width - 1, height / 2], [width / 3, height - 1]] {
+        for depth in [0.0, 0.3, 1.0, 1e30, f32::INFINITY, f32::NAN, -1.0] {
+            let ray = match view.camera.ray(pixel, depth) {
+                Ok(ray) => ray,
+                Err(error) => {
+                    refused(&error)?;
+                    continue;
+                }
+            };
+            let is_good = ray.origin.is_finite() && ray.direction.is_normalized() && ray.distance_m > 0.0;
+            if !is_good || (depth == 0.0 && ray.distance_m.is_finite()) || depth.is_nan() || depth < 0.0 {
+                return Err(format!("the depth {depth} of pixel {pixel:?} gives {ray:?}"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Cameras are parsed, and asked what they see of a container.

@@ -1,0 +1,292 @@
+//! Cameras of Seurat manifests: the ray through the centre of a pixel, and where a stored depth lies on it.
+//!
+//! Matrices are OpenGL's: eye space is right-handed, clip coordinates −w to w are the image from left to right and from bottom
+//! to top, and window depth 0 to 1 is clip depth −w to w. A matrix and its multiples are one camera.
+
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::math::{Camera, Lens};
+
+/// Least determinant of an invertible matrix whose largest entry in each column is 1.
+const MIN_DETERMINANT: f64 = 1e-10;
+/// Entries that are this much smaller than the last one of their row are rounding of 0.
+const ROUNDING: f64 = 1e-9;
+/// Share of its terms below which the w of an unprojected point is 0: the rounding of 64-bit sums.
+const INFINITE_W: f64 = 1e-12;
+/// The same below 0: matrices of 32-bit numbers put a distant far plane a little beyond infinity.
+const BEYOND_INFINITY: f64 = 1e-6;
+/// Cosine of the angle between rows and columns of an image that has no skew.
+const MAX_SKEW: f64 = 1e-6;
+
+/// What a stored depth measures. In every type 0 and +inf are infinitely far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub enum DepthType {
+    /// Window depth, 0 to 1.
+    #[serde(rename = "WINDOW_Z")]
+    WindowZ,
+    /// Distance from the eye's plane along −z of eye space.
+    #[serde(rename = "EYE_Z")]
+    EyeZ,
+    /// Distance in eye space along the ray: from the centre of projection, or from the eye's plane of an orthographic camera.
+    #[serde(rename = "RAY_DEPTH")]
+    RayDepth,
+}
+
+impl DepthType {
+    pub const ALL: [DepthType; 3] = [DepthType::WindowZ, DepthType::EyeZ, DepthType::RayDepth];
+
+    /// As in manifests.
+    pub fn name(self) -> &'static str {
+        match self {
+            DepthType::WindowZ => "WINDOW_Z",
+            DepthType::EyeZ => "EYE_Z",
+            DepthType::RayDepth => "RAY_DEPTH",
+        }
+    }
+}
+
+/// The matrices of a camera, 16 numbers in row-major order each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraMatrices {
+    pub clip_from_eye: [f64; 16],
+    pub world_from_eye: [f64; 16],
+}
+
+/// The ray of a pixel in the world, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelRay {
+    /// The camera's centre. Of an orthographic camera a point on the eye's plane, or for [`DepthType::WindowZ`] on the near
+    /// plane, which may lie behind the eye.
+    pub origin: DVec3,
+    /// Of length 1.
+    pub direction: DVec3,
+    /// From the origin to the surface, above 0; +inf where it is infinitely far.
+    pub distance_m: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sight {
+    /// All rays leave this point of eye space.
+    Perspective {
+        centre: DVec3,
+    },
+    Orthographic,
+}
+
+/// A valid camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeuratCamera {
+    size: [u32; 2],
+    depth_type: DepthType,
+    eye_from_clip: DMat4,
+    sight: Sight,
+    world_from_eye: DAffine3,
+}
+
+impl SeuratCamera {
+    /// `size` is the image's width and height in pixels. Singular matrices are errors, and poses with a perspective row.
+    pub fn new(size: [u32; 2], depth_type: DepthType, matrices: &CameraMatrices) -> Result<SeuratCamera> {
+        let clip_from_eye = row_major(&matrices.clip_from_eye);
+        let eye_from_clip = inverse(clip_from_eye).ok_or_else(|| {
+            Error::invalid("clip_from_eye_matrix is singular: the inverse of a projection was expected to exist")
+        })?;
+        Ok(SeuratCamera {
+            size,
+            depth_type,
+            eye_from_clip,
+            sight: sight(clip_from_eye.row(3), eye_from_clip)?,
+            world_from_eye: pose(row_major(&matrices.world_from_eye))?,
+        })
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    pub fn depth_type(&self) -> DepthType {
+        self.depth_type
+    }
+
+    pub fn is_orthographic(&self) -> bool {
+        self.sight == Sight::Orthographic
+    }
+
+    /// Centre of projection, or of an orthographic camera the origin of eye space, in the world in metres.
+    pub fn position(&self) -> DVec3 {
+        let eye = match self.sight {
+            Sight::Perspective { centre } => centre,
+            Sight::Orthographic => DVec3::ZERO,
+        };
+        self.world_from_eye.transform_point3(eye)
+    }
+
+    /// The ray through the centre of a pixel, row 0 at the top, and the distance of a stored depth on it. The error says what
+    /// is wrong with the depth.
+    pub fn ray(&self, pixel: [u32; 2], depth: f32) -> Result<PixelRay> {
+        let depth_type = self.depth_type.name();
+        if depth.is_nan() {
+            return Err(Error::invalid(format!("{depth_type} is not a number")));
+        }
+        if depth < 0.0 {
+            return Err(Error::invalid(format!("{depth_type} is {depth}, 0 or more was expected")));
+        }
+        if self.depth_type == DepthType::WindowZ && depth > 1.0 && depth.is_finite() {
+            return Err(Error::invalid(format!("{depth_type} is {depth}, 0 to 1 was expected")));
+        }
+        let depth = (depth > 0.0 && depth.is_finite()).then_some(f64::from(depth));
+        let share = |axis: usize| (2.0 * f64::from(pixel[axis]) + 1.0) / f64::from(self.size[axis]) - 1.0;
+        let at = self.eye_from_clip * DVec4::new(share(0), -share(1), 0.0, 1.0);
+        let along = match self.sight {
+            Sight::Perspective { centre } => self.perspective_ray(centre, at, depth)?,
+            Sight::Orthographic => self.orthographic_ray(at, depth)?,
+        };
+        let origin = self.world_from_eye.transform_point3(along.origin);
+        let step = self.world_from_eye.transform_vector3(along.step);
+        let length = step.length();
+        let direction = step / length;
+        if !(origin.is_finite() && direction.is_normalized()) {
+            return Err(Error::invalid("the ray through it is not finite: matrices of moderate numbers were expected"));
+        }
+        // A distance that is too small for 64 bits is not that of the origin.
+        let distance_m = (along.steps * length).max(f64::MIN_POSITIVE);
+        Ok(PixelRay { origin, direction, distance_m })
+    }
+
+    /// `at` is the unprojected point of clip depth 0; `depth` is none where it is infinitely far.
+    fn perspective_ray(&self, centre: DVec3, at: DVec4, depth: Option<f64>) -> Result<EyeRay> {
+        // A point of the ray is centre + step / w, where w is that of its unprojected clip coordinates: the reciprocal of its
+        // own clip w, which is above 0 in front of the camera.
+        let step = at.xyz() - at.w * centre;
+        if self.depth_type == DepthType::EyeZ && step.z >= 0.0 {
+            return Err(Error::invalid("EYE_Z is a distance along -z of eye space, but its ray goes along +z"));
+        }
+        let steps = match (depth, self.depth_type) {
+            (None, _) => f64::INFINITY,
+            (Some(depth), DepthType::WindowZ) => {
+                let last = self.eye_from_clip.row(3);
+                let clip_z = 2.0 * depth - 1.0;
+                let terms = last.w.abs() + last.xyz().abs().element_sum();
+                match at.w + clip_z * last.z {
+                    w if w > INFINITE_W * terms => 1.0 / w,
+                    w if w >= -BEYOND_INFINITY * terms => f64::INFINITY,
+                    _ => return Err(Error::invalid(format!("WINDOW_Z {depth} lies behind the camera"))),
+                }
+            }
+            (Some(depth), DepthType::EyeZ) => match (depth + centre.z) / -step.z {
+                steps if steps > 0.0 => steps,
+                _ => return Err(Error::invalid(format!("EYE_Z {depth} lies behind the camera"))),
+            },
+            (Some(depth), DepthType::RayDepth) => depth / step.length(),
+        };
+        Ok(EyeRay { origin: centre, step, steps })
+    }
+
+    fn orthographic_ray(&self, at: DVec4, depth: Option<f64>) -> Result<EyeRay> {
+        // From one clip depth to the next; both points have the same w.
+        let step = self.eye_from_clip.z_axis.xyz() / at.w;
+        let middle = at.xyz() / at.w;
+        if self.depth_type == DepthType::WindowZ {
+            let steps = depth.map_or(f64::INFINITY, |depth| 2.0 * depth);
+            return Ok(EyeRay { origin: middle - step, step, steps });
+        }
+        if step.z == 0.0 {
+            return Err(Error::invalid(format!("{} needs a ray along z of eye space", self.depth_type.name())));
+        }
+        let origin = middle - step * (middle.z / step.z);
+        let step = if step.z > 0.0 { -step } else { step };
+        let length = if self.depth_type == DepthType::EyeZ { step.z.abs() } else { step.length() };
+        Ok(EyeRay { origin, step, steps: depth.map_or(f64::INFINITY, |depth| depth / length) })
+    }
+
+    /// The camera of a perspective image whose rows and columns are at right angles; it may be mirrored. Near and far are those
+    /// of [`Lens::new`].
+    pub fn perspective(&self) -> Option<Camera> {
+        let Sight::Perspective { centre } = self.sight else { return None };
+        let world_step = |axis: DVec4| self.world_from_eye.transform_vector3(axis.xyz() - axis.w * centre);
+        let columns = self.eye_from_clip;
+        let (middle, across, upward) =
+            (world_step(columns.w_axis), world_step(columns.x_axis), world_step(columns.y_axis));
+        let (right, down) = (across.try_normalize()?, (-upward).try_normalize()?);
+        if right.dot(down).abs() > MAX_SKEW {
+            return None;
+        }
+        let normal = right.cross(down).try_normalize()?;
+        let forward = if normal.dot(middle) < 0.0 { -normal } else { normal };
+        let planar = forward.dot(middle);
+        let half = [across.length() / planar, upward.length() / planar];
+        let lens = Lens { aspect: half[0] / half[1], ..Lens::new(2.0 * half[1].atan().to_degrees()) };
+        let camera = Camera::with_axes(self.position(), [forward, right, down], lens).ok()?;
+        camera.off_axis([right.dot(middle) / planar, down.dot(middle) / planar]).ok()
+    }
+}
+
+/// A ray in eye space.
+struct EyeRay {
+    origin: DVec3,
+    /// Its direction, of any length.
+    step: DVec3,
+    /// How many of them lead to the surface.
+    steps: f64,
+}
+
+fn row_major(numbers: &[f64; 16]) -> DMat4 {
+    DMat4::from_cols_array(numbers).transpose()
+}
+
+/// The inverse times a number above 0, so that its largest entry is 1; none of a singular matrix, which the determinant of a
+/// scaled one tells.
+fn inverse(matrix: DMat4) -> Option<DMat4> {
+    let reciprocal = |vector: DVec4| 1.0 / vector.abs().max_element();
+    let of_rows = DVec4::from_array([0, 1, 2, 3].map(|row| reciprocal(matrix.row(row))));
+    let rows = DMat4::from_diagonal(of_rows) * matrix;
+    let of_columns = DVec4::from_array([0, 1, 2, 3].map(|column| reciprocal(rows.col(column))));
+    if !(of_rows.is_finite() && of_columns.is_finite()) {
+        return None;
+    }
+    let columns = DMat4::from_diagonal(of_columns);
+    let scaled = rows * columns;
+    if !scaled.is_finite() || scaled.determinant().abs() < MIN_DETERMINANT {
+        return None;
+    }
+    // A factor of all entries is no part of the projection, and must not overflow.
+    let of_rows = of_rows / of_rows.max_element();
+    let of_columns = of_columns / of_columns.max_element();
+    let inverse = DMat4::from_diagonal(of_columns) * scaled.inverse() * DMat4::from_diagonal(of_rows);
+    let largest = inverse.to_cols_array().into_iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+    Some(inverse * (1.0 / largest)).filter(|inverse| inverse.is_finite())
+}
+
+/// `w_row` is the last row of `clip_from_eye`.
+fn sight(w_row: DVec4, eye_from_clip: DMat4) -> Result<Sight> {
+    if w_row.xyz().abs().max_element() <= ROUNDING * w_row.w.abs() {
+        return Ok(Sight::Orthographic);
+    }
+    // The rays of all pixels meet where clip x, y and w are 0.
+    let meeting = eye_from_clip.z_axis;
+    let centre = meeting.xyz() / meeting.w;
+    if meeting.w.abs() <= INFINITE_W * meeting.xyz().length() || !centre.is_finite() {
+        return Err(Error::invalid("clip_from_eye_matrix is neither a perspective nor an orthographic projection"));
+    }
+    Ok(Sight::Perspective { centre })
+}
+
+fn pose(matrix: DMat4) -> Result<DAffine3> {
+    let last = matrix.row(3);
+    if last.w == 0.0 || last.xyz().abs().max_element() > ROUNDING * last.w.abs() {
+        return Err(Error::invalid("the last row of world_from_eye_matrix must be 0, 0, 0, w with w other than 0"));
+    }
+    let affine =
+        DAffine3 { matrix3: DMat3::from_mat4(matrix) * (1.0 / last.w), translation: matrix.w_axis.xyz() / last.w };
+    let unit = |axis: DVec3| axis.normalize_or_zero();
+    let [x, y, z] = [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis].map(unit);
+    if !affine.is_finite() || x.dot(y.cross(z)).abs() < MIN_DETERMINANT {
+        return Err(Error::invalid("world_from_eye_matrix is singular or too large: a pose was expected"));
+    }
+    Ok(affine)
+}
+
+#[cfg(test)]
+mod tests;
