@@ -17,6 +17,8 @@ const ROUNDING: f64 = 1e-9;
 const INFINITE_W: f64 = 1e-12;
 /// The same below 0: matrices of 32-bit numbers put a distant far plane a little beyond infinity.
 const BEYOND_INFINITY: f64 = 1e-6;
+/// A pose that changes lengths by less is a rotation: what it rounds must not change a stored distance.
+const RIGID: f64 = 1e-12;
 /// Cosine of the angle between rows and columns of an image that has no skew.
 const MAX_SKEW: f64 = 1e-6;
 
@@ -68,11 +70,20 @@ pub struct PixelRay {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sight {
-    /// All rays leave this point of eye space.
-    Perspective {
-        centre: DVec3,
-    },
+    Perspective(Pencil),
     Orthographic,
+}
+
+/// The rays of a perspective camera in eye space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pencil {
+    centre: DVec3,
+    /// The direction of the ray at clip coordinates (x, y) is this times (x, y, 1). The largest entry of its last column is 1,
+    /// so that cube faces have the directions of [`crate::image::Face::direction`] to the bit.
+    steps: DMat3,
+    /// A point of the ray is centre + step · unit / w, where w is that of its unprojected clip coordinates: the reciprocal of
+    /// its own clip w, which is above 0 in front of the camera.
+    unit: f64,
 }
 
 /// A valid camera.
@@ -117,7 +128,7 @@ impl SeuratCamera {
     /// Centre of projection, or of an orthographic camera the origin of eye space, in the world in metres.
     pub fn position(&self) -> DVec3 {
         let eye = match self.sight {
-            Sight::Perspective { centre } => centre,
+            Sight::Perspective(pencil) => pencil.centre,
             Sight::Orthographic => DVec3::ZERO,
         };
         self.world_from_eye.transform_point3(eye)
@@ -140,7 +151,9 @@ impl SeuratCamera {
         let share = |axis: usize| (2.0 * f64::from(pixel[axis]) + 1.0) / f64::from(self.size[axis]) - 1.0;
         let at = self.eye_from_clip * DVec4::new(share(0), -share(1), 0.0, 1.0);
         let along = match self.sight {
-            Sight::Perspective { centre } => self.perspective_ray(centre, at, depth)?,
+            Sight::Perspective(pencil) => {
+                self.perspective_ray(pencil, pencil.steps * DVec3::new(share(0), -share(1), 1.0), at.w, depth)?
+            }
             Sight::Orthographic => self.orthographic_ray(at, depth)?,
         };
         let origin = self.world_from_eye.transform_point3(along.origin);
@@ -150,38 +163,37 @@ impl SeuratCamera {
         if !(origin.is_finite() && direction.is_normalized()) {
             return Err(Error::invalid("the ray through it is not finite: matrices of moderate numbers were expected"));
         }
+        let stretch = length / along.step.length();
+        let stretch = if (stretch - 1.0).abs() < RIGID { 1.0 } else { stretch };
         // A distance that is too small for 64 bits is not that of the origin.
-        let distance_m = (along.steps * length).max(f64::MIN_POSITIVE);
+        let distance_m = (along.distance * stretch).max(f64::MIN_POSITIVE);
         Ok(PixelRay { origin, direction, distance_m })
     }
 
-    /// `at` is the unprojected point of clip depth 0; `depth` is none where it is infinitely far.
-    fn perspective_ray(&self, centre: DVec3, at: DVec4, depth: Option<f64>) -> Result<EyeRay> {
-        // A point of the ray is centre + step / w, where w is that of its unprojected clip coordinates: the reciprocal of its
-        // own clip w, which is above 0 in front of the camera.
-        let step = at.xyz() - at.w * centre;
+    /// `middle_w` is the w of the unprojected point of clip depth 0; `depth` is none where it is infinitely far.
+    fn perspective_ray(&self, pencil: Pencil, step: DVec3, middle_w: f64, depth: Option<f64>) -> Result<EyeRay> {
         if self.depth_type == DepthType::EyeZ && step.z >= 0.0 {
             return Err(Error::invalid("EYE_Z is a distance along -z of eye space, but its ray goes along +z"));
         }
-        let steps = match (depth, self.depth_type) {
+        let distance = match (depth, self.depth_type) {
             (None, _) => f64::INFINITY,
             (Some(depth), DepthType::WindowZ) => {
                 let last = self.eye_from_clip.row(3);
                 let clip_z = 2.0 * depth - 1.0;
                 let terms = last.w.abs() + last.xyz().abs().element_sum();
-                match at.w + clip_z * last.z {
-                    w if w > INFINITE_W * terms => 1.0 / w,
+                match middle_w + clip_z * last.z {
+                    w if w > INFINITE_W * terms => pencil.unit / w * step.length(),
                     w if w >= -BEYOND_INFINITY * terms => f64::INFINITY,
                     _ => return Err(Error::invalid(format!("WINDOW_Z {depth} lies behind the camera"))),
                 }
             }
-            (Some(depth), DepthType::EyeZ) => match (depth + centre.z) / -step.z {
-                steps if steps > 0.0 => steps,
+            (Some(depth), DepthType::EyeZ) => match (depth + pencil.centre.z) / -step.z {
+                steps if steps > 0.0 => steps * step.length(),
                 _ => return Err(Error::invalid(format!("EYE_Z {depth} lies behind the camera"))),
             },
-            (Some(depth), DepthType::RayDepth) => depth / step.length(),
+            (Some(depth), DepthType::RayDepth) => depth,
         };
-        Ok(EyeRay { origin: centre, step, steps })
+        Ok(EyeRay { origin: pencil.centre, step, distance })
     }
 
     fn orthographic_ray(&self, at: DVec4, depth: Option<f64>) -> Result<EyeRay> {
@@ -189,26 +201,24 @@ impl SeuratCamera {
         let step = self.eye_from_clip.z_axis.xyz() / at.w;
         let middle = at.xyz() / at.w;
         if self.depth_type == DepthType::WindowZ {
-            let steps = depth.map_or(f64::INFINITY, |depth| 2.0 * depth);
-            return Ok(EyeRay { origin: middle - step, step, steps });
+            let distance = depth.map_or(f64::INFINITY, |depth| 2.0 * depth * step.length());
+            return Ok(EyeRay { origin: middle - step, step, distance });
         }
         if step.z == 0.0 {
             return Err(Error::invalid(format!("{} needs a ray along z of eye space", self.depth_type.name())));
         }
         let origin = middle - step * (middle.z / step.z);
         let step = if step.z > 0.0 { -step } else { step };
-        let length = if self.depth_type == DepthType::EyeZ { step.z.abs() } else { step.length() };
-        Ok(EyeRay { origin, step, steps: depth.map_or(f64::INFINITY, |depth| depth / length) })
+        let slant = if self.depth_type == DepthType::EyeZ { step.length() / step.z.abs() } else { 1.0 };
+        Ok(EyeRay { origin, step, distance: depth.map_or(f64::INFINITY, |depth| depth * slant) })
     }
 
     /// The camera of a perspective image whose rows and columns are at right angles; it may be mirrored. Near and far are those
     /// of [`Lens::new`].
     pub fn perspective(&self) -> Option<Camera> {
-        let Sight::Perspective { centre } = self.sight else { return None };
-        let world_step = |axis: DVec4| self.world_from_eye.transform_vector3(axis.xyz() - axis.w * centre);
-        let columns = self.eye_from_clip;
-        let (middle, across, upward) =
-            (world_step(columns.w_axis), world_step(columns.x_axis), world_step(columns.y_axis));
+        let Sight::Perspective(Pencil { steps, .. }) = self.sight else { return None };
+        let [across, upward, middle] =
+            [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| self.world_from_eye.transform_vector3(step));
         let (right, down) = (across.try_normalize()?, (-upward).try_normalize()?);
         if right.dot(down).abs() > MAX_SKEW {
             return None;
@@ -228,18 +238,24 @@ struct EyeRay {
     origin: DVec3,
     /// Its direction, of any length.
     step: DVec3,
-    /// How many of them lead to the surface.
-    steps: f64,
+    /// From the origin to the surface.
+    distance: f64,
 }
 
 fn row_major(numbers: &[f64; 16]) -> DMat4 {
     DMat4::from_cols_array(numbers).transpose()
 }
 
-/// The inverse times a number above 0, so that its largest entry is 1; none of a singular matrix, which the determinant of a
-/// scaled one tells.
+/// The largest power of two that is not above the largest entry, so that dividing by it rounds nothing.
+fn magnitude(entries: impl IntoIterator<Item = f64>) -> f64 {
+    let largest = entries.into_iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+    f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits())
+}
+
+/// The inverse times a number above 0, so that its largest entry is 1 to 2; none of a singular matrix, which the determinant of
+/// a scaled one tells.
 fn inverse(matrix: DMat4) -> Option<DMat4> {
-    let reciprocal = |vector: DVec4| 1.0 / vector.abs().max_element();
+    let reciprocal = |vector: DVec4| 1.0 / magnitude(vector.to_array());
     let of_rows = DVec4::from_array([0, 1, 2, 3].map(|row| reciprocal(matrix.row(row))));
     let rows = DMat4::from_diagonal(of_rows) * matrix;
     let of_columns = DVec4::from_array([0, 1, 2, 3].map(|column| reciprocal(rows.col(column))));
@@ -255,8 +271,7 @@ fn inverse(matrix: DMat4) -> Option<DMat4> {
     let of_rows = of_rows / of_rows.max_element();
     let of_columns = of_columns / of_columns.max_element();
     let inverse = DMat4::from_diagonal(of_columns) * scaled.inverse() * DMat4::from_diagonal(of_rows);
-    let largest = inverse.to_cols_array().into_iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
-    Some(inverse * (1.0 / largest)).filter(|inverse| inverse.is_finite())
+    Some(inverse * (1.0 / magnitude(inverse.to_cols_array()))).filter(|inverse| inverse.is_finite())
 }
 
 /// `w_row` is the last row of `clip_from_eye`.
@@ -270,7 +285,15 @@ fn sight(w_row: DVec4, eye_from_clip: DMat4) -> Result<Sight> {
     if meeting.w.abs() <= INFINITE_W * meeting.xyz().length() || !centre.is_finite() {
         return Err(Error::invalid("clip_from_eye_matrix is neither a perspective nor an orthographic projection"));
     }
-    Ok(Sight::Perspective { centre })
+    let step = |axis: DVec4| axis.xyz() - axis.w * centre;
+    let middle = step(eye_from_clip.w_axis);
+    let unit = middle.abs().max_element();
+    let [across, upward] = [eye_from_clip.x_axis, eye_from_clip.y_axis].map(|axis| step(axis) / unit);
+    let steps = DMat3::from_cols(across, upward, middle / unit);
+    if !steps.is_finite() {
+        return Err(Error::invalid("clip_from_eye_matrix has no ray at the image's centre"));
+    }
+    Ok(Sight::Perspective(Pencil { centre, steps, unit }))
 }
 
 fn pose(matrix: DMat4) -> Result<DAffine3> {

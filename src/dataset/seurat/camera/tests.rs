@@ -1,4 +1,5 @@
 use super::*;
+use crate::image::Face;
 
 const SIZE: [u32; 2] = [5, 4];
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -271,6 +272,33 @@ fn plain_perspective_cameras_have_the_same_rays() {
     let mut skewed = window.perspective();
     skewed[1] = 0.1;
     assert!(camera(DepthType::EyeZ, skewed, IDENTITY).perspective().is_none());
+}
+
+#[test]
+fn cube_faces_have_the_rays_of_the_image_model_to_the_bit() {
+    let side = 7;
+    for (near, far) in [(0.1, 100.0), (0.03, f64::INFINITY), (1e-3, 5e4)] {
+        let clip_from_eye = Window { x: [-1.0, 1.0], y: [-1.0, 1.0], near, far }.perspective();
+        for face in Face::CUBE {
+            let [forward, right, down] = face.axes();
+            let mut world_from_eye = IDENTITY;
+            for (column, axis) in [right, -down, -forward, DVec3::new(1.3, -0.7, 4.1)].into_iter().enumerate() {
+                (0..3).for_each(|row| world_from_eye[4 * row + column] = axis[row]);
+            }
+            let matrices = CameraMatrices { clip_from_eye, world_from_eye };
+            let camera = SeuratCamera::new([side; 2], DepthType::RayDepth, &matrices).unwrap();
+            for (col, row) in (0..side).flat_map(|row| (0..side).map(move |col| (col, row))) {
+                let ray = camera.ray([col, row], 3.7).unwrap();
+                let step = face.direction(col, row, side);
+                let expected = PixelRay {
+                    origin: DVec3::new(1.3, -0.7, 4.1),
+                    direction: step / step.length(),
+                    distance_m: f64::from(3.7f32),
+                };
+                assert_eq!(ray, expected, "{face:?} {col} {row}");
+            }
+        }
+    }
 }
 
 #[test]
