@@ -62,6 +62,8 @@ mod modules {
     pub mod report;
     #[cfg(feature = "scene")]
     pub mod scene;
+    #[cfg(feature = "simplify")]
+    pub mod simplify;
     pub mod streams;
     #[cfg(feature = "encode")]
     pub mod train;

@@ -7,7 +7,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, man, pack, place,
-    quadtree, render, selftest, train_color,
+    quadtree, render, selftest, simplify, train_color,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -58,6 +58,8 @@ pub enum Command {
     Decode(decode::Args),
     /// Render novel views of a light field, and compare them with reference images
     Render(Box<render::Args>),
+    /// Simplify a still scene to textured quads under budgets, as binary glTF
+    Simplify(simplify::Args),
     /// Compare two containers, datasets or image sequences
     Diff(diff::Args),
     /// Measure bytes, time and quality of settings on your own footage

@@ -24,6 +24,7 @@ mod progress;
 mod quadtree;
 mod render;
 mod selftest;
+mod simplify;
 mod tradeoff;
 mod train_color;
 
@@ -83,6 +84,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Render(args) => render::run(&args, global),
+        Command::Simplify(args) => simplify::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),
         Command::TrainColor(args) => train_color::run(&args, global),

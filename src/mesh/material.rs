@@ -17,6 +17,8 @@ pub struct Material {
     pub base_texture: Option<Arc<ImageTexture>>,
     /// Alpha below it is a hole; `None` for an opaque material.
     pub alpha_cutoff: Option<f64>,
+    /// Whether a rasteriser blends it by its alpha; rays see a hole below the cutoff.
+    pub is_blended: bool,
     /// Constant over the surface: the mean of a texture.
     pub metallic: f64,
     /// As [`Self::metallic`].
@@ -43,6 +45,7 @@ impl Default for Material {
             alpha: 1.0,
             base_texture: None,
             alpha_cutoff: None,
+            is_blended: false,
             metallic: 0.0,
             roughness: 1.0,
             specular: Some(DVec3::ZERO),

@@ -93,6 +93,7 @@ fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, not
             alpha: surface.alpha,
             base_texture,
             alpha_cutoff,
+            is_blended: material.alpha_mode() == AlphaMode::Blend,
             metallic,
             roughness,
             specular: surface.specular,

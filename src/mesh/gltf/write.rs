@@ -18,9 +18,12 @@ use crate::mesh::triangles::Mesh;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
+/// Without mipmaps.
+const LINEAR: u32 = 9729;
 
-/// Writes the meshes, whose triangles have materials of the list, as a `.glb` file.
-pub fn glb(meshes: &[Mesh], materials: &[Material], out: &mut dyn Write) -> Result<()> {
+/// Writes the meshes, whose triangles have materials of the list, as a `.glb` file. Triangles of a material keep their order.
+/// `extras` are data of the application.
+pub fn glb(meshes: &[Mesh], materials: &[Material], extras: Option<Value>, out: &mut dyn Write) -> Result<()> {
     let mut document = Document::default();
     for material in materials {
         let material = document.material(material)?;
@@ -41,6 +44,9 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], out: &mut dyn Write) -> Resu
         ("bufferViews", document.views),
         ("extensionsUsed", document.extensions.into_iter().map(Value::from).collect()),
     ];
+    if let Some(extras) = extras {
+        root["extras"] = extras;
+    }
     // Lists of a glTF file have at least one element.
     for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
         root[name] = list.into();
@@ -152,7 +158,9 @@ impl Document {
         if let Some(texture) = &material.base_texture {
             value["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": self.texture(texture)? });
         }
-        if let Some(cutoff) = material.alpha_cutoff {
+        if material.is_blended {
+            value["alphaMode"] = "BLEND".into();
+        } else if let Some(cutoff) = material.alpha_cutoff {
             (value["alphaMode"], value["alphaCutoff"]) = ("MASK".into(), cutoff.into());
         }
         let strength = material.emission.max_element().max(1.0);
@@ -189,7 +197,12 @@ impl Document {
             Wrap::Mirror => 33648,
             Wrap::Clamp => 33071,
         });
-        let sampler = push(&mut self.samplers, json!({ "wrapS": wrap_s, "wrapT": wrap_t }));
+        let sampler = push(
+            &mut self.samplers,
+            json!({
+                "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": wrap_s, "wrapT": wrap_t
+            }),
+        );
         let number = push(&mut self.textures, json!({ "source": image, "sampler": sampler }));
         self.known.insert(Arc::as_ptr(texture), number);
         Ok(number)
@@ -295,7 +308,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         let mut bytes = Vec::new();
-        glb(&[mesh()], &palette(), &mut bytes).unwrap();
+        glb(&[mesh()], &palette(), None, &mut bytes).unwrap();
         let (found, materials) = read(&bytes);
         assert_eq!(found, mesh());
         assert_eq!(format!("{materials:?}"), format!("{:?}", palette()));
@@ -316,17 +329,17 @@ mod tests {
         let shared = texture([Wrap::Repeat; 2]);
         let of = || Material { base_texture: Some(shared.clone()), ..Material::default() };
         let mut bytes = Vec::new();
-        glb(&[mesh(), mesh()], &[of(), of()], &mut bytes).unwrap();
+        glb(&[mesh(), mesh()], &[of(), of()], None, &mut bytes).unwrap();
         let read = gltf::Gltf::from_slice(&bytes).unwrap();
         assert_eq!((read.nodes().len(), read.images().len(), read.materials().len()), (2, 1, 2));
         let mut bytes = Vec::new();
-        glb(&[], &[], &mut bytes).unwrap();
+        glb(&[], &[], None, &mut bytes).unwrap();
         assert_eq!(gltf::Gltf::from_slice(&bytes).unwrap().nodes().len(), 0);
     }
 
     #[test]
     fn wrong_indices_are_refused() {
-        let refused = |mesh: Mesh| glb(&[mesh], &palette(), &mut Vec::new()).unwrap_err().to_string();
+        let refused = |mesh: Mesh| glb(&[mesh], &palette(), None, &mut Vec::new()).unwrap_err().to_string();
         assert!(refused(Mesh { material_of: vec![2; 40], ..mesh() }).contains("material 2"));
         assert!(refused(Mesh { positions: vec![], ..mesh() }).contains("corner"));
     }

@@ -1,0 +1,98 @@
+//! Arguments of `simplify`.
+
+use std::path::PathBuf;
+
+use crate::cli::options::{Choices, EFFORTS, check_report, one_of, parse_positive};
+use crate::effort::Effort;
+use crate::error::Result;
+use crate::placement::Region;
+use crate::simplify::cost::TextureCoordinates;
+use crate::simplify::pipeline::{Settings, TilingKind};
+use crate::simplify::selection::Budgets;
+use crate::simplify::texture_sizes::Sizing;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    lightfold simplify footage/lightfield.json -o scene.glb\n  \
+    lightfold simplify footage --triangles 20000 --atlas 2048 --effort fast -o scene.glb --json\n  \
+    lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frame 24 -o scene.glb\n\n\
+    The scene is right for eyes in the viewing region only. Triangles are stored from back to front: a viewer draws them in that \
+    order, blended, without depth test, culling or sorting (three.js: sortObjects = false, forceSinglePass = true).\n\n\
+    All budgets are kept; one that cannot be is an error that names the least value that would do. Area: how often all quads \
+    together would cover the sphere around the viewer. Peak overdraw: mean number of quads over a pixel in the worst of 126 views of \
+    90 degrees. Cracks: pixels of the capture with less than half alpha.")]
+pub struct Args {
+    /// Manifest of a dataset with colour and depth (lightfield.json), or its folder
+    #[arg(value_name = "INPUT")]
+    pub input: PathBuf,
+    /// Binary glTF file to write
+    #[arg(long, short, value_name = "SCENE.glb")]
+    pub output: PathBuf,
+    /// Most triangles
+    #[arg(long, value_name = "N", default_value_t = 72_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    pub triangles: u32,
+    /// Most area of all quads around the viewer, in whole spheres
+    #[arg(long, value_name = "SPHERES", default_value_t = 3.0, value_parser = parse_positive)]
+    pub area: f64,
+    /// Most quads over a pixel, as the mean of any view of 90 degrees
+    #[arg(long, value_name = "LAYERS", default_value_t = 5.0, value_parser = parse_positive)]
+    pub peak_overdraw: f64,
+    /// Most texels of each side of the texture
+    #[arg(long, value_name = "TEXELS", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(4..=16_384))]
+    pub atlas: u32,
+    /// Texels for each degree of view, before the atlas reduces them [default: the pixels of the capture]
+    #[arg(long, value_name = "P", value_parser = parse_positive)]
+    pub pixels_per_degree: Option<f64>,
+    /// Viewing region, without surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a file with a closed mesh;
+    /// repeatable, for a union [default: the box around the cameras]
+    #[arg(long, value_name = "BOX|SPHERE|MESH", allow_hyphen_values = true)]
+    pub region: Vec<String>,
+    /// Frame to simplify
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub frame: u32,
+    /// Search effort: tiles for each part of the scene and precision of their planes; fast traces a quarter of the rays
+    #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
+    pub effort: Effort,
+    /// Parts of the sphere that get quads of their own
+    #[arg(long, value_parser = one_of(TILINGS), default_value = "quadtree")]
+    pub tiling: TilingKind,
+    /// How textures shrink that do not fit into the atlas
+    #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
+    pub sizing: Sizing,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const TILINGS: &Choices<TilingKind> = &[
+    ("quadtree", TilingKind::Quadtree, "Cells of any level of a quadtree"),
+    ("uniform", TilingKind::Uniform, "Cells of the sixth level alone, for comparison (Seurat figure 13)"),
+];
+
+const SIZINGS: &Choices<Sizing> = &[
+    ("adaptive", Sizing::Adaptive, "Those whose pictures lose least (Seurat 5.3)"),
+    ("uniform", Sizing::Uniform, "All by one factor, for comparison (Seurat figure 14)"),
+];
+
+impl Args {
+    pub(super) fn check(&self) -> Result<()> {
+        check_report(&self.output, self.json)
+    }
+
+    pub(super) fn settings(&self) -> Result<Settings> {
+        let region = if self.region.is_empty() { None } else { Some(Region::parse(&self.region)?) };
+        let budgets =
+            Budgets { triangles: f64::from(self.triangles), area: self.area, peak_overdraw: self.peak_overdraw };
+        Ok(Settings {
+            budgets,
+            atlas: self.atlas,
+            pixels_per_degree: self.pixels_per_degree,
+            region,
+            frame: self.frame,
+            effort: self.effort,
+            tiling: self.tiling,
+            sizing: self.sizing,
+            texture_coordinates: TextureCoordinates::Affine,
+        })
+    }
+}

@@ -1,0 +1,298 @@
+//! Candidate tilings of all tree cells (Seurat 4.2).
+//!
+//! Enters: the merged points. Leaves: for each cell of the trees that has points its tilings of one, two … K tiles.
+//!
+//! Points of a cell are clustered as k-means does: each goes to the tile with the least energy, tiles are fitted to their
+//! points. One tile comes first; then the tile of most energy is split in two by a tile across the line of sight through the
+//! point of most energy. Each number of tiles is kept as a tiling.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::fit::{FitBounds, TilePlane, WeightedPoint, fit_plane};
+use super::points::MergedPoint;
+use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
+use crate::effort::Effort;
+use crate::math::random::Random;
+
+/// K of Seurat 4.2.
+pub const MAX_TILES: usize = 8;
+
+/// Search effort of candidates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CandidateSettings {
+    /// Levels of cells that get tilings.
+    pub levels: [u32; 2],
+    pub max_tiles: usize,
+    /// Rounds of assignment and refinement for each number of tiles.
+    pub rounds: usize,
+    /// Points that a tile is refined with before the last round.
+    pub subset: usize,
+    /// Points that it is refined with in the last round.
+    pub last_subset: usize,
+    /// Evaluations by parameter that Levenberg–Marquardt may take.
+    pub evaluations: usize,
+    /// Mean squared relative error below which no further tile is added.
+    pub enough: f64,
+}
+
+impl CandidateSettings {
+    pub fn of(effort: Effort) -> CandidateSettings {
+        let normal = CandidateSettings {
+            levels: [0, MAX_LEVEL],
+            max_tiles: MAX_TILES,
+            rounds: 3,
+            subset: 24,
+            last_subset: 96,
+            evaluations: 9,
+            enough: 1e-8,
+        };
+        match effort {
+            Effort::Fast => CandidateSettings {
+                max_tiles: 4,
+                rounds: 2,
+                subset: 16,
+                last_subset: 32,
+                evaluations: 2,
+                enough: 1e-7,
+                ..normal
+            },
+            Effort::Normal => normal,
+            Effort::Exhaustive => {
+                CandidateSettings { rounds: 6, subset: 128, last_subset: 1024, evaluations: 30, enough: 0.0, ..normal }
+            }
+        }
+    }
+}
+
+/// One way to cover the points of a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tiling {
+    pub planes: Vec<TilePlane>,
+    /// Σ of equation 2 over all samples of the cell.
+    pub energy: f64,
+}
+
+/// Tilings of a level's cells, by cell index; none for cells without points.
+#[derive(Debug)]
+pub struct CandidateLevel {
+    pub level: u32,
+    pub tilings: Vec<Vec<Tiling>>,
+}
+
+/// What candidates are fitted within.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    /// Metres: 1% of the region's radius, and the radius of the geometry.
+    pub least_m: f64,
+    pub most_m: f64,
+    /// What cells are dilated by on each side in the plane of their face, at most.
+    pub margin: f64,
+}
+
+/// And at most this part of their side.
+const MARGIN_SHARE: f64 = 1.0 / 32.0;
+
+impl Extent {
+    /// The square of a cell's tiles, which overlap those of the cells beside it.
+    pub fn dilated(&self, cell: TreeCell) -> PlaneRect {
+        cell.rect(self.margin.min(MARGIN_SHARE * cell.side()))
+    }
+}
+
+/// Tilings of all cells, by level.
+pub fn candidates(points: &[MergedPoint], extent: &Extent, settings: &CandidateSettings) -> Vec<CandidateLevel> {
+    let mut sorted: Vec<(u32, WeightedPoint)> = points
+        .iter()
+        .map(|point| {
+            let position = point.position.as_dvec3();
+            (
+                leaf_order(TreeCell::containing(position, MAX_LEVEL)),
+                WeightedPoint { position, weight: f64::from(point.samples) },
+            )
+        })
+        .collect();
+    sorted.sort_by_key(|(cell, _)| *cell);
+    let (cells, points): (Vec<u32>, Vec<WeightedPoint>) = sorted.into_iter().unzip();
+    let [first, last] = settings.levels;
+    (first..=last)
+        .map(|level| {
+            let shift = 2 * (MAX_LEVEL - level);
+            let mut runs = Vec::new();
+            let mut start = 0;
+            for run in cells.chunk_by(|a, b| a >> shift == b >> shift) {
+                runs.push((cell_of(level, run[0] >> shift), start..start + run.len()));
+                start += run.len();
+            }
+            let fitted: Vec<(usize, Vec<Tiling>)> = runs
+                .into_par_iter()
+                .map(|(cell, run)| (cell.index(), tilings(cell, &points[run], extent, settings)))
+                .collect();
+            let mut tilings = vec![Vec::new(); TreeCell::count(level)];
+            for (index, fitted) in fitted {
+                tilings[index] = fitted;
+            }
+            CandidateLevel { level, tilings }
+        })
+        .collect()
+}
+
+/// Number of a cell of the last level in the order of a depth-first traversal: the face, then two bits for each level.
+fn leaf_order(cell: TreeCell) -> u32 {
+    let bits = (0..cell.level).map(|at| (cell.row >> at & 1) << (2 * at + 1) | (cell.column >> at & 1) << (2 * at));
+    (cell.face as u32) << (2 * cell.level) | bits.sum::<u32>()
+}
+
+fn cell_of(level: u32, order: u32) -> TreeCell {
+    let bit = |from: u32| (0..level).map(|at| (order >> (2 * at + from) & 1) << at).sum();
+    let root = TreeCell::ROOTS[((order >> (2 * level)) as usize).min(5)];
+    TreeCell { level, column: bit(0), row: bit(1), ..root }
+}
+
+fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: &CandidateSettings) -> Vec<Tiling> {
+    let corners = extent.dilated(cell).corners().map(|corner| direction(cell.face, corner).normalize());
+    let bounds = FitBounds { corners, least_m: extent.least_m, most_m: extent.most_m };
+    let total: f64 = points.iter().map(|point| point.weight).sum();
+    let mut random = Random::new(u64::from(leaf_order(cell)) << 8 | u64::from(cell.level));
+    let mean: DVec3 = points.iter().map(|point| point.weight * point.position).sum::<DVec3>() / total;
+    let mut clusters = Clusters {
+        planes: vec![TilePlane::fronto_parallel(if mean.length() > extent.least_m {
+            mean
+        } else {
+            points[0].position
+        })],
+        owner: vec![0; points.len()],
+        energy: vec![0.0; points.len()],
+    };
+    let mut found: Vec<Tiling> = Vec::new();
+    for count in 1..=settings.max_tiles.min(points.len()) {
+        if count > 1 {
+            clusters.split(points);
+        }
+        for round in 1..=settings.rounds {
+            let subset = if round == settings.rounds { settings.last_subset } else { settings.subset };
+            clusters.refine(points, &bounds, (subset, settings.evaluations), &mut random);
+            let changed = clusters.assign(points);
+            if count == 1 || !changed {
+                break;
+            }
+        }
+        let energy = points.iter().zip(&clusters.energy).map(|(point, energy)| point.weight * energy).sum::<f64>();
+        let is_better = found.last().is_none_or(|last| energy < 0.98 * last.energy);
+        if is_better {
+            found.push(Tiling { planes: clusters.planes.clone(), energy });
+        }
+        if energy <= settings.enough * total {
+            break;
+        }
+    }
+    found
+}
+
+struct Clusters {
+    planes: Vec<TilePlane>,
+    /// By point.
+    owner: Vec<usize>,
+    energy: Vec<f64>,
+}
+
+impl Clusters {
+    /// Gives each point to the plane with the least energy; answers whether any moved.
+    fn assign(&mut self, points: &[WeightedPoint]) -> bool {
+        let mut changed = false;
+        for (point, (owner, energy)) in points.iter().zip(self.owner.iter_mut().zip(&mut self.energy)) {
+            let mut best = (0, f64::INFINITY);
+            for (at, plane) in self.planes.iter().enumerate() {
+                let energy = plane.energy(point.position);
+                if energy < best.1 {
+                    best = (at, energy);
+                }
+            }
+            changed |= *owner != best.0;
+            (*owner, *energy) = best;
+        }
+        changed
+    }
+
+    fn refine(
+        &mut self,
+        points: &[WeightedPoint],
+        bounds: &FitBounds,
+        (subset, evaluations): (usize, usize),
+        random: &mut Random,
+    ) {
+        let mut members: Vec<Vec<WeightedPoint>> = vec![Vec::new(); self.planes.len()];
+        let mut seen = vec![0u32; self.planes.len()];
+        for (point, &owner) in points.iter().zip(&self.owner) {
+            // Reservoir sampling.
+            seen[owner] += 1;
+            if members[owner].len() < subset {
+                members[owner].push(*point);
+            } else if let Some(held) = members[owner].get_mut(random.below(seen[owner]) as usize) {
+                *held = *point;
+            }
+        }
+        for (plane, members) in self.planes.iter_mut().zip(&members) {
+            *plane = fit_plane(members, bounds, *plane, evaluations);
+        }
+    }
+
+    /// Adds a plane across the line of sight at the point of most energy of the cluster of most energy.
+    fn split(&mut self, points: &[WeightedPoint]) {
+        let mut sums = vec![0.0; self.planes.len()];
+        for (point, (&owner, energy)) in points.iter().zip(self.owner.iter().zip(&self.energy)) {
+            sums[owner] += point.weight * energy;
+        }
+        let largest = (0..sums.len()).max_by(|&a, &b| sums[a].total_cmp(&sums[b])).unwrap_or(0);
+        let weighted = |at: usize| points[at].weight * self.energy[at];
+        let of_largest = (0..points.len()).filter(|&at| self.owner[at] == largest);
+        if let Some(worst) = of_largest.max_by(|&a, &b| weighted(a).total_cmp(&weighted(b))) {
+            self.planes.push(TilePlane::fronto_parallel(points[worst].position));
+            self.assign(points);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXTENT: Extent = Extent { least_m: 0.01, most_m: 100.0, margin: 0.01 };
+
+    fn points(positions: impl Iterator<Item = DVec3>) -> Vec<MergedPoint> {
+        positions.map(|position| MergedPoint { position: position.as_vec3(), samples: 1 }).collect()
+    }
+
+    fn grid(steps: u32) -> impl Iterator<Item = DVec3> {
+        let at = move |step: u32| 1.9 * (f64::from(step) + 0.5) / f64::from(steps) - 0.95;
+        (0..steps).flat_map(move |x| (0..steps).map(move |y| DVec3::new(1.0, at(y), at(x))))
+    }
+
+    #[test]
+    fn two_layers_get_two_tiles() {
+        // Every other ray ends on a wall four times as far away.
+        let layers = (0..).zip(grid(24)).map(|(at, direction)| direction * if at % 2 == 0 { 1.0 } else { 4.0 });
+        let settings = CandidateSettings { levels: [0, 1], ..CandidateSettings::of(Effort::Normal) };
+        let levels = candidates(&points(layers), &EXTENT, &settings);
+        let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
+        assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
+        assert!(tilings[1].planes.len() == 2 && tilings[1].energy < 1e-6, "{:?}", tilings[1]);
+        // Nothing is left to gain, and other faces have no points.
+        assert_eq!(tilings.len(), 2);
+        assert_eq!(levels[1].tilings.iter().filter(|tilings| !tilings.is_empty()).count(), 4);
+    }
+
+    #[test]
+    fn more_tiles_never_fit_worse() {
+        let bumps = grid(40).map(|direction| direction * (2.0 + (5.0 * direction.y).sin() * (7.0 * direction.z).cos()));
+        let levels = candidates(&points(bumps), &EXTENT, &CandidateSettings::of(Effort::Fast));
+        for level in &levels {
+            for tilings in &level.tilings {
+                assert!(tilings.is_sorted_by(|a, b| a.energy > b.energy && a.planes.len() < b.planes.len()));
+            }
+        }
+        // The finest cells hold one or two points each, which a tile passes through.
+        let last = levels.last().map_or(0.0, |level| level.tilings.iter().flatten().map(|tiling| tiling.energy).sum());
+        assert!(last < 1.0, "{last}");
+    }
+}

@@ -1,0 +1,205 @@
+//! What a tiling costs to draw: triangles, area on the sphere, share of the overdraw of each view (Seurat 4).
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::candidates::{CandidateLevel, Extent, Tiling};
+use super::fit::TilePlane;
+use super::tree::{MAX_LEVEL, TreeCell, direction};
+use crate::image::Face;
+
+/// F of Seurat 4: views of 90 degrees whose mean overdraw is bounded.
+pub const VIEWS: usize = 126;
+/// Solid angle of a view of 90 degrees: that of a cube face, a sixth of the sphere.
+const VIEW_AREA: f64 = 4.0 * PI / 6.0;
+
+/// Parts of cells that views see from the middle of the region, by level.
+#[derive(Debug)]
+pub struct ViewShares {
+    levels: Vec<SparseShares>,
+}
+
+/// The shares of a level's cells, one after the other.
+#[derive(Debug, Default)]
+struct SparseShares {
+    /// Where those of each cell start.
+    starts: Vec<u32>,
+    /// View, and the part of the cell's solid angle that it sees.
+    entries: Vec<(u8, f32)>,
+}
+
+impl ViewShares {
+    /// Shares of all cells of levels up to the last. A cell of the last level is seen whole or not at all.
+    pub fn new() -> ViewShares {
+        let axes: Vec<[DVec3; 3]> = view_axes();
+        let seen = |index: usize| -> Vec<(u8, f32)> {
+            let rect = TreeCell::at(MAX_LEVEL, index);
+            let face = rect.face;
+            let rect = rect.rect(0.0);
+            let middle = direction(face, [0, 1].map(|axis| 0.5 * (rect.min[axis] + rect.max[axis])));
+            let sees = |[forward, right, down]: &[DVec3; 3]| {
+                middle.dot(*forward) > middle.dot(*right).abs().max(middle.dot(*down).abs())
+            };
+            (0..VIEWS).filter(|&view| sees(&axes[view])).map(|view| (view as u8, 1.0)).collect()
+        };
+        let mut cells: Vec<Vec<(u8, f32)>> = (0..TreeCell::count(MAX_LEVEL)).into_par_iter().map(seen).collect();
+        let mut levels = vec![SparseShares::new(&cells)];
+        for level in (0..MAX_LEVEL).rev() {
+            let joined = |index: usize| {
+                let cell = TreeCell::at(level, index);
+                let area = cell.rect(0.0).solid_angle();
+                let mut sums = [0.0; VIEWS];
+                for child in cell.children() {
+                    let share = child.rect(0.0).solid_angle() / area;
+                    for (view, of_child) in &cells[child.index()] {
+                        sums[usize::from(*view)] += share * f64::from(*of_child);
+                    }
+                }
+                (0..VIEWS).filter(|&view| sums[view] > 0.0).map(|view| (view as u8, sums[view] as f32)).collect()
+            };
+            cells = (0..TreeCell::count(level)).into_par_iter().map(joined).collect();
+            levels.insert(0, SparseShares::new(&cells));
+        }
+        ViewShares { levels }
+    }
+
+    /// Views that see a cell, and the part of it that they see.
+    pub fn of(&self, level: u32, cell: usize) -> &[(u8, f32)] {
+        let SparseShares { starts, entries } = &self.levels[level as usize];
+        &entries[starts[cell] as usize..starts[cell + 1] as usize]
+    }
+}
+
+impl SparseShares {
+    fn new(cells: &[Vec<(u8, f32)>]) -> SparseShares {
+        let mut shares = SparseShares { starts: vec![0], entries: Vec::new() };
+        for cell in cells {
+            shares.entries.extend_from_slice(cell);
+            shares.starts.push(shares.entries.len() as u32);
+        }
+        shares
+    }
+}
+
+/// Forward, right and down of each view: the faces of the cube, then directions of a spiral.
+fn view_axes() -> Vec<[DVec3; 3]> {
+    let spiral = VIEWS - 6;
+    let golden = PI * (3.0 - 5f64.sqrt());
+    let turned = (0..spiral).map(|at| {
+        let y = 1.0 - (2.0 * at as f64 + 1.0) / spiral as f64;
+        let (sin, cos) = (golden * at as f64).sin_cos();
+        let radius = (1.0 - y * y).sqrt();
+        let forward = DVec3::new(radius * cos, y, radius * sin);
+        let right = forward.any_orthonormal_vector();
+        [forward, right, forward.cross(right)]
+    });
+    Face::CUBE.into_iter().map(Face::axes).chain(turned).collect()
+}
+
+/// The cost of a tiling, and what it is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TilingCost {
+    /// Σ of equation 2.
+    pub energy: f64,
+    pub triangles: f64,
+    /// In whole spheres.
+    pub area: f64,
+    /// Area seen from the worst points of the region over that of a view.
+    pub worst_area: f64,
+}
+
+/// How textures are mapped to tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextureCoordinates {
+    /// Affine on each triangle; tiles are divided until that is within half a texel.
+    Affine,
+    /// Homogeneous (Seurat 5): no tile is divided.
+    Projective,
+}
+
+/// What costs depend on.
+#[derive(Debug, Clone)]
+pub struct CostModel {
+    pub extent: Extent,
+    /// Points of the region's border, relative to its middle.
+    pub eyes: Vec<DVec3>,
+    /// Texels for each unit of a face's plane.
+    pub texels_per_unit: f64,
+    pub texture_coordinates: TextureCoordinates,
+}
+
+impl CostModel {
+    /// Costs of all tilings, by level and cell.
+    pub fn costs(&self, levels: &[CandidateLevel]) -> Vec<Vec<Vec<TilingCost>>> {
+        let of_level = |level: &CandidateLevel| -> Vec<Vec<TilingCost>> {
+            let of_cell = |(index, tilings): (usize, &Vec<Tiling>)| {
+                let cell = TreeCell::at(level.level, index);
+                let area = self.extent.dilated(cell).solid_angle() / (4.0 * PI);
+                let cost = |tiling: &Tiling| TilingCost {
+                    energy: tiling.energy,
+                    triangles: tiling.planes.iter().map(|&plane| self.triangles(cell, plane)).sum(),
+                    area: area * tiling.planes.len() as f64,
+                    worst_area: tiling.planes.iter().map(|&plane| self.worst_area(cell, plane)).sum::<f64>()
+                        / VIEW_AREA,
+                };
+                tilings.iter().map(cost).collect()
+            };
+            level.tilings.par_iter().enumerate().map(of_cell).collect()
+        };
+        levels.iter().map(of_level).collect()
+    }
+
+    fn triangles(&self, cell: TreeCell, plane: TilePlane) -> f64 {
+        let [columns, rows] = self.divisions(cell, plane);
+        f64::from(2 * columns * rows)
+    }
+
+    /// Columns and rows that a tile is divided into, so that affine texture coordinates are within half a texel of the
+    /// projective ones.
+    pub fn divisions(&self, cell: TreeCell, plane: TilePlane) -> [u32; 2] {
+        if self.texture_coordinates == TextureCoordinates::Projective {
+            return [1, 1];
+        }
+        let rect = self.extent.dilated(cell);
+        let texels = (rect.max[0] - rect.min[0]) * self.texels_per_unit;
+        let corners = rect.corners().map(|corner| plane.hit(direction(cell.face, corner)));
+        let along = |pairs: [[usize; 2]; 2]| {
+            let ratio = pairs
+                .map(|[a, b]| (corners[a] / corners[b]).max(corners[b] / corners[a]))
+                .into_iter()
+                .fold(1.0, f64::max);
+            // Along a line whose ends are at distances of this ratio, coordinates differ by (√r − 1) / (√r + 1) of its length at most;
+            // half of it is left to the other axis.
+            (1..64).find(|&parts| {
+                let root = ratio.powf(0.5 / f64::from(parts));
+                (root - 1.0) / (root + 1.0) * texels / f64::from(parts) <= 0.35
+            })
+        };
+        [along([[0, 1], [3, 2]]).unwrap_or(64), along([[0, 3], [1, 2]]).unwrap_or(64)]
+    }
+
+    /// The largest solid angle of a tile from any point of the region, in steradians.
+    fn worst_area(&self, cell: TreeCell, plane: TilePlane) -> f64 {
+        let corners = self.extent.dilated(cell).corners().map(|corner| {
+            let direction = direction(cell.face, corner);
+            direction * plane.hit(direction)
+        });
+        let from = |eye: &DVec3| {
+            let [a, b, c, d] = corners.map(|corner| corner - eye);
+            triangle_solid_angle([a, b, c]) + triangle_solid_angle([a, c, d])
+        };
+        self.eyes.iter().map(from).fold(0.0, f64::max)
+    }
+}
+
+/// Solid angle of a triangle seen from the origin.
+///
+/// Based on: Van Oosterom and Strackee, *The solid angle of a plane triangle*, 1983.
+fn triangle_solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    let [la, lb, lc] = [a.length(), b.length(), c.length()];
+    let volume = a.dot(b.cross(c)).abs();
+    let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    2.0 * volume.atan2(denominator)
+}

@@ -1,0 +1,34 @@
+//! Simplifies a still scene to textured quads under hard budgets (Seurat): what is captured inside a viewing region becomes a mesh
+//! that a phone draws.
+//!
+//! Stages, each in a file that bears its name:
+//!
+//! 1. [`samples`]: rays of a capture; [`region`]: where the eye may be.
+//! 2. [`points`]: samples merged into a point cloud (4.1).
+//! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
+//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
+//! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`cracks`].
+//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh.
+//! 7. [`raster`]: draws the mesh (6).
+//!
+//! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
+
+pub mod candidates;
+pub mod constraints;
+pub mod cost;
+pub mod cracks;
+pub mod fidelity;
+pub mod fit;
+pub mod pipeline;
+pub mod points;
+pub mod quad_mesh;
+pub mod raster;
+pub mod region;
+pub mod samples;
+pub mod selection;
+pub mod shading;
+pub mod silhouettes;
+pub mod texture_sizes;
+pub mod textures;
+pub mod tiles;
+pub mod tree;

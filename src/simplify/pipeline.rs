@@ -1,0 +1,354 @@
+//! All stages, from a capture to a textured mesh and the figures about it.
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::candidates::{CandidateSettings, Extent, candidates};
+use super::cost::{CostModel, TextureCoordinates, ViewShares};
+use super::cracks::{self, CRACK_ALPHA};
+use super::fidelity::Fidelity;
+use super::points::PointMerger;
+use super::quad_mesh::QuadMesh;
+use super::raster::draw;
+use super::region::ViewingRegion;
+use super::samples::Capture;
+use super::selection::{Budgets, Problem, Selection};
+use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
+use super::textures::{TextureBuilder, TileTexture};
+use super::tiles::TileSet;
+use super::tree::MAX_LEVEL;
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::json;
+use crate::monitor::Monitor;
+use crate::placement::Region;
+
+/// Points that samples are merged to, at most.
+const MAX_POINTS: usize = 1_500_000;
+/// Level of the uniform tiling (Seurat 7, figure 13).
+const UNIFORM_LEVEL: u32 = 6;
+/// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
+const SOLID_THRESHOLD: f64 = 0.01;
+/// Texels beside those around a crack that are made opaque, too, where it stays open.
+const CRACK_REACH: u32 = 2;
+/// Largest side of a tile's texture, in texels.
+const LARGEST_SIDE: f64 = 8192.0;
+
+/// Cells that get tilings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TilingKind {
+    /// All cells of the trees.
+    Quadtree,
+    /// Those of one level.
+    Uniform,
+}
+
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub budgets: Budgets,
+    /// Largest side of the atlas, in texels.
+    pub atlas: u32,
+    /// Texels for a degree at the middle of a cube face; those of the capture where it is not given.
+    pub pixels_per_degree: Option<f64>,
+    /// The box around the cameras where it is not given.
+    pub region: Option<Region>,
+    pub frame: u32,
+    pub effort: Effort,
+    pub tiling: TilingKind,
+    pub sizing: Sizing,
+    pub texture_coordinates: TextureCoordinates,
+}
+
+/// Durations of the stages.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Stages {
+    #[serde(serialize_with = "json::seconds")]
+    pub merge: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub candidates: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub selection: Duration,
+    /// Constraints and light are found in one pass over all samples.
+    #[serde(serialize_with = "json::seconds")]
+    pub silhouettes: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub shading: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub atlas: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub evaluate: Duration,
+}
+
+/// What stages did.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Counters {
+    pub solid_constraints: u64,
+    pub free_space_constraints: u64,
+    /// Samples that no tile lies along.
+    pub samples_without_tile: u64,
+    /// Tiles without a free-space constraint: they have no silhouette.
+    pub opaque_tiles: u64,
+    /// Texels without a sample, whose light was filled.
+    pub filled_texels: u64,
+    /// Tiles with a smaller texture than asked for, so that the atlas fits.
+    pub reduced_tiles: u64,
+    pub closed_cracks: u64,
+}
+
+/// The result, and figures about it.
+#[derive(Debug)]
+pub struct Simplified {
+    pub scene: QuadMesh,
+    pub region: ViewingRegion,
+    pub selection: Selection,
+    pub samples: u64,
+    pub points: u64,
+    pub candidates: u64,
+    pub tiles: u64,
+    pub atlas: [u32; 2],
+    /// Texels of tiles.
+    pub used_texels: u64,
+    pub stages: Stages,
+    pub counters: Counters,
+    pub fidelity: Fidelity,
+    pub notes: Vec<String>,
+}
+
+/// Steps that a run reports to its monitor.
+pub fn steps(images: usize) -> u64 {
+    // Merging, texturing, cracks and evaluation.
+    4 * images as u64
+}
+
+/// Simplifies the frame of a capture.
+pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Monitor) -> Result<Simplified> {
+    let mut stages = Stages::default();
+    let mut counters = Counters::default();
+    let mut notes = Vec::new();
+    let images = capture.images.clone();
+    let region = region_of(capture, settings, &mut notes)?;
+
+    let begun = Instant::now();
+    let mut merger = PointMerger::new(MAX_POINTS);
+    let (mut samples, mut farthest_m) = (0, 0f64);
+    for &image in &images {
+        monitor.check()?;
+        let ends: Vec<_> = capture.samples(image, &region)?.into_iter().map(|sample| sample.end).collect();
+        samples += ends.len() as u64;
+        farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
+        merger.add(&ends);
+        monitor.advance(1);
+    }
+    let points = merger.finish();
+    stages.merge = begun.elapsed();
+
+    let begun = Instant::now();
+    let texels_per_unit = settings.pixels_per_degree.map_or_else(|| capture.pixels_per_unit(), f64::to_degrees);
+    let extent = Extent { least_m: 0.01 * region.radius(), most_m: farthest_m, margin: 1.0 / texels_per_unit };
+    let mut fitting = CandidateSettings::of(settings.effort);
+    if settings.tiling == TilingKind::Uniform {
+        fitting.levels = [UNIFORM_LEVEL; 2];
+    }
+    let levels = candidates(&points, &extent, &fitting);
+    let count = levels.iter().flat_map(|level| &level.tilings).flatten().map(|tiling| tiling.planes.len() as u64).sum();
+    stages.candidates = begun.elapsed();
+    monitor.check()?;
+
+    let begun = Instant::now();
+    let model =
+        CostModel { extent, eyes: region.border(), texels_per_unit, texture_coordinates: settings.texture_coordinates };
+    let costs = model.costs(&levels);
+    let shares = ViewShares::new();
+    let (iterations, gap) = match settings.effort {
+        Effort::Fast => (200, 1e-2),
+        Effort::Normal => (600, 1e-3),
+        Effort::Exhaustive => (3000, 1e-5),
+    };
+    let selection = Problem::new(&costs, fitting.levels[0], &shares, &settings.budgets).solve(iterations, gap)?;
+    let tiles = TileSet::new(&selection.tilings, &levels, &model);
+    let point_count = points.len() as u64;
+    drop((costs, shares, levels, points));
+    stages.selection = begun.elapsed();
+
+    let begun = Instant::now();
+    let side = |rect: super::tree::PlaneRect| {
+        let texels = ((rect.max[0] - rect.min[0]) * texels_per_unit).ceil().min(LARGEST_SIDE) as usize + 1;
+        texels.next_multiple_of(BLOCK)
+    };
+    let sides: Vec<usize> = tiles.tiles.iter().map(|tile| side(tile.rect)).collect();
+    let mut builder = TextureBuilder::new(&tiles, &sides, SOLID_THRESHOLD);
+    // One of so many samples is traced through free space.
+    let stride = if settings.effort == Effort::Fast { 4 } else { 1 };
+    for &image in &images {
+        monitor.check()?;
+        builder.add(&capture.samples(image, &region)?, stride);
+        monitor.advance(1);
+    }
+    counters.solid_constraints = builder.solid;
+    counters.free_space_constraints = builder.free;
+    counters.samples_without_tile = builder.uncovered;
+    stages.silhouettes = begun.elapsed();
+    let begun = Instant::now();
+    let (textures, filled) = builder.finish();
+    counters.filled_texels = filled;
+    counters.opaque_tiles = textures.iter().filter(|texture| texture.alpha.is_none()).count() as u64;
+    stages.shading = begun.elapsed();
+
+    let begun = Instant::now();
+    let places = layout(&textures, settings.atlas, settings.sizing)?;
+    counters.reduced_tiles = places.reduced as u64;
+    let mut scene = QuadMesh::new(&tiles, &textures, &places, region.middle);
+    drop::<Vec<TileTexture>>(textures);
+    for &image in &images {
+        monitor.check()?;
+        // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
+        for reach in 0..=CRACK_REACH {
+            counters.closed_cracks += close_cracks(capture, (image, reach), &region, (&tiles, &places), &mut scene)?;
+        }
+        monitor.advance(1);
+    }
+    stages.atlas = begun.elapsed();
+
+    let begun = Instant::now();
+    let mut fidelity = Fidelity::default();
+    for &image in &images {
+        monitor.check()?;
+        fidelity.add(&scene, capture.reference, image, capture.frame)?;
+        monitor.advance(1);
+    }
+    stages.evaluate = begun.elapsed();
+    Ok(Simplified {
+        scene,
+        region,
+        samples,
+        points: point_count,
+        candidates: count,
+        tiles: tiles.tiles.len() as u64,
+        atlas: places.size,
+        used_texels: places.places.iter().map(|place| u64::from(place.side).pow(2)).sum(),
+        selection,
+        stages,
+        counters,
+        fidelity,
+        notes,
+    })
+}
+
+fn region_of(capture: &mut Capture<'_>, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
+    let mut region = match &settings.region {
+        Some(region) => ViewingRegion::given(region.clone()),
+        None => ViewingRegion::around(capture.eyes()),
+    };
+    if !region.has_extent() {
+        region.grow(capture.nearest_m()?);
+        notes.push(format!(
+            "all cameras stand in one place: the viewing region is a cube of radius {:.4} m around it, a tenth of the distance of \
+             the nearest surface; see `region`",
+            region.radius()
+        ));
+    }
+    match region.radius().is_finite() && region.radius() > 0.0 {
+        true => Ok(region),
+        false => Err(Error::Usage("the viewing region has no extent and no surface is near: give a `region`".into())),
+    }
+}
+
+/// Closes the cracks of one image of the capture; answers their number.
+fn close_cracks(
+    capture: &mut Capture<'_>,
+    (image, reach): (usize, u32),
+    region: &ViewingRegion,
+    (tiles, places): (&TileSet, &Layout),
+    scene: &mut QuadMesh,
+) -> Result<u64> {
+    let (camera, size) = (capture.reference.images[image].camera, capture.reference.images[image].size);
+    let drawn = draw(scene, &camera, size);
+    if drawn.pixels.iter().all(|pixel| pixel[3] >= CRACK_ALPHA) {
+        return Ok(0);
+    }
+    let samples = capture.samples(image, region)?;
+    let cracks = samples.iter().zip(&drawn.pixels).filter(|(_, pixel)| pixel[3] < CRACK_ALPHA);
+    Ok(cracks.filter(|(sample, _)| cracks::close((sample, reach), tiles, places, scene)).count() as u64)
+}
+
+const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::reference::Reference;
+    use crate::monitor::Silent;
+    use crate::scene::{DemoKind, FootagePlan};
+
+    const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
+
+    fn settings() -> Settings {
+        Settings {
+            budgets: BUDGETS,
+            atlas: 512,
+            pixels_per_degree: None,
+            region: None,
+            frame: 0,
+            effort: Effort::Fast,
+            tiling: TilingKind::Quadtree,
+            sizing: Sizing::Adaptive,
+            texture_coordinates: TextureCoordinates::Affine,
+        }
+    }
+
+    fn run(change: impl Fn(&mut Settings)) -> Result<Simplified> {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 32, probes: 3 };
+        plan.write(folder.path(), &Silent).unwrap();
+        let mut reference = Reference::open(folder.path()).unwrap();
+        let mut settings = settings();
+        change(&mut settings);
+        simplify(&mut Capture::new(&mut reference, 0)?, &settings, &Silent)
+    }
+
+    #[test]
+    fn budgets_are_kept_and_the_picture_is_close_to_the_capture() {
+        let found = run(|_| {}).unwrap();
+        assert!(found.scene.mesh.triangles.len() as f64 <= BUDGETS.triangles);
+        assert!(found.selection.used[1] <= BUDGETS.area && found.selection.used[2] <= BUDGETS.peak_overdraw + 1e-9);
+        assert!(found.fidelity.peak_overdraw <= 1.15 * BUDGETS.peak_overdraw, "{}", found.fidelity.peak_overdraw);
+        assert!(found.atlas.iter().all(|side| *side <= 512));
+        assert_eq!(found.fidelity.crack_pixels, 0);
+        let psnr_db = found.fidelity.similarity.all.psnr_db();
+        assert!(psnr_db > 25.0, "{psnr_db}");
+        // One tile for each face of the cube is much worse.
+        let cube = run(|settings| settings.budgets.triangles = 60.0).unwrap();
+        assert!(cube.fidelity.similarity.all.psnr_db() < psnr_db - 3.0);
+        // What the released evaluator adds.
+        assert!(found.fidelity.released_psnr_db() > psnr_db + 20.0);
+    }
+
+    #[test]
+    fn the_mesh_does_not_depend_on_the_number_of_threads() {
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let found = pool.install(|| run(|_| {})).unwrap();
+            (found.scene.mesh, found.scene.texture.pixels.clone())
+        };
+        let one = on(1);
+        assert!(one == on(3));
+    }
+
+    #[test]
+    fn quadtrees_do_better_than_a_grid_of_one_level() {
+        let wide = Budgets { triangles: 1e6, area: 1.25, peak_overdraw: 5.0 };
+        let of =
+            |tiling| run(|settings| (settings.tiling, settings.budgets) = (tiling, wide)).unwrap().selection.primal;
+        assert!(of(TilingKind::Quadtree) < of(TilingKind::Uniform));
+    }
+
+    #[test]
+    fn regions_with_surfaces_in_them_and_missing_frames_are_refused() {
+        let said =
+            run(|settings| settings.region = Some(Region::parse(&["-50,-50,-50,50,50,50"]).unwrap())).unwrap_err();
+        assert!(said.to_string().contains("probe 00") && said.to_string().contains("pixel ("), "{said}");
+        let said = run(|settings| settings.budgets.triangles = 4.0).unwrap_err().to_string();
+        assert!(said.contains("triangles"), "{said}");
+    }
+}

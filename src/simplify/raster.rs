@@ -1,0 +1,217 @@
+//! Draws a textured mesh in the order of its triangles, on the CPU (Seurat 6).
+//!
+//! Triangles are not culled and not clipped: the ray of a pixel meets the plane of a triangle, and signs of three volumes say whether it
+//! meets the triangle.
+
+use glam::{DVec3, Vec4};
+use rayon::prelude::*;
+
+use super::quad_mesh::QuadMesh;
+use crate::image::Transfer;
+use crate::math::Camera;
+
+/// Rows that one job draws.
+const ROWS_A_JOB: u32 = 16;
+
+/// What was drawn.
+#[derive(Debug)]
+pub struct Drawn {
+    /// Linear light multiplied by alpha, and alpha.
+    pub pixels: Vec<[f32; 4]>,
+    /// Triangles drawn over each pixel, in all.
+    pub fragments: u64,
+    /// And at most.
+    pub most_fragments: u32,
+}
+
+/// A triangle as one camera sees it.
+struct Seen {
+    /// Left, top, right, bottom in pixels.
+    rect: [u32; 4],
+    /// Volumes with two corners each: the weight of a corner along a ray.
+    normals: [DVec3; 3],
+    uvs: [[f64; 2]; 3],
+    /// Six times the volume of the tetrahedron with the eye.
+    volume: f64,
+}
+
+/// Draws the mesh over a transparent picture.
+pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
+    let [width, height] = size;
+    let decode: Vec<f32> = (0..256).map(|code| Transfer::Srgb.decode(f64::from(code) / 255.0) as f32).collect();
+    let seen: Vec<Seen> = (0..scene.mesh.triangles.len())
+        .into_par_iter()
+        .filter_map(|triangle| see(scene, triangle, camera, size))
+        .collect();
+    let draw_rows = |job: u32| {
+        let (first, end) = (job * ROWS_A_JOB, ((job + 1) * ROWS_A_JOB).min(height));
+        let mut pixels = vec![Vec4::ZERO; ((end - first) * width) as usize];
+        let mut counts = vec![0u32; pixels.len()];
+        for triangle in &seen {
+            let [left, top, right, bottom] = triangle.rect;
+            for row in top.max(first)..bottom.min(end) {
+                let direction = |column: u32| {
+                    camera.direction([
+                        (f64::from(column) + 0.5) / f64::from(width),
+                        (f64::from(row) + 0.5) / f64::from(height),
+                    ])
+                };
+                for column in left..right {
+                    let direction = direction(column);
+                    let weights = triangle.normals.map(|normal| normal.dot(direction));
+                    let sum: f64 = weights.iter().sum();
+                    let is_inside =
+                        weights.iter().all(|weight| *weight >= 0.0) || weights.iter().all(|weight| *weight <= 0.0);
+                    if !is_inside || sum * triangle.volume <= 0.0 {
+                        continue;
+                    }
+                    let uv =
+                        [0, 1].map(|axis| (0..3).map(|at| weights[at] * triangle.uvs[at][axis]).sum::<f64>() / sum);
+                    let light = sample(scene, &decode, uv);
+                    let index = ((row - first) * width + column) as usize;
+                    pixels[index] = light + (1.0 - light.w) * pixels[index];
+                    counts[index] += 1;
+                }
+            }
+        }
+        (pixels, counts)
+    };
+    let rows: Vec<_> = (0..height.div_ceil(ROWS_A_JOB)).into_par_iter().map(draw_rows).collect();
+    let counts = || rows.iter().flat_map(|(_, counts)| counts);
+    Drawn {
+        fragments: counts().map(|&count| u64::from(count)).sum(),
+        most_fragments: counts().copied().max().unwrap_or(0),
+        pixels: rows.iter().flat_map(|(pixels, _)| pixels.iter().map(|pixel| pixel.to_array())).collect(),
+    }
+}
+
+/// Bilinear, in linear light, multiplied by alpha.
+fn sample(scene: &QuadMesh, decode: &[f32], [u, v]: [f64; 2]) -> Vec4 {
+    let texture = &scene.texture;
+    let place = |at: f64, side: u32| {
+        let at = (at * f64::from(side) - 0.5).clamp(0.0, f64::from(side - 1)) as f32;
+        let first = at as u32;
+        (first, (first + 1).min(side - 1), at - first as f32)
+    };
+    let ((left, right, along), (top, bottom, down)) = (place(u, texture.width), place(v, texture.height));
+    let texel = |x: u32, y: u32| {
+        let [r, g, b, alpha] = texture.pixels[(y * texture.width + x) as usize];
+        Vec4::new(decode[r as usize], decode[g as usize], decode[b as usize], f32::from(alpha) / 255.0)
+    };
+    let upper = texel(left, top).lerp(texel(right, top), along);
+    let lower = texel(left, bottom).lerp(texel(right, bottom), along);
+    let light = upper.lerp(lower, down);
+    (light.truncate() * light.w).extend(light.w)
+}
+
+fn see(scene: &QuadMesh, triangle: usize, camera: &Camera, size: [u32; 2]) -> Option<Seen> {
+    let eye = camera.eye();
+    let [a, b, c] = scene.mesh.corners(triangle).map(|corner| corner - eye);
+    let rect = bounds(&[a, b, c], camera, size)?;
+    let normals = [b.cross(c), c.cross(a), a.cross(b)];
+    let uvs = scene.mesh.triangles[triangle].map(|corner| scene.mesh.uvs[corner as usize].as_dvec2().to_array());
+    let volume = a.dot(normals[0]);
+    (volume != 0.0).then_some(Seen { rect, normals, uvs, volume })
+}
+
+/// Pixels that a polygon can cover, of corners relative to the eye; none where it lies behind the camera or beside the image.
+fn bounds(corners: &[DVec3], camera: &Camera, [width, height]: [u32; 2]) -> Option<[u32; 4]> {
+    let [forward, ..] = camera.axes();
+    let near = 1e-9 * corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+    let mut range = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    let mut add = |point: DVec3| {
+        if let Some(([x, y], _)) = camera.project(point) {
+            let [x, y] = [x * f64::from(width), y * f64::from(height)];
+            range = [range[0].min(x), range[1].min(y), range[2].max(x), range[3].max(y)];
+        }
+    };
+    for at in 0..corners.len() {
+        let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
+        let (da, db) = (a.dot(forward) - near, b.dot(forward) - near);
+        if da >= 0.0 {
+            add(a);
+        }
+        if (da >= 0.0) != (db >= 0.0) {
+            add(a + da / (da - db) * (b - a));
+        }
+    }
+    let clamp = |at: f64, side: u32| at.clamp(0.0, f64::from(side)) as u32;
+    let [left, top] = [clamp(range[0].floor(), width), clamp(range[1].floor(), height)];
+    let [right, bottom] = [clamp(range[2].ceil(), width), clamp(range[3].ceil(), height)];
+    (left < right && top < bottom).then_some([left, top, right, bottom])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::math::Lens;
+    use crate::mesh::{ImageTexture, Mesh, Wrap};
+
+    /// A square across the view at a distance, half as wide as the picture, of one colour.
+    fn square(mesh: &mut Mesh, distance: f64, texel: f32) {
+        let first = mesh.positions.len() as u32;
+        for [x, y] in [[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]] {
+            mesh.positions.push(DVec3::new(x, y, -1.0) * distance);
+            mesh.uvs.push(glam::Vec2::new(texel, 0.5));
+        }
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        mesh.material_of.extend([0, 0]);
+    }
+
+    fn scene(mesh: Mesh) -> QuadMesh {
+        let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 128]];
+        let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
+        let is_opaque = vec![false; mesh.triangles.len()];
+        QuadMesh { mesh, texture: Arc::new(texture), is_opaque }
+    }
+
+    fn camera(eye: DVec3, target: DVec3) -> Camera {
+        Camera::look_at(eye, target, DVec3::Y, Lens::new(90.0)).unwrap()
+    }
+
+    #[test]
+    fn later_triangles_are_blended_over_earlier_ones() {
+        let mut mesh = Mesh::default();
+        // The nearer one comes first: order decides, not depth.
+        square(&mut mesh, 1.0, 0.25);
+        square(&mut mesh, 3.0, 0.75);
+        let drawn = draw(&scene(mesh), &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
+        assert_eq!((drawn.fragments, drawn.most_fragments), (2 * 8 * 8, 2));
+        let alpha = 128.0 / 255.0;
+        for (at, pixel) in drawn.pixels.iter().enumerate() {
+            let is_inside = [at % 16, at / 16].iter().all(|place| (4..12).contains(place));
+            let wanted = if is_inside { [1.0 - alpha, alpha, 0.0, 1.0] } else { [0.0; 4] };
+            assert!(pixel.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{at}: {pixel:?}");
+        }
+    }
+
+    #[test]
+    fn triangles_are_seen_from_both_sides_and_not_behind_the_eye() {
+        let mut mesh = Mesh::default();
+        square(&mut mesh, 2.0, 0.25);
+        let scene = scene(mesh);
+        let seen = |eye: DVec3, target: DVec3| draw(&scene, &camera(eye, target), [16, 16]).fragments;
+        assert_eq!(seen(DVec3::ZERO, DVec3::Z), 0);
+        assert_eq!(seen(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO), 64);
+        // An eye so near that the square goes on behind it, and one in its plane.
+        assert!(seen(DVec3::new(0.0, 0.3, -1.999), DVec3::new(0.0, 0.2, -2.1)) > 128);
+        assert_eq!(seen(DVec3::new(0.0, 0.0, -2.0), DVec3::new(1.0, 0.0, -2.0)), 0);
+    }
+
+    #[test]
+    fn the_two_triangles_of_a_square_share_no_pixel_and_leave_none() {
+        let mut mesh = Mesh::default();
+        square(&mut mesh, 2.0, 0.25);
+        let scene = scene(mesh);
+        for step in 0..20 {
+            let turn = f64::from(step) * 0.31;
+            let eye = DVec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.1);
+            let drawn = draw(&scene, &camera(eye, DVec3::new(0.01, 0.02, -2.0)), [61, 61]);
+            // No more than the corners lie on the diagonal exactly.
+            assert!(drawn.most_fragments == 1, "{step}");
+            assert_eq!(drawn.fragments, drawn.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() as u64);
+        }
+    }
+}

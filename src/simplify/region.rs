@@ -1,0 +1,98 @@
+//! The viewing region: where the eye may be (Seurat 3).
+
+use glam::DVec3;
+
+use crate::placement::Region;
+
+/// Half of the sky's cube, in region radii: 200 m for a region of 0.5 m.
+const SKY_RADII: f64 = 400.0;
+/// Radius of a region without extent, as a part of the distance of the nearest surface.
+const RADIUS_WITHOUT_EXTENT: f64 = 0.1;
+
+#[derive(Debug, Clone)]
+pub struct ViewingRegion {
+    /// The origin of everything that is fitted, in metres.
+    pub middle: DVec3,
+    /// Half of the edges of the box around the region.
+    pub half: DVec3,
+    /// The region itself; none for the box.
+    given: Option<Region>,
+}
+
+impl ViewingRegion {
+    /// A region that was given.
+    pub fn given(region: Region) -> ViewingRegion {
+        let bounds = region.bounds();
+        let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+        ViewingRegion { middle, half, given: Some(region) }
+    }
+
+    /// The box around cameras.
+    pub fn around(eyes: impl Iterator<Item = DVec3>) -> ViewingRegion {
+        let (min, max) =
+            eyes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), eye| (min.min(eye), max.max(eye)));
+        ViewingRegion { middle: 0.5 * (min + max), half: 0.5 * (max - min), given: None }
+    }
+
+    pub fn has_extent(&self) -> bool {
+        self.radius() > 0.0
+    }
+
+    /// A region without extent grows to a cube whose radius is a tenth of the distance of the nearest surface.
+    pub fn grow(&mut self, nearest_m: f64) {
+        let radius = if nearest_m.is_finite() { RADIUS_WITHOUT_EXTENT * nearest_m } else { RADIUS_WITHOUT_EXTENT };
+        self.half = DVec3::splat(radius / 3f64.sqrt());
+        self.given = None;
+    }
+
+    /// Metres from the middle to the corners.
+    pub fn radius(&self) -> f64 {
+        self.half.length()
+    }
+
+    /// Corners and middle of the box around the region, and the middles of its edges and sides, relative to its middle.
+    pub fn border(&self) -> Vec<DVec3> {
+        let steps = [-1.0, 0.0, 1.0];
+        let signs =
+            steps.into_iter().flat_map(|x| steps.into_iter().flat_map(move |y| steps.map(|z| DVec3::new(x, y, z))));
+        signs.map(|sign| sign * self.half).collect()
+    }
+
+    /// Whether a point, relative to the middle, is inside.
+    pub fn contains(&self, from_middle: DVec3) -> bool {
+        match &self.given {
+            Some(region) => region.contains(self.middle + from_middle),
+            None => from_middle.abs().cmplt(self.half).all(),
+        }
+    }
+
+    /// Metres along a ray, from a point relative to the middle, to the cube of the sky.
+    pub fn to_sky(&self, origin: DVec3, direction: DVec3) -> f64 {
+        let half = SKY_RADII * self.radius();
+        let along = |axis: usize| match direction[axis] {
+            0.0 => f64::INFINITY,
+            step => (half.copysign(step) - origin[axis]) / step,
+        };
+        along(0).min(along(1)).min(along(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_have_a_middle_and_a_sky() {
+        let mut region = ViewingRegion::around([DVec3::ONE, DVec3::new(3.0, 1.0, 1.0)].into_iter());
+        assert_eq!((region.middle, region.radius()), (DVec3::new(2.0, 1.0, 1.0), 1.0));
+        assert_eq!(region.to_sky(DVec3::X, DVec3::X), 399.0);
+        assert_eq!(region.to_sky(DVec3::X, DVec3::new(-0.6, 0.8, 0.0)), 500.0);
+        let ball = ViewingRegion::given(Region::parse(&["sphere:1,2,3,0.5"]).unwrap());
+        assert!(ball.contains(DVec3::X * 0.49) && !ball.contains(DVec3::splat(0.4)));
+        assert!(ball.has_extent() && region.has_extent());
+        region = ViewingRegion::around([DVec3::ONE].into_iter());
+        assert!(!region.has_extent());
+        region.grow(5.0);
+        assert!((region.radius() - 0.5).abs() < 1e-12);
+    }
+}

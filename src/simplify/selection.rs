@@ -1,0 +1,420 @@
+//! Selection of tilings under budgets (Seurat 4.3).
+//!
+//! Enters: the costs of all tilings. Leaves: one tiling for each cell of a set of cells that covers all points, with the least
+//! energy found that keeps all budgets.
+//!
+//! Lagrangian relaxation: budgets become prices, for which the best valid tiling is found by recursion over the trees. Subgradient
+//! ascent moves the prices; each feasible tiling on the way is a primal solution. At last prices are scaled, first by powers of two and then by
+//! bisection, until the tiling is feasible.
+
+use rayon::prelude::*;
+
+use super::cost::{TilingCost, VIEWS, ViewShares};
+use super::tree::{MAX_LEVEL, TreeCell};
+use crate::error::{Error, Result};
+
+/// Budgets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Budgets {
+    pub triangles: f64,
+    /// In whole spheres.
+    pub area: f64,
+    /// Mean overdraw of each view.
+    pub peak_overdraw: f64,
+}
+
+const CONSTRAINTS: usize = 2 + VIEWS;
+type Use = [f64; CONSTRAINTS];
+/// Rounds in which prices are looked for at which a tiling is feasible at all.
+const FEASIBILITY_ROUNDS: usize = 100;
+/// Iterations after which the best prices so far are scaled until the selection is feasible.
+const REPAIR_INTERVAL: usize = 25;
+
+/// A tiling of a cell that was selected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SelectedTiling {
+    pub cell: TreeCell,
+    /// Index into the tilings of the cell.
+    pub tiling: usize,
+}
+
+#[derive(Debug, Clone)]
+pub struct Selection {
+    pub tilings: Vec<SelectedTiling>,
+    /// Energy of the selection.
+    pub primal: f64,
+    /// No valid tiling that keeps all budgets has less energy.
+    pub dual: f64,
+    pub iterations: usize,
+    /// The dual bound after each iteration.
+    pub convergence: Vec<f64>,
+    /// Used: triangles, area in spheres, overdraw of the view with the most.
+    pub used: [f64; 3],
+}
+
+impl Selection {
+    /// Relative distance of primal and dual.
+    pub fn gap(&self) -> f64 {
+        if self.primal > 0.0 { (self.primal - self.dual) / self.primal } else { 0.0 }
+    }
+}
+
+/// The problem: costs by level and cell; levels count from 0, and are empty below the first that has tilings.
+pub struct Problem<'a> {
+    costs: &'a [Vec<Vec<TilingCost>>],
+    first_level: u32,
+    shares: &'a ViewShares,
+    capacity: Use,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Choice {
+    /// The cell has no points.
+    Empty,
+    Children,
+    Tiling(u8),
+}
+
+struct Solution {
+    /// Σ of energies and prices of what is used.
+    priced: f64,
+    tilings: Vec<SelectedTiling>,
+    energy: f64,
+    used: Use,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(
+        costs: &'a [Vec<Vec<TilingCost>>],
+        first_level: u32,
+        shares: &'a ViewShares,
+        budgets: &Budgets,
+    ) -> Problem<'a> {
+        let mut capacity = [budgets.peak_overdraw; CONSTRAINTS];
+        (capacity[0], capacity[1]) = (budgets.triangles, budgets.area);
+        Problem { costs, first_level, shares, capacity }
+    }
+
+    fn last_level(&self) -> u32 {
+        self.first_level + self.costs.len() as u32 - 1
+    }
+
+    fn of_cell(&self, cell: TreeCell) -> &[TilingCost] {
+        match cell.level.checked_sub(self.first_level) {
+            Some(at) => self.costs.get(at as usize).map_or(&[], |level| &level[cell.index()]),
+            None => &[],
+        }
+    }
+
+    /// The valid tiling of least energy and price. Prices are for each unit of the resource.
+    fn best(&self, prices: &Use, energy_weight: f64) -> Solution {
+        let mut choices: Vec<Vec<Choice>> = Vec::new();
+        let mut below: Vec<f64> = Vec::new();
+        for level in (0..=self.last_level()).rev() {
+            let choose = |index: usize| {
+                let cell = TreeCell::at(level, index);
+                let mut best = (f64::INFINITY, Choice::Empty);
+                if !below.is_empty() {
+                    let children = cell.children().map(|child| below[child.index()]);
+                    let is_empty = children.iter().all(|cost| cost.is_nan());
+                    let sum: f64 = children.iter().filter(|cost| !cost.is_nan()).sum();
+                    if !is_empty {
+                        best = (sum, Choice::Children);
+                    }
+                }
+                let tilings = self.of_cell(cell);
+                if !tilings.is_empty() {
+                    let of_views = self.shares.of(level, index).iter();
+                    let price: f64 =
+                        of_views.map(|&(view, share)| prices[2 + usize::from(view)] * f64::from(share)).sum();
+                    for (at, cost) in tilings.iter().enumerate() {
+                        let TilingCost { energy, triangles, area, worst_area } = cost;
+                        let sum =
+                            energy_weight * energy + prices[0] * triangles + prices[1] * area + price * worst_area;
+                        if sum <= best.0 {
+                            best = (sum, Choice::Tiling(at as u8));
+                        }
+                    }
+                }
+                if best.1 == Choice::Empty { (f64::NAN, Choice::Empty) } else { best }
+            };
+            let (costs, chosen) = (0..TreeCell::count(level)).into_par_iter().map(choose).unzip();
+            below = costs;
+            choices.push(chosen);
+        }
+        choices.reverse();
+        let priced = below.iter().filter(|cost| !cost.is_nan()).sum();
+        let mut solution = Solution { priced, tilings: Vec::new(), energy: 0.0, used: [0.0; CONSTRAINTS] };
+        let mut open: Vec<TreeCell> = TreeCell::ROOTS.into_iter().rev().collect();
+        while let Some(cell) = open.pop() {
+            match choices[cell.level as usize][cell.index()] {
+                Choice::Empty => {}
+                Choice::Children => open.extend(cell.children().into_iter().rev()),
+                Choice::Tiling(tiling) => {
+                    solution.tilings.push(SelectedTiling { cell, tiling: usize::from(tiling) });
+                    let cost = &self.of_cell(cell)[usize::from(tiling)];
+                    solution.energy += cost.energy;
+                    self.add(&mut solution.used, cell, cost, 1.0);
+                }
+            }
+        }
+        solution
+    }
+
+    fn add(&self, used: &mut Use, cell: TreeCell, cost: &TilingCost, times: f64) {
+        used[0] += times * cost.triangles;
+        used[1] += times * cost.area;
+        for &(view, share) in self.shares.of(cell.level, cell.index()) {
+            used[2 + usize::from(view)] += times * cost.worst_area * f64::from(share);
+        }
+    }
+
+    fn is_feasible(&self, used: &Use) -> bool {
+        used.iter().zip(&self.capacity).all(|(used, capacity)| *used <= capacity * (1.0 + 1e-12))
+    }
+
+    /// Solves the problem in at most so many iterations, or until the gap is small enough.
+    pub fn solve(&self, iterations: usize, gap: f64) -> Result<Selection> {
+        let mut prices = [0.0; CONSTRAINTS];
+        let free = self.best(&prices, 1.0);
+        let mut convergence = vec![free.priced];
+        if free.tilings.is_empty() || self.is_feasible(&free.used) {
+            let dual = free.priced;
+            return Ok(self.selection(free, dual, convergence));
+        }
+        let mut best_prices = prices;
+        let mut dual = free.priced;
+        let mut primal: Option<Solution> = None;
+        // A first feasible selection, which says how far the dual can rise.
+        let first = self.first_prices(free.energy)?;
+        self.feasible_scale(&first, &mut primal).ok_or_else(|| self.infeasible())?;
+        let (mut factor, mut without_progress) = (1.0, 0);
+        for iteration in 0..iterations {
+            let solution = self.best(&prices, 1.0);
+            let bound = solution.priced
+                - prices.iter().zip(&self.capacity).map(|(price, capacity)| price * capacity).sum::<f64>();
+            if bound > dual {
+                (dual, best_prices) = (bound, prices);
+                without_progress = 0;
+            } else {
+                without_progress += 1;
+            }
+            if iteration % REPAIR_INTERVAL == REPAIR_INTERVAL - 1 {
+                self.feasible_scale(&best_prices, &mut primal);
+            }
+            convergence.push(dual);
+            // Relative excess of each resource.
+            let excess: Vec<f64> =
+                solution.used.iter().zip(&self.capacity).map(|(used, capacity)| used / capacity - 1.0).collect();
+            if self.is_feasible(&solution.used) && primal.as_ref().is_none_or(|primal| solution.energy < primal.energy)
+            {
+                primal = Some(solution);
+            }
+            let upper = primal.as_ref().map_or(f64::INFINITY, |primal| primal.energy);
+            if upper - dual <= gap * upper {
+                break;
+            }
+            if without_progress >= 8 {
+                (factor, without_progress) = (0.7 * factor, 0);
+                prices = best_prices;
+                if factor < 1e-4 {
+                    break;
+                }
+                continue;
+            }
+            // Prices of resources that are neither short nor priced do not move.
+            let moves = |at: usize| excess[at] > 0.0 || prices[at] > 0.0;
+            let squares: f64 = (0..CONSTRAINTS).filter(|&at| moves(at)).map(|at| excess[at] * excess[at]).sum();
+            if squares <= 0.0 {
+                break;
+            }
+            let step = factor * (upper.min(4.0 * dual.abs() + 1e-300) - bound).max(1e-3 * dual.abs()) / squares;
+            for at in 0..CONSTRAINTS {
+                prices[at] = (prices[at] + step * excess[at] / self.capacity[at]).max(0.0);
+            }
+        }
+        self.feasible_scale(&best_prices, &mut primal);
+        primal.map(|primal| self.selection(primal, dual, convergence)).ok_or_else(|| self.infeasible())
+    }
+
+    /// Prices at which the tiling of least price is feasible, found by raising those of what is short and lowering the others by
+    /// factors (multiplicative weights); used up, all budgets together cost as much as `energy`.
+    fn first_prices(&self, energy: f64) -> Result<Use> {
+        let mut weights = [1.0; CONSTRAINTS];
+        for _ in 0..FEASIBILITY_ROUNDS {
+            let mut prices: Use = std::array::from_fn(|at| weights[at] / self.capacity[at]);
+            let used = self.best(&prices, 0.0).used;
+            if self.is_feasible(&used) {
+                let sum: f64 = weights.iter().sum();
+                prices.iter_mut().for_each(|price| *price *= energy.max(1e-12) / sum);
+                return Ok(prices);
+            }
+            for at in 0..CONSTRAINTS {
+                let excess = used[at] / self.capacity[at] - 1.0;
+                weights[at] = (weights[at] * excess.clamp(-0.5, 1.0).exp()).max(1e-9);
+            }
+            let most = weights.iter().copied().fold(0.0, f64::max);
+            weights.iter_mut().for_each(|weight| *weight /= most);
+        }
+        Err(self.infeasible())
+    }
+
+    /// The least scale of prices, found by doubling and bisection, at which the selection is feasible; keeps the best on the way.
+    fn feasible_scale(&self, prices: &Use, primal: &mut Option<Solution>) -> Option<f64> {
+        let mut try_scale = |scale: f64| {
+            let solution = self.best(&prices.map(|price| scale * price), 1.0);
+            let feasible = self.is_feasible(&solution.used);
+            if feasible && primal.as_ref().is_none_or(|primal| solution.energy < primal.energy) {
+                *primal = Some(solution);
+            }
+            feasible
+        };
+        let mut prices_up = 1.0;
+        let mut feasible = None;
+        for _ in 0..60 {
+            if try_scale(prices_up) {
+                feasible = Some(prices_up);
+                break;
+            }
+            prices_up *= 2.0;
+        }
+        let mut high = feasible?;
+        let mut low = if high > 1.0 { 0.5 * high } else { 0.0 };
+        for _ in 0..12 {
+            let middle = 0.5 * (low + high);
+            if try_scale(middle) { high = middle } else { low = middle }
+        }
+        Some(high)
+    }
+
+    /// Names a budget that cannot be kept, and the least value that would do.
+    fn infeasible(&self) -> Error {
+        let mut worst: Option<(f64, usize, f64)> = None;
+        for at in 0..CONSTRAINTS {
+            let mut prices = [0.0; CONSTRAINTS];
+            prices[at] = 1.0;
+            let least = self.best(&prices, 0.0).used[at];
+            let ratio = least / self.capacity[at];
+            if worst.is_none_or(|(most, ..)| ratio > most) {
+                worst = Some((ratio, at, least));
+            }
+        }
+        let (ratio, at, least) = worst.unwrap_or((0.0, 0, 0.0));
+        let (name, least) = match at {
+            0 => ("triangles", least.ceil()),
+            1 => ("area", (least * 1e4).ceil() / 1e4),
+            _ => ("peak overdraw", (least * 1e4).ceil() / 1e4),
+        };
+        Error::Usage(match ratio > 1.0 {
+            true => format!("no selection of tiles keeps the budget of {name}: the least that would do is {least}"),
+            false => format!(
+                "no selection of tiles keeps all budgets at once; alone, {name} needs {least}: raise it or another"
+            ),
+        })
+    }
+
+    fn selection(&self, solution: Solution, dual: f64, convergence: Vec<f64>) -> Selection {
+        let Solution { tilings, energy, used, .. } = solution;
+        let peak = used[2..].iter().copied().fold(0.0, f64::max);
+        Selection {
+            tilings,
+            primal: energy,
+            dual,
+            iterations: convergence.len(),
+            convergence,
+            used: [used[0], used[1], peak],
+        }
+    }
+}
+
+const _: () = assert!(MAX_LEVEL <= 10);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+
+    const LEVELS: u32 = 3;
+
+    /// Costs of the cells below the first root: three tilings of the root, two of each child, one or none of their children.
+    fn costs(seed: u64) -> Vec<Vec<Vec<TilingCost>>> {
+        let mut random = Random::new(seed);
+        let mut unit = || f64::from(random.word()) / f64::from(u32::MAX);
+        let of_level = |level: u32| -> Vec<Vec<TilingCost>> {
+            let below = 1usize << (2 * level);
+            let of_cell = |cell: usize| {
+                let count = if cell >= below || (level == 2 && cell % 5 == 3) { 0 } else { 3 - level as usize };
+                (1..=count)
+                    .map(|tiles| TilingCost {
+                        energy: unit() * 10.0 / (tiles as f64 * f64::from(level + 1)),
+                        triangles: 2.0 * tiles as f64,
+                        area: tiles as f64 / (6.0 * below as f64),
+                        worst_area: tiles as f64 * (1.0 + 0.2 * unit()) / below as f64,
+                    })
+                    .collect()
+            };
+            (0..TreeCell::count(level)).map(of_cell).collect()
+        };
+        (0..LEVELS).map(of_level).collect()
+    }
+
+    /// Energy and use of every valid selection below a cell; none where it has no points.
+    fn all(problem: &Problem<'_>, cell: TreeCell) -> Vec<(f64, Use)> {
+        let mut found: Vec<(f64, Use)> = Vec::new();
+        for cost in problem.of_cell(cell) {
+            let mut used = [0.0; CONSTRAINTS];
+            problem.add(&mut used, cell, cost, 1.0);
+            found.push((cost.energy, used));
+        }
+        if cell.level + 1 < LEVELS {
+            let mut joined = vec![(0.0, [0.0; CONSTRAINTS])];
+            for child in cell.children().map(|child| all(problem, child)).into_iter().filter(|child| !child.is_empty())
+            {
+                let both =
+                    |(a, b): (&(f64, Use), &(f64, Use))| (a.0 + b.0, std::array::from_fn(|at| a.1[at] + b.1[at]));
+                joined = joined.iter().flat_map(|a| child.iter().map(move |b| both((a, b)))).collect();
+            }
+            found.extend(joined);
+        }
+        found
+    }
+
+    #[test]
+    fn selections_keep_budgets_and_come_close_to_the_best_of_all() {
+        let shares = ViewShares::new();
+        let (mut exact, mut cases) = (0, 0);
+        for seed in 0..12 {
+            let costs = costs(seed);
+            for triangles in [2.0, 8.0, 14.0, 22.0, 1000.0] {
+                let budgets = Budgets { triangles, area: 0.4, peak_overdraw: 2.5 };
+                let problem = Problem::new(&costs, 0, &shares, &budgets);
+                let every = all(&problem, TreeCell::ROOTS[0]);
+                let best = every.iter().filter(|(_, used)| problem.is_feasible(used)).map(|(energy, _)| *energy);
+                let best = best.fold(f64::INFINITY, f64::min);
+                let found = problem.solve(400, 0.0).unwrap();
+                let energy: f64 =
+                    found.tilings.iter().map(|chosen| problem.of_cell(chosen.cell)[chosen.tiling].energy).sum();
+                assert!((energy - found.primal).abs() < 1e-12);
+                assert!(found.used[0] <= triangles && found.used[1] <= 0.4 && found.used[2] <= 2.5 + 1e-9);
+                assert!(found.dual <= best + 1e-9 && best <= found.primal + 1e-9, "{found:?} {best}");
+                cases += 1;
+                exact += u32::from(found.primal <= best + 1e-9);
+            }
+        }
+        // The relaxation has a gap where few tilings are left to choose from.
+        assert!(exact * 10 >= cases * 7, "{exact} of {cases}");
+    }
+
+    #[test]
+    fn a_budget_that_cannot_be_kept_is_named_with_the_least_that_can() {
+        let (costs, shares) = (costs(1), ViewShares::new());
+        let said =
+            |budgets: Budgets| Problem::new(&costs, 0, &shares, &budgets).solve(50, 0.0).unwrap_err().to_string();
+        let wide = Budgets { triangles: 1e9, area: 1e9, peak_overdraw: 1e9 };
+        let few = said(Budgets { triangles: 1.0, ..wide });
+        assert!(few.contains("triangles") && few.ends_with("is 2"), "{few}");
+        let small = said(Budgets { area: 1e-9, ..wide });
+        assert!(small.contains("area") && small.contains("0.16"), "{small}");
+        assert!(said(Budgets { peak_overdraw: 1e-9, ..wide }).contains("peak overdraw"));
+    }
+}

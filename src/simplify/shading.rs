@@ -1,0 +1,126 @@
+//! Light of tiles (Seurat 5.2).
+//!
+//! Enters: samples at solid constraints. Leaves: linear light by texel, filtered; texels without samples are filled from those around
+//! them.
+
+/// Radius of the Gaussian filter and its standard deviation, in texels.
+const RADIUS: f32 = 1.5;
+const SIGMA: f32 = 0.3;
+/// Sweeps of Gauss–Seidel on each level of the multigrid.
+const SWEEPS: usize = 4;
+
+/// Weighted light of a square texture's texels, and their weights.
+#[derive(Debug, Clone)]
+pub struct LightBuffer {
+    side: usize,
+    sums: Vec<[f32; 4]>,
+}
+
+impl LightBuffer {
+    pub fn new(side: usize) -> LightBuffer {
+        LightBuffer { side, sums: vec![[0.0; 4]; side * side] }
+    }
+
+    /// Adds light at a place in texels: 0 is the middle of the first one.
+    pub fn add(&mut self, [x, y]: [f32; 2], [r, g, b]: [f32; 3]) {
+        let range = |at: f32| {
+            let first = (at - RADIUS).ceil().max(0.0) as usize;
+            first..((at + RADIUS).floor() + 1.0).clamp(0.0, self.side as f32) as usize
+        };
+        for row in range(y) {
+            for column in range(x) {
+                let squared = (column as f32 - x).powi(2) + (row as f32 - y).powi(2);
+                let weight = (squared * (-0.5 / (SIGMA * SIGMA))).exp().max(1e-20);
+                let sum = &mut self.sums[row * self.side + column];
+                for (sum, value) in sum.iter_mut().zip([r, g, b, 1.0]) {
+                    *sum += weight * value;
+                }
+            }
+        }
+    }
+
+    /// Light of all texels; and how many had no sample and were filled.
+    pub fn resolve(&self) -> (Vec<[f32; 3]>, usize) {
+        let known = |sum: &[f32; 4]| sum[3] > 0.0;
+        let light: Vec<Option<[f32; 3]>> = (self.sums.iter())
+            .map(|sum| known(sum).then(|| [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]))
+            .collect();
+        let missing = light.iter().filter(|light| light.is_none()).count();
+        (if missing > 0 { fill(self.side, &light) } else { light.into_iter().flatten().collect() }, missing)
+    }
+}
+
+/// Solves the discrete Laplace equation at unknown texels, with known ones around them as its border: first on textures of half
+/// the size, and then by sweeps of Gauss–Seidel.
+fn fill(side: usize, light: &[Option<[f32; 3]>]) -> Vec<[f32; 3]> {
+    let mut filled: Vec<[f32; 3]> = light.iter().map(|light| light.unwrap_or_default()).collect();
+    if light.iter().all(Option::is_none) || light.iter().all(Option::is_some) {
+        return filled;
+    }
+    let half = side.div_ceil(2);
+    let mean = |at: usize| {
+        let (x, y) = (2 * (at % half), 2 * (at / half));
+        let around = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let known: Vec<[f32; 3]> =
+            around.iter().filter(|[x, y]| *x < side && *y < side).filter_map(|[x, y]| light[y * side + x]).collect();
+        (!known.is_empty()).then(|| {
+            std::array::from_fn(|channel| known.iter().map(|light| light[channel]).sum::<f32>() / known.len() as f32)
+        })
+    };
+    let coarse: Vec<Option<[f32; 3]>> = (0..half * half).map(mean).collect();
+    let coarse = fill(half, &coarse);
+    let unknown: Vec<usize> = (0..side * side).filter(|&at| light[at].is_none()).collect();
+    for &at in &unknown {
+        filled[at] = coarse[at / side / 2 * half + at % side / 2];
+    }
+    for _ in 0..SWEEPS {
+        for &at in &unknown {
+            let (x, y) = (at % side, at / side);
+            let beside = [
+                (x > 0).then(|| at - 1),
+                (x + 1 < side).then(|| at + 1),
+                (y > 0).then(|| at - side),
+                (y + 1 < side).then(|| at + side),
+            ];
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for other in beside.into_iter().flatten() {
+                (0..3).for_each(|channel| sum[channel] += filled[other][channel]);
+                count += 1.0;
+            }
+            if count > 0.0 {
+                filled[at] = sum.map(|sum| sum / count);
+            }
+        }
+    }
+    filled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_without_samples_lie_on_the_surface_between_their_neighbours() {
+        let side = 17;
+        // Known at the border alone: a linear ramp, which the Laplace equation keeps.
+        let ramp = |at: usize| (at % side) as f32 / 16.0;
+        let is_border = |at: usize| [0, side - 1].contains(&(at % side)) || [0, side - 1].contains(&(at / side));
+        let light: Vec<Option<[f32; 3]>> =
+            (0..side * side).map(|at| is_border(at).then(|| [ramp(at), 2.0 * ramp(at), 1.0])).collect();
+        for (at, filled) in fill(side, &light).into_iter().enumerate() {
+            assert!((filled[0] - ramp(at)).abs() < 0.1 && (filled[2] - 1.0).abs() < 1e-5, "{at}: {filled:?}");
+        }
+        assert_eq!(fill(2, &[None; 4]), [[0.0; 3]; 4]);
+    }
+
+    #[test]
+    fn samples_are_weighted_by_their_distance() {
+        let mut buffer = LightBuffer::new(4);
+        buffer.add([1.0, 1.0], [1.0, 0.0, 0.0]);
+        buffer.add([1.6, 1.0], [0.0, 1.0, 0.0]);
+        let (light, missing) = buffer.resolve();
+        let [at, beside] = [light[5], light[6]];
+        assert!(at[0] > 0.8 && beside[1] > 0.8 && (at[0] + at[1] - 1.0).abs() < 1e-6, "{at:?} {beside:?}");
+        assert!(missing > 0 && missing < 12, "{missing}");
+    }
+}

@@ -1,0 +1,148 @@
+//! Coverage of tiles from their constraints (Seurat 5.1).
+//!
+//! Enters: solid and free-space constraints, by tile. Leaves: alpha, by texel.
+
+/// Places in a texel's side that constraints are quantised to, and that coverage is sampled at.
+pub const SUPERSAMPLING: usize = 4;
+const SOLID: u8 = 1;
+const FREE: u8 = 2;
+
+/// The two bitmaps of a tile, as bits of one byte.
+#[derive(Debug, Clone)]
+pub struct ConstraintBitmap {
+    side: usize,
+    bits: Vec<u8>,
+    has_free: bool,
+}
+
+impl ConstraintBitmap {
+    /// Of a square texture of so many texels a side.
+    pub fn new(texels: usize) -> ConstraintBitmap {
+        let side = texels * SUPERSAMPLING;
+        ConstraintBitmap { side, bits: vec![0; side * side], has_free: false }
+    }
+
+    /// Adds a constraint at a place in texels: 0 is the middle of the first one.
+    pub fn add(&mut self, at: [f32; 2], is_solid: bool) {
+        let place = |at: f32| (((at + 0.5) * SUPERSAMPLING as f32) as usize).min(self.side - 1);
+        self.bits[place(at[1]) * self.side + place(at[0])] |= if is_solid { SOLID } else { FREE };
+        self.has_free |= !is_solid;
+    }
+
+    /// Whether no ray shows any of the tile to be empty.
+    pub fn is_opaque(&self) -> bool {
+        !self.has_free
+    }
+
+    /// The part of each texel whose places are nearer to a solid constraint than to one of free space; places with both kinds have none.
+    pub fn coverage(&self) -> Vec<f32> {
+        let texels = self.side / SUPERSAMPLING;
+        let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
+        let (solid, free) = (to(SOLID), to(FREE));
+        let mut alpha = vec![0.0; texels * texels];
+        for (at, (solid, free)) in solid.iter().zip(&free).enumerate() {
+            if solid < free {
+                let (x, y) = (at % self.side / SUPERSAMPLING, at / self.side / SUPERSAMPLING);
+                alpha[y * texels + x] += 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f32;
+            }
+        }
+        alpha
+    }
+}
+
+/// Squared distance of each place to the nearest marked one; `+inf` without any.
+///
+/// Based on: Felzenszwalb and Huttenlocher, *Distance transforms of sampled functions*, 2012.
+fn squared_distances(side: usize, is_marked: impl Fn(usize) -> bool) -> Vec<f32> {
+    let mut map: Vec<f32> = (0..side * side).map(|at| if is_marked(at) { 0.0 } else { f32::INFINITY }).collect();
+    let mut line = vec![0.0; side];
+    let (mut parabolas, mut borders) = (vec![0usize; side], vec![0.0f32; side + 1]);
+    for column in 0..side {
+        for (row, value) in line.iter_mut().enumerate() {
+            *value = map[row * side + column];
+        }
+        lower_envelope(&line, &mut parabolas, &mut borders, |row, value| map[row * side + column] = value);
+    }
+    for row in map.chunks_exact_mut(side) {
+        line.copy_from_slice(row);
+        lower_envelope(&line, &mut parabolas, &mut borders, |column, value| row[column] = value);
+    }
+    map
+}
+
+/// Writes min over q of (p − q)² + values[q] for each p.
+fn lower_envelope(values: &[f32], parabolas: &mut [usize], borders: &mut [f32], mut write: impl FnMut(usize, f32)) {
+    let mut count: usize = 0;
+    for (at, value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+        let start = loop {
+            let Some(last) = count.checked_sub(1) else { break f32::NEG_INFINITY };
+            let q = parabolas[last];
+            let (x, y) = (at as f32, q as f32);
+            let border = ((value + x * x) - (values[q] + y * y)) / (2.0 * (x - y));
+            if border > borders[last] {
+                break border;
+            }
+            count -= 1;
+        };
+        (parabolas[count], borders[count]) = (at, start);
+        count += 1;
+    }
+    let mut of = 0;
+    for at in 0..values.len() {
+        while of + 1 < count && borders[of + 1] < at as f32 {
+            of += 1;
+        }
+        let value = match count {
+            0 => f32::INFINITY,
+            _ => (at as f32 - parabolas[of] as f32).powi(2) + values[parabolas[of]],
+        };
+        write(at, value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_equal_those_of_all_pairs() {
+        let side = 13;
+        let marked = |at: usize| at % 29 == 5 || at == 77;
+        let found = squared_distances(side, marked);
+        for at in 0..side * side {
+            let nearest = (0..side * side).filter(|&other| marked(other)).map(|other| {
+                let (dx, dy) = ((at % side).abs_diff(other % side), (at / side).abs_diff(other / side));
+                (dx * dx + dy * dy) as f32
+            });
+            assert_eq!(found[at], nearest.fold(f32::INFINITY, f32::min));
+        }
+        assert!(squared_distances(4, |_| false).iter().all(|distance| distance.is_infinite()));
+    }
+
+    #[test]
+    fn a_wire_thinner_than_a_texel_keeps_its_coverage() {
+        // A vertical wire a quarter of a texel wide, and free space on both sides, seen four times in each texel.
+        let mut bitmap = ConstraintBitmap::new(8);
+        for step in 0..64 * 64 {
+            let at = [step % 64, step / 64].map(|at| (at as f32 + 0.5) / 8.0 - 0.5);
+            bitmap.add(at, (4.0..4.25).contains(&at[0]));
+        }
+        let alpha = bitmap.coverage();
+        for row in alpha.chunks_exact(8) {
+            assert_eq!(row, [0.0, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0]);
+        }
+        assert!(!bitmap.is_opaque());
+    }
+
+    #[test]
+    fn the_border_lies_halfway_and_places_with_both_kinds_count_for_neither() {
+        let mut bitmap = ConstraintBitmap::new(4);
+        bitmap.add([0.0, 1.0], true);
+        bitmap.add([3.0, 1.0], false);
+        // Both: as if nothing were known.
+        bitmap.add([2.0, 1.0], true);
+        bitmap.add([2.0, 1.0], false);
+        let alpha = bitmap.coverage();
+        assert_eq!(alpha[..4].iter().map(|alpha| (alpha * 16.0).round()).collect::<Vec<_>>(), [16.0, 16.0, 0.0, 0.0]);
+    }
+}

@@ -1,0 +1,285 @@
+//! Sizes of textures for an atlas of bounded size (Seurat 5.3, equation 3).
+//!
+//! Enters: the textures of all tiles. Leaves: a size for each, such that all fit and the sum of squared differences is small: of all
+//! sizes a tile takes the one with the least distortion plus λ times its texels (Everett), and λ is the least at which
+//! the layout fits.
+
+use rayon::prelude::*;
+
+use super::textures::TileTexture;
+use crate::atlas::{Allocation, Atlas};
+use crate::error::{Error, Result};
+
+/// Sides are multiples of it, so that no two tiles share a block of a compressed texture.
+pub const BLOCK: usize = 4;
+/// Bisections of λ, in octaves.
+const BISECTIONS: usize = 30;
+
+/// A size and its distortion.
+#[derive(Debug, Clone, Copy)]
+struct Representation {
+    side: usize,
+    distortion: f64,
+}
+
+/// Where the textures lie in the atlas.
+#[derive(Debug)]
+pub struct Layout {
+    /// Side of the textures' squares and their top left corners, by tile.
+    pub places: Vec<Place>,
+    /// Width and height of the part of the atlas that is used.
+    pub size: [u32; 2],
+    /// Tiles that have fewer texels than they came with.
+    pub reduced: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    pub side: u32,
+    pub corner: [u32; 2],
+}
+
+/// How sizes are chosen where not all textures fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sizing {
+    /// By distortion (Seurat 5.3).
+    Adaptive,
+    /// All sides by one factor.
+    Uniform,
+}
+
+/// Places textures in an atlas of at most `most` texels a side.
+pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing) -> Result<Layout> {
+    let full: Vec<usize> = textures.iter().map(|texture| texture.side).collect();
+    if let Some(layout) = pack(&full, &full, most) {
+        return Ok(layout);
+    }
+    let too_many = || {
+        let least = (1u32..).find(|&blocks| (blocks as usize).pow(2) >= textures.len()).unwrap_or(u32::MAX);
+        let least = least.saturating_mul(BLOCK as u32);
+        Error::Usage(format!(
+            "{} tiles do not fit into an atlas of {most} texels a side: the least that would do is {least}",
+            textures.len()
+        ))
+    };
+    let sides_at: Box<dyn Fn(f64) -> Vec<usize>> = match sizing {
+        Sizing::Adaptive => {
+            let choices: Vec<Vec<Representation>> = textures.par_iter().map(representations).collect();
+            Box::new(move |octaves: f64| {
+                let lambda = octaves.exp2();
+                let cost = |of: &&Representation| of.distortion + lambda * (of.side * of.side) as f64;
+                let best = |of: &Vec<Representation>| {
+                    of.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).map_or(BLOCK, |of| of.side)
+                };
+                choices.iter().map(best).collect()
+            })
+        }
+        Sizing::Uniform => {
+            let full = full.clone();
+            // From −40 to 40 octaves the factor falls from 1 to 0.
+            Box::new(move |octaves: f64| {
+                let factor = (40.0 - octaves) / 80.0;
+                full.iter().map(|&side| ((side as f64 * factor) as usize / BLOCK * BLOCK).max(BLOCK)).collect()
+            })
+        }
+    };
+    let (mut low, mut high) = (-40.0, 40.0);
+    let mut best = pack(&sides_at(high), &full, most).ok_or_else(too_many)?;
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        match pack(&sides_at(middle), &full, most) {
+            Some(layout) => (best, high) = (layout, middle),
+            None => low = middle,
+        }
+    }
+    Ok(best)
+}
+
+/// The largest squares first, in levels from the top.
+fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
+    let most = most / BLOCK as u32 * BLOCK as u32;
+    let area: u64 = sides.iter().map(|&side| (side * side) as u64).sum();
+    if area > u64::from(most) * u64::from(most) {
+        return None;
+    }
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    order.sort_by_key(|&at| std::cmp::Reverse(sides[at]));
+    // No wider than a square of this area would be, with some room.
+    let wanted = ((area as f64).sqrt() * 1.02).ceil() as u32;
+    let widest = sides.iter().copied().max().unwrap_or(BLOCK) as u32;
+    let width = wanted.next_multiple_of(BLOCK as u32).max(widest).min(most);
+    [width, most].into_iter().find_map(|width| {
+        let mut atlas = Atlas::new([width, most], 1);
+        let mut places = vec![Place { side: 0, corner: [0; 2] }; sides.len()];
+        let mut height = 0;
+        for &at in &order {
+            let side = sides[at] as u32;
+            let Allocation { corner, .. } = atlas.allocate([side; 2])?;
+            height = height.max(corner[1] + side);
+            places[at] = Place { side, corner };
+        }
+        let reduced = sides.iter().zip(full).filter(|(side, full)| side < full).count();
+        Some(Layout { places, size: [width, height.max(BLOCK as u32)], reduced })
+    })
+}
+
+/// All sizes of a texture, and their distortions.
+fn representations(texture: &TileTexture) -> Vec<Representation> {
+    let full = encoded(texture);
+    let sides = (BLOCK..=texture.side).step_by(BLOCK);
+    let of = |side: usize| {
+        if side == texture.side {
+            return Representation { side, distortion: 0.0 };
+        }
+        let small = resize(&full, texture.side, side, Filter::Tent);
+        let shown = resize(&small, side, texture.side, Filter::Linear);
+        let difference =
+            |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|at| f64::from(a[at] - b[at]).powi(2)).sum::<f64>();
+        Representation { side, distortion: full.iter().zip(&shown).map(difference).sum() }
+    };
+    sides.map(of).collect()
+}
+
+/// Texels as a display shows them: the root of light, multiplied by alpha, and alpha.
+fn encoded(texture: &TileTexture) -> Vec<[f32; 4]> {
+    let of = |(at, light): (usize, &[f32; 3])| {
+        let alpha = texture.alpha.as_ref().map_or(1.0, |alpha| alpha[at]);
+        let [r, g, b] = light.map(|light| light.clamp(0.0, 1.0).sqrt() * alpha);
+        [r, g, b, alpha]
+    };
+    texture.light.iter().enumerate().map(of).collect()
+}
+
+/// A texture in another size, both with light multiplied by alpha while they are filtered.
+pub fn resized(texture: &TileTexture, side: usize) -> TileTexture {
+    if side == texture.side {
+        return texture.clone();
+    }
+    // Light that shows nowhere has some weight, so that it is carried under transparent texels.
+    let weight = |at: usize| texture.alpha.as_ref().map_or(1.0, |alpha| alpha[at].max(1e-3));
+    let weighted: Vec<[f32; 4]> = (texture.light.iter().enumerate())
+        .map(|(at, light)| {
+            let weight = weight(at);
+            [light[0] * weight, light[1] * weight, light[2] * weight, weight]
+        })
+        .collect();
+    let small = resize(&weighted, texture.side, side, Filter::Tent);
+    let light = small.iter().map(|&[r, g, b, weight]| [r / weight, g / weight, b / weight]).collect();
+    let alpha = texture.alpha.as_ref().map(|alpha| {
+        let alpha: Vec<[f32; 4]> = alpha.iter().map(|&alpha| [alpha, 0.0, 0.0, 0.0]).collect();
+        resize(&alpha, texture.side, side, Filter::Tent).into_iter().map(|[alpha, ..]| alpha).collect()
+    });
+    TileTexture { side, light, alpha }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Filter {
+    /// As wide as the distance of the new texels.
+    Tent,
+    /// Between two texels, as a texture unit does.
+    Linear,
+}
+
+/// Resizes a square; the middles of texels at the corners stay where they are.
+fn resize(texels: &[[f32; 4]], from: usize, to: usize, filter: Filter) -> Vec<[f32; 4]> {
+    let step = (from - 1) as f32 / (to - 1).max(1) as f32;
+    let reach = if filter == Filter::Tent { step.max(1.0) } else { 1.0 };
+    let taps = |at: usize| -> Vec<(usize, f32)> {
+        let middle = at as f32 * step;
+        let first = (middle - reach).ceil().max(0.0) as usize;
+        let last = ((middle + reach).floor() as usize).min(from - 1);
+        let weights: Vec<f32> =
+            (first..=last).map(|tap| (1.0 - (tap as f32 - middle).abs() / reach).max(0.0)).collect();
+        let sum: f32 = weights.iter().sum();
+        (first..=last).zip(weights).map(|(tap, weight)| (tap, weight / sum)).collect()
+    };
+    let taps: Vec<Vec<(usize, f32)>> = (0..to).map(taps).collect();
+    let mut wide = vec![[0.0f32; 4]; to * from];
+    for row in 0..from {
+        for (column, taps) in taps.iter().enumerate() {
+            let sum = &mut wide[row * to + column];
+            for &(tap, weight) in taps {
+                (0..4).for_each(|at| sum[at] += weight * texels[row * from + tap][at]);
+            }
+        }
+    }
+    let mut out = vec![[0.0f32; 4]; to * to];
+    for (row, taps) in taps.iter().enumerate() {
+        for &(tap, weight) in taps {
+            for column in 0..to {
+                (0..4).for_each(|at| out[row * to + column][at] += weight * wide[tap * to + column][at]);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+
+    /// Textures of noise, and flat ones.
+    fn textures() -> Vec<TileTexture> {
+        let mut random = Random::new(9);
+        let mut noise = || f32::from(random.word() as u16) / 65535.0;
+        let of = |at: usize| {
+            let side = 16 + 4 * (at % 3);
+            let light = (0..side * side).map(|_| if at % 2 == 0 { [noise(); 3] } else { [0.3; 3] }).collect();
+            TileTexture { side, light, alpha: (at % 4 == 3).then(|| vec![1.0; side * side]) }
+        };
+        (0..40).map(of).collect()
+    }
+
+    fn distortion(textures: &[TileTexture], layout: &Layout) -> f64 {
+        let of = |(texture, place): (&TileTexture, &Place)| {
+            representations(texture)
+                .into_iter()
+                .find(|of| of.side == place.side as usize)
+                .map_or(0.0, |of| of.distortion)
+        };
+        textures.iter().zip(&layout.places).map(of).sum()
+    }
+
+    #[test]
+    fn atlases_keep_their_bound_and_flat_textures_pay_for_the_others() {
+        let textures = textures();
+        for most in [256, 100, 64, 40] {
+            let [adaptive, uniform] =
+                [Sizing::Adaptive, Sizing::Uniform].map(|sizing| layout(&textures, most, sizing).unwrap());
+            for layout in [&adaptive, &uniform] {
+                assert!(layout.size.iter().all(|side| *side <= most));
+                for (at, a) in layout.places.iter().enumerate() {
+                    assert!(
+                        (0..2).all(
+                            |axis| a.corner[axis] + a.side <= layout.size[axis] && a.corner[axis].is_multiple_of(4)
+                        )
+                    );
+                    let apart = |b: &Place| {
+                        (0..2).any(|axis| {
+                            a.corner[axis] + a.side <= b.corner[axis] || b.corner[axis] + b.side <= a.corner[axis]
+                        })
+                    };
+                    assert!(layout.places[..at].iter().all(apart));
+                }
+            }
+            let [adaptive, uniform] = [&adaptive, &uniform].map(|layout| distortion(&textures, layout));
+            assert!(
+                if most == 256 { uniform == 0.0 } else { adaptive < 0.7 * uniform },
+                "{most}: {adaptive} {uniform}"
+            );
+        }
+        let said = layout(&textures, 24, Sizing::Adaptive).unwrap_err().to_string();
+        assert!(said.contains("40 tiles") && said.ends_with("is 28"), "{said}");
+    }
+
+    #[test]
+    fn a_ramp_keeps_its_ends_in_any_size() {
+        let light = (0..12 * 12).map(|at| [(at % 12) as f32 / 11.0; 3]).collect();
+        let texture = TileTexture { side: 12, light, alpha: None };
+        let small = resized(&texture, 4);
+        for row in small.light.chunks_exact(4) {
+            assert!(row[0][0] < 0.1 && row[3][0] > 0.9 && row.is_sorted_by(|a, b| a[0] < b[0]), "{row:?}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Textures of all tiles from all samples (Seurat 5).
+
+use rayon::prelude::*;
+
+use super::constraints::{Constraint, ConstraintFinder, FreeSpace};
+use super::samples::Sample;
+use super::shading::LightBuffer;
+use super::silhouettes::ConstraintBitmap;
+use super::tiles::TileSet;
+
+/// Samples that one job finds the constraints of.
+const SAMPLES_A_JOB: usize = 4096;
+
+/// A square texture: linear light and coverage, row by row; light is not multiplied by coverage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TileTexture {
+    pub side: usize,
+    pub light: Vec<[f32; 3]>,
+    /// None where the tile is opaque.
+    pub alpha: Option<Vec<f32>>,
+}
+
+#[derive(Debug)]
+struct Buffers {
+    side: usize,
+    light: LightBuffer,
+    bitmap: ConstraintBitmap,
+}
+
+/// Textures while samples arrive.
+#[derive(Debug)]
+pub struct TextureBuilder<'a> {
+    tiles: &'a TileSet,
+    solid_threshold: f64,
+    buffers: Vec<Buffers>,
+    pub solid: u64,
+    pub free: u64,
+    pub uncovered: u64,
+}
+
+impl<'a> TextureBuilder<'a> {
+    /// Textures of `sides` texels.
+    pub fn new(tiles: &'a TileSet, sides: &[usize], solid_threshold: f64) -> TextureBuilder<'a> {
+        let buffers = sides.iter().map(|&side| Buffers {
+            side,
+            light: LightBuffer::new(side),
+            bitmap: ConstraintBitmap::new(side),
+        });
+        TextureBuilder { tiles, solid_threshold, buffers: buffers.collect(), solid: 0, free: 0, uncovered: 0 }
+    }
+
+    /// Adds samples; rays of every `stride`th are traced through free space.
+    pub fn add(&mut self, samples: &[Sample], stride: usize) {
+        let find = |(job, samples): (usize, &[Sample])| {
+            let mut finder = ConstraintFinder::new(self.tiles, self.solid_threshold);
+            let mut found = Vec::new();
+            for (at, sample) in samples.iter().enumerate() {
+                let number = job * SAMPLES_A_JOB + at;
+                let free = if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
+                finder.add(sample, number as u32, free, &mut found);
+            }
+            found
+        };
+        let found: Vec<Vec<Constraint>> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
+        let mut found: Vec<Constraint> = found.concat();
+        self.solid += found.iter().filter(|constraint| constraint.sample.is_some()).count() as u64;
+        self.free += found.iter().filter(|constraint| constraint.sample.is_none()).count() as u64;
+        found.par_sort_by_key(|constraint| constraint.tile);
+        let runs: Vec<&[Constraint]> = found.chunk_by(|a, b| a.tile == b.tile).collect();
+        self.buffers.par_iter_mut().enumerate().for_each(|(tile, buffers)| {
+            let Ok(run) = runs.binary_search_by_key(&(tile as u32), |run| run[0].tile) else { return };
+            let last = (buffers.side - 1) as f32;
+            for constraint in runs[run] {
+                let at = constraint.at.map(|at| at.clamp(0.0, 1.0) * last);
+                buffers.bitmap.add(at, constraint.sample.is_some());
+                if let Some(sample) = constraint.sample {
+                    buffers.light.add(at, samples[sample as usize].color);
+                }
+            }
+        });
+    }
+
+    /// The textures, and the number of texels that were filled.
+    pub fn finish(self) -> (Vec<TileTexture>, u64) {
+        let finish = |buffers: Buffers| {
+            let alpha = (!buffers.bitmap.is_opaque()).then(|| buffers.bitmap.coverage());
+            let (light, filled) = buffers.light.resolve();
+            (TileTexture { side: buffers.side, light, alpha }, filled as u64)
+        };
+        let finished: Vec<(TileTexture, u64)> = self.buffers.into_par_iter().map(finish).collect();
+        let filled = finished.iter().map(|(_, filled)| filled).sum();
+        (finished.into_iter().map(|(texture, _)| texture).collect(), filled)
+    }
+}
