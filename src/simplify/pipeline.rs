@@ -317,9 +317,10 @@ mod tests {
         assert_eq!(found.fidelity.crack_pixels, 0);
         let psnr_db = found.fidelity.similarity.all.psnr_db();
         assert!(psnr_db > 25.0, "{psnr_db}");
-        // One tile for each face of the cube is much worse.
-        let cube = run(|settings| settings.budgets.triangles = 60.0).unwrap();
-        assert!(cube.fidelity.similarity.all.psnr_db() < psnr_db - 3.0);
+        // One tile for each face of the cube, and some more, is worse.
+        let cube = run(|settings| settings.budgets.triangles = 40.0).unwrap();
+        let cube_db = cube.fidelity.similarity.all.psnr_db();
+        assert!(cube_db < psnr_db - 2.0, "{cube_db} {psnr_db}");
         // What the released evaluator adds.
         assert!(found.fidelity.released_psnr_db() > psnr_db + 20.0);
     }
@@ -338,8 +339,14 @@ mod tests {
     #[test]
     fn quadtrees_do_better_than_a_grid_of_one_level() {
         let wide = Budgets { triangles: 1e6, area: 1.25, peak_overdraw: 5.0 };
-        let of =
-            |tiling| run(|settings| (settings.tiling, settings.budgets) = (tiling, wide)).unwrap().selection.primal;
+        let of = |tiling| {
+            run(|settings| {
+                (settings.tiling, settings.budgets, settings.atlas) = (tiling, wide, 2048);
+            })
+            .unwrap()
+            .selection
+            .primal
+        };
         assert!(of(TilingKind::Quadtree) < of(TilingKind::Uniform));
     }
 

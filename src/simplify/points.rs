@@ -195,9 +195,9 @@ mod tests {
     #[test]
     fn any_sample_of_a_voxel_may_stand_for_it() {
         // The first sample of each voxel would lie on the near side of a voxel that is filled from there.
-        let samples: Vec<DVec3> = (0..4000).map(|at| DVec3::new(1.0 + f64::from(at) * 1e-7, 1e-4, 1e-4)).collect();
+        let samples: Vec<DVec3> = (0..4000).map(|at| DVec3::new(1.0003 + f64::from(at) * 1e-8, 1e-4, 1e-4)).collect();
         let points = merged(&samples, 1000, samples.len());
         let [point] = points[..] else { panic!("one voxel, not {}", points.len()) };
-        assert!(point.position.x > 1.0 + 4e-6, "{}", point.position.x);
+        assert!(point.position.x > 1.0003 + 4e-7, "{}", point.position.x);
     }
 }

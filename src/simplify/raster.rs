@@ -28,11 +28,11 @@ pub struct Drawn {
 struct Seen {
     /// Left, top, right, bottom in pixels.
     rect: [u32; 4],
-    /// Volumes with two corners each: the weight of a corner along a ray.
+    /// The weight of a corner along a ray is its dot product with one of them; all are above 0 inside.
     normals: [DVec3; 3],
+    /// Which edges belong to this triangle: an edge of two triangles belongs to one of them.
+    owns_edges: [bool; 3],
     uvs: [[f64; 2]; 3],
-    /// Six times the volume of the tetrahedron with the eye.
-    volume: f64,
 }
 
 /// Draws the mesh over a transparent picture.
@@ -47,28 +47,29 @@ pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
         let (first, end) = (job * ROWS_A_JOB, ((job + 1) * ROWS_A_JOB).min(height));
         let mut pixels = vec![Vec4::ZERO; ((end - first) * width) as usize];
         let mut counts = vec![0u32; pixels.len()];
+        let direction = |at: u32| {
+            let (column, row) = (at % width, first + at / width);
+            let centre = [f64::from(column) + 0.5, f64::from(row) + 0.5];
+            camera.direction([centre[0] / f64::from(width), centre[1] / f64::from(height)])
+        };
+        let directions: Vec<DVec3> = (0..pixels.len() as u32).map(direction).collect();
         for triangle in &seen {
             let [left, top, right, bottom] = triangle.rect;
             for row in top.max(first)..bottom.min(end) {
-                let direction = |column: u32| {
-                    camera.direction([
-                        (f64::from(column) + 0.5) / f64::from(width),
-                        (f64::from(row) + 0.5) / f64::from(height),
-                    ])
-                };
                 for column in left..right {
-                    let direction = direction(column);
-                    let weights = triangle.normals.map(|normal| normal.dot(direction));
-                    let sum: f64 = weights.iter().sum();
-                    let is_inside =
-                        weights.iter().all(|weight| *weight >= 0.0) || weights.iter().all(|weight| *weight <= 0.0);
-                    if !is_inside || sum * triangle.volume <= 0.0 {
+                    let index = ((row - first) * width + column) as usize;
+                    let weights = triangle.normals.map(|normal| normal.dot(directions[index]));
+                    if !weights
+                        .iter()
+                        .zip(triangle.owns_edges)
+                        .all(|(&weight, owns)| weight > 0.0 || weight == 0.0 && owns)
+                    {
                         continue;
                     }
+                    let sum: f64 = weights.iter().sum();
                     let uv =
                         [0, 1].map(|axis| (0..3).map(|at| weights[at] * triangle.uvs[at][axis]).sum::<f64>() / sum);
                     let light = sample(scene, &decode, uv);
-                    let index = ((row - first) * width + column) as usize;
                     pixels[index] = light + (1.0 - light.w) * pixels[index];
                     counts[index] += 1;
                 }
@@ -111,7 +112,10 @@ fn see(scene: &QuadMesh, triangle: usize, camera: &Camera, size: [u32; 2]) -> Op
     let normals = [b.cross(c), c.cross(a), a.cross(b)];
     let uvs = scene.mesh.triangles[triangle].map(|corner| scene.mesh.uvs[corner as usize].as_dvec2().to_array());
     let volume = a.dot(normals[0]);
-    (volume != 0.0).then_some(Seen { rect, normals, uvs, volume })
+    let normals = normals.map(|normal| normal * volume.signum());
+    let owns_edges =
+        normals.map(|normal| normal.to_array().into_iter().find(|at| *at != 0.0).is_some_and(|at| at > 0.0));
+    (volume != 0.0).then_some(Seen { rect, normals, owns_edges, uvs })
 }
 
 /// Pixels that a polygon can cover, of corners relative to the eye; none where it lies behind the camera or beside the image.
