@@ -32,7 +32,7 @@ struct SparseShares {
 
 impl ViewShares {
     /// Shares of all cells of levels up to the last. A cell of the last level is seen whole or not at all.
-    pub fn new() -> ViewShares {
+    pub fn of_trees() -> ViewShares {
         let axes: Vec<[DVec3; 3]> = view_axes();
         let seen = |index: usize| -> Vec<(u8, f32)> {
             let rect = TreeCell::at(MAX_LEVEL, index);

@@ -178,8 +178,7 @@ pub fn fit_plane(points: &[WeightedPoint], bounds: &FitBounds, first: TilePlane,
         }
         points.iter().map(|point| point.weight * plane.energy(point.position)).sum()
     };
-    // Written so that NaN is no weight.
-    if !(weight > 0.0) {
+    if weight.is_nan() || weight <= 0.0 {
         return first;
     }
     let mean_m = points.iter().map(|point| point.weight * point.position.length()).sum::<f64>() / weight;

@@ -159,7 +159,7 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
     let model =
         CostModel { extent, eyes: region.border(), texels_per_unit, texture_coordinates: settings.texture_coordinates };
     let costs = model.costs(&levels);
-    let shares = ViewShares::new();
+    let shares = ViewShares::of_trees();
     let (iterations, gap) = match settings.effort {
         Effort::Fast => (200, 1e-2),
         Effort::Normal => (600, 1e-3),

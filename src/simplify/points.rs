@@ -103,7 +103,7 @@ impl PointMerger {
                 join(grid, *key, *voxel);
             }
         });
-        while self.len() > self.max_points && self.level > COARSEST {
+        while self.point_count() > self.max_points && self.level > COARSEST {
             self.level -= 1;
             for grid in &mut self.grids {
                 let mut coarser = Voxels::default();
@@ -115,13 +115,13 @@ impl PointMerger {
         }
     }
 
-    pub fn len(&self) -> usize {
+    pub fn point_count(&self) -> usize {
         self.grids.iter().map(Voxels::len).sum()
     }
 
     /// The points in the order of faces and voxels.
     pub fn finish(self) -> Vec<MergedPoint> {
-        let mut points = Vec::with_capacity(self.len());
+        let mut points = Vec::with_capacity(self.point_count());
         for grid in self.grids {
             let mut voxels: Vec<(u64, Voxel)> = grid.into_iter().collect();
             voxels.sort_unstable_by_key(|(key, _)| *key);

@@ -381,7 +381,7 @@ mod tests {
 
     #[test]
     fn selections_keep_budgets_and_come_close_to_the_best_of_all() {
-        let shares = ViewShares::new();
+        let shares = ViewShares::of_trees();
         let (mut exact, mut cases) = (0, 0);
         for seed in 0..12 {
             let costs = costs(seed);
@@ -407,7 +407,7 @@ mod tests {
 
     #[test]
     fn a_budget_that_cannot_be_kept_is_named_with_the_least_that_can() {
-        let (costs, shares) = (costs(1), ViewShares::new());
+        let (costs, shares) = (costs(1), ViewShares::of_trees());
         let said =
             |budgets: Budgets| Problem::new(&costs, 0, &shares, &budgets).solve(50, 0.0).unwrap_err().to_string();
         let wide = Budgets { triangles: 1e9, area: 1e9, peak_overdraw: 1e9 };

@@ -109,12 +109,12 @@ mod tests {
         let side = 13;
         let marked = |at: usize| at % 29 == 5 || at == 77;
         let found = squared_distances(side, marked);
-        for at in 0..side * side {
+        for (at, &found) in found.iter().enumerate() {
             let nearest = (0..side * side).filter(|&other| marked(other)).map(|other| {
                 let (dx, dy) = ((at % side).abs_diff(other % side), (at / side).abs_diff(other / side));
                 (dx * dx + dy * dy) as f32
             });
-            assert_eq!(found[at], nearest.fold(f32::INFINITY, f32::min));
+            assert_eq!(found, nearest.fold(f32::INFINITY, f32::min));
         }
         assert!(squared_distances(4, |_| false).iter().all(|distance| distance.is_infinite()));
     }

@@ -225,7 +225,7 @@ mod tests {
         let mut noise = || f32::from(random.word() as u16) / 65535.0;
         let of = |at: usize| {
             let side = 16 + 4 * (at % 3);
-            let light = (0..side * side).map(|_| if at % 2 == 0 { [noise(); 3] } else { [0.3; 3] }).collect();
+            let light = (0..side * side).map(|_| if at.is_multiple_of(2) { [noise(); 3] } else { [0.3; 3] }).collect();
             TileTexture { side, light, alpha: (at % 4 == 3).then(|| vec![1.0; side * side]) }
         };
         (0..40).map(of).collect()
