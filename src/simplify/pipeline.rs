@@ -28,6 +28,8 @@ use crate::placement::Region;
 const MAX_POINTS: usize = 1_500_000;
 /// Level of the uniform tiling (Seurat 7, figure 13).
 const UNIFORM_LEVEL: u32 = 6;
+/// Least side of a tree cell in pixels of the capture.
+const PIXELS_A_CELL: f64 = 4.0;
 /// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
 const SOLID_THRESHOLD: f64 = 0.01;
 /// Texels beside those around a crack that are made opaque, too, where it stays open.
@@ -147,8 +149,11 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
     let texels_per_unit = settings.pixels_per_degree.map_or_else(|| capture.pixels_per_unit(), f64::to_degrees);
     let extent = Extent { least_m: 0.01 * region.radius(), most_m: farthest_m, margin: 1.0 / texels_per_unit };
     let mut fitting = CandidateSettings::of(settings.effort);
+    // Cells of fewer pixels would have no sample here and there, and leave holes.
+    let finest = (2.0 * capture.pixels_per_unit() / PIXELS_A_CELL).max(1.0).log2() as u32;
+    fitting.levels[1] = finest.min(fitting.levels[1]);
     if settings.tiling == TilingKind::Uniform {
-        fitting.levels = [UNIFORM_LEVEL; 2];
+        fitting.levels = [UNIFORM_LEVEL.min(finest); 2];
     }
     let levels = candidates(&points, &extent, &fitting);
     let count = levels.iter().flat_map(|level| &level.tilings).flatten().map(|tiling| tiling.planes.len() as u64).sum();

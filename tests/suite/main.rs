@@ -43,6 +43,7 @@ mod resume_footage;
 mod roundtrip;
 mod samples;
 mod seurat;
+mod simplify;
 mod tradeoff;
 mod train;
 mod transform;
