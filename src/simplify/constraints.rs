@@ -41,13 +41,13 @@ impl<'a> ConstraintFinder<'a> {
         ConstraintFinder { tiles, solid_threshold, hits: Vec::new(), free: Vec::new() }
     }
 
-    /// Adds the constraints of a sample. Positions of samples are relative to the middle of the region.
-    pub fn add(&mut self, sample: &Sample, number: u32, free_space: FreeSpace, out: &mut Vec<Constraint>) {
+    /// Adds the constraints of a sample; answers whether there is a tile along the line from the middle through its end.
+    pub fn add(&mut self, sample: &Sample, number: u32, free_space: FreeSpace, out: &mut Vec<Constraint>) -> bool {
         self.tiles.along(sample.end, &mut self.hits);
         let beside = |hit: &TileHit| (hit.relative - 1.0).abs();
         // Of tiles at one distance, that which is drawn last.
         let nearest = |a: &&TileHit, b: &&TileHit| beside(a).total_cmp(&beside(b)).then(b.tile.cmp(&a.tile));
-        let Some(primary) = self.hits.iter().min_by(nearest).copied() else { return };
+        let Some(primary) = self.hits.iter().min_by(nearest).copied() else { return false };
         self.free.clear();
         if free_space == FreeSpace::Trace {
             self.trace(sample, primary);
@@ -63,6 +63,7 @@ impl<'a> ConstraintFinder<'a> {
             }
         }
         out.extend(self.free.iter().map(|&(tile, at)| set(at, tile, None)));
+        true
     }
 
     /// Tiles that are drawn over the primary one, and that the sample's own ray meets elsewhere than at its end.

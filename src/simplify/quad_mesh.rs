@@ -19,8 +19,6 @@ use crate::mesh::{ImageTexture, Material, Mesh, Wrap};
 pub struct QuadMesh {
     pub mesh: Mesh,
     pub texture: Arc<ImageTexture>,
-    /// Triangles of tiles whose every texel is opaque, by triangle.
-    pub is_opaque: Vec<bool>,
 }
 
 impl QuadMesh {
@@ -29,7 +27,6 @@ impl QuadMesh {
         let mut texture =
             ImageTexture { width, height, pixels: vec![[0; 4]; (width * height) as usize], wrap: [Wrap::Clamp; 2] };
         let mut mesh = Mesh::default();
-        let mut is_opaque = Vec::new();
         let tone = ToneMap::default();
         for (at, tile) in tiles.tiles.iter().enumerate() {
             let place = layout.places[at];
@@ -67,12 +64,11 @@ impl QuadMesh {
                     let a = first + row * (columns + 1) + column;
                     let (b, c, d) = (a + 1, a + columns + 2, a + columns + 1);
                     mesh.triangles.extend([[a, b, c], [a, c, d]]);
-                    is_opaque.extend([of_tile.alpha.is_none(); 2]);
                 }
             }
         }
         mesh.material_of = vec![0; mesh.triangles.len()];
-        QuadMesh { mesh, texture: Arc::new(texture), is_opaque }
+        QuadMesh { mesh, texture: Arc::new(texture) }
     }
 }
 

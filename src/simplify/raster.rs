@@ -167,8 +167,7 @@ mod tests {
     fn scene(mesh: Mesh) -> QuadMesh {
         let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 128]];
         let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
-        let is_opaque = vec![false; mesh.triangles.len()];
-        QuadMesh { mesh, texture: Arc::new(texture), is_opaque }
+        QuadMesh { mesh, texture: Arc::new(texture) }
     }
 
     fn camera(eye: DVec3, target: DVec3) -> Camera {

@@ -33,8 +33,10 @@ pub struct TextureBuilder<'a> {
     tiles: &'a TileSet,
     solid_threshold: f64,
     buffers: Vec<Buffers>,
+    /// Constraints so far.
     pub solid: u64,
     pub free: u64,
+    /// Samples that no tile lies along.
     pub uncovered: u64,
 }
 
@@ -53,16 +55,17 @@ impl<'a> TextureBuilder<'a> {
     pub fn add(&mut self, samples: &[Sample], stride: usize) {
         let find = |(job, samples): (usize, &[Sample])| {
             let mut finder = ConstraintFinder::new(self.tiles, self.solid_threshold);
-            let mut found = Vec::new();
+            let (mut found, mut uncovered) = (Vec::new(), 0);
             for (at, sample) in samples.iter().enumerate() {
                 let number = job * SAMPLES_A_JOB + at;
                 let free = if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
-                finder.add(sample, number as u32, free, &mut found);
+                uncovered += u64::from(!finder.add(sample, number as u32, free, &mut found));
             }
-            found
+            (found, uncovered)
         };
-        let found: Vec<Vec<Constraint>> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
-        let mut found: Vec<Constraint> = found.concat();
+        let jobs: Vec<(Vec<Constraint>, u64)> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
+        self.uncovered += jobs.iter().map(|(_, uncovered)| uncovered).sum::<u64>();
+        let mut found: Vec<Constraint> = jobs.into_iter().flat_map(|(found, _)| found).collect();
         self.solid += found.iter().filter(|constraint| constraint.sample.is_some()).count() as u64;
         self.free += found.iter().filter(|constraint| constraint.sample.is_none()).count() as u64;
         found.par_sort_by_key(|constraint| constraint.tile);
