@@ -11,11 +11,11 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
-use crate::evaluate::reference::Reference;
 use crate::files::OutputFile;
+use crate::simplify::capture::Capture;
+use crate::simplify::fidelity::compare;
 use crate::simplify::pipeline::{self, Simplified};
 use crate::simplify::quad_mesh::write_glb;
-use crate::simplify::samples::Capture;
 
 pub use args::Args;
 use report::Report;
@@ -24,16 +24,24 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check()?;
     let begun = Instant::now();
     let settings = args.settings()?;
-    let mut reference = Reference::open(&args.input)?;
-    let mut capture = Capture::new(&mut reference, settings.frame).map_err(|error| error.in_file(&args.input))?;
-    let progress = Progress::start(global, "simplifying", pipeline::steps(capture.images.len()))?;
+    let mut capture = Capture::open(&args.input, args.frames)?;
+    capture.notes.iter().for_each(|note| global.note(note));
+    let mut held_out = args.held_out.as_deref().map(|path| Capture::open(path, args.frames)).transpose()?;
+    let held_out_images = held_out.as_ref().map_or(0, |capture| capture.images.len());
+    let steps = pipeline::steps(capture.images.len()) + held_out_images as u64;
+    let progress = Progress::start(global, "simplifying", steps)?;
     let simplified =
         pipeline::simplify(&mut capture, &settings, &progress).map_err(|error| error.in_file(&args.input))?;
+    let mut compare = |capture: &mut Capture| compare(&simplified.scene, capture, settings.background, &progress);
+    let held_out = held_out.as_mut().map(&mut compare).transpose()?;
     drop(progress);
     simplified.notes.iter().for_each(|note| global.note(note));
     let bytes = write(args, &simplified)?;
-    let report = Report::new(&simplified, args, bytes, begun.elapsed());
+    let report = Report::new((&simplified, held_out.as_ref()), args, bytes, begun.elapsed());
     global.report(args.json, &report, || report.text())?;
+    if args.stats && !args.json {
+        output::print_text(&report.stats()?)?;
+    }
     Ok(ExitStatus::Passed)
 }
 

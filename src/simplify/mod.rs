@@ -3,7 +3,7 @@
 //!
 //! Stages, each in a file that bears its name:
 //!
-//! 1. [`samples`]: rays of a capture; [`region`]: where the eye may be.
+//! 1. [`capture`]: images as rays; [`samples`] of them; [`region`]: where the eye may be.
 //! 2. [`points`]: samples merged into a point cloud (4.1).
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
 //! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
@@ -14,6 +14,7 @@
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
 
 pub mod candidates;
+pub mod capture;
 pub mod constraints;
 pub mod cost;
 pub mod cracks;

@@ -5,14 +5,15 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
+use super::capture::{Capture, CaptureImage};
 use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks::{self, CRACK_ALPHA};
-use super::fidelity::Fidelity;
+use super::fidelity::{self, Fidelity, PoseScore, SeenDirections};
 use super::points::PointMerger;
 use super::quad_mesh::QuadMesh;
 use super::raster::draw;
 use super::region::ViewingRegion;
-use super::samples::Capture;
+use super::samples::{Background, Inside, Sample, SampleRules};
 use super::selection::{Budgets, Problem, Selection};
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTexture};
@@ -55,7 +56,8 @@ pub struct Settings {
     pub pixels_per_degree: Option<f64>,
     /// The box around the cameras where it is not given.
     pub region: Option<Region>,
-    pub frame: u32,
+    pub background: Background,
+    pub inside: Inside,
     pub effort: Effort,
     pub tiling: TilingKind,
     pub sizing: Sizing,
@@ -91,6 +93,8 @@ pub struct Counters {
     pub samples_without_tile: u64,
     /// Tiles without a free-space constraint: they have no silhouette.
     pub opaque_tiles: u64,
+    /// Samples in the viewing region that were left out.
+    pub dropped_samples: u64,
     /// Texels without a sample, whose light was filled.
     pub filled_texels: u64,
     /// Tiles with a smaller texture than asked for, so that the atlas fits.
@@ -114,6 +118,7 @@ pub struct Simplified {
     pub stages: Stages,
     pub counters: Counters,
     pub fidelity: Fidelity,
+    pub poses: PoseScore,
     pub notes: Vec<String>,
 }
 
@@ -123,20 +128,24 @@ pub fn steps(images: usize) -> u64 {
     4 * images as u64
 }
 
-/// Simplifies the frame of a capture.
-pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Monitor) -> Result<Simplified> {
+/// Simplifies a capture.
+pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<Simplified> {
     let mut stages = Stages::default();
     let mut counters = Counters::default();
     let mut notes = Vec::new();
-    let images = capture.images.clone();
+    let images = 0..capture.images.len();
     let region = region_of(capture, settings, &mut notes)?;
+    let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
+    let solid_threshold = solid_threshold(capture, &mut notes);
 
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
     let (mut samples, mut farthest_m) = (0, 0f64);
-    for &image in &images {
+    for image in images.clone() {
         monitor.check()?;
-        let ends: Vec<_> = capture.samples(image, &region)?.into_iter().map(|sample| sample.end).collect();
+        let (found, left_out) = rules.samples(capture, image)?;
+        counters.dropped_samples += left_out;
+        let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
         samples += ends.len() as u64;
         farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
         merger.add(&ends);
@@ -173,6 +182,7 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
     let selection = Problem::new(&costs, fitting.levels[0], &shares, &settings.budgets).solve(iterations, gap)?;
     let tiles = TileSet::new(&selection.tilings, &levels, &model);
     let point_count = points.len() as u64;
+    let seen = SeenDirections::new(&points);
     drop((costs, shares, levels, points));
     stages.selection = begun.elapsed();
 
@@ -182,12 +192,12 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
         texels.next_multiple_of(BLOCK)
     };
     let sides: Vec<usize> = tiles.tiles.iter().map(|tile| side(tile.rect)).collect();
-    let mut builder = TextureBuilder::new(&tiles, &sides, SOLID_THRESHOLD);
+    let mut builder = TextureBuilder::new(&tiles, &sides, solid_threshold);
     // One of so many samples is traced through free space.
     let stride = if settings.effort == Effort::Fast { 4 } else { 1 };
-    for &image in &images {
+    for image in images.clone() {
         monitor.check()?;
-        builder.add(&capture.samples(image, &region)?, stride);
+        builder.add(&rules.samples(capture, image)?.0, stride);
         monitor.advance(1);
     }
     counters.solid_constraints = builder.solid;
@@ -205,23 +215,19 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
     counters.reduced_tiles = places.reduced as u64;
     let mut scene = QuadMesh::new(&tiles, &textures, &places, region.middle);
     drop::<Vec<TileTexture>>(textures);
-    for &image in &images {
+    for image in images.clone() {
         monitor.check()?;
         // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
         for reach in 0..=CRACK_REACH {
-            counters.closed_cracks += close_cracks(capture, (image, reach), &region, (&tiles, &places), &mut scene)?;
+            counters.closed_cracks += close_cracks(capture, (image, reach), &rules, (&tiles, &places), &mut scene)?;
         }
         monitor.advance(1);
     }
     stages.atlas = begun.elapsed();
 
     let begun = Instant::now();
-    let mut fidelity = Fidelity::default();
-    for &image in &images {
-        monitor.check()?;
-        fidelity.add(&scene, capture.reference, image, capture.frame)?;
-        monitor.advance(1);
-    }
+    let fidelity = fidelity::compare(&scene, capture, settings.background, monitor)?;
+    let poses = fidelity::random_poses(&scene, &region, &seen)?;
     stages.evaluate = begun.elapsed();
     Ok(Simplified {
         scene,
@@ -236,14 +242,15 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
         stages,
         counters,
         fidelity,
+        poses,
         notes,
     })
 }
 
-fn region_of(capture: &mut Capture<'_>, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
+fn region_of(capture: &mut Capture, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
     let mut region = match &settings.region {
         Some(region) => ViewingRegion::given(region.clone()),
-        None => ViewingRegion::around(capture.eyes()),
+        None => ViewingRegion::around(capture.images.iter().map(|image| image.eye)),
     };
     if !region.has_extent() {
         region.grow(capture.nearest_m()?);
@@ -259,22 +266,43 @@ fn region_of(capture: &mut Capture<'_>, settings: &Settings, notes: &mut Vec<Str
     }
 }
 
+/// Tiles are as far from samples as these are wrong.
+fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
+    match capture.relative_depth_error {
+        Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
+        Some(error) => {
+            notes.push(format!(
+                "depths of the container are wrong by up to {:.2}%: a tile within that distance of a sample counts as its surface, \
+                 instead of {:.0}%",
+                100.0 * error,
+                100.0 * SOLID_THRESHOLD
+            ));
+            error
+        }
+        None => {
+            notes.push("the depths of the container have no bound of their error".into());
+            SOLID_THRESHOLD
+        }
+    }
+}
+
 /// Closes the cracks of one image of the capture; answers their number.
 fn close_cracks(
-    capture: &mut Capture<'_>,
+    capture: &mut Capture,
     (image, reach): (usize, u32),
-    region: &ViewingRegion,
+    rules: &SampleRules<'_>,
     (tiles, places): (&TileSet, &Layout),
     scene: &mut QuadMesh,
 ) -> Result<u64> {
-    let (camera, size) = (capture.reference.images[image].camera, capture.reference.images[image].size);
+    let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(0) };
     let drawn = draw(scene, &camera, size);
     if drawn.pixels.iter().all(|pixel| pixel[3] >= CRACK_ALPHA) {
         return Ok(0);
     }
-    let samples = capture.samples(image, region)?;
-    let cracks = samples.iter().zip(&drawn.pixels).filter(|(_, pixel)| pixel[3] < CRACK_ALPHA);
-    Ok(cracks.filter(|(sample, _)| cracks::close((sample, reach), tiles, places, scene)).count() as u64)
+    let (samples, _) = rules.samples(capture, image)?;
+    let is_crack = |sample: &&Sample| sample.is_surface && drawn.pixels[sample.pixel as usize][3] < CRACK_ALPHA;
+    Ok(samples.iter().filter(is_crack).filter(|sample| cracks::close((sample, reach), tiles, places, scene)).count()
+        as u64)
 }
 
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
@@ -282,7 +310,6 @@ const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::reference::Reference;
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, FootagePlan};
 
@@ -294,7 +321,8 @@ mod tests {
             atlas: 512,
             pixels_per_degree: None,
             region: None,
-            frame: 0,
+            background: Background::Sky,
+            inside: Inside::Refuse,
             effort: Effort::Fast,
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
@@ -306,10 +334,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 32, probes: 3 };
         plan.write(folder.path(), &Silent).unwrap();
-        let mut reference = Reference::open(folder.path()).unwrap();
         let mut settings = settings();
         change(&mut settings);
-        simplify(&mut Capture::new(&mut reference, 0)?, &settings, &Silent)
+        simplify(&mut Capture::open(folder.path(), None)?, &settings, &Silent)
     }
 
     #[test]

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::placement::Region;
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::pipeline::{Settings, TilingKind};
+use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
 use crate::simplify::texture_sizes::Sizing;
 
@@ -15,14 +16,14 @@ use crate::simplify::texture_sizes::Sizing;
 #[command(after_help = "Examples:\n  \
     lightfold simplify footage/lightfield.json -o scene.glb\n  \
     lightfold simplify footage --triangles 20000 --atlas 2048 --effort fast -o scene.glb --json\n  \
-    lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frame 24 -o scene.glb\n\n\
+    lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frames 24 -o scene.glb\n\n\
     The scene is right for eyes in the viewing region only. Triangles are stored from back to front: a viewer draws them in that \
     order, blended, without depth test, culling or sorting (three.js: sortObjects = false, forceSinglePass = true).\n\n\
     All budgets are kept; one that cannot be is an error that names the least value that would do. Area: how often all quads \
     together would cover the sphere around the viewer. Peak overdraw: mean number of quads over a pixel in the worst of 126 views of \
     90 degrees. Cracks: pixels of the capture with less than half alpha.")]
 pub struct Args {
-    /// Manifest of a dataset with colour and depth (lightfield.json), or its folder
+    /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]
     pub input: PathBuf,
     /// Binary glTF file to write
@@ -47,9 +48,15 @@ pub struct Args {
     /// repeatable, for a union [default: the box around the cameras]
     #[arg(long, value_name = "BOX|SPHERE|MESH", allow_hyphen_values = true)]
     pub region: Vec<String>,
-    /// Frame to simplify
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub frame: u32,
+    /// What is infinitely far
+    #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "sky")]
+    pub background: Background,
+    /// Samples in the viewing region
+    #[arg(long, value_parser = one_of(INSIDE), default_value = "refuse")]
+    pub inside: Inside,
+    /// The frame to simplify [default: the first]
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u32>,
     /// Search effort: tiles for each part of the scene and precision of their planes; fast traces a quarter of the rays
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,
@@ -59,10 +66,24 @@ pub struct Args {
     /// How textures shrink that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
+    /// Compare pictures of the scene with the images of this dataset, too
+    #[arg(long, value_name = "DATASET")]
+    pub held_out: Option<PathBuf>,
+    /// Print durations and counts of all stages
+    #[arg(long)]
+    pub stats: bool,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
 }
+
+const BACKGROUNDS: &Choices<Background> = &[
+    ("sky", Background::Sky, "A cube around the viewing region, 400 times as large"),
+    ("transparent", Background::Transparent, "Nothing; it stays transparent"),
+];
+
+const INSIDE: &Choices<Inside> =
+    &[("refuse", Inside::Refuse, "Are an error"), ("drop", Inside::Drop, "Are left out, and counted")];
 
 const TILINGS: &Choices<TilingKind> = &[
     ("quadtree", TilingKind::Quadtree, "Cells of any level of a quadtree"),
@@ -88,7 +109,8 @@ impl Args {
             atlas: self.atlas,
             pixels_per_degree: self.pixels_per_degree,
             region,
-            frame: self.frame,
+            background: self.background,
+            inside: self.inside,
             effort: self.effort,
             tiling: self.tiling,
             sizing: self.sizing,
