@@ -184,7 +184,12 @@ impl Camera {
     /// The same camera, moved to its right; to its left where `metres` is below 0.
     #[must_use]
     pub fn moved_right(self, metres: f64) -> Camera {
-        Camera { eye: self.eye + self.axes[1] * metres, ..self }
+        self.moved(self.axes[1] * metres)
+    }
+
+    #[must_use]
+    pub fn moved(self, by_m: DVec3) -> Camera {
+        Camera { eye: self.eye + by_m, ..self }
     }
 
     pub fn frustum(&self) -> Frustum {

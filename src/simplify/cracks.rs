@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::capture::{Capture, CaptureImage};
-use super::gaps::{self, Coverage, SeenDirections};
+use super::gaps::{Coverage, SeenDirections};
 use super::quad_mesh::QuadMesh;
 use super::raster::{Drawn, draw};
 use super::region::ViewingRegion;
@@ -25,6 +25,9 @@ use crate::mesh::Ray;
 pub const CRACK_ALPHA: f32 = 0.5;
 /// Texels beside those around a crack that are made opaque, too, where it stays open.
 const REACH: u32 = 2;
+
+/// Side of the pictures from eyes in the region, in pixels.
+const EYE_SIDE: u32 = 256;
 
 /// The tiles of a mesh, and where their textures lie.
 pub type Placed<'a> = (&'a TileSet, &'a Layout);
@@ -56,24 +59,36 @@ pub fn close_in_image(
     Ok(closed)
 }
 
-/// Pictures of all directions from an eye in the region.
-pub fn pictures(scene: &QuadMesh, region: &ViewingRegion, eye: DVec3) -> Result<Vec<Coverage>> {
+/// Pictures of all directions from an eye in the region. Pixels in directions without surfaces count as covered.
+pub fn pictures(
+    scene: &QuadMesh,
+    (region, seen): (&ViewingRegion, &SeenDirections),
+    eye: DVec3,
+) -> Result<Vec<Coverage>> {
     let picture = |face: Face| {
-        let camera = Camera::with_axes(region.middle + eye, face.axes(), Lens::new(90.0))?;
-        let drawn = draw(scene, &camera, [gaps::SIDE; 2]);
-        Ok(Coverage { eye, face, covered: drawn.pixels.iter().map(|pixel| pixel[3] >= CRACK_ALPHA).collect() })
+        let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
+        let size = [EYE_SIDE; 2];
+        let drawn = draw(scene, &camera(region.middle + eye)?, size);
+        let covered = drawn.pixels.iter().map(|pixel| pixel[3] >= CRACK_ALPHA).collect();
+        let mut picture = Coverage { camera: camera(eye)?, size, covered };
+        picture.cover(|ray| !seen.contains(ray.direction()));
+        Ok(picture)
     };
     Face::CUBE.into_iter().map(picture).collect()
 }
 
-/// Closes cracks that an eye in the region sees in directions in which there are surfaces; answers their number.
-pub fn close_in_pictures(
-    pictures: &[Coverage],
-    seen: &SeenDirections,
-    placed: Placed<'_>,
-    scene: &mut QuadMesh,
-) -> u64 {
-    let rays = pictures.iter().flat_map(|picture| picture.gaps(seen));
+/// Picture of an image of the capture, where it has a camera and there is a gap. Pixels whose rays meet a tile count as covered.
+pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image: &CaptureImage) -> Option<Coverage> {
+    let CaptureImage { camera: Some(camera), size, .. } = *image else { return None };
+    let covered = draw(scene, &camera, size).pixels.iter().map(|pixel| pixel[3] >= CRACK_ALPHA).collect();
+    let mut picture = Coverage { camera: camera.moved(-region.middle), size, covered };
+    picture.cover(|ray| !tiles.crossed(ray).is_empty());
+    Some(picture).filter(|picture| picture.gaps().next().is_some())
+}
+
+/// Closes cracks that pictures show; answers their number.
+pub fn close_in_pictures(pictures: &[Coverage], placed: Placed<'_>, scene: &mut QuadMesh) -> u64 {
+    let rays = pictures.iter().flat_map(Coverage::gaps);
     rays.filter(|ray| close((ray, f64::INFINITY, 0), placed, scene)).count() as u64
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use half::f16;
+use rayon::prelude::*;
 
 use super::capture::{Capture, CaptureImage};
 use super::cracks::CRACK_ALPHA;
@@ -26,6 +27,8 @@ const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 /// What it added to the PSNR: 10 log10 255.
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 
+/// Images that are compared at once, at most.
+const MOST_AT_ONCE: usize = 8;
 /// Pictures of random poses, and their side in pixels.
 const POSES: u32 = 64;
 const POSE_SIDE: u32 = 256;
@@ -63,9 +66,15 @@ impl Default for Fidelity {
 
 impl Fidelity {
     /// Draws the scene as an image of a capture was taken, and adds what differs. Images without a camera are left out.
-    fn add(&mut self, scene: &QuadMesh, capture: &mut Capture, image: usize, background: Background) -> Result<()> {
-        let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(()) };
-        let (truth, surfaces) = truth(&capture.rays(image)?, size, background);
+    fn add(
+        &mut self,
+        scene: &QuadMesh,
+        image: &CaptureImage,
+        rays: &[CaptureRay],
+        background: Background,
+    ) -> Result<()> {
+        let CaptureImage { camera: Some(camera), size, .. } = *image else { return Ok(()) };
+        let (truth, surfaces) = truth(rays, size, background);
         let Drawn { pixels, fragments, most_fragments } = draw(scene, &camera, size);
         // Holes are black.
         let rendered = RenderedImage::of_pixels(size, pixels.iter().copied())?;
@@ -82,6 +91,18 @@ impl Fidelity {
             |alpha: f32| pixels.iter().zip(&surfaces).filter(|(pixel, is)| **is && pixel[3] < alpha).count() as u64;
         self.crack_pixels += below(CRACK_ALPHA);
         self.translucent_pixels += below(OPAQUE_ALPHA);
+        Ok(())
+    }
+
+    fn merge(&mut self, other: &Fidelity) -> Result<()> {
+        self.similarity.merge(&other.similarity)?;
+        self.opaque.merge(&other.opaque)?;
+        self.pixels += other.pixels;
+        self.fragments += other.fragments;
+        self.fragments_per_pixel_max = self.fragments_per_pixel_max.max(other.fragments_per_pixel_max);
+        self.peak_overdraw = self.peak_overdraw.max(other.peak_overdraw);
+        self.crack_pixels += other.crack_pixels;
+        self.translucent_pixels += other.translucent_pixels;
         Ok(())
     }
 
@@ -103,10 +124,21 @@ pub fn compare(
     monitor: &dyn Monitor,
 ) -> Result<Fidelity> {
     let mut fidelity = Fidelity::default();
-    for image in 0..capture.images.len() {
+    let at_once = rayon::current_num_threads().min(MOST_AT_ONCE);
+    for first in (0..capture.images.len()).step_by(at_once) {
         monitor.check()?;
-        fidelity.add(scene, capture, image, background)?;
-        monitor.advance(1);
+        let images = first..(first + at_once).min(capture.images.len());
+        let read = images.map(|image| Ok((capture.images[image].clone(), capture.rays(image)?)));
+        let read: Vec<(CaptureImage, Vec<CaptureRay>)> = read.collect::<Result<_>>()?;
+        let one = |(image, rays): &(CaptureImage, Vec<CaptureRay>)| {
+            monitor.advance(1);
+            let mut fidelity = Fidelity::default();
+            fidelity.add(scene, image, rays, background)?;
+            Ok(fidelity)
+        };
+        for found in read.par_iter().map(one).collect::<Result<Vec<Fidelity>>>()? {
+            fidelity.merge(&found)?;
+        }
     }
     Ok(fidelity)
 }

@@ -13,11 +13,9 @@ use super::cost::{CostModel, ViewShares};
 use super::selection::{Use, add_cost, keeps};
 use super::tiles::{QuadTile, TileSet};
 use super::tree::{PlaneRect, TreeCell, direction, project};
-use crate::image::Face;
+use crate::math::Camera;
 use crate::mesh::Ray;
 
-/// Pixels of a side of the pictures.
-pub const SIDE: u32 = 256;
 /// Pixels beside a gap within which its border is looked for.
 const BORDER_PIXELS: i32 = 32;
 /// Length in the plane of a face by which a tile is extended, at most: 11 degrees.
@@ -69,55 +67,71 @@ impl Account<'_> {
     }
 }
 
-/// A picture of a cube face from an eye, relative to the middle of the region: whether each pixel is covered, row by row.
+/// A picture from the viewing region: whether each pixel is covered, row by row.
 #[derive(Debug, Clone)]
 pub struct Coverage {
-    pub eye: DVec3,
-    pub face: Face,
+    /// Its eye is relative to the middle of the region.
+    pub camera: Camera,
+    pub size: [u32; 2],
     pub covered: Vec<bool>,
 }
 
+/// A pixel that is not covered.
+#[derive(Debug, Clone, Copy)]
+struct GapPixel {
+    at: [u32; 2],
+    ray: Ray,
+}
+
 impl Coverage {
-    fn ray(&self, [column, row]: [i32; 2]) -> Option<Ray> {
-        let plane = [column, row].map(|at| (f64::from(at) + 0.5) * 2.0 / f64::from(SIDE) - 1.0);
-        Ray::new(self.eye, direction(self.face, plane))
+    fn ray(&self, [column, row]: [u32; 2]) -> Option<Ray> {
+        let [width, height] = self.size.map(f64::from);
+        let part = [(f64::from(column) + 0.5) / width, (f64::from(row) + 0.5) / height];
+        Ray::new(self.camera.eye(), self.camera.direction(part))
     }
 
-    /// Pixels that are not covered, and their rays, in directions in which there are surfaces.
-    fn gap_pixels(&self, seen: &SeenDirections) -> impl Iterator<Item = ([i32; 2], Ray)> {
-        let pixels = (0..(SIDE * SIDE) as i32).zip(&self.covered).filter(|(_, covered)| !**covered);
-        pixels.filter_map(|(at, _)| {
-            let pixel = [at % SIDE as i32, at / SIDE as i32];
-            let ray = self.ray(pixel).filter(|ray| seen.contains(ray.direction()))?;
-            Some((pixel, ray))
+    fn gap_pixels(&self) -> impl Iterator<Item = GapPixel> {
+        let pixels = (0..).zip(&self.covered).filter(|(_, covered)| !**covered);
+        pixels.filter_map(|(at, _): (u32, &bool)| {
+            let at = [at % self.size[0], at / self.size[0]];
+            self.ray(at).map(|ray| GapPixel { at, ray })
         })
     }
 
-    pub fn gaps(&self, seen: &SeenDirections) -> impl Iterator<Item = Ray> {
-        self.gap_pixels(seen).map(|(_, ray)| ray)
+    /// Pixels whose rays are excused count as covered.
+    pub fn cover(&mut self, is_excused: impl Fn(&Ray) -> bool) {
+        let excused: Vec<[u32; 2]> = self.gap_pixels().filter(|gap| is_excused(&gap.ray)).map(|gap| gap.at).collect();
+        for [column, row] in excused {
+            self.covered[(row * self.size[0] + column) as usize] = true;
+        }
+    }
+
+    /// Rays of all pixels that are not covered.
+    pub fn gaps(&self) -> impl Iterator<Item = Ray> {
+        self.gap_pixels().map(|gap| gap.ray)
     }
 
     /// Rays to the border of a gap on the four sides of a pixel of it.
-    fn border(&self, [column, row]: [i32; 2]) -> impl Iterator<Item = Ray> {
-        let side = SIDE as i32;
+    fn border(&self, [column, row]: [u32; 2]) -> impl Iterator<Item = Ray> {
         [[1, 0], [-1, 0], [0, 1], [0, -1]].into_iter().filter_map(move |[right, down]| {
-            let beside = |step: i32| [column + step * right, row + step * down];
-            let inside = |at: &[i32; 2]| at.iter().all(|at| (0..side).contains(at));
-            let mut steps = (1..=BORDER_PIXELS).map(beside).take_while(inside);
-            self.ray(steps.find(|[x, y]| self.covered[(y * side + x) as usize])?)
+            let beside = |step: i32| {
+                let at = [column.checked_add_signed(step * right)?, row.checked_add_signed(step * down)?];
+                (at[0] < self.size[0] && at[1] < self.size[1]).then_some(at)
+            };
+            let mut steps = (1..=BORDER_PIXELS).map_while(beside);
+            self.ray(steps.find(|[x, y]| self.covered[(y * self.size[0] + x) as usize])?)
         })
+    }
+
+    /// Length of a pixel in the plane at distance 1 from the eye.
+    fn pixel_length(&self) -> f64 {
+        2.0 * self.camera.half()[1] / f64::from(self.size[1])
     }
 }
 
-/// Extends tiles where pictures show a gap in a direction in which there are surfaces. Answers the tiles, unless none was extended, and
-/// how many were.
-pub fn extend(
-    tiles: &TileSet,
-    pictures: &[Coverage],
-    seen: &SeenDirections,
-    account: &mut Account<'_>,
-) -> Option<(TileSet, u64)> {
-    let mut order: Vec<(u32, (PlaneRect, u32))> = wanted_rects(tiles, pictures, seen).into_iter().collect();
+/// Extends tiles where pictures show a gap. Answers the tiles, unless none was extended, and how many were.
+pub fn extend(tiles: &TileSet, pictures: &[Coverage], account: &mut Account<'_>) -> Option<(TileSet, u64)> {
+    let mut order: Vec<(u32, (PlaneRect, u32))> = wanted_rects(tiles, pictures).into_iter().collect();
     // Those that close most come first.
     order.sort_by_key(|&(tile, (_, pixels))| (std::cmp::Reverse(pixels), tile));
     let mut changed = tiles.tiles.clone();
@@ -126,16 +140,15 @@ pub fn extend(
 }
 
 /// By tile, the rectangle that covers the gaps beside it, and their pixels.
-fn wanted_rects(tiles: &TileSet, pictures: &[Coverage], seen: &SeenDirections) -> BTreeMap<u32, (PlaneRect, u32)> {
+fn wanted_rects(tiles: &TileSet, pictures: &[Coverage]) -> BTreeMap<u32, (PlaneRect, u32)> {
     let of_picture = |picture: &Coverage| {
         let mut found = Vec::new();
-        for (pixel, gap) in picture.gap_pixels(seen) {
+        for gap in picture.gap_pixels() {
             let last = |ray: Ray| tiles.crossed(&ray).last().copied();
-            let mut behind: Vec<(u32, f64)> = picture.border(pixel).filter_map(last).collect();
+            let mut behind: Vec<(u32, f64)> = picture.border(gap.at).filter_map(last).collect();
             behind.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-            found.extend(
-                behind.iter().find_map(|&(tile, _)| Some((tile, extended(&tiles.tiles[tile as usize], &gap)?))),
-            );
+            let reaching = |tile: u32| reaching(&tiles.tiles[tile as usize], &gap.ray, picture.pixel_length());
+            found.extend(behind.iter().find_map(|&(tile, _)| Some((tile, reaching(tile)?))));
         }
         found
     };
@@ -148,22 +161,21 @@ fn wanted_rects(tiles: &TileSet, pictures: &[Coverage], seen: &SeenDirections) -
     wanted
 }
 
-/// The rectangle of a tile that reaches to a ray and a pixel farther; none where the plane is not met near the tile.
-fn extended(tile: &QuadTile, gap: &Ray) -> Option<PlaneRect> {
+/// The rectangle of a tile that reaches to a ray and a margin farther; none where the plane is not met near the tile.
+fn reaching(tile: &QuadTile, gap: &Ray, margin: f64) -> Option<PlaneRect> {
     let normal = tile.plane.0;
     let distance = (1.0 - normal.dot(gap.origin())) / normal.dot(gap.direction());
     let hit = gap.at(distance).is_finite().then(|| gap.at(distance)).filter(|_| distance > 0.0)?;
     let at = project(tile.cell.face, hit)?;
-    let margin = 2.0 / f64::from(SIDE);
     let around = PlaneRect { min: at.map(|at| at - margin), max: at.map(|at| at + margin) };
     // Only the sides that the ray is beyond.
     let rect = PlaneRect {
         min: [0, 1].map(|axis| if at[axis] < tile.rect.min[axis] { around.min[axis] } else { tile.rect.min[axis] }),
         max: [0, 1].map(|axis| if at[axis] > tile.rect.max[axis] { around.max[axis] } else { tile.rect.max[axis] }),
     };
-    let most = MOST_LONGER;
-    let is_near =
-        (0..2).all(|axis| tile.rect.min[axis] - rect.min[axis] <= most && rect.max[axis] - tile.rect.max[axis] <= most);
+    let is_near = (0..2).all(|axis| {
+        tile.rect.min[axis] - rect.min[axis] <= MOST_LONGER && rect.max[axis] - tile.rect.max[axis] <= MOST_LONGER
+    });
     let farthest = |rect: PlaneRect| {
         let along = rect.corners().map(|corner| tile.plane.hit(direction(tile.cell.face, corner)));
         along.into_iter().fold(0.0, |most: f64, at| if at > 0.0 { most.max(at) } else { f64::INFINITY })

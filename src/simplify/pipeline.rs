@@ -215,35 +215,42 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         rules,
         solid_threshold,
         stride: if settings.effort == Effort::Fast { 4 } else { 1 },
+        pixel_step: 1,
         texels_per_unit,
         atlas: settings.atlas,
         sizing: settings.sizing,
     };
-    let mut textured = texturing.run(&tiles, capture, monitor)?;
-    stages.add(&textured);
+    let coarse = texturing.coarse().run(&tiles, capture, monitor)?;
+    stages.add(&coarse);
     let begun = Instant::now();
     // Without a surface in all directions there is no telling a gap from what is empty.
     let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
     let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
-        let each = eyes.iter().map(|&eye| monitor.check().and_then(|()| cracks::pictures(scene, &region, eye)));
+        let each = eyes.iter().map(|&eye| {
+            monitor.check()?;
+            cracks::pictures(scene, (&region, &seen), eye)
+        });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     };
+    let mut gap_pictures = pictures(&coarse.scene)?;
+    for image in &capture.images {
+        monitor.check()?;
+        gap_pictures.extend(cracks::picture(&coarse.scene, &region, &tiles, image));
+    }
+    drop(coarse);
     let mut used = selection.used;
     let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
-    let extended = gaps::extend(&tiles, &pictures(&textured.scene)?, &seen, &mut account);
-    stages.atlas += begun.elapsed();
-    if let Some((with_extended, count)) = extended {
-        (tiles, used, counters.extended_tiles) = (with_extended, account.used, count);
-        textured = texturing.run(&tiles, capture, monitor)?;
-        stages.add(&textured);
-    } else {
-        monitor.advance(images.len() as u64);
+    if let Some((extended, count)) = gaps::extend(&tiles, &gap_pictures, &mut account) {
+        (tiles, used, counters.extended_tiles) = (extended, account.used, count);
     }
+    stages.atlas += begun.elapsed();
+    let textured = texturing.run(&tiles, capture, monitor)?;
+    stages.add(&textured);
     counters.add(&textured);
     let begun = Instant::now();
     let Textured { mut scene, layout, .. } = textured;
     let placed = (&tiles, &layout);
-    counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, &seen, placed, &mut scene);
+    counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, placed, &mut scene);
     for image in images.clone() {
         monitor.check()?;
         counters.closed_cracks += cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
