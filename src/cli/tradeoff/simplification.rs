@@ -5,6 +5,7 @@ use super::fixed::OptionsOf;
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::Result;
+use crate::report::tradeoff::kind::Setting;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::simplification::{SIMPLIFICATION, SimplificationBench};
 use crate::report::tradeoff::study::Axis;
@@ -14,15 +15,30 @@ const OWN: &[&str] = &["output", "json", "quiet"];
 
 pub fn measure(args: &Args, capture: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     refuse_options_of_coding(args, "simplifying a capture")?;
-    let study = plan::grid(&SIMPLIFICATION, &args.sweep)?;
+    let mut study = plan::grid(&SIMPLIFICATION, &args.sweep)?;
     let fixed = fixed(&args.fixed, &study.axes)?;
-    measure_grid(args, study, SimplificationBench { capture: capture.to_owned(), fixed }, global)
+    study.fixed = fixed.knobs;
+    measure_grid(args, study, SimplificationBench { capture: capture.to_owned(), fixed: fixed.words }, global)
 }
 
-fn fixed(words: &[String], axes: &[Axis]) -> Result<Vec<String>> {
+/// Options of all points: settings of knobs, and others.
+#[derive(Debug, PartialEq)]
+struct Fixed {
+    knobs: Vec<Setting>,
+    words: Vec<String>,
+}
+
+fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
     let line = ["capture", "-o", "scene.glb"];
     let options = OptionsOf { command: "simplify", line: &line, own: OWN, also: None };
-    Ok(options.read(words, axes)?.iter().flat_map(|option| option.words()).collect())
+    let mut fixed = Fixed { knobs: Vec::new(), words: Vec::new() };
+    for option in options.read(words, axes)? {
+        match (SIMPLIFICATION.knob(&option.name), option.value()) {
+            (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
+            _ => fixed.words.extend(option.words()),
+        }
+    }
+    Ok(fixed)
 }
 
 #[cfg(test)]
@@ -64,9 +80,10 @@ mod tests {
             let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
             fixed(&words, &[Axis { knob: "area", values: vec!["2".to_owned()] }])
         };
-        let mut words = of("--frames 3 --region=0,0,0,1,1,1").unwrap();
-        words.sort_unstable();
-        assert_eq!(words, ["--frames=3", "--region=0,0,0,1,1,1"]);
+        let mut fixed = of("--frames 3 --region=0,0,0,1,1,1 --effort fast").unwrap();
+        fixed.words.sort_unstable();
+        assert_eq!(fixed.words, ["--frames=3", "--region=0,0,0,1,1,1"]);
+        assert_eq!(fixed.knobs, [("effort", "fast".to_owned())]);
         let said = |line: &str| of(line).unwrap_err().to_string();
         assert!(said("--area 3").contains("swept") && said("--json").contains("itself"));
     }
