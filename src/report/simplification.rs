@@ -47,7 +47,8 @@ pub fn charts(convergence: &[Bounds], stages: &Stages) -> Vec<Figure> {
 fn converging(convergence: &[Bounds]) -> Drawing {
     let series = |number: usize, name: &str, value: fn(&Bounds) -> f64| {
         let mark = |(at, bounds): (usize, &Bounds)| Mark { x: at as f64, y: value(bounds), ..Mark::default() };
-        let marks = convergence.iter().enumerate().map(mark).filter(|mark| mark.y.is_finite()).collect();
+        let is_drawn = |mark: &Mark| mark.y.is_finite() && mark.y > 0.0;
+        let marks = convergence.iter().enumerate().map(mark).filter(is_drawn).collect();
         let kind = if convergence.len() > 1 { Kind::Curve } else { Kind::Points };
         Series { name: name.to_owned(), kind, look: Look::of(number), marks }
     };
@@ -57,7 +58,7 @@ fn converging(convergence: &[Bounds]) -> Drawing {
     ];
     let x = Axis::linear("iterations", [0.0, convergence.len().saturating_sub(1).max(1) as f64]);
     let values: Vec<f64> = series.iter().flat_map(|series| &series.marks).map(|mark| mark.y).collect();
-    let chart = Chart::new("Convergence of the selection of tiles", x, Axis::linear("energy", values));
+    let chart = Chart::new("Convergence of the selection of tiles", x, Axis::logarithmic("energy", values));
     Chart { series, legend: "Energy".to_owned(), ..chart }.draw(SIZE[0], SIZE[1])
 }
 
@@ -74,13 +75,15 @@ fn durations(stages: &Stages) -> Drawing {
         ("evaluate", evaluate),
     ];
     let mark = |(at, (_, duration)): (usize, &(&str, std::time::Duration))| Mark {
-        x: at as f64,
+        x: (at + 1) as f64,
         y: duration.as_secs_f64(),
         ..Mark::default()
     };
     let marks: Vec<Mark> = all.iter().enumerate().map(mark).collect();
     let total: f64 = marks.iter().map(|mark| mark.y).sum();
-    let words: Vec<String> = all.iter().map(|(name, _)| (*name).to_owned()).collect();
+    // Bars are as wide as the distance of two words.
+    let names = all.iter().map(|(name, _)| *name);
+    let words: Vec<String> = std::iter::once("").chain(names).chain([""]).map(str::to_owned).collect();
     let y = Axis::linear("seconds", marks.iter().map(|mark| mark.y));
     let chart = Chart::new(format!("Stages of {total:.1} s"), Axis::of_words("stage", &words), y);
     let series = vec![Series { name: String::new(), kind: Kind::Bars, look: Look::of(0), marks }];

@@ -19,7 +19,7 @@ use crate::report::tradeoff::study::Weights;
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
     lightfold tradeoff scene --sweep views=2,4 --sweep steps -o out -- --frames 0\n  \
     lightfold tradeoff room.glb --sweep effort --sweep cameras=2,4 -o out -- --region=-1,1,-1,1,2,1\n  \
-    lightfold tradeoff scene --sweep triangles=2000,20000,72000 --sweep area=1.5,2,3 -o out -- --effort fast\n  \
+    lightfold tradeoff scene --sweep triangles=2000,20000 --sweep area=2,3 -o out -- --effort fast\n  \
     lightfold tradeoff --list-knobs\n\n\
     Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
     bytes and quality are known and whose runs are finished are not measured again: the same command goes on after an \
