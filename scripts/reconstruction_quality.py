@@ -149,8 +149,13 @@ def held_out(probes, wanted):
             raise Refused(f"there is no probe {name}; there are {', '.join(names)}")
     if wanted or len(names) <= 4:
         return wanted or names
+    return [most_central(probes)]
+
+
+def most_central(probes):
+    """The name of the probe that is nearest to the middle of all."""
     middle = [mean(position[axis] for _, position in probes) for axis in range(3)]
-    return [min(probes, key=lambda probe: math.dist(probe[1], middle))[0]]
+    return min(probes, key=lambda probe: math.dist(probe[1], middle))[0]
 
 
 @dataclasses.dataclass(frozen=True)

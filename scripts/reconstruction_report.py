@@ -17,6 +17,7 @@ TITLES = {
 }
 PLACES = {"left out": "probe", "midway": "probes", "by pose": "way", "by views": "views", "effects": "place"}
 COLORS = {"points": "#b25d00", "ceiling": "#767676", "ours": "#0067b1", "ours, without effects": "#8a4fae"}
+OTHER_COLORS = ("#0067b1", "#b25d00", "#8a4fae", "#767676")
 DASHES = {"points": "2 3", "ceiling": "8 4", "ours": "", "ours, without effects": "10 3 2 3"}
 
 
@@ -68,13 +69,14 @@ def to_csv(rows):
     return text.getvalue()
 
 
-def mean_over_lines(rows):
-    """The rows of a chart: where poses lie on several lines, their mean by part of the way."""
+def mean_over_lines(rows, field):
+    """(place, method, value) of a chart: where poses lie on several lines, their mean by part of the way."""
     found = {}
     for row in rows:
-        if row.psnr_db is not None and math.isfinite(row.psnr_db):
-            found.setdefault((row.place, row.method), []).append(row)
-    return [dataclasses.replace(of[0], psnr_db=sum(row.psnr_db for row in of) / len(of), line=None) for of in found.values()]
+        value = getattr(row, field)
+        if value is not None and math.isfinite(value):
+            found.setdefault((row.place, row.method), []).append(value)
+    return [(place, method, sum(values) / len(values)) for (place, method), values in found.items()]
 
 
 def ticks(least, most, about=6):
@@ -85,10 +87,12 @@ def ticks(least, most, about=6):
     return [at * step for at in range(first, max(last, first + 1) + 1)]
 
 
-def chart(title, label, rows):
-    """PSNR of each method by place, as the text of an SVG file; none where there are fewer than two places."""
-    rows = mean_over_lines(rows)
-    places = sorted({row.place for row in rows})
+def chart(title, label, rows, measure=("psnr_db", "PSNR (dB)")):
+    """A measure (a field and its name) of each method by place, as the text of an SVG file; none where there are fewer than two
+    places."""
+    field, name = measure
+    spots = mean_over_lines(rows, field)
+    places = sorted({place for place, _, _ in spots})
     if len(places) < 2:
         return None
     wide, high, left, right, top, bottom = 760, 460, 64, 150, 40, 52
@@ -96,7 +100,7 @@ def chart(title, label, rows):
     # There is no half of a view.
     whole = all(float(place).is_integer() for place in places)
     across = [at for at in across if places[0] <= at <= places[-1] and (float(at).is_integer() or not whole)] or places
-    up = ticks(min(row.psnr_db for row in rows), max(row.psnr_db for row in rows))
+    up = ticks(min(value for _, _, value in spots), max(value for _, _, value in spots))
     x = lambda at: left + (wide - left - right) * (at - places[0]) / (places[-1] - places[0])
     y = lambda at: high - bottom - (high - top - bottom) * (at - up[0]) / (up[-1] - up[0])
     escape = xml.sax.saxutils.escape
@@ -113,11 +117,11 @@ def chart(title, label, rows):
     for at in across:
         parts.append(text(x(at), high - bottom + 18, f"{at:g}", ' text-anchor="middle"'))
     parts.append(text((left + wide - right) / 2, high - 12, label, ' text-anchor="middle"'))
-    parts.append(text(14, (top + high - bottom) / 2, "PSNR (dB)",
+    parts.append(text(14, (top + high - bottom) / 2, name,
                       f' text-anchor="middle" transform="rotate(-90 14 {(top + high - bottom) / 2:.1f})"'))
-    for at, method in enumerate(dict.fromkeys(row.method for row in rows)):
-        points = sorted((row.place, row.psnr_db) for row in rows if row.method == method)
-        color, dash = COLORS.get(method, "black"), DASHES.get(method, "")
+    for at, method in enumerate(dict.fromkeys(of for _, of, _ in spots)):
+        points = sorted((place, value) for place, of, value in spots if of == method)
+        color, dash = COLORS.get(method, OTHER_COLORS[at % len(OTHER_COLORS)]), DASHES.get(method, "")
         way = " ".join(f"{x(place):.1f},{y(value):.1f}" for place, value in points)
         parts.append(f'<polyline points="{way}" fill="none" stroke="{color}" stroke-width="2" stroke-dasharray="{dash}"/>')
         parts += [f'<circle cx="{x(place):.1f}" cy="{y(value):.1f}" r="3" fill="{color}"/>' for place, value in points]

@@ -238,7 +238,7 @@ class ReportTest(unittest.TestCase):
     def test_several_ways_have_one_curve(self):
         rows = [rq.Row("by pose", part, "ours", db, None, 0.0, line=line)
                 for line, db in (("a to b", 20.0), ("c to d", 30.0)) for part in (0.0, 0.5, 1.0)]
-        self.assertEqual([row.psnr_db for row in rr.mean_over_lines(rows)], [25.0] * 3)
+        self.assertEqual([value for _, _, value in rr.mean_over_lines(rows, "psnr_db")], [25.0] * 3)
         root = xml.etree.ElementTree.fromstring(rr.chart("title", "way", rows))
         self.assertEqual(len([e for e in root.iter() if e.tag.endswith("circle")]), 3)
         [(_, table)] = rr.tables(rows)

@@ -1,6 +1,7 @@
 //! `lightfold simplify INPUT -o scene.glb`: a still scene as textured quads under budgets.
 
 mod args;
+mod plot;
 mod report;
 
 use std::time::Instant;
@@ -34,10 +35,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         pipeline::simplify(&mut capture, &settings, &progress).map_err(|error| error.in_file(&args.input))?;
     let mut compare = |capture: &mut Capture| compare(&simplified.scene, capture, settings.background, &progress);
     let held_out = held_out.as_mut().map(&mut compare).transpose()?;
+    let figures = match &args.plot {
+        Some(folder) => plot::write(folder, &simplified, &mut capture, settings.background)?,
+        None => Vec::new(),
+    };
     drop(progress);
     simplified.notes.iter().for_each(|note| global.note(note));
     let bytes = write(args, &simplified)?;
-    let report = Report::new((&simplified, held_out.as_ref()), args, bytes, begun.elapsed());
+    let report = Report::new((&simplified, held_out.as_ref()), args, (bytes, figures), begun.elapsed());
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;

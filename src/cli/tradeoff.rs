@@ -8,6 +8,7 @@ mod input;
 mod measure;
 mod placement;
 mod rendering;
+mod simplification;
 mod text;
 mod tiles;
 
@@ -29,6 +30,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         (Some(scene), _) if Scene::is_named_by(scene) => placement::measure(args, scene, global),
         (Some(dataset), _) if args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render) => {
             rendering::measure(args, dataset, global)
+        }
+        (Some(capture), _) if args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Simplify) => {
+            simplification::measure(args, capture, global)
         }
         (Some(input), demands) => coding::measure(args, input, demands, global),
         (None, Some(demands)) => {

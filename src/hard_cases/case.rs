@@ -23,12 +23,13 @@ pub enum Family {
     Geometry,
     Scene,
     Render,
+    Simplification,
 }
 
 impl Family {
     /// In the order of the numbers.
-    pub const NAMES: [&str; 8] =
-        ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene", "render"];
+    pub const NAMES: [&str; 9] =
+        ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene", "render", "simplification"];
 
     pub fn name(self) -> &'static str {
         Family::NAMES[self as usize]

@@ -19,7 +19,9 @@ mod quantisation;
 mod render;
 mod report;
 mod scene;
+mod seurat;
 mod sight;
+mod simplify;
 mod temporal;
 
 use std::time::Instant;
@@ -34,7 +36,7 @@ pub use clip::Clip;
 pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, notes};
 
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 9] = [
+    let families: [fn() -> Vec<HardCase>; 11] = [
         quantisation::cases,
         temporal::cases,
         fits::cases,
@@ -44,6 +46,8 @@ pub fn table() -> Vec<HardCase> {
         scene::cases,
         render::cases,
         hidden::cases,
+        seurat::cases,
+        simplify::cases,
     ];
     families.into_iter().flat_map(|cases| cases()).collect()
 }

@@ -6,6 +6,7 @@ pub mod machine;
 pub mod picture;
 pub mod placement;
 pub mod plot;
+pub mod simplification;
 pub mod table;
 pub mod timing;
 pub mod tradeoff;

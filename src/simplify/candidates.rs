@@ -296,6 +296,23 @@ mod tests {
     }
 
     #[test]
+    fn a_slanted_wall_gets_one_tile_along_it() {
+        // Tiles across the line of sight would need one for each point.
+        let wall = grid(24).map(|direction| direction / (1.0 + 0.4 * direction.y - 0.3 * direction.z));
+        let points = points(wall);
+        let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast) };
+        let levels = candidates(&points, &EXTENT, &settings);
+        let tiling = &levels[0].tilings[TreeCell::ROOTS[0].index()][0];
+        assert_eq!(tiling.planes.len(), 1);
+        let across = |distance_m: f64| {
+            let plane = TilePlane::fronto_parallel(DVec3::X * distance_m);
+            points.iter().map(|point| plane.energy(point.position.as_dvec3())).sum::<f64>()
+        };
+        let best = (1..400).map(|step| across(0.01 * f64::from(step))).fold(f64::INFINITY, f64::min);
+        assert!(tiling.energy < 1e-4 * best, "{} {best}", tiling.energy);
+    }
+
+    #[test]
     fn more_tiles_never_fit_worse() {
         let bumps = grid(40).map(|direction| direction * (2.0 + (5.0 * direction.y).sin() * (7.0 * direction.z).cos()));
         let levels = candidates(&points(bumps), &EXTENT, &CandidateSettings::of(Effort::Fast));

@@ -29,6 +29,8 @@ enum Rays {
         frame: u32,
     },
     Manifest(SeuratCapture),
+    /// By image.
+    Memory(Vec<Vec<CaptureRay>>),
 }
 
 /// All images, read one by one.
@@ -97,11 +99,18 @@ impl Capture {
         Ok(Capture { rays, images, relative_depth_error, notes: Vec::new() })
     }
 
+    /// Images in memory, with the rays of each.
+    pub fn of_rays(images: impl IntoIterator<Item = (CaptureImage, Vec<CaptureRay>)>) -> Capture {
+        let (images, rays) = images.into_iter().unzip();
+        Capture { rays: Rays::Memory(rays), images, relative_depth_error: Some(0.0), notes: Vec::new() }
+    }
+
     /// The rays of an image, row by row.
     pub fn rays(&mut self, image: usize) -> Result<Vec<CaptureRay>> {
         match &mut self.rays {
             Rays::Manifest(capture) => capture.views[image].read(&ReadLimits::default()),
             Rays::Reference { reference, indices, frame } => of_reference(reference, indices[image], *frame),
+            Rays::Memory(rays) => Ok(rays[image].clone()),
         }
     }
 
@@ -109,7 +118,7 @@ impl Capture {
     pub fn in_file(&self, image: usize, error: Error) -> Error {
         match &self.rays {
             Rays::Manifest(capture) => error.in_file(&capture.views[image].depth.path),
-            Rays::Reference { .. } => error,
+            Rays::Reference { .. } | Rays::Memory(_) => error,
         }
     }
 

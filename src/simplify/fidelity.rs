@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::evaluate::reference::Truth;
 use crate::evaluate::similarity::{Similarity, truth_codes};
-use crate::image::{ColorPlane, ToneMap};
+use crate::image::{ColorPlane, Plane, ToneMap};
 use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::metrics::{SquaredError, U8_PEAK};
@@ -32,6 +32,8 @@ const MOST_AT_ONCE: usize = 8;
 /// Pictures of random poses, and their side in pixels.
 const POSES: u32 = 64;
 const POSE_SIDE: u32 = 256;
+/// Random places that are tried for each pose.
+const TRIES: u32 = 10_000;
 
 /// Figures of all pictures.
 #[derive(Debug, Clone, Copy)]
@@ -73,20 +75,17 @@ impl Fidelity {
         rays: &[CaptureRay],
         background: Background,
     ) -> Result<()> {
-        let CaptureImage { camera: Some(camera), size, .. } = *image else { return Ok(()) };
-        let (truth, surfaces) = truth(rays, size, background);
-        let Drawn { pixels, fragments, most_fragments } = draw(scene, &camera, size);
-        // Holes are black.
-        let rendered = RenderedImage::of_pixels(size, pixels.iter().copied())?;
-        self.similarity.merge(&Similarity::of(&rendered, &truth, ToneMap::default())?)?;
-        let [shown, wanted] = [rendered.codes(ToneMap::default()), truth_codes(&truth, ToneMap::default())];
+        let Some(compared) = Compared::new(scene, image, rays, background)? else { return Ok(()) };
+        let Compared { similarity, shown, wanted, surfaces, drawn, overdraw } = compared;
+        let Drawn { pixels, fragments, most_fragments } = drawn;
+        self.similarity.merge(&similarity)?;
         let opaque = || pixels.iter().enumerate().filter(|(_, pixel)| pixel[3] >= OPAQUE_ALPHA).map(|(at, _)| at);
         let of = |codes: &[[u8; 3]]| opaque().flat_map(|at| codes[at]).collect::<Vec<u8>>();
         self.opaque.merge(&SquaredError::of_u8(&of(shown.data()), &of(wanted.data()))?)?;
         self.pixels += pixels.len() as u64;
         self.fragments += fragments;
         self.fragments_per_pixel_max = self.fragments_per_pixel_max.max(most_fragments);
-        self.peak_overdraw = self.peak_overdraw.max(fragments as f64 / pixels.len().max(1) as f64);
+        self.peak_overdraw = self.peak_overdraw.max(overdraw);
         let below =
             |alpha: f32| pixels.iter().zip(&surfaces).filter(|(pixel, is)| **is && pixel[3] < alpha).count() as u64;
         self.crack_pixels += below(CRACK_ALPHA);
@@ -113,6 +112,45 @@ impl Fidelity {
 
     pub fn overdraw_mean(&self) -> f64 {
         self.fragments as f64 / self.pixels.max(1) as f64
+    }
+}
+
+/// A picture of the scene beside an image of a capture.
+#[derive(Debug)]
+pub struct Compared {
+    pub similarity: Similarity,
+    /// Display codes of the picture and of the image.
+    pub shown: Plane<[u8; 3]>,
+    pub wanted: Plane<[u8; 3]>,
+    /// Whether each pixel of the image shows a surface.
+    surfaces: Vec<bool>,
+    drawn: Drawn,
+    /// Triangles over a pixel, in the mean.
+    pub overdraw: f64,
+}
+
+impl Compared {
+    /// Draws the scene as an image of a capture was taken; none where the image has no camera.
+    pub fn new(
+        scene: &QuadMesh,
+        image: &CaptureImage,
+        rays: &[CaptureRay],
+        background: Background,
+    ) -> Result<Option<Compared>> {
+        let CaptureImage { camera: Some(camera), size, .. } = *image else { return Ok(None) };
+        let (truth, surfaces) = truth(rays, size, background);
+        let drawn = draw(scene, &camera, size);
+        // Holes are black.
+        let rendered = RenderedImage::of_pixels(size, drawn.pixels.iter().copied())?;
+        let tone = ToneMap::default();
+        Ok(Some(Compared {
+            similarity: Similarity::of(&rendered, &truth, tone)?,
+            shown: rendered.codes(tone),
+            wanted: truth_codes(&truth, tone),
+            surfaces,
+            overdraw: drawn.fragments as f64 / drawn.pixels.len().max(1) as f64,
+            drawn,
+        }))
     }
 }
 
@@ -158,13 +196,13 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
     let mut random = Random::new(0);
     let mut unit = || f64::from(random.word()) / f64::from(u32::MAX) * 2.0 - 1.0;
     let mut vector = || DVec3::new(unit(), unit(), unit());
-    let mut score = PoseScore { poses: POSES, ..PoseScore::default() };
+    let mut score = PoseScore::default();
     let size = [POSE_SIDE; 2];
     for _ in 0..POSES {
-        let mut eye = vector() * region.half;
-        while !region.contains(eye) {
-            eye = vector() * region.half;
-        }
+        // Of a small part of the box around it nothing may be found.
+        let eyes = (0..TRIES).map(|_| vector() * region.half);
+        let Some(eye) = eyes.into_iter().find(|&eye| region.admits(eye)) else { break };
+        score.poses += 1;
         let eye = region.middle + eye;
         let mut forward = vector();
         while forward.length_squared() > 1.0 || forward.x == 0.0 {

@@ -173,6 +173,9 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         merger.add(&ends);
         monitor.advance(1);
     }
+    if samples == 0 {
+        return Err(Error::Usage("there is no sample: a capture has a pixel that shows a surface".into()));
+    }
     let points = merger.finish();
     stages.merge = begun.elapsed();
 

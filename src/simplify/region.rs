@@ -81,6 +81,14 @@ impl ViewingRegion {
         }
     }
 
+    /// Whether an eye, relative to the middle, may be there. A region without extent along an axis has eyes, too.
+    pub fn admits(&self, eye: DVec3) -> bool {
+        match &self.given {
+            Some(region) => region.contains(self.middle + eye),
+            None => eye.abs().cmple(self.half).all(),
+        }
+    }
+
     /// Metres along a ray, from a point relative to the middle, to the cube of the sky.
     pub fn to_sky(&self, origin: DVec3, direction: DVec3) -> f64 {
         let half = SKY_RADII * self.radius();
@@ -102,6 +110,7 @@ mod tests {
         assert_eq!((region.middle, region.radius()), (DVec3::new(2.0, 1.0, 1.0), 1.0));
         assert_eq!(region.to_sky(DVec3::X, DVec3::X), 399.0);
         assert_eq!(region.to_sky(DVec3::X, DVec3::new(-0.6, 0.8, 0.0)), 500.0);
+        assert!(region.admits(DVec3::X) && !region.contains(DVec3::X) && !region.admits(DVec3::Y));
         let ball = ViewingRegion::given(Region::parse(&["sphere:1,2,3,0.5"]).unwrap());
         assert!(ball.contains(DVec3::X * 0.49) && !ball.contains(DVec3::splat(0.4)));
         assert!(ball.has_extent() && region.has_extent());

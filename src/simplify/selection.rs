@@ -23,6 +23,14 @@ pub struct Budgets {
     pub peak_overdraw: f64,
 }
 
+/// How messages about budgets that cannot be kept begin.
+const INFEASIBLE: &str = "no selection of tiles keeps";
+
+/// Whether a message, of this process or of another one, says that budgets cannot be kept.
+pub fn says_infeasible(message: &str) -> bool {
+    message.contains(INFEASIBLE)
+}
+
 /// Triangles, area, and the overdraw of each view.
 pub const CONSTRAINTS: usize = 2 + VIEWS;
 pub type Use = [f64; CONSTRAINTS];
@@ -64,6 +72,14 @@ pub struct SelectedTiling {
     pub tiling: usize,
 }
 
+/// Energies between which the best selection lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    pub dual: f64,
+    /// Of the best feasible selection so far; `+inf` without any.
+    pub primal: f64,
+}
+
 #[derive(Debug, Clone)]
 pub struct Selection {
     pub tilings: Vec<SelectedTiling>,
@@ -72,8 +88,8 @@ pub struct Selection {
     /// No valid tiling that keeps all budgets has less energy.
     pub dual: f64,
     pub iterations: usize,
-    /// The dual bound after each iteration.
-    pub convergence: Vec<f64>,
+    /// Bounds before the first iteration and after each.
+    pub convergence: Vec<Bounds>,
     pub used: Use,
 }
 
@@ -192,10 +208,10 @@ impl<'a> Problem<'a> {
     pub fn solve(&self, iterations: usize, gap: f64) -> Result<Selection> {
         let mut prices = [0.0; CONSTRAINTS];
         let free = self.best(&prices, 1.0);
-        let mut convergence = vec![free.priced];
         if free.tilings.is_empty() || self.is_feasible(&free.used) {
             let dual = free.priced;
-            return Ok(self.selection(free, dual, convergence));
+            let primal = free.energy;
+            return Ok(self.selection(free, vec![Bounds { dual, primal }]));
         }
         let mut best_prices = prices;
         let mut dual = free.priced;
@@ -203,6 +219,8 @@ impl<'a> Problem<'a> {
         // A first feasible selection, which says how far the dual can rise.
         let first = self.first_prices(free.energy)?;
         self.feasible_scale(&first, &mut primal).ok_or_else(|| self.infeasible())?;
+        let upper = |primal: &Option<Solution>| primal.as_ref().map_or(f64::INFINITY, |primal| primal.energy);
+        let mut convergence = vec![Bounds { dual, primal: upper(&primal) }];
         let (mut factor, mut without_progress) = (1.0, 0);
         for iteration in 0..iterations {
             let solution = self.best(&prices, 1.0);
@@ -217,7 +235,6 @@ impl<'a> Problem<'a> {
             if iteration % REPAIR_INTERVAL == REPAIR_INTERVAL - 1 {
                 self.feasible_scale(&best_prices, &mut primal);
             }
-            convergence.push(dual);
             // Relative excess of each resource.
             let excess: Vec<f64> =
                 solution.used.iter().zip(&self.capacity).map(|(used, capacity)| used / capacity - 1.0).collect();
@@ -225,7 +242,8 @@ impl<'a> Problem<'a> {
             {
                 primal = Some(solution);
             }
-            let upper = primal.as_ref().map_or(f64::INFINITY, |primal| primal.energy);
+            let upper = upper(&primal);
+            convergence.push(Bounds { dual, primal: upper });
             if upper - dual <= gap * upper {
                 break;
             }
@@ -249,7 +267,11 @@ impl<'a> Problem<'a> {
             }
         }
         self.feasible_scale(&best_prices, &mut primal);
-        primal.map(|primal| self.selection(primal, dual, convergence)).ok_or_else(|| self.infeasible())
+        let primal = primal.ok_or_else(|| self.infeasible())?;
+        if let Some(last) = convergence.last_mut() {
+            last.primal = primal.energy;
+        }
+        Ok(self.selection(primal, convergence))
     }
 
     /// Prices at which the tiling of least price is feasible, found by raising those of what is short and lowering the others by
@@ -321,16 +343,16 @@ impl<'a> Problem<'a> {
             _ => ("peak overdraw", (least * 1e4).ceil() / 1e4),
         };
         Error::Usage(match ratio > 1.0 {
-            true => format!("no selection of tiles keeps the budget of {name}: the least that would do is {least}"),
-            false => format!(
-                "no selection of tiles keeps all budgets at once; alone, {name} needs {least}: raise it or another"
-            ),
+            true => format!("{INFEASIBLE} the budget of {name}: the least that would do is {least}"),
+            false => format!("{INFEASIBLE} all budgets at once; alone, {name} needs {least}: raise it or another"),
         })
     }
 
-    fn selection(&self, solution: Solution, dual: f64, convergence: Vec<f64>) -> Selection {
+    fn selection(&self, solution: Solution, convergence: Vec<Bounds>) -> Selection {
         let Solution { tilings, energy, used, .. } = solution;
-        Selection { tilings, primal: energy, dual, iterations: convergence.len(), convergence, used }
+        let dual = convergence.last().map_or(f64::NEG_INFINITY, |bounds| bounds.dual);
+        let iterations = convergence.len().saturating_sub(1);
+        Selection { tilings, primal: energy, dual, iterations, convergence, used }
     }
 }
 
@@ -410,6 +432,41 @@ mod tests {
         }
         // The relaxation has a gap where few tilings are left to choose from.
         assert!(exact * 10 >= cases * 7, "{exact} of {cases}");
+    }
+
+    /// Costs of three levels below one root: a tiling of one tile in each cell, with these energies.
+    fn of_levels(energies: [f64; 3]) -> Vec<Vec<Vec<TilingCost>>> {
+        let of = |level: u32| {
+            let cost = TilingCost { energy: energies[level as usize], triangles: 2.0, area: 1e-3, worst_area: 1e-3 };
+            let of_root = |index| TreeCell::at(level, index).face == TreeCell::ROOTS[0].face;
+            (0..TreeCell::count(level)).map(|index| if of_root(index) { vec![cost] } else { Vec::new() }).collect()
+        };
+        (0..3).map(of).collect()
+    }
+
+    #[test]
+    fn cells_are_divided_twice_though_dividing_them_once_is_worse() {
+        // 10 for one tile, 12 for 4, 0.16 for 16: who compares a cell with its children alone stops at the first.
+        let (costs, shares) = (of_levels([10.0, 3.0, 0.01]), ViewShares::of_trees());
+        let solve = |triangles: f64| {
+            let budgets = Budgets { triangles, area: 1.0, peak_overdraw: 10.0 };
+            Problem::new(&costs, 0, &shares, &budgets).solve(400, 0.0).unwrap()
+        };
+        let fine = solve(32.0);
+        assert!(fine.tilings.len() == 16 && (fine.primal - 0.16).abs() < 1e-12, "{fine:?}");
+        assert_eq!(solve(2.0).primal, 10.0);
+    }
+
+    #[test]
+    fn bounds_approach_each_other() {
+        let (costs, shares) = (costs(3), ViewShares::of_trees());
+        let budgets = Budgets { triangles: 14.0, area: 0.4, peak_overdraw: 2.5 };
+        let found = Problem::new(&costs, 0, &shares, &budgets).solve(200, 0.0).unwrap();
+        assert_eq!(found.convergence.len(), found.iterations + 1);
+        assert!(found.convergence.is_sorted_by(|a, b| a.dual <= b.dual && a.primal >= b.primal));
+        let last = found.convergence[found.iterations];
+        assert_eq!((last.dual, last.primal), (found.dual, found.primal));
+        assert!(found.convergence.iter().all(|bounds| bounds.dual <= bounds.primal + 1e-9));
     }
 
     #[test]

@@ -78,7 +78,8 @@ fn lower_envelope(values: &[f32], parabolas: &mut [usize], borders: &mut [f32], 
             let Some(last) = count.checked_sub(1) else { break f32::NEG_INFINITY };
             let q = parabolas[last];
             let (x, y) = (at as f32, q as f32);
-            let border = ((value + x * x) - (values[q] + y * y)) / (2.0 * (x - y));
+            // Not as a difference of squares, which are rounded in long lines.
+            let border = (value - values[q]) / (2.0 * (x - y)) + 0.5 * (x + y);
             if border > borders[last] {
                 break border;
             }
@@ -115,6 +116,16 @@ mod tests {
                 (dx * dx + dy * dy) as f32
             });
             assert_eq!(found, nearest.fold(f32::INFINITY, f32::min));
+        }
+        // Squares of places at the end of a long line have more bits than a float.
+        let long = 1 << 15;
+        let values: Vec<f32> =
+            (0..long).map(|at| if at % 3 == 0 && at + 100 > long { 0.0 } else { f32::INFINITY }).collect();
+        let mut found = vec![0.0; long];
+        let (mut parabolas, mut borders) = (vec![0; long], vec![0.0; long + 1]);
+        lower_envelope(&values, &mut parabolas, &mut borders, |at, value| found[at] = value);
+        for (at, found) in found.iter().enumerate().skip(long - 90).take(88) {
+            assert_eq!(*found, [0.0, 1.0, 1.0][at % 3], "{at}");
         }
         assert!(squared_distances(4, |_| false).iter().all(|distance| distance.is_infinite()));
     }

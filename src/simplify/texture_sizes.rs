@@ -15,6 +15,14 @@ pub const BLOCK: usize = 4;
 /// Bisections of λ, in octaves.
 const BISECTIONS: usize = 30;
 
+/// What messages about an atlas that is too small have in them.
+const INFEASIBLE: &str = "do not fit into an atlas of";
+
+/// Whether a message, of this process or of another one, says that an atlas is too small.
+pub fn says_infeasible(message: &str) -> bool {
+    message.contains(INFEASIBLE)
+}
+
 /// A size and its distortion.
 #[derive(Debug, Clone, Copy)]
 struct Representation {
@@ -58,7 +66,7 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing) -> Result<Lay
         let least = (1u32..).find(|&blocks| (blocks as usize).pow(2) >= textures.len()).unwrap_or(u32::MAX);
         let least = least.saturating_mul(BLOCK as u32);
         Error::Usage(format!(
-            "{} tiles do not fit into an atlas of {most} texels a side: the least that would do is {least}",
+            "{} tiles {INFEASIBLE} {most} texels a side: the least that would do is {least}",
             textures.len()
         ))
     };

@@ -84,7 +84,7 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
         ("--atlas 4", "an atlas of 4 texels a side"),
         ("--region=-9,-9,-9,9,9,9", "lies in the viewing region"),
         ("--region=1,2", "six numbers"),
-        ("--frame 7", "no image of frame 7"),
+        ("--frames 7", "no image of frame 7"),
     ];
     for (options, words) in cases {
         let said = refused(&format!("simplify room -o out.glb --effort fast {options}"), folder.path());
@@ -92,4 +92,22 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
         assert!(!folder.path().join("out.glb").exists());
     }
     assert!(refused("simplify nowhere -o out.glb", folder.path()).contains("nowhere"));
+}
+
+#[test]
+fn charts_and_pictures_are_drawn_into_a_folder() {
+    let folder = room();
+    let line = "simplify room -o quads.glb --triangles 600 --effort fast --plot figures --json";
+    let report: Value = serde_json::from_slice(&fine(line, folder.path()).stdout).unwrap();
+    let mut names: Vec<String> = fs::read_dir(folder.path().join("figures"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let maps = ["error-1.png", "error-2.png", "error-3.png", "error-4.png"];
+    let expected = [&["convergence.png", "convergence.svg"][..], &maps, &["overdraw.png", "stages.png", "stages.svg"]];
+    assert_eq!(names, expected.concat());
+    assert_eq!(report["figures"].as_array().unwrap().len(), names.len());
+    let chart = fs::read_to_string(folder.path().join("figures/convergence.svg")).unwrap();
+    assert!(chart.contains("bound (dual)") && chart.contains("best selection (primal)"), "{chart}");
 }

@@ -347,6 +347,33 @@ fn a_process_ends_with_the_one_that_started_it() {
     assert_eq!(status.code(), Some(130));
 }
 
+/// Budgets that cannot be kept are told beside the points that were measured.
+#[test]
+fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
+    let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 16, probes: 2 };
+    plan.write(&place().join("room"), &Silent).unwrap();
+    let sweep = "room --sweep sizing=adaptive,uniform --sweep triangles=4,40,400 --repeats 1 -o simplified";
+    let report = json(&format!("{sweep} --json -- --effort fast --atlas 96"));
+    let points = report["points"].as_array().unwrap();
+    assert!(points.len() == 4 && points.iter().all(|point| point["triangles"].as_u64().unwrap() <= 400), "{report}");
+    let failed = report["failed"].as_array().unwrap();
+    assert!(failed.len() == 2 && failed.iter().all(|point| point["is_infeasible"] == true), "{report}");
+    let said = failed[0]["error"].as_str().unwrap();
+    assert!(said.contains("the least that would do is 12"), "{said}");
+    let findings = report["findings"].as_array().unwrap();
+    let verdict = |name: &str| findings.iter().find(|finding| finding["name"] == name).unwrap()["verdict"].clone();
+    assert_ne!(verdict("triangles_close_cracks"), "not measured");
+    assert_eq!(verdict("area_closes_cracks"), "not measured");
+    let folder = place().join("simplified");
+    for name in ["simplification.csv", "simplification.json", "simplification.svg", "index.html"] {
+        assert!(folder.join(name).is_file(), "{name}");
+    }
+    let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
+    assert!(page.contains("triangles=4 sizing=adaptive is infeasible"), "{page}");
+    let all = refused("room --sweep triangles=2,4 --repeats 1 -o none -- --effort fast");
+    assert!(all.contains("the least that would do is 12"), "{all}");
+}
+
 /// A sweep of rendering leaves all files that it names, the page among them, and no other kind of sweep beside it.
 #[test]
 fn options_of_render_are_swept_over_a_probe_that_is_left_out() {

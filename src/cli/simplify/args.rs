@@ -69,6 +69,10 @@ pub struct Args {
     /// Compare pictures of the scene with the images of this dataset, too
     #[arg(long, value_name = "DATASET")]
     pub held_out: Option<PathBuf>,
+    /// Draw charts and pictures into a folder: convergence of the selection, durations of the stages, the images that come out
+    /// worst with their errors, and the overdraw of the view that has the most
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
     /// Print durations and counts of all stages
     #[arg(long)]
     pub stats: bool,

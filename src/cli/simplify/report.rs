@@ -47,6 +47,9 @@ pub struct Report {
     stages: Stages,
     counters: Counters,
     files: Vec<FileReport>,
+    /// Charts and pictures of `--plot`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    figures: Vec<PathBuf>,
     #[serde(serialize_with = "json::seconds")]
     seconds: Duration,
 }
@@ -93,7 +96,7 @@ impl Report {
     pub fn new(
         (simplified, held_out): (&Simplified, Option<&Fidelity>),
         args: &Args,
-        bytes: u64,
+        (bytes, figures): (u64, Vec<PathBuf>),
         elapsed: Duration,
     ) -> Report {
         let Simplified { selection, fidelity, atlas, poses, .. } = simplified;
@@ -144,6 +147,7 @@ impl Report {
             stages: simplified.stages,
             counters: simplified.counters,
             files: vec![FileReport { path: args.output.clone(), bytes }],
+            figures,
             seconds: elapsed,
         }
     }

@@ -19,6 +19,7 @@ use crate::report::tradeoff::study::Weights;
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
     lightfold tradeoff scene --sweep views=2,4 --sweep steps -o out -- --frames 0\n  \
     lightfold tradeoff room.glb --sweep effort --sweep cameras=2,4 -o out -- --region=-1,1,-1,1,2,1\n  \
+    lightfold tradeoff scene --sweep triangles=2000,20000 --sweep area=2,3 -o out -- --effort fast\n  \
     lightfold tradeoff --list-knobs\n\n\
     Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
     bytes and quality are known and whose runs are finished are not measured again: the same command goes on after an \
@@ -32,15 +33,19 @@ use crate::report::tradeoff::study::Weights;
     --preset, --recommend, --budget-seconds, --weights and --stream are for footage alone.\n\n\
     Where options of render are swept, one probe of the dataset is left out (--reference-probe after --, else the most \
     central one) and rendered from the others: DIR has rendering.csv, rendering.json, pictures of PSNR against time and a page. \
-    Options after -- are those of render then. What is said of a scene holds for such a sweep, too. A folder holds sweeps of \
-    one kind: coding, rendering, or placing cameras.\n\n\
+    Options after -- are those of render then. What is said of a scene holds for such a sweep, too.\n\n\
+    Where options of simplify are swept, each point simplifies the capture and compares the result with it: DIR has \
+    simplification.csv, simplification.json, pictures and a page, with what Seurat's authors found and whether it holds here. A \
+    point whose budgets cannot be kept is listed with the least value that would do. Options after -- are those of simplify, and \
+    what is said of a scene holds, too. A folder holds sweeps of one kind: coding, rendering, simplifying, or placing cameras.\n\n\
     Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
 pub struct Args {
     /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; or a scene to place cameras in. Not
     /// needed where --recommend is to look at what DIR holds
     #[arg(value_name = "MANIFEST|SEQ|SCENE", required_unless_present_any = ["recommend", "list_knobs"])]
     pub input: Option<String>,
-    /// Options of encode (of place for a scene, of render where its options are swept) that all points have, such as --hdr or --frames 0-9
+    /// Options of encode (of place for a scene, of render or simplify where their options are swept) that all points have, such
+    /// as --hdr or --frames 0-9
     #[arg(last = true, value_name = "OPTIONS")]
     pub fixed: Vec<String>,
     /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
@@ -50,8 +55,8 @@ pub struct Args {
     /// Sweeps that are prepared: those of the papers' figures, or the same in few values
     #[arg(long, value_name = "NAME", value_parser = one_of(PRESETS))]
     pub preset: Option<Preset>,
-    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; where rendering or
-    /// placing cameras is measured, for rendering.csv or placement.csv, .json, pictures and page
+    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; where rendering, simplifying or
+    /// placing cameras is measured, for rendering.csv, simplification.csv or placement.csv, .json, pictures and page
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
     pub output: PathBuf,
     /// Replace what DIR holds of other footage, options, machine or program, instead of refusing

@@ -216,6 +216,7 @@ mod tests {
                 (Stage::Decode, ..) => &["decode"],
                 (Stage::Place, ..) => &["place"],
                 (Stage::Render, ..) => &["render"],
+                (Stage::Simplify, ..) => &["simplify"],
                 (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
                 (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],

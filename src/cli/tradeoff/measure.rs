@@ -58,7 +58,7 @@ impl Opened {
 }
 
 /// Measures a study whose points are one command each, anew each time.
-pub fn measure_grid(args: &Args, study: Study, bench: impl CommandBench, global: &GlobalArgs) -> Result<ExitStatus> {
+pub fn measure_grid<B: CommandBench>(args: &Args, study: Study, bench: B, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let (points, here) = (study.points(), Path::new("."));
     let lines = bench.preparation(here).map(|(_, line)| line).into_iter();
@@ -67,7 +67,8 @@ pub fn measure_grid(args: &Args, study: Study, bench: impl CommandBench, global:
     let (about, commands, more) = (bench.about(), bench.examples(&points), bench.input());
     let sweeping = Sweeping { args, global, start, studies: vec![study], left_out: Vec::new(), about, commands };
     let finished = sweeping.measure(&mut opened, |work| Commands { bench, work: work.to_path_buf() })?;
-    finished.tell(&opened, &Extras::default(), more, "")?;
+    let extras = Extras { findings: B::findings(&finished.results), figures: Vec::new() };
+    finished.tell(&opened, &extras, more, "")?;
     Ok(ExitStatus::Passed)
 }
 
@@ -110,7 +111,10 @@ impl<'a> Sweeping<'a> {
         let done = done?;
         let mut left_out = self.left_out;
         left_out.extend(done.left_out);
-        left_out.extend(done.failed.iter().map(|of| format!("Point {} failed: {}", of.point, of.error)));
+        left_out.extend(done.failed.iter().map(|FailedPoint { point, error, is_infeasible }| match is_infeasible {
+            true => format!("Point {point} is infeasible: {error}"),
+            false => format!("Point {point} failed: {error}"),
+        }));
         let points = all_points(&done.studies);
         // Without a run there is no time to show.
         let timed = points.iter().filter(|point| store.runs(point) > 0);
@@ -159,11 +163,12 @@ impl Finished<'_> {
         let text = || format!("{}{words}", text::report(&self.results, &extras.findings, &files));
         output::print_either(args.json, &all, text)?;
         self.results.left_out.iter().for_each(|note| self.global.note(note));
-        match self.failed.first() {
+        let failed: Vec<&FailedPoint> = self.failed.iter().filter(|of| !of.is_infeasible).collect();
+        match failed.first() {
             None => Ok(()),
-            Some(FailedPoint { point, error }) => Err(Error::invalid(format!(
+            Some(FailedPoint { point, error, .. }) => Err(Error::invalid(format!(
                 "{} of {} points failed, and are tried again by the same command; {point}: {error}",
-                self.failed.len(),
+                failed.len(),
                 all_points(&self.results.studies).len()
             ))),
         }

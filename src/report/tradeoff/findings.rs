@@ -33,3 +33,45 @@ pub struct Finding {
     /// The values that it was judged by, a sentence; or what would have to be measured.
     pub rests_on: String,
 }
+
+/// What a test found, before it is named.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    pub verdict: Verdict,
+    pub rests_on: String,
+}
+
+impl Judged {
+    pub fn new(is_found: bool, rests_on: String) -> Judged {
+        Judged { verdict: if is_found { Verdict::Found } else { Verdict::NotFound }, rests_on }
+    }
+
+    /// Found where most rows keep a rule; none without rows. The sentence is made of the number of rows that do.
+    pub fn majority<T>(
+        rows: &[T],
+        keeps: impl Fn(&T) -> bool,
+        rests_on: impl FnOnce(usize) -> String,
+    ) -> Option<Judged> {
+        let kept = rows.iter().filter(|row| keeps(row)).count();
+        (!rows.is_empty()).then(|| Judged::new(2 * kept > rows.len(), rests_on(kept)))
+    }
+}
+
+/// A sentence of a paper with the function that judges it, which answers none where that was not measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Test<J> {
+    pub name: &'static str,
+    pub sentence: &'static str,
+    pub rule: &'static str,
+    /// What has to be measured for it.
+    pub needs: &'static str,
+    pub judge: J,
+}
+
+impl<J> Test<J> {
+    pub fn finding(&self, judged: Option<Judged>) -> Finding {
+        let nothing = || Judged { verdict: Verdict::NotMeasured, rests_on: self.needs.to_owned() };
+        let Judged { verdict, rests_on } = judged.unwrap_or_else(nothing);
+        Finding { name: self.name, sentence: self.sentence, verdict, rule: self.rule, rests_on }
+    }
+}

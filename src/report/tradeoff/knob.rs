@@ -11,6 +11,7 @@ pub enum Stage {
     Both,
     Place,
     Render,
+    Simplify,
 }
 
 impl Stage {
@@ -21,6 +22,7 @@ impl Stage {
             Stage::Both => "both",
             Stage::Place => "place",
             Stage::Render => "render",
+            Stage::Simplify => "simplify",
         }
     }
 }

@@ -7,12 +7,13 @@ use super::kind::{Setting, SweepKind};
 use super::knob::{Knob, Stage};
 use super::placement::PLACEMENT;
 use super::rendering::RENDERING;
+use super::simplification::SIMPLIFICATION;
 use super::study::{Axis, Study};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 
 /// All kinds of sweeps. A knob that several have is described by the first.
-pub const KINDS: [&SweepKind; 3] = [&CODING, &PLACEMENT, &RENDERING];
+pub const KINDS: [&SweepKind; 4] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION];
 
 fn names(kind: &SweepKind) -> String {
     kind.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
@@ -32,10 +33,10 @@ impl Sweep {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
         let knob = KINDS.iter().find_map(|kind| kind.knob(name)).ok_or_else(|| {
-            let [coding, placing, rendering] = KINDS.map(names);
+            let [coding, placing, rendering, simplifying] = KINDS.map(names);
             format!(
                 "'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}, nor of those of \
-                 rendering: {rendering}"
+                 rendering: {rendering}, nor of those of simplifying: {simplifying}"
             )
         })?;
         let given = values.is_some();

@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::findings::Finding;
 use super::kind::{Measured, Point, SweepKind};
-use super::study::ExampleCommand;
+use super::study::{ExampleCommand, Results};
 use crate::error::{Error, Result};
 
 /// Runs command lines of this program. Implemented by the command line.
@@ -51,6 +52,12 @@ pub trait Bench {
     fn devices(&self) -> &[String] {
         &[]
     }
+
+    /// Whether an error of a point says that its settings together admit no result: such a point is a hole, and the sweep is
+    /// complete without it.
+    fn is_infeasible(&self, _error: &Error) -> bool {
+        false
+    }
 }
 
 /// What a point is where one command measures it, whose first run is timed, too.
@@ -79,6 +86,19 @@ pub trait CommandBench {
 
     /// Adds all other values of a point, whose files are in the folder of `commands`.
     fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()>;
+
+    /// As [`Bench::is_infeasible`].
+    fn is_infeasible(&self, _error: &Error) -> bool {
+        false
+    }
+
+    /// What papers found, tested on the results.
+    fn findings(_results: &Results) -> Vec<Finding>
+    where
+        Self: Sized,
+    {
+        Vec::new()
+    }
 
     /// Commands that anyone can repeat.
     fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
@@ -123,6 +143,10 @@ impl<B: CommandBench> Bench for Commands<B> {
     fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
         let report = Report::of(runner, &self.bench.line(&measured.point, &self.work))?;
         self.bench.add_run(&report, measured)
+    }
+
+    fn is_infeasible(&self, error: &Error) -> bool {
+        self.bench.is_infeasible(error)
     }
 }
 

@@ -35,6 +35,8 @@ pub struct Schedule {
 pub struct FailedPoint {
     pub point: String,
     pub error: String,
+    /// Whether no point of these settings is possible, as [`Bench::is_infeasible`] says.
+    pub is_infeasible: bool,
 }
 
 /// Runs that [`measure`] advances its monitor by at most.
@@ -59,8 +61,12 @@ pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a
         }
         Some(budget) => work.within(budget, studies)?,
     };
-    let Measurement { lab: Lab { store, .. }, failed, .. } = work;
-    let told = failed.iter().map(|(point, error)| FailedPoint { point: point.to_string(), error: error.to_string() });
+    let Measurement { lab: Lab { store, bench, .. }, failed, .. } = work;
+    let told = failed.iter().map(|(point, error)| FailedPoint {
+        point: point.to_string(),
+        error: error.to_string(),
+        is_infeasible: bench.is_infeasible(error),
+    });
     let told = told.collect();
     if all_points(&studies).iter().all(|point| store.runs(point) == 0)
         && let Some((_, first)) = failed.into_iter().next()

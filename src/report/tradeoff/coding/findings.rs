@@ -1,11 +1,12 @@
 //! Findings of the papers, tested on this footage by the rule of each.
 
-use super::runs::{self, Run};
+use super::runs::in_boxes;
 use crate::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
 use crate::image::StreamKind;
 use crate::report::plot::number::short;
-use crate::report::tradeoff::findings::{Finding, Verdict};
+use crate::report::tradeoff::findings::{Finding, Judged, Test};
 use crate::report::tradeoff::kind::Measured;
+use crate::report::tradeoff::runs::{self, Run};
 use crate::report::tradeoff::study::Results;
 
 const BAD_DB: usize = 60;
@@ -16,21 +17,9 @@ const LEAST_RUNS: usize = 3;
 /// R² from which on a line is said to fit: much that curves upwards is not exponential.
 const FITS: f64 = 0.95;
 
-struct Test {
-    name: &'static str,
-    sentence: &'static str,
-    rule: &'static str,
-    needs: &'static str,
-    /// None where that was not measured.
-    judge: fn(&Results, &TilePsnr) -> Option<Judged>,
-}
+type CodingTest = Test<fn(&Results, &TilePsnr) -> Option<Judged>>;
 
-struct Judged {
-    verdict: Verdict,
-    rests_on: String,
-}
-
-const TESTS: [Test; 7] = [
+const TESTS: [CodingTest; 7] = [
     Test {
         name: "aabbs_decaying",
         sentence: "More AABBs compress better, with decaying effect (CALF figure 7).",
@@ -91,26 +80,11 @@ const TESTS: [Test; 7] = [
 
 pub fn judge(results: &Results, tiles: Option<&TilePsnr>) -> Vec<Finding> {
     let no_tiles = TilePsnr::default();
-    let finding = |Test { name, sentence, rule, needs, judge }: Test| {
-        let nothing = || Judged { verdict: Verdict::NotMeasured, rests_on: needs.to_owned() };
-        let Judged { verdict, rests_on } = judge(results, tiles.unwrap_or(&no_tiles)).unwrap_or_else(nothing);
-        Finding { name, sentence, verdict, rule, rests_on }
-    };
-    TESTS.into_iter().map(finding).collect()
+    TESTS.iter().map(|test| test.finding((test.judge)(results, tiles.unwrap_or(&no_tiles)))).collect()
 }
 
 fn container(point: &Measured) -> f64 {
     point.count("bytes_container") as f64
-}
-
-fn verdict(is_found: bool) -> Verdict {
-    if is_found { Verdict::Found } else { Verdict::NotFound }
-}
-
-/// Found where most rows keep a rule; none without rows.
-fn majority<T>(rows: &[T], keeps: impl Fn(&T) -> bool, rests_on: impl FnOnce(usize) -> String) -> Option<Judged> {
-    let kept = rows.iter().filter(|row| keeps(row)).count();
-    (!rows.is_empty()).then(|| Judged { verdict: verdict(2 * kept > rows.len()), rests_on: rests_on(kept) })
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -132,7 +106,7 @@ fn boxes_compress_less_and_less(results: &Results) -> Option<Judged> {
         last_doubling: f64,
         whole: f64,
     }
-    let mut runs = runs::along(results, StreamKind::Depth, "max-aabbs", 3);
+    let mut runs = runs::along(results, Some(StreamKind::Depth), "max-aabbs", 3);
     runs.retain(|run| run.points.iter().all(|(limit, _)| *limit >= 1.0));
     let saving = |run: &Run<'_>| {
         let doubling = |from: usize| {
@@ -145,7 +119,7 @@ fn boxes_compress_less_and_less(results: &Results) -> Option<Judged> {
     };
     let rows: Vec<Saving> = runs.iter().map(saving).collect();
     let count = rows.len();
-    majority(
+    Judged::majority(
         &rows,
         |of| of.whole > 0.0 && of.first_doubling > of.last_doubling,
         |kept| {
@@ -163,7 +137,7 @@ fn boxes_compress_less_and_less(results: &Results) -> Option<Judged> {
 
 /// The longest and the shortest window of every row of points along `depth-window` that has at least two.
 fn windows(results: &Results) -> Vec<[&Measured; 2]> {
-    let runs = runs::along(results, StreamKind::Depth, "depth-window", 2);
+    let runs = runs::along(results, Some(StreamKind::Depth), "depth-window", 2);
     runs.iter().filter_map(|run| Some([run.points.last()?.1, run.points.first()?.1])).collect()
 }
 
@@ -171,7 +145,7 @@ fn short_windows_are_smaller(results: &Results) -> Option<Judged> {
     let rows = windows(results);
     let ratio = |[long, short]: &[&Measured; 2]| container(long) / container(short).max(1.0);
     let count = rows.len();
-    majority(
+    Judged::majority(
         &rows,
         |row| ratio(row) > 1.0,
         |kept| {
@@ -188,7 +162,7 @@ fn short_windows_decode_faster(results: &Results) -> Option<Judged> {
     let timed = windows(results).into_iter().filter_map(|[long, short]| TimeRatio::of(long, short));
     let rows: Vec<TimeRatio> = timed.collect();
     let count = rows.len();
-    majority(
+    Judged::majority(
         &rows,
         |row| row.is_slower,
         |kept| {
@@ -217,10 +191,10 @@ fn thresholds_grow_exponentially(results: &Results) -> Option<Judged> {
         let (slope, logarithmic) = line_fit(&places, &logs);
         Growth { logarithmic, linear: line_fit(&places, &bytes).1, factor: (10.0 * slope).exp() }
     };
-    let rows: Vec<Growth> = runs::along(results, StreamKind::Color, "psnr", 3).iter().map(growth).collect();
+    let rows: Vec<Growth> = runs::along(results, Some(StreamKind::Color), "psnr", 3).iter().map(growth).collect();
     let count = rows.len();
     let keeps = |of: &Growth| of.logarithmic > of.linear && of.logarithmic >= FITS && of.factor > 1.0;
-    majority(&rows, keeps, |kept| {
+    Judged::majority(&rows, keeps, |kept| {
         format!(
             "Bytes grow by a factor of {} for each 10 dB. R² of a line through their logarithms is {:.3}, through \
              themselves {:.3}, in the mean of {count} rows of points. {kept} of {count} rows keep the rule.",
@@ -232,7 +206,7 @@ fn thresholds_grow_exponentially(results: &Results) -> Option<Judged> {
 }
 
 fn cells_cost_time_more_than_bytes(results: &Results) -> Option<Judged> {
-    let mut runs = runs::along(results, StreamKind::Color, "color-cell", 2);
+    let mut runs = runs::along(results, Some(StreamKind::Color), "color-cell", 2);
     runs.retain(|run| run.points.iter().all(|(_, point)| point.runs("decode_runs").len() >= LEAST_RUNS));
     let ratios = runs.iter().filter_map(|run| {
         let [low, high] = range(run.points.iter().map(|(_, point)| container(point).max(1.0)));
@@ -248,12 +222,12 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Option<Judged> {
         short(size),
         ratios.len()
     );
-    (!ratios.is_empty()).then(|| Judged { verdict: verdict(time > size), rests_on })
+    (!ratios.is_empty()).then(|| Judged::new(time > size, rests_on))
 }
 
 fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
-    let runs = runs::along(results, StreamKind::Depth, "max-error", 1);
-    let beside = runs.iter().filter_map(|run| Some((run, runs::in_boxes(results, &run.others)?)));
+    let runs = runs::along(results, Some(StreamKind::Depth), "max-error", 1);
+    let beside = runs.iter().filter_map(|run| Some((run, in_boxes(results, &run.others)?)));
     let bounds = beside.flat_map(|(run, boxes)| run.points.iter().filter_map(move |(_, of)| TimeRatio::of(of, boxes)));
     let bounds: Vec<TimeRatio> = bounds.collect();
     let kept = bounds.iter().filter(|of| of.is_faster).count();
@@ -265,7 +239,7 @@ fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
         short(high),
         bounds.len()
     );
-    (!bounds.is_empty()).then(|| Judged { verdict: verdict(kept == bounds.len()), rests_on })
+    (!bounds.is_empty()).then(|| Judged::new(kept == bounds.len(), rests_on))
 }
 
 struct TimeRatio {
@@ -301,7 +275,7 @@ fn bc4w_is_rarely_bad_and_rarely_perfect(tiles: &TilePsnr) -> Option<Judged> {
         tiles.tiles(),
         of.collect::<Vec<_>>().join("; ")
     );
-    (tiles.tiles() > 0).then(|| Judged { verdict: verdict(least(0) && least(1)), rests_on })
+    (tiles.tiles() > 0).then(|| Judged::new(least(0) && least(1), rests_on))
 }
 
 /// Shares of tiles below [`BAD_DB`], and exact or from [`PERFECT_DB`] on.

@@ -296,7 +296,7 @@ fn a_point_that_fails_leaves_a_hole_and_is_tried_again() {
     let sweeps = ["psnr=30,40,50"];
     let broken = Fake { fails: Some("--psnr=40"), ..Fake::default() };
     let (outcome, store) = run(&broken, &sweeps, all(2), folder.path()).unwrap();
-    let [FailedPoint { point, error: said }] = &outcome.failed[..] else { panic!("{outcome:?}") };
+    let [FailedPoint { point, error: said, .. }] = &outcome.failed[..] else { panic!("{outcome:?}") };
     assert_eq!(point.to_string(), "color with psnr=40");
     assert!(said.contains("--psnr=40") && said.ends_with("it broke"), "{said}");
     assert_eq!(broken.encodes().iter().filter(|psnr| *psnr == "40").count(), 0, "the fake keeps no line of a failure");

@@ -1,4 +1,5 @@
 use super::*;
+use crate::report::tradeoff::findings::Verdict;
 use crate::report::tradeoff::kind::Value;
 use crate::report::tradeoff::tests::sample;
 

@@ -1,0 +1,98 @@
+//! Simplified scenes that may not get worse: tests/baselines/simplify.csv, one row for each set.
+//!
+//! `cargo test --test suite simplify_quality::write_baselines -- --ignored` writes the file anew, for a change that means to.
+
+use std::fmt::Write as _;
+
+use lightfold::effort::Effort;
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
+use lightfold::simplify::capture::Capture;
+use lightfold::simplify::cost::TextureCoordinates;
+use lightfold::simplify::pipeline::{Settings, Simplified, TilingKind, simplify};
+use lightfold::simplify::samples::{Background, Inside};
+use lightfold::simplify::selection::Budgets;
+use lightfold::simplify::texture_sizes::Sizing;
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
+const HEAD: &str = "set,triangles,texels,psnr_db,ssim";
+/// Logarithms of other processors may choose another tile or two: in dB, in SSIM, and as a part of triangles and texels.
+const SLACK_DB: f64 = 0.05;
+const SLACK_SSIM: f64 = 0.002;
+const SLACK: f64 = 1.01;
+
+const SETTINGS: Settings = Settings {
+    budgets: Budgets { triangles: 3000.0, area: 2.5, peak_overdraw: 4.0 },
+    atlas: 512,
+    pixels_per_degree: None,
+    region: None,
+    background: Background::Sky,
+    inside: Inside::Refuse,
+    effort: Effort::Fast,
+    tiling: TilingKind::Quadtree,
+    sizing: Sizing::Adaptive,
+    texture_coordinates: TextureCoordinates::Affine,
+};
+
+struct Row {
+    set: &'static str,
+    triangles: usize,
+    texels: u64,
+    psnr_db: f64,
+    ssim: f64,
+}
+
+impl Row {
+    fn line(&self) -> String {
+        let Row { set, triangles, texels, psnr_db, ssim } = self;
+        format!("{set},{triangles},{texels},{psnr_db:.3},{ssim:.4}")
+    }
+}
+
+fn of_scene(kind: DemoKind) -> Row {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = FootagePlan { kind, frames: 1, face_size: 32, probes: 4 };
+    plan.write(folder.path(), &Silent).unwrap();
+    let Simplified { scene, atlas, fidelity, .. } =
+        simplify(&mut Capture::open(folder.path(), None).unwrap(), &SETTINGS, &Silent).unwrap();
+    Row {
+        set: kind.name(),
+        triangles: scene.mesh.triangles.len(),
+        texels: atlas.map(u64::from).iter().product(),
+        psnr_db: fidelity.similarity.all.psnr_db(),
+        ssim: fidelity.similarity.ssim().unwrap(),
+    }
+}
+
+fn scenes() -> Vec<Row> {
+    [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Mirrors].into_iter().map(of_scene).collect()
+}
+
+#[test]
+fn simplified_scenes_are_no_worse_and_take_no_more() {
+    let text = std::fs::read_to_string(FILE).unwrap();
+    assert_eq!(text.lines().next(), Some(HEAD));
+    let rows = scenes();
+    assert_eq!(text.lines().count(), 1 + rows.len());
+    for row in rows {
+        println!("{}", row.line());
+        let key = format!("{},", row.set);
+        let line = text.lines().find(|line| line.starts_with(&key)).unwrap_or_else(|| panic!("{key} has no baseline"));
+        let numbers: Vec<f64> = line[key.len()..].split(',').map(|number| number.parse().unwrap()).collect();
+        let [triangles, texels, psnr_db, ssim] = numbers[..] else { panic!("{line}") };
+        assert!(row.triangles as f64 <= SLACK * triangles, "{key} {} triangles, {triangles} before", row.triangles);
+        assert!(row.texels as f64 <= SLACK * texels, "{key} {} texels, {texels} before", row.texels);
+        assert!(row.psnr_db >= psnr_db - SLACK_DB, "{key} {} dB are less than {psnr_db}", row.psnr_db);
+        assert!(row.ssim >= ssim - SLACK_SSIM, "{key} an SSIM of {} is less than {ssim}", row.ssim);
+    }
+}
+
+#[test]
+#[ignore = "writes tests/baselines"]
+fn write_baselines() {
+    let mut text = format!("{HEAD}\n");
+    for row in scenes() {
+        writeln!(text, "{}", row.line()).unwrap();
+    }
+    std::fs::write(FILE, text).unwrap();
+}
