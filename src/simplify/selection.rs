@@ -392,7 +392,7 @@ mod tests {
         let mut found: Vec<(f64, Use)> = Vec::new();
         for cost in problem.of_cell(cell) {
             let mut used = [0.0; CONSTRAINTS];
-            problem.add(&mut used, cell, cost, 1.0);
+            add_cost(&mut used, problem.shares.of(cell.level, cell.index()), cost, 1.0);
             found.push((cost.energy, used));
         }
         if cell.level + 1 < LEVELS {
