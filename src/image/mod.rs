@@ -6,6 +6,8 @@ pub mod equirect;
 #[cfg(feature = "encode")]
 pub mod exr;
 pub mod kind;
+#[cfg(feature = "encode")]
+pub mod ktx2;
 pub mod layout;
 pub mod limits;
 pub mod plane;

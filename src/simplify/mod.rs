@@ -8,7 +8,7 @@
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
 //! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`cracks`].
-//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh.
+//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`export`]: its files.
 //! 7. [`raster`]: draws the mesh (6).
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
@@ -18,6 +18,7 @@ pub mod capture;
 pub mod constraints;
 pub mod cost;
 pub mod cracks;
+pub mod export;
 pub mod fidelity;
 pub mod fit;
 pub mod pipeline;

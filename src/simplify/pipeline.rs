@@ -10,7 +10,7 @@ use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks::{self, CRACK_ALPHA};
 use super::fidelity::{self, Fidelity, PoseScore, SeenDirections};
 use super::points::PointMerger;
-use super::quad_mesh::QuadMesh;
+use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::raster::draw;
 use super::region::ViewingRegion;
 use super::samples::{Background, Inside, Sample, SampleRules};
@@ -62,6 +62,7 @@ pub struct Settings {
     pub tiling: TilingKind,
     pub sizing: Sizing,
     pub texture_coordinates: TextureCoordinates,
+    pub light: AtlasLight,
 }
 
 /// Durations of the stages.
@@ -80,6 +81,9 @@ pub struct Stages {
     pub shading: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub atlas: Duration,
+    /// Files, which the caller writes.
+    #[serde(serialize_with = "json::seconds")]
+    pub export: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub evaluate: Duration,
 }
@@ -100,6 +104,8 @@ pub struct Counters {
     /// Tiles with a smaller texture than asked for, so that the atlas fits.
     pub reduced_tiles: u64,
     pub closed_cracks: u64,
+    /// Texels that are kept as half floats, too.
+    pub float_texels: u64,
 }
 
 /// The result, and figures about it.
@@ -213,7 +219,9 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     let begun = Instant::now();
     let places = layout(&textures, settings.atlas, settings.sizing)?;
     counters.reduced_tiles = places.reduced as u64;
-    let mut scene = QuadMesh::new(&tiles, &textures, &places, region.middle);
+    let form = MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light };
+    let mut scene = QuadMesh::new(&tiles, &textures, &places, &form);
+    counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     drop::<Vec<TileTexture>>(textures);
     for image in images.clone() {
         monitor.check()?;
@@ -327,6 +335,7 @@ mod tests {
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
             texture_coordinates: TextureCoordinates::Affine,
+            light: AtlasLight::Codes,
         }
     }
 
@@ -366,6 +375,36 @@ mod tests {
         };
         let one = on(1);
         assert!(one == on(3));
+    }
+
+    #[test]
+    fn homogeneous_texture_coordinates_divide_no_tile() {
+        let found = run(|settings| settings.texture_coordinates = TextureCoordinates::Projective).unwrap();
+        assert_eq!(found.scene.mesh.triangles.len() as u64, 2 * found.tiles);
+        assert_eq!(found.scene.stq.len(), found.scene.mesh.positions.len());
+        // Each corner has those of the affine coordinates.
+        for (stq, uv) in found.scene.stq.iter().zip(&found.scene.mesh.uvs) {
+            assert!(stq.z > 0.0 && stq.z <= 1.0 && (stq.truncate() / stq.z - uv).length() < 1e-6, "{stq} {uv}");
+        }
+        let [psnr_db, affine_db] = [found, run(|_| {}).unwrap()].map(|found| found.fidelity.similarity.all.psnr_db());
+        assert!(psnr_db > affine_db - 0.1, "{psnr_db} {affine_db}");
+    }
+
+    #[test]
+    fn light_of_hdr_is_kept_above_white() {
+        let codes = run(|_| {}).unwrap();
+        assert!(codes.scene.light.is_none() && codes.counters.float_texels == 0);
+        let floats = run(|settings| settings.light = AtlasLight::HalfFloats).unwrap();
+        let light = floats.scene.light.as_ref().unwrap();
+        assert_eq!(floats.counters.float_texels, light.len() as u64);
+        assert!(floats.scene.texture.pixels == codes.scene.texture.pixels && floats.scene.mesh == codes.scene.mesh);
+        let tone = crate::image::ToneMap::default();
+        for (light, pixel) in light.iter().zip(&floats.scene.texture.pixels) {
+            for (light, code) in light.iter().zip(pixel) {
+                assert!(tone.code(light.to_f32()).abs_diff(*code) <= 1, "{light:?} {pixel:?}");
+            }
+        }
+        assert!(light.as_flattened().iter().any(|light| light.to_f32() > 1.0));
     }
 
     #[test]

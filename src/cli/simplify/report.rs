@@ -93,7 +93,7 @@ impl Report {
     pub fn new(
         (simplified, held_out): (&Simplified, Option<&Fidelity>),
         args: &Args,
-        bytes: u64,
+        files: Vec<(PathBuf, u64)>,
         elapsed: Duration,
     ) -> Report {
         let Simplified { selection, fidelity, atlas, poses, .. } = simplified;
@@ -143,7 +143,7 @@ impl Report {
             candidates: simplified.candidates,
             stages: simplified.stages,
             counters: simplified.counters,
-            files: vec![FileReport { path: args.output.clone(), bytes }],
+            files: files.into_iter().map(|(path, bytes)| FileReport { path, bytes }).collect(),
             seconds: elapsed,
         }
     }
