@@ -55,6 +55,7 @@ fn write(args: &Args, settings: &Settings, simplified: &Simplified) -> Result<Ve
         budgets: &settings.budgets,
         atlas: settings.atlas,
         coordinates: settings.texture_coordinates,
+        surfaces: simplified.surfaces.as_ref(),
     };
     let mut written = Vec::new();
     for OutputBytes { path, bytes } in export::files(&scene, &args.outputs())? {

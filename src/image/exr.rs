@@ -404,8 +404,17 @@ pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> R
 
 /// Bytes of a file of channels R, G, B and A as halves, ZIP compressed. They depend on the pixels alone.
 pub fn rgba_bytes(plane: &Plane<[f16; 4]>) -> Result<Vec<u8>> {
+    file_bytes(plane, halves(plane, ["R", "G", "B", "A"], |value| value))
+}
+
+/// As [`rgba_bytes`], of three channels, rounded to nearest.
+pub fn triple_bytes(plane: &Plane<[f32; 3]>, names: [&str; 3]) -> Result<Vec<u8>> {
+    file_bytes(plane, halves(plane, names, f16::from_f32))
+}
+
+fn file_bytes<T>(plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -> Result<Vec<u8>> {
     let mut file = Cursor::new(Vec::new());
-    encode(&mut file, plane, halves(plane, ["R", "G", "B", "A"], |value| value)).map_err(|error| match error {
+    encode(&mut file, plane, channels).map_err(|error| match error {
         exr::error::Error::Io(source) => Error::io("the EXR file", source),
         other => translate(other),
     })?;

@@ -8,7 +8,8 @@
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
 //! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`cracks`].
-//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`export`]: its files.
+//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
+//!    material; [`export`]: files.
 //! 7. [`raster`]: draws the mesh (6).
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
@@ -21,6 +22,7 @@ pub mod cracks;
 pub mod export;
 pub mod fidelity;
 pub mod fit;
+pub mod gbuffer;
 pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;

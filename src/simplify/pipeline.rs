@@ -9,6 +9,7 @@ use super::capture::{Capture, CaptureImage};
 use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks::{self, CRACK_ALPHA};
 use super::fidelity::{self, Fidelity, PoseScore, SeenDirections};
+use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::points::PointMerger;
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::raster::draw;
@@ -63,6 +64,16 @@ pub struct Settings {
     pub sizing: Sizing,
     pub texture_coordinates: TextureCoordinates,
     pub light: AtlasLight,
+    pub surfaces: SurfaceAtlases,
+}
+
+/// Atlases beside that of light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SurfaceAtlases {
+    #[default]
+    None,
+    /// Of normals and material, where the capture has them.
+    GBuffer,
 }
 
 /// Durations of the stages.
@@ -112,6 +123,7 @@ pub struct Counters {
 #[derive(Debug)]
 pub struct Simplified {
     pub scene: QuadMesh,
+    pub surfaces: Option<SurfaceAtlas>,
     pub region: ViewingRegion,
     pub selection: Selection,
     pub samples: u64,
@@ -231,6 +243,11 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         }
         monitor.advance(1);
     }
+    let textured = TexturedTiles { tiles: &tiles, layout: &places, solid_threshold };
+    let surfaces = match settings.surfaces {
+        SurfaceAtlases::None => None,
+        SurfaceAtlases::GBuffer => Some(textured.surfaces(capture, &rules, monitor)?),
+    };
     stages.atlas = begun.elapsed();
 
     let begun = Instant::now();
@@ -239,6 +256,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     stages.evaluate = begun.elapsed();
     Ok(Simplified {
         scene,
+        surfaces,
         region,
         samples,
         points: point_count,
@@ -336,6 +354,7 @@ mod tests {
             sizing: Sizing::Adaptive,
             texture_coordinates: TextureCoordinates::Affine,
             light: AtlasLight::Codes,
+            surfaces: SurfaceAtlases::None,
         }
     }
 

@@ -176,6 +176,51 @@ fn hdr_textures_keep_light_above_one() {
 }
 
 #[test]
+fn normals_and_material_have_the_texture_coordinates_of_light() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let cameras = "--position=0,1.5,0 --position=0.3,1.5,0.1 --size 32 --samples 1";
+    fine(&format!("capture mirrors {cameras} --aov depth,normal,material -o room"), folder.path());
+    let manifest = fs::read_to_string(folder.path().join("room/lightfield.json")).unwrap();
+    assert!(serde_json::from_str::<Value>(&manifest).unwrap()["files"]["normal"].is_string());
+    let report = simplified("--gbuffer -o a.glb", folder.path());
+    let paths: Vec<&str> =
+        report["files"].as_array().unwrap().iter().map(|file| file["path"].as_str().unwrap()).collect();
+    assert_eq!(paths, ["a.glb", "a.normal.exr", "a.material.exr"]);
+    let (document, buffers, image) = glb(&folder.path().join("a.glb"));
+    let limits = ReadLimits::default();
+    let read = |name: &str, channels| exr::read_channels(&folder.path().join(name), channels, &limits).unwrap();
+    let normals = read("a.normal.exr", ["X", "Y", "Z"]);
+    let materials = read("a.material.exr", ["reflect", "refract", "ior"]);
+    for plane in [&normals, &materials] {
+        assert_eq!([plane.width(), plane.height()], [image.width, image.height]);
+    }
+    assert!(materials.data().iter().any(|[reflect, ..]| *reflect > 0.4));
+    // At the middle of most triangles, the normal is that of the triangle.
+    let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
+    let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+    let positions: Vec<glam::Vec3> = reader.read_positions().unwrap().map(glam::Vec3::from_array).collect();
+    let uvs: Vec<glam::Vec2> = reader.read_tex_coords(0).unwrap().into_f32().map(glam::Vec2::from_array).collect();
+    let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+    let (mut close, mut count) = (0, 0);
+    for corners in indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|at| positions[corners[at] as usize]);
+        let middle = corners.iter().map(|corner| uvs[*corner as usize]).sum::<glam::Vec2>() / 3.0;
+        let normal = normals.get((middle.x * image.width as f32) as u32, (middle.y * image.height as f32) as u32);
+        let normal = glam::Vec3::from_array(normal);
+        if normal != glam::Vec3::ZERO {
+            assert!((normal.length() - 1.0).abs() < 0.01, "{normal}");
+            close += u32::from((b - a).cross(c - a).normalize_or_zero().dot(normal) > 0.9);
+            count += 1;
+        }
+    }
+    assert!(count > 100 && close * 10 > count * 6, "{close} of {count}");
+
+    let other = room();
+    let said = refused("simplify room --effort fast --gbuffer -o a.glb", other.path());
+    assert!(said.contains("--gbuffer needs normals or material"), "{said}");
+}
+
+#[test]
 fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
     let folder = room();
     let cases = [

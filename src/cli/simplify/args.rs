@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::placement::Region;
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::export::{Ktx2Format, Ktx2Output, Outputs};
-use crate::simplify::pipeline::{Settings, TilingKind};
+use crate::simplify::pipeline::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
@@ -93,6 +93,9 @@ pub struct Args {
     /// Print durations and counts of all stages
     #[arg(long)]
     pub stats: bool,
+    /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
+    #[arg(long)]
+    pub gbuffer: bool,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -129,8 +132,8 @@ const SIZINGS: &Choices<Sizing> = &[
 impl Args {
     pub(super) fn check(&self) -> Result<()> {
         check_report(&self.output, self.json)?;
-        match self.hdr && self.output == Path::new("-") {
-            true => Err(Error::Usage("--hdr writes a file beside the scene: give -o a name, not -".into())),
+        match (self.hdr || self.gbuffer) && self.output == Path::new("-") {
+            true => Err(Error::Usage("--hdr and --gbuffer write files beside the scene: give -o a name, not -".into())),
             false => self.outputs().check(),
         }
     }
@@ -155,6 +158,7 @@ impl Args {
             tiling: self.tiling,
             sizing: self.sizing,
             texture_coordinates: self.uv,
+            surfaces: if self.gbuffer { SurfaceAtlases::GBuffer } else { SurfaceAtlases::None },
             light: if self.hdr { AtlasLight::HalfFloats } else { AtlasLight::Codes },
         })
     }

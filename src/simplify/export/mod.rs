@@ -12,11 +12,14 @@ use std::path::{Path, PathBuf};
 pub use textures::Ktx2Format;
 
 use super::cost::TextureCoordinates;
+use super::gbuffer::SurfaceAtlas;
 use super::quad_mesh::QuadMesh;
 use super::region::ViewingRegion;
 use super::selection::Budgets;
+use crate::dataset::manifest::NORMAL_CHANNELS;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::image::{Plane, exr};
 
 /// A scene, and what files say about it.
 #[derive(Debug)]
@@ -27,6 +30,7 @@ pub struct Scene<'a> {
     /// Largest side of the atlas, in texels.
     pub atlas: u32,
     pub coordinates: TextureCoordinates,
+    pub surfaces: Option<&'a SurfaceAtlas>,
 }
 
 /// The files to write.
@@ -92,16 +96,17 @@ impl Outputs {
 pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     outputs.check()?;
     let mut beside = Vec::new();
+    if outputs.scene == Path::new("-") && (scene.quads.light.is_some() || scene.surfaces.is_some()) {
+        return Err(Error::Usage("there are files beside the scene: give it a name, not -".into()));
+    }
     if let Some(light) = &scene.quads.light {
-        if outputs.scene == Path::new("-") {
-            return Err(Error::Usage(
-                "light of half floats is a file beside the scene: give that a name, not -".into(),
-            ));
-        }
         beside.push(OutputBytes { path: outputs.beside("exr"), bytes: textures::exr(&scene.quads.texture, light)? });
     }
     if let Some(output) = &outputs.ktx2 {
         beside.push(OutputBytes { path: output.path.clone(), bytes: textures::ktx2(scene.quads, output)? });
+    }
+    for (plane, extension, channels) in surfaces(scene) {
+        beside.push(OutputBytes { path: outputs.beside(extension), bytes: exr::triple_bytes(plane, channels)? });
     }
     let mut files = match outputs.format()? {
         SceneFormat::Glb => {
@@ -124,6 +129,14 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     };
     files.extend(beside);
     Ok(files)
+}
+
+/// Atlases beside that of light: values, what the name of the file ends in, channels.
+fn surfaces<'a>(scene: &'a Scene) -> Vec<(&'a Plane<[f32; 3]>, &'static str, [&'static str; 3])> {
+    let Some(SurfaceAtlas { normal, material }) = scene.surfaces else { return Vec::new() };
+    let of_normal = normal.iter().map(|plane| (plane, "normal.exr", NORMAL_CHANNELS));
+    let of_material = material.iter().map(|plane| (plane, "material.exr", ["reflect", "refract", "ior"]));
+    of_normal.chain(of_material).collect()
 }
 
 /// A name that other files can refer to.
