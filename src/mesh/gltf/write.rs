@@ -370,6 +370,12 @@ mod tests {
         };
         let found: Vec<_> = read.meshes().map(of).collect();
         assert_eq!(found, [Some((80, gltf::accessor::Dimensions::Vec3)), None]);
+        let document::Parsed { document, blob } = document::parse(&bytes).unwrap();
+        let folder = Folder::of(std::path::Path::new("a.glb"));
+        let mut buffers = Buffers::new(document.as_json(), blob, folder, Budget::new(bytes.len() as u64));
+        let primitives: Vec<_> = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()).collect();
+        let mut read = |at: usize, name| primitives::application_vectors(&primitives[at], name, &mut buffers).unwrap();
+        assert_eq!((read(0, "STQ"), read(0, "OTHER"), read(2, "STQ")), (stq.clone(), vec![], vec![]));
         let wrong = Additions { extras: None, attributes: &[("_STQ", &stq[1..])] };
         let said = glb(&[mesh()], &palette(), &wrong, &mut Vec::new()).unwrap_err().to_string();
         assert!(said.contains("_STQ: 79 values for 80 corners"), "{said}");

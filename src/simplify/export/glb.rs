@@ -1,5 +1,7 @@
 //! A scene as binary glTF: one unlit, blended, double-sided primitive whose triangles are in drawing order.
 
+use std::io::Write;
+
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
@@ -8,14 +10,14 @@ use crate::error::Result;
 use crate::mesh::Material;
 use crate::mesh::gltf::write::{self, Additions};
 use crate::simplify::cost::TextureCoordinates;
+use crate::simplify::quad_mesh::QuadMesh;
 
 /// glTF has no homogeneous texture coordinates: they are an attribute of the application. The validator of Khronos reports a
 /// textured primitive without TEXCOORD_0, which therefore stays.
 const HOMOGENEOUS: &str = "_TEXCOORD_STQ";
 
-/// `textures` are names of files with the same texture.
-pub fn bytes(scene: &Scene, textures: &[&str]) -> Result<Vec<u8>> {
-    let quads = scene.quads;
+/// Writes the mesh; `extras` are data of the file.
+pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()> {
     let material = Material {
         name: "quads".into(),
         base_color: DVec3::ONE,
@@ -27,9 +29,14 @@ pub fn bytes(scene: &Scene, textures: &[&str]) -> Result<Vec<u8>> {
     };
     let stq: &[(&str, &[Vec3])] = &[(HOMOGENEOUS, &quads.stq)];
     let attributes = if quads.stq.is_empty() { &[] } else { stq };
-    let additions = Additions { extras: Some(extras(scene, textures)), attributes };
+    let additions = Additions { extras: Some(extras), attributes };
+    write::glb(std::slice::from_ref(&quads.mesh), &[material], &additions, out)
+}
+
+/// `textures` are names of files with the same texture.
+pub fn bytes(scene: &Scene, textures: &[&str]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    write::glb(std::slice::from_ref(&quads.mesh), &[material], &additions, &mut bytes)?;
+    write(scene.quads, extras(scene, textures), &mut bytes)?;
     Ok(bytes)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Light lies straight, not multiplied by alpha, in all of them. No file changes the order of triangles.
 
-mod glb;
+pub mod glb;
 mod obj;
 mod textures;
 
