@@ -84,7 +84,7 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
         ("--atlas 4", "an atlas of 4 texels a side"),
         ("--region=-9,-9,-9,9,9,9", "lies in the viewing region"),
         ("--region=1,2", "six numbers"),
-        ("--frame 7", "no image of frame 7"),
+        ("--frames 7", "no image of frame 7"),
     ];
     for (options, words) in cases {
         let said = refused(&format!("simplify room -o out.glb --effort fast {options}"), folder.path());

@@ -45,11 +45,16 @@ fn obj_and_png_hold_what_the_glb_holds() {
     let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
     let (models, materials) = tobj::load_obj(folder.path().join("b.obj"), &tobj::LoadOptions::default()).unwrap();
     let [model] = &models[..] else { panic!("one mesh, in drawing order") };
-    assert_eq!(model.mesh.indices, reader.read_indices().unwrap().into_u32().collect::<Vec<_>>());
-    let positions: Vec<f32> = reader.read_positions().unwrap().flatten().collect();
-    assert_eq!(model.mesh.positions, positions);
-    let uvs = reader.read_tex_coords(0).unwrap().into_f32().flat_map(|[u, v]| [u, 1.0 - v]);
-    assert!(model.mesh.texcoords.iter().zip(uvs).all(|(a, b)| (a - b).abs() < 1e-6));
+    // The reader numbers corners anew, so they are compared one by one.
+    let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+    let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
+    let uvs: Vec<[f32; 2]> = reader.read_tex_coords(0).unwrap().into_f32().collect();
+    assert_eq!(model.mesh.indices.len(), indices.len());
+    for (&own, &other) in indices.iter().zip(&model.mesh.indices) {
+        assert_eq!(&model.mesh.positions.as_chunks().0[other as usize], &positions[own as usize]);
+        let ([u, v], [s, t]) = (uvs[own as usize], model.mesh.texcoords.as_chunks().0[other as usize]);
+        assert!((u - s).abs() < 1e-6 && (1.0 - v - t).abs() < 1e-6);
+    }
     let material = &materials.unwrap()[0];
     assert!(material.diffuse_texture.as_ref().unwrap().ends_with("b.png"));
     let png = ::image::open(folder.path().join("b.png")).unwrap().into_rgba8();
@@ -60,8 +65,6 @@ fn obj_and_png_hold_what_the_glb_holds() {
     let runs: Vec<usize> = serde_json::from_value(extras["runs_blended_opaque"].clone()).unwrap();
     assert_eq!(runs.iter().sum::<usize>() as u64, report["triangles"].as_u64().unwrap());
     assert!(report["counters"]["opaque_tiles"].as_u64().unwrap() > 0 && runs.len() > 2);
-    let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
-    let uvs: Vec<[f32; 2]> = reader.read_tex_coords(0).unwrap().into_f32().collect();
     let mut first = 0;
     for (at, run) in runs.iter().enumerate() {
         for corner in indices[3 * first..3 * (first + run)].iter().filter(|_| at % 2 == 1) {
@@ -97,17 +100,16 @@ fn projective_texture_coordinates_are_in_the_glb_and_in_the_obj() {
         .map(|line| <[f32; 3]>::try_from(line.split(' ').map(|at| at.parse().unwrap()).collect::<Vec<_>>()).unwrap())
         .collect();
     let flipped = |[s, t, q]: [f32; 3]| [s, q - t, q];
-    assert_eq!(found, stq.into_iter().map(flipped).collect::<Vec<_>>());
+    assert!(found == stq.into_iter().map(flipped).collect::<Vec<_>>());
 }
 
 #[test]
 fn ktx2_files_hold_the_texture_of_the_glb() {
     let folder = room();
-    simplified("-o a.glb --ktx2 a.ktx2", folder.path());
-    let report = simplified("-o b.glb --ktx2 b.ktx2 --ktx2-format astc", folder.path());
+    let report = simplified("-o a.glb --ktx2 a.ktx2", folder.path());
     let paths: Vec<&str> =
         report["files"].as_array().unwrap().iter().map(|file| file["path"].as_str().unwrap()).collect();
-    assert_eq!(paths, ["b.glb", "b.ktx2"]);
+    assert_eq!(paths, ["a.glb", "a.ktx2"]);
     let (document, _, image) = glb(&folder.path().join("a.glb"));
     assert_eq!(lightfold_extras(&document)["textures"], serde_json::json!(["a.ktx2"]));
     let (width, height) = (image.width as usize, image.height as usize);
@@ -121,18 +123,6 @@ fn ktx2_files_hold_the_texture_of_the_glb() {
     decode_image::<Bc7Rgba>(reader.levels().next().unwrap().data, width, height, &mut pixels);
     let bc7_db = psnr(pixels.as_flattened().iter().copied().zip(wanted()));
     assert!(bc7_db > 35.0, "{bc7_db}");
-
-    let file = fs::read(folder.path().join("b.ktx2")).unwrap();
-    let reader = ktx2::Reader::new(&file).unwrap();
-    assert_eq!(reader.header().format, Some(ktx2::Format::ASTC_4x4_SRGB_BLOCK));
-    let blocks = reader.levels().next().unwrap().data;
-    let footprint = astc_decode::Footprint::new(4, 4);
-    astc_decode::astc_decode(blocks, image.width, image.height, footprint, |x, y, pixel| {
-        pixels[y as usize * width + x as usize] = pixel;
-    })
-    .unwrap();
-    let astc_db = psnr(pixels.as_flattened().iter().copied().zip(wanted()));
-    assert!(astc_db > 33.0, "{astc_db}");
 }
 
 #[test]
@@ -227,8 +217,6 @@ fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
         ("-o a.ply", "a.ply: a name that ends in .glb or .obj"),
         ("-o a.glb --ktx2 a.glb", "a.glb: a file name of its own"),
         ("-o - --hdr", "give -o a name"),
-        ("-o a.glb --ktx2-format astc", "--ktx2"),
-        ("-o a.glb --ktx2 a.ktx2 --hdr --ktx2-format astc", "--hdr"),
         ("-o a.glb --ktx2 nowhere/a.ktx2", "nowhere"),
     ];
     for (options, words) in cases {

@@ -7,7 +7,7 @@ use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::placement::Region;
 use crate::simplify::cost::TextureCoordinates;
-use crate::simplify::export::{Ktx2Format, Ktx2Output, Outputs};
+use crate::simplify::export::{Ktx2Output, Outputs};
 use crate::simplify::pipeline::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside};
@@ -81,12 +81,9 @@ pub struct Args {
     /// Keep light above 1, as half floats: in a .exr file beside the scene, and in BC6H with --ktx2
     #[arg(long)]
     pub hdr: bool,
-    /// Write the texture as KTX2, too, which graphics cards read compressed
+    /// Write the texture as KTX2, too, in BC7, which graphics cards read compressed
     #[arg(long, value_name = "FILE.ktx2")]
     pub ktx2: Option<PathBuf>,
-    /// Blocks of the KTX2 file, where it has no half floats
-    #[arg(long, value_parser = one_of(KTX2_FORMATS), requires = "ktx2", conflicts_with = "hdr", default_value = "bc7")]
-    pub ktx2_format: Ktx2Format,
     /// Compare pictures of the scene with the images of this dataset, too
     #[arg(long, value_name = "DATASET")]
     pub held_out: Option<PathBuf>,
@@ -119,11 +116,6 @@ const COORDINATES: &Choices<TextureCoordinates> = &[
     ("projective", TextureCoordinates::Projective, "Homogeneous: no quad is divided"),
 ];
 
-const KTX2_FORMATS: &Choices<Ktx2Format> = &[
-    ("bc7", Ktx2Format::Bc7, "Read by graphics cards of desktops"),
-    ("astc", Ktx2Format::Astc, "ASTC 4x4, read by mobile ones"),
-];
-
 const SIZINGS: &Choices<Sizing> = &[
     ("adaptive", Sizing::Adaptive, "Those whose pictures lose least (Seurat 5.3)"),
     ("uniform", Sizing::Uniform, "All by one factor, for comparison (Seurat figure 14)"),
@@ -139,7 +131,7 @@ impl Args {
     }
 
     pub(super) fn outputs(&self) -> Outputs {
-        let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), format: self.ktx2_format, effort: self.effort };
+        let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), effort: self.effort };
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
     }
 

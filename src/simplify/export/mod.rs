@@ -9,8 +9,6 @@ mod textures;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-pub use textures::Ktx2Format;
-
 use super::cost::TextureCoordinates;
 use super::gbuffer::SurfaceAtlas;
 use super::quad_mesh::QuadMesh;
@@ -41,11 +39,10 @@ pub struct Outputs {
     pub ktx2: Option<Ktx2Output>,
 }
 
+/// BC7, or BC6H of half floats.
 #[derive(Debug)]
 pub struct Ktx2Output {
     pub path: PathBuf,
-    /// Of 8-bit textures; light of half floats is in BC6H.
-    pub format: Ktx2Format,
     pub effort: Effort,
 }
 
@@ -152,7 +149,7 @@ mod tests {
     #[test]
     fn names_tell_the_format() {
         let of = |scene: &str, ktx2: Option<&str>| {
-            let ktx2 = ktx2.map(|path| Ktx2Output { path: path.into(), format: Ktx2Format::Bc7, effort: Effort::Fast });
+            let ktx2 = ktx2.map(|path| Ktx2Output { path: path.into(), effort: Effort::Fast });
             Outputs { scene: scene.into(), ktx2 }
         };
         for (name, format) in [("a.glb", SceneFormat::Glb), ("a.OBJ", SceneFormat::Obj), ("-", SceneFormat::Glb)] {

@@ -4,7 +4,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::Ktx2Output;
-use crate::block::{Astc4x4, Bc6h, Bc7, Bc7Rgba, BlockEncoder, SIDE};
+use crate::block::{Bc6h, Bc7, Bc7Rgba, BlockEncoder, SIDE};
 use crate::effort::Effort;
 use crate::error::Result;
 use crate::image::ktx2::{self, BlockFormat};
@@ -15,30 +15,20 @@ use crate::simplify::quad_mesh::QuadMesh;
 /// Rows of blocks that one job encodes.
 const ROWS_A_JOB: usize = 16;
 
-/// Compressed formats of 8-bit textures, both of one byte a texel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ktx2Format {
-    /// Graphics cards of desktops.
-    Bc7,
-    /// Mobile ones; blocks of 4x4 texels.
-    Astc,
-}
-
 /// Half floats in BC6H, which has no alpha, or codes with alpha.
 pub fn ktx2(quads: &QuadMesh, output: &Ktx2Output) -> Result<Vec<u8>> {
     let ImageTexture { width, height, pixels, .. } = &*quads.texture;
     let (across, effort) = (*width as usize, output.effort);
-    let (format, blocks) = match (&quads.light, output.format) {
-        (Some(light), _) => {
+    let (format, blocks) = match &quads.light {
+        Some(light) => {
             let bits: Vec<[u16; 3]> = light.iter().map(|light| light.map(f16::to_bits)).collect();
             (BlockFormat::Bc6hUnsigned, encode(&Bc6h, &bits, across, effort))
         }
-        (None, Ktx2Format::Astc) => (BlockFormat::Astc4x4Srgb, encode(&Astc4x4, pixels, across, effort)),
-        (None, Ktx2Format::Bc7) if pixels.iter().all(|pixel| pixel[3] == u8::MAX) => {
+        None if pixels.iter().all(|pixel| pixel[3] == u8::MAX) => {
             let opaque: Vec<[u8; 3]> = pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
             (BlockFormat::Bc7Srgb, encode(&Bc7, &opaque, across, effort))
         }
-        (None, Ktx2Format::Bc7) => (BlockFormat::Bc7Srgb, encode(&Bc7Rgba, pixels, across, effort)),
+        None => (BlockFormat::Bc7Srgb, encode(&Bc7Rgba, pixels, across, effort)),
     };
     ktx2::bytes(format, [*width, *height], &blocks)
 }
