@@ -40,7 +40,7 @@ type Cached<T> = Option<(usize, u32, Vec<T>)>;
 
 #[derive(Debug)]
 enum Images {
-    Dataset(Source),
+    Dataset(Box<Source>),
     Container(DecodedImages),
 }
 
@@ -82,7 +82,7 @@ impl Reference {
                 });
             }
         }
-        Reference::of(Images::Dataset(source), images)
+        Reference::of(Images::Dataset(Box::new(source)), images)
     }
 
     fn of_container(decoder: Decoder) -> Result<Reference> {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::candidates::{CandidateLevel, Extent, Tiling};
 use super::fit::TilePlane;
-use super::tree::{MAX_LEVEL, TreeCell, direction};
+use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use crate::image::Face;
 
 /// F of Seurat 4: views of 90 degrees whose mean overdraw is bounded.
@@ -136,13 +136,16 @@ impl CostModel {
         let of_level = |level: &CandidateLevel| -> Vec<Vec<TilingCost>> {
             let of_cell = |(index, tilings): (usize, &Vec<Tiling>)| {
                 let cell = TreeCell::at(level.level, index);
-                let area = self.extent.dilated(cell).solid_angle() / (4.0 * PI);
-                let cost = |tiling: &Tiling| TilingCost {
-                    energy: tiling.energy,
-                    triangles: tiling.planes.iter().map(|&plane| self.triangles(cell, plane)).sum(),
-                    area: area * tiling.planes.len() as f64,
-                    worst_area: tiling.planes.iter().map(|&plane| self.worst_area(cell, plane)).sum::<f64>()
-                        / VIEW_AREA,
+                let rect = self.extent.dilated(cell);
+                let cost = |tiling: &Tiling| {
+                    let tiles = tiling.planes.iter().map(|&plane| self.of_tile(cell.face, rect, plane));
+                    let nothing = TilingCost { energy: tiling.energy, triangles: 0.0, area: 0.0, worst_area: 0.0 };
+                    tiles.fold(nothing, |sum, tile| TilingCost {
+                        energy: sum.energy,
+                        triangles: sum.triangles + tile.triangles,
+                        area: sum.area + tile.area,
+                        worst_area: sum.worst_area + tile.worst_area,
+                    })
                 };
                 tilings.iter().map(cost).collect()
             };
@@ -151,20 +154,25 @@ impl CostModel {
         levels.iter().map(of_level).collect()
     }
 
-    fn triangles(&self, cell: TreeCell, plane: TilePlane) -> f64 {
-        let [columns, rows] = self.divisions(cell, plane);
-        f64::from(2 * columns * rows)
+    /// The cost of one tile; it has no energy of its own.
+    pub fn of_tile(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> TilingCost {
+        let [columns, rows] = self.divisions(face, rect, plane);
+        TilingCost {
+            energy: 0.0,
+            triangles: f64::from(2 * columns * rows),
+            area: rect.solid_angle() / (4.0 * PI),
+            worst_area: self.worst_area(face, rect, plane) / VIEW_AREA,
+        }
     }
 
     /// Columns and rows that a tile is divided into, so that affine texture coordinates are within half a texel of the
     /// projective ones.
-    pub fn divisions(&self, cell: TreeCell, plane: TilePlane) -> [u32; 2] {
+    pub fn divisions(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> [u32; 2] {
         if self.texture_coordinates == TextureCoordinates::Projective {
             return [1, 1];
         }
-        let rect = self.extent.dilated(cell);
-        let texels = (rect.max[0] - rect.min[0]) * self.texels_per_unit;
-        let corners = rect.corners().map(|corner| plane.hit(direction(cell.face, corner)));
+        let texels = rect.longer_side() * self.texels_per_unit;
+        let corners = rect.corners().map(|corner| plane.hit(direction(face, corner)));
         let along = |pairs: [[usize; 2]; 2]| {
             let ratio = pairs
                 .map(|[a, b]| (corners[a] / corners[b]).max(corners[b] / corners[a]))
@@ -181,9 +189,9 @@ impl CostModel {
     }
 
     /// The largest solid angle of a tile from any point of the region, in steradians.
-    fn worst_area(&self, cell: TreeCell, plane: TilePlane) -> f64 {
-        let corners = self.extent.dilated(cell).corners().map(|corner| {
-            let direction = direction(cell.face, corner);
+    fn worst_area(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> f64 {
+        let corners = rect.corners().map(|corner| {
+            let direction = direction(face, corner);
             direction * plane.hit(direction)
         });
         let from = |eye: &DVec3| {

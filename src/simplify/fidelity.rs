@@ -5,12 +5,11 @@ use half::f16;
 
 use super::capture::{Capture, CaptureImage};
 use super::cracks::CRACK_ALPHA;
-use super::points::MergedPoint;
+use super::gaps::SeenDirections;
 use super::quad_mesh::QuadMesh;
 use super::raster::{Drawn, draw};
 use super::region::ViewingRegion;
 use super::samples::Background;
-use super::tree::TreeCell;
 use crate::dataset::seurat::CaptureRay;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
@@ -30,8 +29,6 @@ const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 /// Pictures of random poses, and their side in pixels.
 const POSES: u32 = 64;
 const POSE_SIDE: u32 = 256;
-/// Squares of a cube face's side within which a capture saw something or not.
-const SEEN_LEVEL: u32 = 5;
 
 /// Figures of all pictures.
 #[derive(Debug, Clone, Copy)]
@@ -122,24 +119,6 @@ pub struct PoseScore {
     pub pixels: u64,
     /// Of those, the ones of less than half alpha.
     pub crack_pixels: u64,
-}
-
-/// The directions from the middle of the region in which a capture has surfaces.
-#[derive(Debug)]
-pub struct SeenDirections(Vec<bool>);
-
-impl SeenDirections {
-    pub fn new(points: &[MergedPoint]) -> SeenDirections {
-        let mut seen = vec![false; TreeCell::count(SEEN_LEVEL)];
-        for point in points {
-            seen[TreeCell::containing(point.position.as_dvec3(), SEEN_LEVEL).index()] = true;
-        }
-        SeenDirections(seen)
-    }
-
-    fn contains(&self, direction: DVec3) -> bool {
-        self.0[TreeCell::containing(direction, SEEN_LEVEL).index()]
-    }
 }
 
 /// Draws the scene from random poses in the region.

@@ -6,8 +6,10 @@
 //! 1. [`capture`]: images as rays; [`samples`] of them; [`region`]: where the eye may be.
 //! 2. [`points`]: samples merged into a point cloud (4.1).
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
-//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
-//! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`cracks`].
+//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order;
+//!    [`gaps`] between them.
+//! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`texturing`] makes
+//!    a mesh of them, [`cracks`] closes what is left open.
 //! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
 //!    material; [`export`]: files.
 //! 7. [`raster`]: draws the mesh (6).
@@ -22,6 +24,7 @@ pub mod cracks;
 pub mod export;
 pub mod fidelity;
 pub mod fit;
+pub mod gaps;
 pub mod gbuffer;
 pub mod pipeline;
 pub mod points;
@@ -34,5 +37,6 @@ pub mod shading;
 pub mod silhouettes;
 pub mod texture_sizes;
 pub mod textures;
+pub mod texturing;
 pub mod tiles;
 pub mod tree;

@@ -5,19 +5,19 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
-use super::capture::{Capture, CaptureImage};
+use super::capture::Capture;
 use super::cost::{CostModel, TextureCoordinates, ViewShares};
-use super::cracks::{self, CRACK_ALPHA};
-use super::fidelity::{self, Fidelity, PoseScore, SeenDirections};
+use super::cracks;
+use super::fidelity::{self, Fidelity, PoseScore};
+use super::gaps::{self, Account, SeenDirections};
 use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::points::PointMerger;
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
-use super::raster::draw;
 use super::region::ViewingRegion;
-use super::samples::{Background, Inside, Sample, SampleRules};
+use super::samples::{Background, Inside, SampleRules};
 use super::selection::{Budgets, Problem, Selection};
-use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
-use super::textures::{TextureBuilder, TileTexture};
+use super::texture_sizes::Sizing;
+use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
 use super::tree::MAX_LEVEL;
 use crate::effort::Effort;
@@ -34,10 +34,8 @@ const UNIFORM_LEVEL: u32 = 6;
 const PIXELS_A_CELL: f64 = 4.0;
 /// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
 const SOLID_THRESHOLD: f64 = 0.01;
-/// Texels beside those around a crack that are made opaque, too, where it stays open.
-const CRACK_REACH: u32 = 2;
-/// Largest side of a tile's texture, in texels.
-const LARGEST_SIDE: f64 = 8192.0;
+/// Part of the budgets that selection leaves to gaps.
+const GAP_SHARE: f64 = 0.1;
 
 /// Cells that get tilings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,6 +104,8 @@ pub struct Counters {
     pub free_space_constraints: u64,
     /// Samples that no tile lies along.
     pub samples_without_tile: u64,
+    /// Tiles that were extended over gaps.
+    pub extended_tiles: u64,
     /// Tiles without a free-space constraint: they have no silhouette.
     pub opaque_tiles: u64,
     /// Samples in the viewing region that were left out.
@@ -119,6 +119,26 @@ pub struct Counters {
     pub float_texels: u64,
 }
 
+impl Stages {
+    fn add(&mut self, textured: &Textured) {
+        let [constraints, textures, atlas] = textured.durations;
+        self.silhouettes += constraints;
+        self.shading += textures;
+        self.atlas += atlas;
+    }
+}
+
+impl Counters {
+    fn add(&mut self, textured: &Textured) {
+        self.solid_constraints += textured.solid_constraints;
+        self.free_space_constraints += textured.free_space_constraints;
+        self.samples_without_tile += textured.uncovered_samples;
+        self.opaque_tiles += textured.opaque_tiles;
+        self.filled_texels += textured.filled_texels;
+        self.reduced_tiles += textured.layout.reduced as u64;
+    }
+}
+
 /// The result, and figures about it.
 #[derive(Debug)]
 pub struct Simplified {
@@ -126,6 +146,8 @@ pub struct Simplified {
     pub surfaces: Option<SurfaceAtlas>,
     pub region: ViewingRegion,
     pub selection: Selection,
+    /// Triangles, area in spheres, overdraw of the view with the most.
+    pub used: [f64; 3],
     pub samples: u64,
     pub points: u64,
     pub candidates: u64,
@@ -142,8 +164,8 @@ pub struct Simplified {
 
 /// Steps that a run reports to its monitor.
 pub fn steps(images: usize) -> u64 {
-    // Merging, texturing, cracks and evaluation.
-    4 * images as u64
+    // Merging, texturing twice, cracks and evaluation.
+    5 * images as u64
 }
 
 /// Simplifies a capture.
@@ -197,58 +219,62 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         Effort::Normal => (600, 1e-3),
         Effort::Exhaustive => (3000, 1e-5),
     };
-    let selection = Problem::new(&costs, fitting.levels[0], &shares, &settings.budgets).solve(iterations, gap)?;
-    let tiles = TileSet::new(&selection.tilings, &levels, &model);
+    let select = |budgets: &Budgets| Problem::new(&costs, fitting.levels[0], &shares, budgets).solve(iterations, gap);
+    // Some of the budgets is kept for gaps, where that is feasible.
+    let selection = select(&settings.budgets.scaled(1.0 - GAP_SHARE)).or_else(|_| select(&settings.budgets))?;
+    let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
+    let mut tiles = TileSet::new(&selection.tilings, &levels, &model);
     let point_count = points.len() as u64;
-    let seen = SeenDirections::new(&points);
-    drop((costs, shares, levels, points));
+
+    drop((costs, levels, points));
     stages.selection = begun.elapsed();
 
-    let begun = Instant::now();
-    let side = |rect: super::tree::PlaneRect| {
-        let texels = ((rect.max[0] - rect.min[0]) * texels_per_unit).ceil().min(LARGEST_SIDE) as usize + 1;
-        texels.next_multiple_of(BLOCK)
+    let texturing = Texturing {
+        rules,
+        solid_threshold,
+        stride: if settings.effort == Effort::Fast { 4 } else { 1 },
+        texels_per_unit,
+        form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light },
+        atlas: settings.atlas,
+        sizing: settings.sizing,
     };
-    let sides: Vec<usize> = tiles.tiles.iter().map(|tile| side(tile.rect)).collect();
-    let mut builder = TextureBuilder::new(&tiles, &sides, solid_threshold);
-    // One of so many samples is traced through free space.
-    let stride = if settings.effort == Effort::Fast { 4 } else { 1 };
-    for image in images.clone() {
-        monitor.check()?;
-        builder.add(&rules.samples(capture, image)?.0, stride);
-        monitor.advance(1);
+    let mut textured = texturing.run(&tiles, capture, monitor)?;
+    stages.add(&textured);
+    let begun = Instant::now();
+    // Without a surface in all directions there is no telling a gap from what is empty.
+    let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
+    let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
+        let each = eyes.iter().map(|&eye| monitor.check().and_then(|()| cracks::pictures(scene, &region, eye)));
+        Ok(each.collect::<Result<Vec<_>>>()?.concat())
+    };
+    let mut used = selection.used;
+    let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
+    let extended = gaps::extend(&tiles, &pictures(&textured.scene)?, &seen, &mut account);
+    stages.atlas += begun.elapsed();
+    if let Some((with_extended, count)) = extended {
+        (tiles, used, counters.extended_tiles) = (with_extended, account.used, count);
+        textured = texturing.run(&tiles, capture, monitor)?;
+        stages.add(&textured);
+    } else {
+        monitor.advance(images.len() as u64);
     }
-    counters.solid_constraints = builder.solid;
-    counters.free_space_constraints = builder.free;
-    counters.samples_without_tile = builder.uncovered;
-    stages.silhouettes = begun.elapsed();
+    counters.add(&textured);
     let begun = Instant::now();
-    let (textures, filled) = builder.finish();
-    counters.filled_texels = filled;
-    counters.opaque_tiles = textures.iter().filter(|texture| texture.alpha.is_none()).count() as u64;
-    stages.shading = begun.elapsed();
-
-    let begun = Instant::now();
-    let places = layout(&textures, settings.atlas, settings.sizing)?;
-    counters.reduced_tiles = places.reduced as u64;
-    let form = MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light };
-    let mut scene = QuadMesh::new(&tiles, &textures, &places, &form);
+    let Textured { mut scene, layout, .. } = textured;
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
-    drop::<Vec<TileTexture>>(textures);
+    let placed = (&tiles, &layout);
+    counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, &seen, placed, &mut scene);
     for image in images.clone() {
         monitor.check()?;
-        // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
-        for reach in 0..=CRACK_REACH {
-            counters.closed_cracks += close_cracks(capture, (image, reach), &rules, (&tiles, &places), &mut scene)?;
-        }
+        counters.closed_cracks += cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
         monitor.advance(1);
     }
-    let textured = TexturedTiles { tiles: &tiles, layout: &places, solid_threshold };
+    let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
     let surfaces = match settings.surfaces {
         SurfaceAtlases::None => None,
-        SurfaceAtlases::GBuffer => Some(textured.surfaces(capture, &rules, monitor)?),
+        SurfaceAtlases::GBuffer => Some(tiles_in_atlas.surfaces(capture, &rules, monitor)?),
     };
-    stages.atlas = begun.elapsed();
+    stages.atlas += begun.elapsed();
 
     let begun = Instant::now();
     let fidelity = fidelity::compare(&scene, capture, settings.background, monitor)?;
@@ -262,8 +288,9 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         points: point_count,
         candidates: count,
         tiles: tiles.tiles.len() as u64,
-        atlas: places.size,
-        used_texels: places.places.iter().map(|place| u64::from(place.side).pow(2)).sum(),
+        atlas: layout.size,
+        used_texels: layout.places.iter().map(|place| u64::from(place.side).pow(2)).sum(),
+        used: [used[0], used[1], used[2..].iter().copied().fold(0.0, f64::max)],
         selection,
         stages,
         counters,
@@ -312,25 +339,6 @@ fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
     }
 }
 
-/// Closes the cracks of one image of the capture; answers their number.
-fn close_cracks(
-    capture: &mut Capture,
-    (image, reach): (usize, u32),
-    rules: &SampleRules<'_>,
-    (tiles, places): (&TileSet, &Layout),
-    scene: &mut QuadMesh,
-) -> Result<u64> {
-    let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(0) };
-    let drawn = draw(scene, &camera, size);
-    if drawn.pixels.iter().all(|pixel| pixel[3] >= CRACK_ALPHA) {
-        return Ok(0);
-    }
-    let (samples, _) = rules.samples(capture, image)?;
-    let is_crack = |sample: &&Sample| sample.is_surface && drawn.pixels[sample.pixel as usize][3] < CRACK_ALPHA;
-    Ok(samples.iter().filter(is_crack).filter(|sample| cracks::close((sample, reach), tiles, places, scene)).count()
-        as u64)
-}
-
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 
 #[cfg(test)]
@@ -371,7 +379,7 @@ mod tests {
     fn budgets_are_kept_and_the_picture_is_close_to_the_capture() {
         let found = run(|_| {}).unwrap();
         assert!(found.scene.mesh.triangles.len() as f64 <= BUDGETS.triangles);
-        assert!(found.selection.used[1] <= BUDGETS.area && found.selection.used[2] <= BUDGETS.peak_overdraw + 1e-9);
+        assert!(found.used[1] <= BUDGETS.area && found.used[2] <= BUDGETS.peak_overdraw + 1e-9);
         assert!(found.fidelity.peak_overdraw <= 1.15 * BUDGETS.peak_overdraw, "{}", found.fidelity.peak_overdraw);
         assert!(found.atlas.iter().all(|side| *side <= 512));
         assert_eq!(found.fidelity.crack_pixels, 0);

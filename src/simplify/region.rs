@@ -9,6 +9,9 @@ const SKY_RADII: f64 = 400.0;
 /// Radius of a region without extent, as a part of the distance of the nearest surface.
 const RADIUS_WITHOUT_EXTENT: f64 = 0.1;
 
+/// Steps in which a point of the box around a region is moved into it.
+const EYE_STEPS: u32 = 32;
+
 #[derive(Debug, Clone)]
 pub struct ViewingRegion {
     /// The origin of everything that is fitted, in metres.
@@ -56,6 +59,18 @@ impl ViewingRegion {
         let signs =
             steps.into_iter().flat_map(|x| steps.into_iter().flat_map(move |y| steps.map(|z| DVec3::new(x, y, z))));
         signs.map(|sign| sign * self.half).collect()
+    }
+
+    /// The same points, moved towards the middle into the region.
+    pub fn eyes(&self) -> Vec<DVec3> {
+        let into = |point: DVec3| {
+            let steps = (0..=EYE_STEPS).map(|step| point * (1.0 - f64::from(step) / f64::from(EYE_STEPS)));
+            let region = self.given.as_ref();
+            steps.into_iter().find(|&at| region.is_none_or(|region| region.contains(self.middle + at)))
+        };
+        let mut eyes: Vec<DVec3> = self.border().into_iter().filter_map(into).collect();
+        eyes.dedup();
+        eyes
     }
 
     /// Whether a point, relative to the middle, is inside.

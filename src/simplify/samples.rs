@@ -57,8 +57,10 @@ impl SampleRules<'_> {
         let width = capture.images[image].size[0];
         for ray in rays {
             let origin = ray.origin - self.region.middle;
-            let sky_m = self.region.to_sky(origin, ray.direction);
-            let end = origin + ray.distance_m.min(sky_m) * ray.direction;
+            // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
+            let direction = ray.direction.as_vec3().as_dvec3();
+            let sky_m = self.region.to_sky(origin, direction);
+            let end = origin + ray.distance_m.min(sky_m) * direction;
             if self.region.contains(end) {
                 if self.inside == Inside::Drop {
                     left_out += 1;

@@ -23,12 +23,38 @@ pub struct Budgets {
     pub peak_overdraw: f64,
 }
 
-const CONSTRAINTS: usize = 2 + VIEWS;
-type Use = [f64; CONSTRAINTS];
+/// Triangles, area, and the overdraw of each view.
+pub const CONSTRAINTS: usize = 2 + VIEWS;
+pub type Use = [f64; CONSTRAINTS];
 /// Rounds in which prices are looked for at which a tiling is feasible at all.
 const FEASIBILITY_ROUNDS: usize = 100;
 /// Iterations after which the best prices so far are scaled until the selection is feasible.
 const REPAIR_INTERVAL: usize = 25;
+
+impl Budgets {
+    pub fn capacity(&self) -> Use {
+        let mut capacity = [self.peak_overdraw; CONSTRAINTS];
+        (capacity[0], capacity[1]) = (self.triangles, self.area);
+        capacity
+    }
+
+    pub fn scaled(&self, by: f64) -> Budgets {
+        Budgets { triangles: by * self.triangles, area: by * self.area, peak_overdraw: by * self.peak_overdraw }
+    }
+}
+
+/// Adds what a tile or tiling of a cell takes, so many times.
+pub fn add_cost(used: &mut Use, shares: &[(u8, f32)], cost: &TilingCost, times: f64) {
+    used[0] += times * cost.triangles;
+    used[1] += times * cost.area;
+    for &(view, share) in shares {
+        used[2 + usize::from(view)] += times * cost.worst_area * f64::from(share);
+    }
+}
+
+pub fn keeps(used: &Use, capacity: &Use) -> bool {
+    used.iter().zip(capacity).all(|(used, capacity)| *used <= capacity * (1.0 + 1e-12))
+}
 
 /// A tiling of a cell that was selected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,8 +74,7 @@ pub struct Selection {
     pub iterations: usize,
     /// The dual bound after each iteration.
     pub convergence: Vec<f64>,
-    /// Used: triangles, area in spheres, overdraw of the view with the most.
-    pub used: [f64; 3],
+    pub used: Use,
 }
 
 impl Selection {
@@ -90,9 +115,7 @@ impl<'a> Problem<'a> {
         shares: &'a ViewShares,
         budgets: &Budgets,
     ) -> Problem<'a> {
-        let mut capacity = [budgets.peak_overdraw; CONSTRAINTS];
-        (capacity[0], capacity[1]) = (budgets.triangles, budgets.area);
-        Problem { costs, first_level, shares, capacity }
+        Problem { costs, first_level, shares, capacity: budgets.capacity() }
     }
 
     fn last_level(&self) -> u32 {
@@ -154,23 +177,15 @@ impl<'a> Problem<'a> {
                     solution.tilings.push(SelectedTiling { cell, tiling: usize::from(tiling) });
                     let cost = &self.of_cell(cell)[usize::from(tiling)];
                     solution.energy += cost.energy;
-                    self.add(&mut solution.used, cell, cost, 1.0);
+                    add_cost(&mut solution.used, self.shares.of(cell.level, cell.index()), cost, 1.0);
                 }
             }
         }
         solution
     }
 
-    fn add(&self, used: &mut Use, cell: TreeCell, cost: &TilingCost, times: f64) {
-        used[0] += times * cost.triangles;
-        used[1] += times * cost.area;
-        for &(view, share) in self.shares.of(cell.level, cell.index()) {
-            used[2 + usize::from(view)] += times * cost.worst_area * f64::from(share);
-        }
-    }
-
     fn is_feasible(&self, used: &Use) -> bool {
-        used.iter().zip(&self.capacity).all(|(used, capacity)| *used <= capacity * (1.0 + 1e-12))
+        keeps(used, &self.capacity)
     }
 
     /// Solves the problem in at most so many iterations, or until the gap is small enough.
@@ -315,15 +330,7 @@ impl<'a> Problem<'a> {
 
     fn selection(&self, solution: Solution, dual: f64, convergence: Vec<f64>) -> Selection {
         let Solution { tilings, energy, used, .. } = solution;
-        let peak = used[2..].iter().copied().fold(0.0, f64::max);
-        Selection {
-            tilings,
-            primal: energy,
-            dual,
-            iterations: convergence.len(),
-            convergence,
-            used: [used[0], used[1], peak],
-        }
+        Selection { tilings, primal: energy, dual, iterations: convergence.len(), convergence, used }
     }
 }
 
@@ -363,7 +370,7 @@ mod tests {
         let mut found: Vec<(f64, Use)> = Vec::new();
         for cost in problem.of_cell(cell) {
             let mut used = [0.0; CONSTRAINTS];
-            problem.add(&mut used, cell, cost, 1.0);
+            add_cost(&mut used, problem.shares.of(cell.level, cell.index()), cost, 1.0);
             found.push((cost.energy, used));
         }
         if cell.level + 1 < LEVELS {

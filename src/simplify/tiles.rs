@@ -51,6 +51,7 @@ pub struct TileSet {
     pub tiles: Vec<QuadTile>,
     /// Tiles that reach into each cell of the last level.
     reach: Vec<Vec<u32>>,
+    /// What tiles reach over the edges of their faces, at most.
     margin: f64,
     bvh: Bvh,
 }
@@ -72,7 +73,8 @@ impl TileSet {
         for SelectedTiling { cell, tiling } in selected {
             let rect = model.extent.dilated(*cell);
             for &plane in &levels[(cell.level - first) as usize].tilings[cell.index()][*tiling].planes {
-                tiles.push(QuadTile { cell: *cell, plane, rect, divisions: model.divisions(*cell, plane) });
+                let divisions = model.divisions(cell.face, rect, plane);
+                tiles.push(QuadTile { cell: *cell, plane, rect, divisions });
             }
         }
         // By the distance of the middle of the tile; ties in the order of the trees.
@@ -82,7 +84,11 @@ impl TileSet {
         };
         let mut order: Vec<(f64, QuadTile)> = tiles.into_iter().map(|tile| (distance(&tile), tile)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let tiles: Vec<QuadTile> = order.into_iter().map(|(_, tile)| tile).collect();
+        TileSet::in_order(order.into_iter().map(|(_, tile)| tile).collect())
+    }
+
+    /// Tiles in their drawing order.
+    pub fn in_order(tiles: Vec<QuadTile>) -> TileSet {
         let mut reach = vec![Vec::new(); TreeCell::count(MAX_LEVEL)];
         for (tile, at) in tiles.iter().zip(0u32..) {
             let leaf = |corner: [f64; 2]| corner.map(leaf_place);
@@ -97,7 +103,8 @@ impl TileSet {
             let [a, b, c, d] = tile.corners();
             [[a, b, c], [a, c, d]]
         }));
-        TileSet { tiles, reach, margin: model.extent.margin, bvh }
+        let beyond = tiles.iter().flat_map(|tile| tile.rect.corners().concat()).map(|at| at.abs() - 1.0);
+        TileSet { margin: beyond.fold(0.0, f64::max), tiles, reach, bvh }
     }
 
     /// Tiles that the line from the middle through a point meets.

@@ -95,6 +95,18 @@ impl PlaneRect {
         (self.min[0]..=self.max[0]).contains(&u) && (self.min[1]..=self.max[1]).contains(&v)
     }
 
+    pub fn longer_side(self) -> f64 {
+        (self.max[0] - self.min[0]).max(self.max[1] - self.min[1])
+    }
+
+    /// The least rectangle around both.
+    pub fn join(self, other: PlaneRect) -> PlaneRect {
+        PlaneRect {
+            min: [0, 1].map(|axis| self.min[axis].min(other.min[axis])),
+            max: [0, 1].map(|axis| self.max[axis].max(other.max[axis])),
+        }
+    }
+
     /// Solid angle of the rectangle in steradians, seen from the middle of the cube.
     pub fn solid_angle(self) -> f64 {
         let corner = |u: f64, v: f64| (u * v).atan2((u * u + v * v + 1.0).sqrt());

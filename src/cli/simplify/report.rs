@@ -97,7 +97,7 @@ impl Report {
         elapsed: Duration,
     ) -> Report {
         let Simplified { selection, fidelity, atlas, poses, .. } = simplified;
-        let [triangles, area, overdraw] = selection.used;
+        let [triangles, area, overdraw] = simplified.used;
         let texels = u64::from(atlas[0]) * u64::from(atlas[1]);
         Report {
             triangles: simplified.scene.mesh.triangles.len(),

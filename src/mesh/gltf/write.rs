@@ -344,7 +344,7 @@ mod tests {
     fn indices_are_of_32_bits_where_there_are_many_corners() {
         for (count, kind) in [(65_535, gltf::accessor::DataType::U16), (65_536, gltf::accessor::DataType::U32)] {
             let last = count as u32 - 1;
-            let positions = (0..count).map(|at| DVec3::splat(at as f64)).collect();
+            let positions = (0..count).map(|at| DVec3::splat(f64::from(at))).collect();
             let mesh = Mesh { positions, triangles: vec![[0, 1, last]], material_of: vec![0], ..Mesh::default() };
             let mut bytes = Vec::new();
             glb(&[mesh], &palette(), &Additions::default(), &mut bytes).unwrap();

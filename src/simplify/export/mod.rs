@@ -102,8 +102,8 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     if let Some(output) = &outputs.ktx2 {
         beside.push(OutputBytes { path: output.path.clone(), bytes: textures::ktx2(scene.quads, output)? });
     }
-    for (plane, extension, channels) in surfaces(scene) {
-        beside.push(OutputBytes { path: outputs.beside(extension), bytes: exr::triple_bytes(plane, channels)? });
+    for SurfaceFile { values, extension, channels } in surfaces(scene) {
+        beside.push(OutputBytes { path: outputs.beside(extension), bytes: exr::triple_bytes(values, channels)? });
     }
     let mut files = match outputs.format()? {
         SceneFormat::Glb => {
@@ -128,12 +128,21 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     Ok(files)
 }
 
-/// Atlases beside that of light: values, what the name of the file ends in, channels.
-fn surfaces<'a>(scene: &'a Scene) -> Vec<(&'a Plane<[f32; 3]>, &'static str, [&'static str; 3])> {
-    let Some(SurfaceAtlas { normal, material }) = scene.surfaces else { return Vec::new() };
-    let of_normal = normal.iter().map(|plane| (plane, "normal.exr", NORMAL_CHANNELS));
-    let of_material = material.iter().map(|plane| (plane, "material.exr", ["reflect", "refract", "ior"]));
-    of_normal.chain(of_material).collect()
+/// An atlas beside that of light.
+struct SurfaceFile<'a> {
+    values: &'a Plane<[f32; 3]>,
+    extension: &'static str,
+    channels: [&'static str; 3],
+}
+
+fn surfaces<'a>(scene: &'a Scene) -> impl Iterator<Item = SurfaceFile<'a>> {
+    let of = |values, extension, channels| Some(SurfaceFile { values: values?, extension, channels });
+    let atlas = scene.surfaces;
+    let normal = atlas.and_then(|atlas| atlas.normal.as_ref());
+    let material = atlas.and_then(|atlas| atlas.material.as_ref());
+    let files =
+        [of(normal, "normal.exr", NORMAL_CHANNELS), of(material, "material.exr", ["reflect", "refract", "ior"])];
+    files.into_iter().flatten()
 }
 
 /// A name that other files can refer to.

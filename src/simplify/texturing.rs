@@ -1,0 +1,81 @@
+//! Tiles to a textured mesh: constraints and light of all samples, textures, one atlas (Seurat 5).
+
+use std::time::{Duration, Instant};
+
+use super::capture::Capture;
+use super::quad_mesh::{MeshForm, QuadMesh};
+use super::samples::SampleRules;
+use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
+use super::textures::TextureBuilder;
+use super::tiles::{QuadTile, TileSet};
+use crate::error::Result;
+use crate::monitor::Monitor;
+
+/// Largest side of a tile's texture, in texels.
+const LARGEST_SIDE: f64 = 8192.0;
+
+/// How textures are made.
+#[derive(Debug, Clone, Copy)]
+pub struct Texturing<'a> {
+    pub rules: SampleRules<'a>,
+    /// Relative distance within which a tile counts as a sample's surface.
+    pub solid_threshold: f64,
+    /// One of so many samples is traced through free space.
+    pub stride: usize,
+    /// Texels for each unit of a face's plane.
+    pub texels_per_unit: f64,
+    pub form: MeshForm,
+    /// Largest side of the atlas, in texels.
+    pub atlas: u32,
+    pub sizing: Sizing,
+}
+
+/// A textured mesh, and where the texture of each tile lies.
+#[derive(Debug)]
+pub struct Textured {
+    pub scene: QuadMesh,
+    pub layout: Layout,
+    pub solid_constraints: u64,
+    pub free_space_constraints: u64,
+    /// Samples that no tile lies along.
+    pub uncovered_samples: u64,
+    pub opaque_tiles: u64,
+    pub filled_texels: u64,
+    /// Durations of constraints, textures, atlas.
+    pub durations: [Duration; 3],
+}
+
+impl Texturing<'_> {
+    /// Reads all samples once.
+    pub fn run(&self, tiles: &TileSet, capture: &mut Capture, monitor: &dyn Monitor) -> Result<Textured> {
+        let begun = Instant::now();
+        let sides: Vec<usize> = tiles.tiles.iter().map(|tile| self.side(tile)).collect();
+        let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold);
+        for image in 0..capture.images.len() {
+            monitor.check()?;
+            builder.add(&self.rules.samples(capture, image)?.0, self.stride);
+            monitor.advance(1);
+        }
+        let (solid_constraints, free_space_constraints, uncovered_samples) =
+            (builder.solid, builder.free, builder.uncovered);
+        let constrained = begun.elapsed();
+        let (textures, filled_texels) = builder.finish();
+        let shaded = begun.elapsed();
+        let layout = layout(&textures, self.atlas, self.sizing)?;
+        Ok(Textured {
+            scene: QuadMesh::new(tiles, &textures, &layout, &self.form),
+            layout,
+            solid_constraints,
+            free_space_constraints,
+            uncovered_samples,
+            opaque_tiles: textures.iter().filter(|texture| texture.alpha.is_none()).count() as u64,
+            filled_texels,
+            durations: [constrained, shaded - constrained, begun.elapsed() - shaded],
+        })
+    }
+
+    fn side(&self, tile: &QuadTile) -> usize {
+        let texels = (tile.rect.longer_side() * self.texels_per_unit).ceil().min(LARGEST_SIDE) as usize + 1;
+        texels.next_multiple_of(BLOCK)
+    }
+}
