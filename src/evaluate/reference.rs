@@ -9,7 +9,7 @@ use crate::dataset::{ProbeInfo, Source, SourceOptions};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::decoded_images::DecodedImages;
-use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Projection, StreamKind};
+use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Projection, StreamKind};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 
@@ -40,7 +40,7 @@ type Cached<T> = Option<(usize, u32, Vec<T>)>;
 
 #[derive(Debug)]
 enum Images {
-    Dataset(Source),
+    Dataset(Box<Source>),
     Container(DecodedImages),
 }
 
@@ -53,6 +53,7 @@ pub struct Reference {
     color: Cached<ColorPlane>,
     depth: Cached<DepthPlane>,
     material: Cached<MaterialPlane>,
+    normal: Cached<NormalPlane>,
 }
 
 impl Reference {
@@ -81,7 +82,7 @@ impl Reference {
                 });
             }
         }
-        Reference::of(Images::Dataset(source), images)
+        Reference::of(Images::Dataset(Box::new(source)), images)
     }
 
     fn of_container(decoder: Decoder) -> Result<Reference> {
@@ -114,7 +115,7 @@ impl Reference {
         if images.is_empty() {
             return Err(Error::invalid("there is no colour to compare pictures with"));
         }
-        Ok(Reference { files, images, color: None, depth: None, material: None })
+        Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
     }
 
     /// Largest error of distances, as a part of them: that of a container's codec, 0 of a dataset; none where it has no bound.
@@ -146,6 +147,15 @@ impl Reference {
             Images::Container(files) => files.material(group, frame),
         })?;
         Ok(Truth { color, material })
+    }
+
+    /// Normals of an image in a frame; none where the dataset has none, and of a container.
+    pub fn normal(&mut self, image: usize, frame: u32) -> Result<Option<NormalPlane>> {
+        let [color, ..] = self.groups(image)?;
+        cached(&mut self.normal, (color, frame), |group| match &self.files {
+            Images::Dataset(source) => Ok(source.read_normal(&source.groups()[group], frame)?.unwrap_or_default()),
+            Images::Container(_) => Ok(Vec::new()),
+        })
     }
 
     fn groups(&self, image: usize) -> Result<[Option<[usize; 2]>; 3]> {

@@ -19,7 +19,8 @@ use crate::simplify::candidates::{CandidateLevel, Extent, Tiling};
 use crate::simplify::capture::{Capture, CaptureImage};
 use crate::simplify::cost::{CostModel, TextureCoordinates};
 use crate::simplify::fit::TilePlane;
-use crate::simplify::pipeline::{Settings, Simplified, TilingKind, simplify};
+use crate::simplify::pipeline::{Settings, Simplified, SurfaceAtlases, TilingKind, simplify};
+use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside, Sample};
 use crate::simplify::selection::{Budgets, SelectedTiling};
 use crate::simplify::shading::LightBuffer;
@@ -122,6 +123,8 @@ impl Case {
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
             texture_coordinates: TextureCoordinates::Affine,
+            light: AtlasLight::Codes,
+            surfaces: SurfaceAtlases::None,
         })
     }
 

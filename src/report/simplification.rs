@@ -62,9 +62,9 @@ fn converging(convergence: &[Bounds]) -> Drawing {
     Chart { series, legend: "Energy".to_owned(), ..chart }.draw(SIZE[0], SIZE[1])
 }
 
-/// Seurat table 2.
+/// Seurat table 2; files are written after this.
 fn durations(stages: &Stages) -> Drawing {
-    let Stages { merge, candidates, selection, silhouettes, shading, atlas, evaluate } = *stages;
+    let Stages { merge, candidates, selection, silhouettes, shading, atlas, export: _, evaluate } = *stages;
     let all = [
         ("merge", merge),
         ("candidates", candidates),
@@ -190,7 +190,7 @@ mod tests {
             mesh.triangles.push([first, first + 1, first + 2]);
         }
         let texture = ImageTexture { width: 1, height: 1, pixels: vec![[9, 9, 9, 255]], wrap: [Wrap::Clamp; 2] };
-        let scene = QuadMesh { mesh, texture: Arc::new(texture) };
+        let scene = QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() };
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
         let layers = layers(&scene, &camera, [48, 40]);
         let sum: u64 = layers.data().iter().map(|&count| u64::from(count)).sum();

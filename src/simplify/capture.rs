@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::dataset::seurat::{CaptureRay, SeuratCapture, is_manifest};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::Reference;
-use crate::image::ReadLimits;
+use crate::image::{MaterialPlane, NormalPlane, ReadLimits};
 use crate::math::Camera;
 
 #[derive(Debug, Clone)]
@@ -18,6 +18,14 @@ pub struct CaptureImage {
     pub size: [u32; 2],
     /// None of orthographic images and of those with skew: pictures of the scene are not compared with them.
     pub camera: Option<Camera>,
+}
+
+/// What an image shows beside colour and depth, by pixel.
+#[derive(Debug, Default)]
+pub struct Surfaces {
+    pub normal: Option<NormalPlane>,
+    /// Weights of reflection and refraction and index of refraction.
+    pub material: Option<MaterialPlane>,
 }
 
 #[derive(Debug)]
@@ -111,6 +119,18 @@ impl Capture {
             Rays::Manifest(capture) => capture.views[image].read(&ReadLimits::default()),
             Rays::Reference { reference, indices, frame } => of_reference(reference, indices[image], *frame),
             Rays::Memory(rays) => Ok(rays[image].clone()),
+        }
+    }
+
+    /// Normals and material of an image, where the capture has them.
+    pub fn surfaces(&mut self, image: usize) -> Result<Surfaces> {
+        match &mut self.rays {
+            Rays::Manifest(_) | Rays::Memory(_) => Ok(Surfaces::default()),
+            Rays::Reference { reference, indices, frame } => {
+                let (image, frame) = (indices[image], *frame);
+                let normal = reference.normal(image, frame)?;
+                Ok(Surfaces { normal, material: reference.truth(image, frame)?.material })
+            }
         }
     }
 

@@ -10,7 +10,8 @@
 //!    [`gaps`] between them.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`texturing`] makes
 //!    a mesh of them, [`cracks`] closes what is left open.
-//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh.
+//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
+//!    material; [`export`]: files.
 //! 7. [`raster`]: draws the mesh (6).
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
@@ -20,9 +21,11 @@ pub mod capture;
 pub mod constraints;
 pub mod cost;
 pub mod cracks;
+pub mod export;
 pub mod fidelity;
 pub mod fit;
 pub mod gaps;
+pub mod gbuffer;
 pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;

@@ -10,8 +10,9 @@ use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks;
 use super::fidelity::{self, Fidelity, PoseScore};
 use super::gaps::{self, Account, SeenDirections};
+use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::points::PointMerger;
-use super::quad_mesh::QuadMesh;
+use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, Inside, SampleRules};
 use super::selection::{Budgets, Problem, Selection};
@@ -60,6 +61,17 @@ pub struct Settings {
     pub tiling: TilingKind,
     pub sizing: Sizing,
     pub texture_coordinates: TextureCoordinates,
+    pub light: AtlasLight,
+    pub surfaces: SurfaceAtlases,
+}
+
+/// Atlases beside that of light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SurfaceAtlases {
+    #[default]
+    None,
+    /// Of normals and material, where the capture has them.
+    GBuffer,
 }
 
 /// Durations of the stages.
@@ -78,6 +90,9 @@ pub struct Stages {
     pub shading: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub atlas: Duration,
+    /// Files, which the caller writes.
+    #[serde(serialize_with = "json::seconds")]
+    pub export: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub evaluate: Duration,
 }
@@ -100,6 +115,8 @@ pub struct Counters {
     /// Tiles with a smaller texture than asked for, so that the atlas fits.
     pub reduced_tiles: u64,
     pub closed_cracks: u64,
+    /// Texels that are kept as half floats, too.
+    pub float_texels: u64,
 }
 
 impl Stages {
@@ -126,6 +143,7 @@ impl Counters {
 #[derive(Debug)]
 pub struct Simplified {
     pub scene: QuadMesh,
+    pub surfaces: Option<SurfaceAtlas>,
     pub region: ViewingRegion,
     pub selection: Selection,
     /// Triangles, area in spheres, overdraw of the view with the most.
@@ -220,6 +238,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         stride: if settings.effort == Effort::Fast { 4 } else { 1 },
         pixel_step: 1,
         texels_per_unit,
+        form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light },
         atlas: settings.atlas,
         sizing: settings.sizing,
     };
@@ -252,6 +271,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     counters.add(&textured);
     let begun = Instant::now();
     let Textured { mut scene, layout, .. } = textured;
+    counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     let placed = (&tiles, &layout);
     counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, placed, &mut scene);
     for image in images.clone() {
@@ -259,6 +279,11 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         counters.closed_cracks += cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
         monitor.advance(1);
     }
+    let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
+    let surfaces = match settings.surfaces {
+        SurfaceAtlases::None => None,
+        SurfaceAtlases::GBuffer => Some(tiles_in_atlas.surfaces(capture, &rules, monitor)?),
+    };
     stages.atlas += begun.elapsed();
 
     let begun = Instant::now();
@@ -267,6 +292,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     stages.evaluate = begun.elapsed();
     Ok(Simplified {
         scene,
+        surfaces,
         region,
         samples,
         points: point_count,
@@ -345,6 +371,8 @@ mod tests {
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
             texture_coordinates: TextureCoordinates::Affine,
+            light: AtlasLight::Codes,
+            surfaces: SurfaceAtlases::None,
         }
     }
 
@@ -384,6 +412,36 @@ mod tests {
         };
         let one = on(1);
         assert!(one == on(3));
+    }
+
+    #[test]
+    fn homogeneous_texture_coordinates_divide_no_tile() {
+        let found = run(|settings| settings.texture_coordinates = TextureCoordinates::Projective).unwrap();
+        assert_eq!(found.scene.mesh.triangles.len() as u64, 2 * found.tiles);
+        assert_eq!(found.scene.stq.len(), found.scene.mesh.positions.len());
+        // Each corner has those of the affine coordinates.
+        for (stq, uv) in found.scene.stq.iter().zip(&found.scene.mesh.uvs) {
+            assert!(stq.z > 0.0 && stq.z <= 1.0 && (stq.truncate() / stq.z - uv).length() < 1e-6, "{stq} {uv}");
+        }
+        let [psnr_db, affine_db] = [found, run(|_| {}).unwrap()].map(|found| found.fidelity.similarity.all.psnr_db());
+        assert!(psnr_db > affine_db - 0.1, "{psnr_db} {affine_db}");
+    }
+
+    #[test]
+    fn light_of_hdr_is_kept_above_white() {
+        let codes = run(|_| {}).unwrap();
+        assert!(codes.scene.light.is_none() && codes.counters.float_texels == 0);
+        let floats = run(|settings| settings.light = AtlasLight::HalfFloats).unwrap();
+        let light = floats.scene.light.as_ref().unwrap();
+        assert_eq!(floats.counters.float_texels, light.len() as u64);
+        assert!(floats.scene.texture.pixels == codes.scene.texture.pixels && floats.scene.mesh == codes.scene.mesh);
+        let tone = crate::image::ToneMap::default();
+        for (light, pixel) in light.iter().zip(&floats.scene.texture.pixels) {
+            for (light, code) in light.iter().zip(pixel) {
+                assert!(tone.code(light.to_f32()).abs_diff(*code) <= 1, "{light:?} {pixel:?}");
+            }
+        }
+        assert!(light.as_flattened().iter().any(|light| light.to_f32() > 1.0));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! meets the triangle.
 
 use glam::{DVec3, Vec4};
+use half::f16;
 use rayon::prelude::*;
 
 use super::quad_mesh::QuadMesh;
@@ -32,7 +33,8 @@ struct Seen {
     normals: [DVec3; 3],
     /// Which edges belong to this triangle: an edge of two triangles belongs to one of them.
     owns_edges: [bool; 3],
-    uvs: [[f64; 2]; 3],
+    /// Homogeneous texture coordinates.
+    stq: [[f64; 3]; 3],
 }
 
 /// Draws the mesh over a transparent picture.
@@ -66,10 +68,9 @@ pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
                     {
                         continue;
                     }
-                    let sum: f64 = weights.iter().sum();
-                    let uv =
-                        [0, 1].map(|axis| (0..3).map(|at| weights[at] * triangle.uvs[at][axis]).sum::<f64>() / sum);
-                    let light = sample(scene, &decode, uv);
+                    let [s, t, q] =
+                        [0, 1, 2].map(|axis| (0..3).map(|at| weights[at] * triangle.stq[at][axis]).sum::<f64>());
+                    let light = sample(scene, &decode, [s / q, t / q]);
                     pixels[index] = light + (1.0 - light.w) * pixels[index];
                     counts[index] += 1;
                 }
@@ -96,8 +97,13 @@ fn sample(scene: &QuadMesh, decode: &[f32], [u, v]: [f64; 2]) -> Vec4 {
     };
     let ((left, right, along), (top, bottom, down)) = (place(u, texture.width), place(v, texture.height));
     let texel = |x: u32, y: u32| {
-        let [r, g, b, alpha] = texture.pixels[(y * texture.width + x) as usize];
-        Vec4::new(decode[r as usize], decode[g as usize], decode[b as usize], f32::from(alpha) / 255.0)
+        let at = (y * texture.width + x) as usize;
+        let [r, g, b, alpha] = texture.pixels[at];
+        let [r, g, b] = match &scene.light {
+            Some(light) => light[at].map(f16::to_f32),
+            None => [r, g, b].map(|code| decode[code as usize]),
+        };
+        Vec4::new(r, g, b, f32::from(alpha) / 255.0)
     };
     let upper = texel(left, top).lerp(texel(right, top), along);
     let lower = texel(left, bottom).lerp(texel(right, bottom), along);
@@ -110,12 +116,15 @@ fn see(scene: &QuadMesh, triangle: usize, camera: &Camera, size: [u32; 2]) -> Op
     let [a, b, c] = scene.mesh.corners(triangle).map(|corner| corner - eye);
     let rect = bounds(&[a, b, c], camera, size)?;
     let normals = [b.cross(c), c.cross(a), a.cross(b)];
-    let uvs = scene.mesh.triangles[triangle].map(|corner| scene.mesh.uvs[corner as usize].as_dvec2().to_array());
+    let stq = scene.mesh.triangles[triangle].map(|corner| match scene.stq.get(corner as usize) {
+        Some(stq) => stq.as_dvec3().to_array(),
+        None => scene.mesh.uvs[corner as usize].as_dvec2().extend(1.0).to_array(),
+    });
     let volume = a.dot(normals[0]);
     let normals = normals.map(|normal| normal * volume.signum());
     let owns_edges =
         normals.map(|normal| normal.to_array().into_iter().find(|at| *at != 0.0).is_some_and(|at| at > 0.0));
-    (volume != 0.0).then_some(Seen { rect, normals, owns_edges, uvs })
+    (volume != 0.0).then_some(Seen { rect, normals, owns_edges, stq })
 }
 
 /// Pixels that a polygon can cover, of corners relative to the eye; none where it lies behind the camera or beside the image.
@@ -167,7 +176,7 @@ mod tests {
     fn scene(mesh: Mesh) -> QuadMesh {
         let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 128]];
         let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
-        QuadMesh { mesh, texture: Arc::new(texture) }
+        QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() }
     }
 
     fn camera(eye: DVec3, target: DVec3) -> Camera {
@@ -188,6 +197,32 @@ mod tests {
             let wanted = if is_inside { [1.0 - alpha, alpha, 0.0, 1.0] } else { [0.0; 4] };
             assert!(pixel.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{at}: {pixel:?}");
         }
+    }
+
+    #[test]
+    fn homogeneous_texture_coordinates_are_those_of_the_plane_of_a_face() {
+        // A quad that goes away from the eye, whose texture is a ramp over the picture.
+        let mut mesh = Mesh::default();
+        let corners = [([-1.0, 1.0], 1.0), ([1.0, 1.0], 4.0), ([1.0, -1.0], 4.0), ([-1.0, -1.0], 1.0)];
+        for ([x, y], depth) in corners {
+            mesh.positions.push(DVec3::new(x, y, -1.0) * depth);
+            mesh.uvs.push(glam::Vec2::new(0.5 + 0.25 * x as f32, 0.5));
+        }
+        (mesh.triangles, mesh.material_of) = (vec![[0, 1, 2], [0, 2, 3]], vec![0, 0]);
+        let stq = mesh.uvs.iter().zip(corners).map(|(uv, (_, depth))| uv.extend(1.0) * depth as f32).collect();
+        let pixels = vec![[0, 0, 0, 255], [255; 4]];
+        let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
+        let light = Some(vec![[f16::ZERO; 3], [f16::from_f32(8.0); 3]]);
+        let mut scene = QuadMesh { mesh, texture: Arc::new(texture), stq, light, runs: Vec::new() };
+        let error = |scene: &QuadMesh| {
+            let drawn = draw(scene, &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
+            assert_eq!(drawn.fragments, 256);
+            let wanted = |at: usize| 8.0 * ((at % 16) as f32 + 0.5) / 16.0;
+            drawn.pixels.iter().enumerate().map(|(at, pixel)| (pixel[0] - wanted(at)).abs()).fold(0.0, f32::max)
+        };
+        assert!(error(&scene) < 1e-4, "{}", error(&scene));
+        scene.stq.clear();
+        assert!(error(&scene) > 1.0, "{}", error(&scene));
     }
 
     #[test]

@@ -2,10 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use glam::DVec3;
-
 use super::capture::Capture;
-use super::quad_mesh::QuadMesh;
+use super::quad_mesh::{MeshForm, QuadMesh};
 use super::samples::SampleRules;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::TextureBuilder;
@@ -28,6 +26,7 @@ pub struct Texturing<'a> {
     pub pixel_step: u32,
     /// Texels for each unit of a face's plane.
     pub texels_per_unit: f64,
+    pub form: MeshForm,
     /// Largest side of the atlas, in texels.
     pub atlas: u32,
     pub sizing: Sizing,
@@ -74,9 +73,8 @@ impl Texturing<'_> {
         let (textures, filled_texels) = builder.finish();
         let shaded = begun.elapsed();
         let layout = layout(&textures, self.atlas, self.sizing)?;
-        let middle: DVec3 = self.rules.region.middle;
         Ok(Textured {
-            scene: QuadMesh::new(tiles, &textures, &layout, middle),
+            scene: QuadMesh::new(tiles, &textures, &layout, &self.form),
             layout,
             solid_constraints,
             free_space_constraints,

@@ -9,7 +9,8 @@ use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::simplify::capture::Capture;
 use lightfold::simplify::cost::TextureCoordinates;
-use lightfold::simplify::pipeline::{Settings, Simplified, TilingKind, simplify};
+use lightfold::simplify::pipeline::{Settings, Simplified, SurfaceAtlases, TilingKind, simplify};
+use lightfold::simplify::quad_mesh::AtlasLight;
 use lightfold::simplify::samples::{Background, Inside};
 use lightfold::simplify::selection::Budgets;
 use lightfold::simplify::texture_sizes::Sizing;
@@ -32,6 +33,8 @@ const SETTINGS: Settings = Settings {
     tiling: TilingKind::Quadtree,
     sizing: Sizing::Adaptive,
     texture_coordinates: TextureCoordinates::Affine,
+    light: AtlasLight::Codes,
+    surfaces: SurfaceAtlases::None,
 };
 
 struct Row {

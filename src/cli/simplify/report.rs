@@ -96,7 +96,7 @@ impl Report {
     pub fn new(
         (simplified, held_out): (&Simplified, Option<&Fidelity>),
         args: &Args,
-        (bytes, figures): (u64, Vec<PathBuf>),
+        (files, figures): (Vec<(PathBuf, u64)>, Vec<PathBuf>),
         elapsed: Duration,
     ) -> Report {
         let Simplified { selection, fidelity, atlas, poses, .. } = simplified;
@@ -146,7 +146,7 @@ impl Report {
             candidates: simplified.candidates,
             stages: simplified.stages,
             counters: simplified.counters,
-            files: vec![FileReport { path: args.output.clone(), bytes }],
+            files: files.into_iter().map(|(path, bytes)| FileReport { path, bytes }).collect(),
             figures,
             seconds: elapsed,
         }
