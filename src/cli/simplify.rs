@@ -42,6 +42,7 @@ fn write(args: &Args, simplified: &Simplified) -> Result<u64> {
     let region = &simplified.region;
     let corners = [region.middle - region.half, region.middle + region.half];
     let extras = json!({ "lightfold": {
+        "frame": args.frame,
         "viewing_region_m": corners.map(|corner| corner.to_array()),
         "triangles": args.triangles,
         "projected_area": args.area,

@@ -9,7 +9,7 @@
 //! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`cracks`].
 //! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh.
-//! 7. [`raster`]: draws the mesh (6).
+//! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
 
@@ -23,6 +23,7 @@ pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;
 pub mod raster;
+pub mod read_glb;
 pub mod region;
 pub mod samples;
 pub mod selection;
