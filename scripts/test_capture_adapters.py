@@ -168,7 +168,7 @@ class Compared:
                     self.compare(view, frame)
 
     def planes(self, kind, view, frame):
-        files = self.manifest["files"] | {"normal": self.manifest["extra"]["normal"]["files"]}
+        files = self.manifest["files"]
         name = files[kind].replace("{probe}", view.camera.name).replace("{face}", view.face) % frame
         size, channels = exr.read(self.folder / name)
         assert size == tuple(view.size), (size, view.size)

@@ -429,12 +429,10 @@ class Plan:
         said["color"] = {"space": "linear-rec709"}
         if "material" in self.kinds:
             said["material"] = {"channels": {"reflection": "reflect", "refraction": "refract", "ior": "ior"}}
-        said["files"] = {kind: self.pattern(kind) for kind in self.kinds if kind != "normal"}
+        said["files"] = {kind: self.pattern(kind) for kind in self.kinds}
         said["probes"] = [probe(camera) for camera in self.cameras]
         said["extra"] = {"renderer": self.scene["renderer"], "samples": self.options.samples, "seed": self.options.seed,
                          "noise": self.options.noise}
-        if "normal" in self.kinds:
-            said["extra"]["normal"] = {"files": self.pattern("normal"), "channels": list(CHANNELS["normal"]), "axes": "world"}
         return said
 
     def finish(self):

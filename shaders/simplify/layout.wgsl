@@ -25,5 +25,5 @@ struct QuadPicture {
 };
 
 @group(0) @binding(0) var<storage, read> picture: QuadPicture;
-// Position in metres and texture coordinates, for each corner of each triangle.
+// Position in metres and homogeneous texture coordinates, for each corner of each triangle.
 @group(0) @binding(1) var<storage, read> corners: array<f32>;

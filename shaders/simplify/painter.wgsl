@@ -11,6 +11,6 @@ fn paint(placed: Placed) -> Fragment {
     if !in_range(placed.depth_m) {
         discard;
     }
-    let found = sample(placed.uv);
+    let found = sample(placed.stq.xy / placed.stq.z);
     return Fragment(vec4(found.rgb * found.a, found.a), 1.0);
 }

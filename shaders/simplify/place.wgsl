@@ -2,14 +2,15 @@
 
 struct Placed {
     @builtin(position) position: vec4<f32>,
-    @location(0) uv: vec2<f32>,
+    // Homogeneous texture coordinates.
+    @location(0) stq: vec3<f32>,
     // Along the axis of the camera, in metres.
     @location(1) depth_m: f32,
 };
 
 @vertex
 fn place(@builtin(vertex_index) index: u32) -> Placed {
-    let at = 5u * index;
+    let at = 6u * index;
     let point = vec3(corners[at], corners[at + 1u], corners[at + 2u]);
     // The eye is subtracted in two parts: single precision would move near triangles of a scene that lies far from the origin.
     let from_eye = (point - picture.eye) - picture.eye_rest;
@@ -23,7 +24,7 @@ fn place(@builtin(vertex_index) index: u32) -> Placed {
         picture.nearest_m,
         z,
     );
-    placed.uv = vec2(corners[at + 3u], corners[at + 4u]);
+    placed.stq = vec3(corners[at + 3u], corners[at + 4u], corners[at + 5u]);
     placed.depth_m = z;
     return placed;
 }

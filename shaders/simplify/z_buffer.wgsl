@@ -2,7 +2,7 @@
 
 @fragment
 fn cover(placed: Placed) -> @location(0) vec4<f32> {
-    let found = sample(placed.uv);
+    let found = sample(placed.stq.xy / placed.stq.z);
     if !in_range(placed.depth_m) || found.a <= picture.threshold {
         discard;
     }

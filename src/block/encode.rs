@@ -1,12 +1,12 @@
 //! Encoders of blocks: libraries behind one trait.
 //!
-//! `intel_tex_2` encodes BC1, BC6H and BC7; `dds` encodes BC4 and BC5, and BC1 again at exhaustive effort, where the
+//! `intel_tex_2` encodes BC1, BC6H, BC7 and ASTC; `dds` encodes BC4 and BC5, and BC1 again at exhaustive effort, where the
 //! better block of the two is kept. Errors are measured with our decoders.
 
 use dds::{ColorFormat, CompressionQuality, EncodeOptions, Format, ImageView, Size};
-use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
+use intel_tex_2::{RgbaSurface, astc, bc1, bc6h, bc7};
 
-use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockFormat, SIDE, TEXELS, grid};
+use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, Bc7Rgba, BlockFormat, SIDE, TEXELS, grid};
 use crate::effort::Effort;
 
 /// A block depends on its own pixels and the effort alone. `intel_tex_2` selects kernels by the processor's instruction
@@ -63,6 +63,39 @@ impl BlockEncoder for Bc7 {
             Effort::Exhaustive => bc7::opaque_slow_settings(),
         };
         rgba_bands(pixels, width, height, |surface| bc7::compress_blocks(&settings, &surface))
+    }
+}
+
+impl BlockEncoder for Bc7Rgba {
+    type Texel = [u8; 4];
+    fn encode(&self, pixels: &[[u8; 4]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        let settings = match effort {
+            Effort::Fast => bc7::alpha_ultra_fast_settings(),
+            Effort::Normal => bc7::alpha_fast_settings(),
+            Effort::Exhaustive => bc7::alpha_slow_settings(),
+        };
+        in_bands(pixels, width, height, |band| {
+            bc7::compress_blocks(&settings, &band.surface(band.pixels.as_flattened(), 4))
+        })
+    }
+}
+
+/// ASTC, RGBA of 8 bits, 4x4 pixels in 16 bytes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Astc4x4;
+
+impl BlockEncoder for Astc4x4 {
+    type Texel = [u8; 4];
+    /// Normal and exhaustive efforts are the same.
+    fn encode(&self, pixels: &[[u8; 4]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        let side = SIDE as u32;
+        let settings = match effort {
+            Effort::Fast => astc::alpha_fast_settings(side, side),
+            Effort::Normal | Effort::Exhaustive => astc::alpha_slow_settings(side, side),
+        };
+        in_bands(pixels, width, height, |band| {
+            astc::compress_blocks(&settings, &band.surface(band.pixels.as_flattened(), 4))
+        })
     }
 }
 

@@ -28,6 +28,7 @@ formats! {
     Bc5: [[u8; 2]; 16] by bc5::decode;
     Bc6h: [[u16; 3]; 16] by bc6h::decode;
     Bc7: [[u8; 3]; 16] by bc7::decode_rgb;
+    Bc7Rgba: [[u8; 4]; 16] by bc7::decode;
 }
 
 /// Decodes an image of `width` x `height` pixels. What of a block lies past the right or the bottom edge is dropped;

@@ -17,8 +17,8 @@ mod formats;
 mod grid;
 
 #[cfg(feature = "encode")]
-pub use encode::BlockEncoder;
-pub use formats::{Bc1, Bc4, Bc5, Bc6h, Bc7, decode_image};
+pub use encode::{Astc4x4, BlockEncoder};
+pub use formats::{Bc1, Bc4, Bc5, Bc6h, Bc7, Bc7Rgba, decode_image};
 pub use grid::{BlockFormat, SIDE, TEXELS, grid};
 
 #[cfg(feature = "encode")]

@@ -3,19 +3,19 @@
 mod args;
 mod report;
 
+use std::io::Write;
+use std::path::PathBuf;
 use std::time::Instant;
-
-use serde_json::json;
 
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
-use crate::evaluate::reference::Reference;
 use crate::files::OutputFile;
-use crate::simplify::pipeline::{self, Simplified};
-use crate::simplify::quad_mesh::write_glb;
-use crate::simplify::samples::Capture;
+use crate::simplify::capture::Capture;
+use crate::simplify::export::{self, OutputBytes, Scene};
+use crate::simplify::fidelity::compare;
+use crate::simplify::pipeline::{self, Settings, Simplified};
 
 pub use args::Args;
 use report::Report;
@@ -24,37 +24,47 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check()?;
     let begun = Instant::now();
     let settings = args.settings()?;
-    let mut reference = Reference::open(&args.input)?;
-    let mut capture = Capture::new(&mut reference, settings.frame).map_err(|error| error.in_file(&args.input))?;
-    let progress = Progress::start(global, "simplifying", pipeline::steps(capture.images.len()))?;
-    let simplified =
+    let mut capture = Capture::open(&args.input, args.frames)?;
+    capture.notes.iter().for_each(|note| global.note(note));
+    let mut held_out = args.held_out.as_deref().map(|path| Capture::open(path, args.frames)).transpose()?;
+    let held_out_images = held_out.as_ref().map_or(0, |capture| capture.images.len());
+    let steps = pipeline::steps(capture.images.len()) + held_out_images as u64;
+    let progress = Progress::start(global, "simplifying", steps)?;
+    let mut simplified =
         pipeline::simplify(&mut capture, &settings, &progress).map_err(|error| error.in_file(&args.input))?;
+    let mut compare = |capture: &mut Capture| compare(&simplified.scene, capture, settings.background, &progress);
+    let held_out = held_out.as_mut().map(&mut compare).transpose()?;
     drop(progress);
     simplified.notes.iter().for_each(|note| global.note(note));
-    let bytes = write(args, &simplified)?;
-    let report = Report::new(&simplified, args, bytes, begun.elapsed());
+    let writing = Instant::now();
+    let files = write(args, &settings, (&simplified, capture.frame()))?;
+    simplified.stages.export = writing.elapsed();
+    let report = Report::new((&simplified, held_out.as_ref()), args, files, begun.elapsed());
     global.report(args.json, &report, || report.text())?;
+    if args.stats && !args.json {
+        output::print_text(&report.stats()?)?;
+    }
     Ok(ExitStatus::Passed)
 }
 
-/// Writes the mesh whole or not at all, and answers its bytes.
-fn write(args: &Args, simplified: &Simplified) -> Result<u64> {
-    let region = &simplified.region;
-    let corners = [region.middle - region.half, region.middle + region.half];
-    let extras = json!({ "lightfold": {
-        "frame": args.frame,
-        "viewing_region_m": corners.map(|corner| corner.to_array()),
-        "triangles": args.triangles,
-        "projected_area": args.area,
-        "peak_overdraw": args.peak_overdraw,
-        "atlas": args.atlas,
-        "drawing_order": "back to front, as stored; blend without depth test, without culling, and without sorting",
-    } });
-    let mut bytes = Vec::new();
-    write_glb(&simplified.scene, extras, &mut bytes)?;
-    let mut file = OutputFile::create(&args.output)?;
-    let written = std::io::Write::write_all(&mut file, &bytes);
-    written.map_err(|error| output::name_output(Error::io(&args.output, error), &args.output))?;
-    file.commit()?;
-    Ok(bytes.len() as u64)
+/// Writes all files, each whole or not at all, and none where one cannot be made. Answers their bytes.
+fn write(args: &Args, settings: &Settings, (simplified, frame): (&Simplified, u32)) -> Result<Vec<(PathBuf, u64)>> {
+    let scene = Scene {
+        quads: &simplified.scene,
+        region: &simplified.region,
+        budgets: &settings.budgets,
+        frame,
+        atlas: settings.atlas,
+        coordinates: settings.texture_coordinates,
+        surfaces: simplified.surfaces.as_ref(),
+    };
+    let mut written = Vec::new();
+    for OutputBytes { path, bytes } in export::files(&scene, &args.outputs())? {
+        let mut file = OutputFile::create(&path)?;
+        let result = file.write_all(&bytes);
+        result.map_err(|error| output::name_output(Error::io(&path, error), &path))?;
+        written.push((file, path, bytes.len() as u64));
+    }
+    let commit = |(mut file, path, bytes): (OutputFile, PathBuf, u64)| file.commit().map(|()| (path, bytes));
+    written.into_iter().map(commit).collect()
 }

@@ -1,11 +1,10 @@
 //! Opens the two sides of a comparison.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::compare::manifest_coding::ManifestCoding;
 use crate::compare::side::{Coding, Content, Place, Side, SideForm, SideStream, StreamId};
-use crate::container::header::MAGIC;
+use crate::container::header::is_container;
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::decode::{Decoder, Selection};
@@ -63,21 +62,13 @@ fn form_of(path: &str) -> Result<Form> {
         let panorama = Manifest::read(file)?.projection == Projection::Equirect;
         return Ok(if panorama { Form::Panorama } else { Form::Faces });
     }
-    let container = path == "-" || has("lfold") || (file.is_file() && starts_with_magic(file)?);
-    if container {
+    if path == "-" || is_container(file)? {
         return Ok(Form::Container);
     }
     if !file.exists() && !Pattern::parse(path)?.has_field() {
         return Err(Error::invalid("there is no such file or folder").in_file(path));
     }
     Ok(Form::Sequence)
-}
-
-fn starts_with_magic(path: &Path) -> Result<bool> {
-    let mut head = Vec::new();
-    let file = std::fs::File::open(path).map_err(|error| Error::io(path, error))?;
-    file.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(|error| Error::io(path, error))?;
-    Ok(head == MAGIC)
 }
 
 /// The other side: its path, or the streams of a side that was opened before.

@@ -15,6 +15,22 @@ pub const VERSION_MINOR: u16 = 1;
 pub const HEAD_BYTES: usize = 16;
 pub const FOOT_BYTES: usize = 40;
 
+/// Whether a file is to be read as a container: by its extension, or its first bytes.
+#[cfg(feature = "encode")]
+pub fn is_container(path: &std::path::Path) -> Result<bool> {
+    use std::io::Read;
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("lfold")) {
+        return Ok(true);
+    }
+    if !path.is_file() {
+        return Ok(false);
+    }
+    let mut head = Vec::new();
+    let file = std::fs::File::open(path).map_err(|error| Error::io(path, error))?;
+    file.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(|error| Error::io(path, error))?;
+    Ok(head == MAGIC)
+}
+
 /// Checks the head of a container of a major version that this reader knows; answers the minor version.
 pub fn read_head(bytes: &[u8]) -> Result<u16> {
     let mut fields = Fields::new(bytes, 0, "container.md 3");

@@ -185,7 +185,13 @@ pub struct Files {
     pub depth: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Normals are no stream of a container: simplification reads them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<String>,
 }
+
+/// Channels of files of normals.
+pub const NORMAL_CHANNELS: [&str; 3] = ["X", "Y", "Z"];
 
 impl Files {
     pub fn get(&self, kind: StreamKind) -> Option<&str> {
@@ -233,6 +239,10 @@ pub fn intrinsics_of(fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
     let [width, height] = size.map(f64::from);
     let focal = height / 2.0 / (fov_y_deg.to_radians() / 2.0).tan();
     [focal, focal, width / 2.0, height / 2.0]
+}
+
+fn file_pattern(text: &str, probe: &str, face: Face) -> Result<Pattern> {
+    Pattern::parse(&text.replace("{probe}", probe).replace("{face}", face.name()))
 }
 
 pub fn is_dataset(path: &Path) -> bool {
@@ -299,9 +309,12 @@ impl Manifest {
 
     /// Pattern of the files of a stream, below the manifest's folder; `None` where the dataset has no such stream.
     pub fn pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Pattern>> {
-        let Some(text) = self.files.get(kind) else { return Ok(None) };
-        let text = text.replace("{probe}", probe).replace("{face}", face.name());
-        Pattern::parse(&text).map(Some)
+        self.files.get(kind).map(|text| file_pattern(text, probe, face)).transpose()
+    }
+
+    /// As [`Self::pattern`], of normals.
+    pub fn normal_pattern(&self, probe: &str, face: Face) -> Result<Option<Pattern>> {
+        self.files.normal.as_deref().map(|text| file_pattern(text, probe, face)).transpose()
     }
 
     pub fn validate(&self) -> Result<()> {
@@ -388,11 +401,10 @@ impl Manifest {
     }
 
     fn validate_files(&self) -> Result<()> {
-        let mut any = false;
-        for kind in StreamKind::ALL {
-            let Some(text) = self.files.get(kind) else { continue };
-            any = true;
-            let wrong = |what: String| Err(Error::invalid(format!("files \"{}\": {what}", kind.name())));
+        let streams = StreamKind::ALL.map(|kind| (kind.name(), self.files.get(kind)));
+        for (name, text) in streams.into_iter().chain([("normal", self.files.normal.as_deref())]) {
+            let Some(text) = text else { continue };
+            let wrong = |what: String| Err(Error::invalid(format!("files \"{name}\": {what}")));
             if self.probes.len() > 1 && !text.contains("{probe}") {
                 return wrong(format!("\"{text}\" has no {{probe}}, so all probes would share files"));
             }
@@ -402,12 +414,15 @@ impl Manifest {
             if !self.has_face_files() && text.contains("{face}") {
                 return wrong(format!("\"{text}\" has {{face}}, but one image holds them all"));
             }
-            let pattern = self.pattern(kind, "0", Face::Px).map_err(|error| Error::invalid(error.to_string()))?;
-            if !pattern.is_some_and(|pattern| pattern.has_field()) {
+            let pattern = file_pattern(text, "0", Face::Px).map_err(|error| Error::invalid(error.to_string()))?;
+            if !pattern.has_field() {
                 return wrong(format!("\"{text}\" has no place for the frame number, such as %04d"));
             }
         }
-        if any { Ok(()) } else { Err(Error::invalid("\"files\" names no color, depth or material")) }
+        match streams.iter().any(|(_, text)| text.is_some()) {
+            true => Ok(()),
+            false => Err(Error::invalid("\"files\" names no color, depth or material")),
+        }
     }
 
     fn validate_probes(&self) -> Result<()> {

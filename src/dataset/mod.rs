@@ -3,6 +3,7 @@
 
 pub mod cameras;
 pub mod manifest;
+mod normals;
 mod pixels;
 pub mod seurat;
 pub mod source;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::manifest::{
     DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
 };
+use super::normals::{self, NormalFiles};
 use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
     planar_to_distance,
@@ -17,7 +18,7 @@ use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_
 use crate::image::layout::{cut_faces, face_size};
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, Plane, Projection, ReadLimits, Sequence, StreamKind, exr, png,
+    MaterialPlane, NormalPlane, Plane, Projection, ReadLimits, Sequence, StreamKind, exr, png,
 };
 
 const DEFAULT_FPS: f64 = 24.0;
@@ -147,6 +148,7 @@ pub struct Source {
     groups: Vec<SourceGroup>,
     /// Files of each group, by kind, probe and first face.
     sequences: BTreeMap<(StreamKind, usize, Face), Sequence>,
+    normals: NormalFiles,
     /// Where the source was opened by one.
     pub manifest: Option<Manifest>,
     content: Content,
@@ -243,6 +245,9 @@ impl Source {
                 }
             }
         }
+        let first_faces: Vec<Face> = together.iter().map(|faces| faces[0]).collect();
+        let frames: Vec<FrameRange> = source.probes.iter().map(|probe| probe.frames).collect();
+        source.normals = NormalFiles::of(&manifest, folder, &first_faces, &frames)?;
         if source.groups.is_empty() {
             return Err(Error::invalid("no probe has any of the frames asked for").in_file(&file));
         }
@@ -362,6 +367,7 @@ impl Source {
             probes: Vec::new(),
             groups: Vec::new(),
             sequences: BTreeMap::new(),
+            normals: NormalFiles::default(),
             manifest: None,
             content,
             file_size,
@@ -474,6 +480,17 @@ impl Source {
             // Weights belong to one surface, so they are never blended.
             self.faces_of(plane, group, resample_nearest)
         })
+    }
+
+    /// Normals of a frame, one plane for each face of a group of any kind; none where the dataset has none.
+    pub fn read_normal(&self, group: &SourceGroup, frame: u32) -> Result<Option<Vec<NormalPlane>>> {
+        let Some(path) = self.normals.path(group.probe, group.faces[0], frame) else { return Ok(None) };
+        let read = |path: &Path| {
+            let plane = normals::read(path, &self.limits)?;
+            self.check_size(&plane)?;
+            self.faces_of(plane, group, resample_nearest)
+        };
+        read(&path).map(Some).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
     fn read<T>(

@@ -2,6 +2,7 @@
 
 pub mod camera_file;
 pub mod camera_path;
+pub mod decoded_images;
 pub mod frame_requests;
 pub mod reference;
 pub mod rendered_image;

@@ -1,12 +1,15 @@
-//! Reference images: those of a dataset, with the cameras that see exactly them (CALF 7.2).
+//! Reference images: those of a dataset or a container, with the cameras that see exactly them (CALF 7.2).
 
 use std::path::Path;
 
 use glam::DVec3;
 
-use crate::dataset::{ProbeInfo, Source, SourceGroup, SourceOptions};
+use crate::container::header::is_container;
+use crate::dataset::{ProbeInfo, Source, SourceOptions};
+use crate::decode::Decoder;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Projection, StreamKind};
+use crate::evaluate::decoded_images::DecodedImages;
+use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Projection, StreamKind};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 
@@ -21,14 +24,14 @@ pub struct ReferenceImage {
     pub camera: Camera,
     pub size: [u32; 2],
     pub frames: FrameRange,
-    /// Group of files by kind of stream, and its index there.
+    /// Group of files (or stream of a container) by kind, and its index there.
     groups: [Option<[usize; 2]>; 3],
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     pub color: ColorPlane,
-    /// Weights of reflection and refraction and index of refraction; none where the dataset has no material.
+    /// Weights of reflection and refraction and index of refraction; none where there is no material.
     pub material: Option<MaterialPlane>,
 }
 
@@ -36,19 +39,29 @@ pub struct Truth {
 type Cached<T> = Option<(usize, u32, Vec<T>)>;
 
 #[derive(Debug)]
+enum Images {
+    Dataset(Source),
+    Container(DecodedImages),
+}
+
+#[derive(Debug)]
 pub struct Reference {
-    source: Source,
+    files: Images,
     /// By probe and then by face.
     pub images: Vec<ReferenceImage>,
     /// Files read last: those that hold all faces are read once for all of them.
     color: Cached<ColorPlane>,
     depth: Cached<DepthPlane>,
     material: Cached<MaterialPlane>,
+    normal: Cached<NormalPlane>,
 }
 
 impl Reference {
-    /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
+    /// Opens a container, or a dataset by its manifest or the folder that holds `lightfield.json`.
     pub fn open(path: &Path) -> Result<Reference> {
+        if is_container(path)? {
+            return Reference::of_container(Decoder::open(path)?).map_err(|error| error.in_file(path));
+        }
         Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
     }
 
@@ -62,31 +75,87 @@ impl Reference {
                 images.push(ReferenceImage {
                     probe: probe.name.clone(),
                     face,
-                    camera: camera(&source, probe, face, size)?,
+                    camera: camera(source.projection(), probe, face, size)?,
                     size,
                     frames: group.frames,
                     groups: [Some([at, place]), of(StreamKind::Depth), of(StreamKind::Material)],
                 });
             }
         }
-        if images.is_empty() {
-            return Err(Error::invalid("this dataset has no colour to compare pictures with"));
-        }
-        Ok(Reference { source, images, color: None, depth: None, material: None })
+        Reference::of(Images::Dataset(source), images)
     }
 
-    /// Distances of an image in a frame, in metres, `+inf` for the background; none where the dataset has no depth.
+    fn of_container(decoder: Decoder) -> Result<Reference> {
+        let files = DecodedImages::new(decoder);
+        let streams = || files.streams().iter().enumerate();
+        let mut images = Vec::new();
+        for (at, stream) in streams().filter(|(_, stream)| stream.kind == StreamKind::Color) {
+            let of = |kind| {
+                let same = |other: &crate::streams::StreamInfo| {
+                    (other.kind, other.probe, other.face) == (kind, stream.probe, stream.face)
+                        && other.size() == stream.size()
+                };
+                streams().find(|(_, other)| same(other)).map(|(at, _)| [at, 0])
+            };
+            let probe = &files.probes[stream.probe];
+            let projection = if stream.face == Face::View { Projection::Perspective } else { Projection::Cubemap };
+            images.push(ReferenceImage {
+                probe: probe.name.clone(),
+                face: stream.face,
+                camera: camera(projection, probe, stream.face, stream.size())?,
+                size: stream.size(),
+                frames: stream.frames,
+                groups: [Some([at, 0]), of(StreamKind::Depth), of(StreamKind::Material)],
+            });
+        }
+        Reference::of(Images::Container(files), images)
+    }
+
+    fn of(files: Images, images: Vec<ReferenceImage>) -> Result<Reference> {
+        if images.is_empty() {
+            return Err(Error::invalid("there is no colour to compare pictures with"));
+        }
+        Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
+    }
+
+    /// Largest error of distances, as a part of them: that of a container's codec, 0 of a dataset; none where it has no bound.
+    pub fn relative_depth_error(&self) -> Option<f64> {
+        match &self.files {
+            Images::Dataset(_) => Some(0.0),
+            Images::Container(files) => files.relative_depth_error(),
+        }
+    }
+
+    /// Distances of an image in a frame, in metres, `+inf` for the background; none where it has no depth.
     pub fn distance_m(&mut self, image: usize, frame: u32) -> Result<Option<DepthPlane>> {
         let [_, depth, _] = self.groups(image)?;
-        cached(&self.source, &mut self.depth, (depth, frame), Source::read_depth)
+        cached(&mut self.depth, (depth, frame), |group| match &self.files {
+            Images::Dataset(source) => source.read_depth(&source.groups()[group], frame),
+            Images::Container(files) => files.distance_m(group, frame),
+        })
     }
 
     pub fn truth(&mut self, image: usize, frame: u32) -> Result<Truth> {
         let [color, _, material] = self.groups(image)?;
-        let source = &self.source;
-        let color = cached(source, &mut self.color, (color, frame), Source::read_color)?;
+        let color = cached(&mut self.color, (color, frame), |group| match &self.files {
+            Images::Dataset(source) => source.read_color(&source.groups()[group], frame),
+            Images::Container(files) => files.color(group, frame),
+        })?;
         let color = color.ok_or_else(|| Error::Usage(format!("image {image} has no colour")))?;
-        Ok(Truth { color, material: cached(source, &mut self.material, (material, frame), Source::read_material)? })
+        let material = cached(&mut self.material, (material, frame), |group| match &self.files {
+            Images::Dataset(source) => source.read_material(&source.groups()[group], frame),
+            Images::Container(files) => files.material(group, frame),
+        })?;
+        Ok(Truth { color, material })
+    }
+
+    /// Normals of an image in a frame; none where the dataset has none, and of a container.
+    pub fn normal(&mut self, image: usize, frame: u32) -> Result<Option<NormalPlane>> {
+        let [color, ..] = self.groups(image)?;
+        cached(&mut self.normal, (color, frame), |group| match &self.files {
+            Images::Dataset(source) => Ok(source.read_normal(&source.groups()[group], frame)?.unwrap_or_default()),
+            Images::Container(_) => Ok(Vec::new()),
+        })
     }
 
     fn groups(&self, image: usize) -> Result<[Option<[usize; 2]>; 3]> {
@@ -104,12 +173,12 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
     })
 }
 
-fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {
+fn camera(projection: Projection, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {
     let named = |error: Error| error.context(format!("probe {}", probe.name));
     let turn = rotation(probe.orientation)
         .ok_or_else(|| named(Error::invalid("its orientation is no quaternion of length 1")))?;
     let (eye, axes) = (DVec3::from_array(probe.position), face.axes().map(|axis| turn * axis));
-    if face != Face::View || source.projection() == Projection::Cubemap {
+    if face != Face::View || projection == Projection::Cubemap {
         return Camera::with_axes(eye, axes, Lens::new(90.0)).map_err(named);
     }
     let Some([fx, fy, cx, cy]) = probe.intrinsics else {
@@ -126,14 +195,13 @@ fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32;
 
 /// One face of a group in a frame, read unless it was read last.
 fn cached<T: Clone>(
-    source: &Source,
     held: &mut Cached<T>,
     (place, frame): (Option<[usize; 2]>, u32),
-    read: impl Fn(&Source, &SourceGroup, u32) -> Result<Vec<T>>,
+    read: impl Fn(usize) -> Result<Vec<T>>,
 ) -> Result<Option<T>> {
     let Some([at, place]) = place else { return Ok(None) };
     if !matches!(held, Some((group, of, _)) if (*group, *of) == (at, frame)) {
-        *held = Some((at, frame, read(source, &source.groups()[at], frame)?));
+        *held = Some((at, frame, read(at)?));
     }
     Ok(held.as_ref().and_then(|(_, _, faces)| faces.get(place).cloned()))
 }

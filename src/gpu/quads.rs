@@ -14,11 +14,11 @@ use crate::gpu::layout::{QuadPicture, words_of};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::simplify::quad_mesh::QuadMesh;
-use crate::simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes};
+use crate::simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes, texture_coordinates};
 
-/// Words of a corner: position and texture coordinates.
-const CORNER_WORDS: usize = 5;
-/// Triangles of a batch: 60 MiB of corners.
+/// Words of a corner: position and homogeneous texture coordinates.
+const CORNER_WORDS: usize = 6;
+/// Triangles of a batch: 72 MiB of corners.
 const BATCH: usize = 1 << 20;
 /// The least depth that is drawn, in parts of the greatest distance of a corner: the CPU has none.
 const NEAREST: f64 = 1e-7;
@@ -58,14 +58,18 @@ impl<'a> GpuQuads<'a> {
         let mesh = &scene.mesh;
         let texture = &scene.texture;
         let size = [texture.width, texture.height];
+        if scene.light.is_some() {
+            return Err(gpu.failed("atlas", "half floats are drawn on the CPU alone"));
+        }
         let atlas = drawing::texture(gpu, "atlas", size, wgpu::TextureFormat::Rgba8Uint)?;
         drawing::send(gpu, &atlas, &texture.pixels)?;
         let mut batches = Vec::new();
         for triangles in mesh.triangles.chunks(BATCH) {
             let mut words = Vec::with_capacity(3 * CORNER_WORDS * triangles.len());
             for &corner in triangles.as_flattened() {
-                let (position, uv) = (mesh.positions[corner as usize].as_vec3(), mesh.uvs[corner as usize]);
-                words.extend(position.to_array().into_iter().chain(uv.to_array()).map(f32::to_bits));
+                let stq = texture_coordinates(scene, corner).map(|part| part as f32);
+                let position = mesh.positions[corner as usize].as_vec3().to_array();
+                words.extend(position.into_iter().chain(stq).map(f32::to_bits));
             }
             batches.push((gpu.filled("corners", &words)?, 3 * triangles.len() as u32));
         }

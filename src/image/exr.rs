@@ -4,7 +4,7 @@
 //! layers are neither read nor decompressed. Files are decoded on the calling thread; callers read several at once.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Read, Seek, Write};
+use std::io::{BufRead, BufReader, BufWriter, Cursor, Read, Seek, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -402,30 +402,65 @@ pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> R
     write_halves(path, plane, names, f16::from_f32)
 }
 
+/// Bytes of a file of channels R, G, B and A as halves, ZIP compressed. They depend on the pixels alone.
+pub fn rgba_bytes(plane: &Plane<[f16; 4]>) -> Result<Vec<u8>> {
+    file_bytes(plane, halves(plane, ["R", "G", "B", "A"], |value| value))
+}
+
+/// As [`rgba_bytes`], of three channels, rounded to nearest.
+pub fn triple_bytes(plane: &Plane<[f32; 3]>, names: [&str; 3]) -> Result<Vec<u8>> {
+    file_bytes(plane, halves(plane, names, f16::from_f32))
+}
+
+fn file_bytes<T>(plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -> Result<Vec<u8>> {
+    let mut file = Cursor::new(Vec::new());
+    encode(&mut file, plane, channels).map_err(|error| match error {
+        exr::error::Error::Io(source) => Error::io("the EXR file", source),
+        other => translate(other),
+    })?;
+    Ok(file.into_inner())
+}
+
 fn write_halves<T: Copy, const N: usize>(
     path: &Path,
     plane: &Plane<[T; N]>,
     names: [&str; N],
     half: fn(T) -> f16,
 ) -> Result<()> {
+    write(path, plane, halves(plane, names, half))
+}
+
+fn halves<'a, T: Copy, const N: usize>(
+    plane: &Plane<[T; N]>,
+    names: [&'a str; N],
+    half: fn(T) -> f16,
+) -> Vec<(&'a str, FlatSamples)> {
     let samples = |at: usize| FlatSamples::F16(plane.data().iter().map(|pixel| half(pixel[at])).collect());
-    write(path, plane, names.into_iter().enumerate().map(|(at, name)| (name, samples(at))).collect())
+    names.into_iter().enumerate().map(|(at, name)| (name, samples(at))).collect()
 }
 
 fn write<T>(path: &Path, plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -> Result<()> {
-    let size = [plane.width() as usize, plane.height() as usize];
-    if size.contains(&0) {
+    if [plane.width(), plane.height()].contains(&0) {
         return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
     }
-    let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
-    let (blocks, line_order) = (exr::image::Blocks::ScanLines, LineOrder::Increasing);
-    let encoding = Encoding { compression: Compression::ZIP16, blocks, line_order };
-    let layer = Layer::new((size[0], size[1]), LayerAttributes::default(), encoding, AnyChannels::sort(list));
     let file = File::create(path).map_err(|error| Error::io(path, error))?;
     let mut writer = BufWriter::new(file);
-    Image::from_layer(layer).write().non_parallel().to_buffered(&mut writer).map_err(|error| match error {
+    encode(&mut writer, plane, channels).map_err(|error| match error {
         exr::error::Error::Io(source) => Error::io(path, source),
         other => translate(other).in_file(path),
     })?;
     writer.flush().map_err(|error| Error::io(path, error))
+}
+
+fn encode<T>(
+    writer: &mut (impl Write + Seek),
+    plane: &Plane<T>,
+    channels: Vec<(&str, FlatSamples)>,
+) -> exr::error::UnitResult {
+    let size = (plane.width() as usize, plane.height() as usize);
+    let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
+    let (blocks, line_order) = (exr::image::Blocks::ScanLines, LineOrder::Increasing);
+    let encoding = Encoding { compression: Compression::ZIP16, blocks, line_order };
+    let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
+    Image::from_layer(layer).write().non_parallel().to_buffered(writer)
 }

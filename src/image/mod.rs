@@ -6,6 +6,8 @@ pub mod equirect;
 #[cfg(feature = "encode")]
 pub mod exr;
 pub mod kind;
+#[cfg(feature = "encode")]
+pub mod ktx2;
 pub mod layout;
 pub mod limits;
 pub mod plane;
@@ -21,7 +23,7 @@ pub use cube::Face;
 pub use kind::{DepthKind, Projection, StreamKind};
 pub use layout::FaceLayout;
 pub use limits::ReadLimits;
-pub use plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+pub use plane::{ColorPlane, DepthPlane, MaterialPlane, NormalPlane, Plane};
 #[cfg(feature = "encode")]
 pub use png::ColorSpace;
 pub use projection::ImageProjection;

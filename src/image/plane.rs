@@ -19,6 +19,8 @@ pub type ColorPlane = Plane<[f16; 3]>;
 pub type DepthPlane = Plane<f32>;
 /// Reflection weight, refraction weight and index of refraction per pixel.
 pub type MaterialPlane = Plane<[f32; 3]>;
+/// Unit vectors in world axes; zero for the background.
+pub type NormalPlane = Plane<[f32; 3]>;
 
 impl<T> Plane<T> {
     /// Wraps `data`, whose length must be `width * height`.

@@ -3,7 +3,8 @@
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use ::image::codecs::png::PngEncoder;
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, Limits};
 use glam::{DVec2, DVec3, DVec4};
 
 use super::budget::Budget;
@@ -94,6 +95,19 @@ impl ImageTexture {
         budget.take(pixels, 8, "an image")?;
         let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
         Ok(ImageTexture { width, height, pixels: image.as_chunks::<4>().0.to_vec(), wrap })
+    }
+
+    /// A PNG file of the image.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        let ImageTexture { width, height, pixels, .. } = self;
+        if pixels.len() as u64 != u64::from(*width) * u64::from(*height) {
+            return Err(Error::invalid(format!("{} pixels for an image of {width}x{height}", pixels.len())));
+        }
+        let mut png = Vec::new();
+        PngEncoder::new(&mut png)
+            .write_image(pixels.as_flattened(), *width, *height, ExtendedColorType::Rgba8)
+            .map_err(|error| Error::invalid(format!("an image cannot be written as PNG: {error}")))?;
+        Ok(png)
     }
 
     /// Bilinear colour and alpha at texture coordinates, (0, 0) the top left corner; those not finite count as 0.

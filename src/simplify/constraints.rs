@@ -47,32 +47,40 @@ impl<'a> ConstraintFinder<'a> {
         let beside = |hit: &TileHit| (hit.relative - 1.0).abs();
         // Of tiles at one distance, that which is drawn last.
         let nearest = |a: &&TileHit, b: &&TileHit| beside(a).total_cmp(&beside(b)).then(b.tile.cmp(&a.tile));
-        let Some(primary) = self.hits.iter().min_by(nearest).copied() else { return false };
         self.free.clear();
-        if free_space == FreeSpace::Trace {
-            self.trace(sample, primary);
+        if !sample.is_surface {
+            self.trace(sample, None);
+            out.extend(self.free.iter().map(|&(tile, at)| self.constraint(at, tile, None)));
+            return true;
         }
-        let set = |at: [f64; 2], tile: u32, sample: Option<u32>| {
-            let at = self.tiles.tiles[tile as usize].texture_position(at).map(|at| at as f32);
-            Constraint { tile, at, sample }
-        };
+        let Some(primary) = self.hits.iter().min_by(nearest).copied() else { return false };
+        if free_space == FreeSpace::Trace {
+            self.trace(sample, Some(primary.tile));
+        }
         for hit in &self.hits {
             let is_solid = hit.tile == primary.tile || beside(hit) < self.solid_threshold;
             if is_solid && !self.free.iter().any(|(tile, _)| *tile == hit.tile) {
-                out.push(set(hit.at, hit.tile, Some(number)));
+                out.push(self.constraint(hit.at, hit.tile, Some(number)));
             }
         }
-        out.extend(self.free.iter().map(|&(tile, at)| set(at, tile, None)));
+        out.extend(self.free.iter().map(|&(tile, at)| self.constraint(at, tile, None)));
         true
     }
 
-    /// Tiles that are drawn over the primary one, and that the sample's own ray meets elsewhere than at its end.
-    fn trace(&mut self, sample: &Sample, primary: TileHit) {
+    fn constraint(&self, at: [f64; 2], tile: u32, sample: Option<u32>) -> Constraint {
+        let at = self.tiles.tiles[tile as usize].texture_position(at).map(|at| at as f32);
+        Constraint { tile, at, sample }
+    }
+
+    /// Tiles that are drawn over the primary one, and that the sample's own ray meets elsewhere than at its end; all of them where the
+    /// ray has no surface.
+    fn trace(&mut self, sample: &Sample, primary: Option<u32>) {
         let along = sample.end - sample.origin;
         let length = along.length();
         let Some(ray) = Ray::new(sample.origin, along) else { return };
         for (tile, distance) in self.tiles.crossed(&ray) {
-            if tile <= primary.tile || (distance / length - 1.0).abs() <= self.solid_threshold {
+            if primary.is_some_and(|primary| tile <= primary || (distance / length - 1.0).abs() <= self.solid_threshold)
+            {
                 continue;
             }
             let at: DVec3 = ray.at(distance);

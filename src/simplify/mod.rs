@@ -3,22 +3,26 @@
 //!
 //! Stages, each in a file that bears its name:
 //!
-//! 1. [`samples`]: rays of a capture; [`region`]: where the eye may be.
+//! 1. [`capture`]: images as rays; [`samples`] of them; [`region`]: where the eye may be.
 //! 2. [`points`]: samples merged into a point cloud (4.1).
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
 //! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`cracks`].
-//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh.
+//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
+//!    material; [`export`]: files.
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
 
 pub mod candidates;
+pub mod capture;
 pub mod constraints;
 pub mod cost;
 pub mod cracks;
+pub mod export;
 pub mod fidelity;
 pub mod fit;
+pub mod gbuffer;
 pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;

@@ -5,14 +5,16 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
+use super::capture::{Capture, CaptureImage};
 use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks::{self, CRACK_ALPHA};
-use super::fidelity::Fidelity;
+use super::fidelity::{self, Fidelity, PoseScore, SeenDirections};
+use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::points::PointMerger;
-use super::quad_mesh::QuadMesh;
+use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::raster::draw;
 use super::region::ViewingRegion;
-use super::samples::Capture;
+use super::samples::{Background, Inside, Sample, SampleRules};
 use super::selection::{Budgets, Problem, Selection};
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTexture};
@@ -55,11 +57,23 @@ pub struct Settings {
     pub pixels_per_degree: Option<f64>,
     /// The box around the cameras where it is not given.
     pub region: Option<Region>,
-    pub frame: u32,
+    pub background: Background,
+    pub inside: Inside,
     pub effort: Effort,
     pub tiling: TilingKind,
     pub sizing: Sizing,
     pub texture_coordinates: TextureCoordinates,
+    pub light: AtlasLight,
+    pub surfaces: SurfaceAtlases,
+}
+
+/// Atlases beside that of light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SurfaceAtlases {
+    #[default]
+    None,
+    /// Of normals and material, where the capture has them.
+    GBuffer,
 }
 
 /// Durations of the stages.
@@ -78,6 +92,9 @@ pub struct Stages {
     pub shading: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub atlas: Duration,
+    /// Files, which the caller writes.
+    #[serde(serialize_with = "json::seconds")]
+    pub export: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub evaluate: Duration,
 }
@@ -91,17 +108,22 @@ pub struct Counters {
     pub samples_without_tile: u64,
     /// Tiles without a free-space constraint: they have no silhouette.
     pub opaque_tiles: u64,
+    /// Samples in the viewing region that were left out.
+    pub dropped_samples: u64,
     /// Texels without a sample, whose light was filled.
     pub filled_texels: u64,
     /// Tiles with a smaller texture than asked for, so that the atlas fits.
     pub reduced_tiles: u64,
     pub closed_cracks: u64,
+    /// Texels that are kept as half floats, too.
+    pub float_texels: u64,
 }
 
 /// The result, and figures about it.
 #[derive(Debug)]
 pub struct Simplified {
     pub scene: QuadMesh,
+    pub surfaces: Option<SurfaceAtlas>,
     pub region: ViewingRegion,
     pub selection: Selection,
     pub samples: u64,
@@ -114,6 +136,7 @@ pub struct Simplified {
     pub stages: Stages,
     pub counters: Counters,
     pub fidelity: Fidelity,
+    pub poses: PoseScore,
     pub notes: Vec<String>,
 }
 
@@ -123,20 +146,24 @@ pub fn steps(images: usize) -> u64 {
     4 * images as u64
 }
 
-/// Simplifies the frame of a capture.
-pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Monitor) -> Result<Simplified> {
+/// Simplifies a capture.
+pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<Simplified> {
     let mut stages = Stages::default();
     let mut counters = Counters::default();
     let mut notes = Vec::new();
-    let images = capture.images.clone();
+    let images = 0..capture.images.len();
     let region = region_of(capture, settings, &mut notes)?;
+    let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
+    let solid_threshold = solid_threshold(capture, &mut notes);
 
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
     let (mut samples, mut farthest_m) = (0, 0f64);
-    for &image in &images {
+    for image in images.clone() {
         monitor.check()?;
-        let ends: Vec<_> = capture.samples(image, &region)?.into_iter().map(|sample| sample.end).collect();
+        let (found, left_out) = rules.samples(capture, image)?;
+        counters.dropped_samples += left_out;
+        let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
         samples += ends.len() as u64;
         farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
         merger.add(&ends);
@@ -173,6 +200,7 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
     let selection = Problem::new(&costs, fitting.levels[0], &shares, &settings.budgets).solve(iterations, gap)?;
     let tiles = TileSet::new(&selection.tilings, &levels, &model);
     let point_count = points.len() as u64;
+    let seen = SeenDirections::new(&points);
     drop((costs, shares, levels, points));
     stages.selection = begun.elapsed();
 
@@ -182,12 +210,12 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
         texels.next_multiple_of(BLOCK)
     };
     let sides: Vec<usize> = tiles.tiles.iter().map(|tile| side(tile.rect)).collect();
-    let mut builder = TextureBuilder::new(&tiles, &sides, SOLID_THRESHOLD);
+    let mut builder = TextureBuilder::new(&tiles, &sides, solid_threshold);
     // One of so many samples is traced through free space.
     let stride = if settings.effort == Effort::Fast { 4 } else { 1 };
-    for &image in &images {
+    for image in images.clone() {
         monitor.check()?;
-        builder.add(&capture.samples(image, &region)?, stride);
+        builder.add(&rules.samples(capture, image)?.0, stride);
         monitor.advance(1);
     }
     counters.solid_constraints = builder.solid;
@@ -203,28 +231,32 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
     let begun = Instant::now();
     let places = layout(&textures, settings.atlas, settings.sizing)?;
     counters.reduced_tiles = places.reduced as u64;
-    let mut scene = QuadMesh::new(&tiles, &textures, &places, region.middle);
+    let form = MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light };
+    let mut scene = QuadMesh::new(&tiles, &textures, &places, &form);
+    counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     drop::<Vec<TileTexture>>(textures);
-    for &image in &images {
+    for image in images.clone() {
         monitor.check()?;
         // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
         for reach in 0..=CRACK_REACH {
-            counters.closed_cracks += close_cracks(capture, (image, reach), &region, (&tiles, &places), &mut scene)?;
+            counters.closed_cracks += close_cracks(capture, (image, reach), &rules, (&tiles, &places), &mut scene)?;
         }
         monitor.advance(1);
     }
+    let textured = TexturedTiles { tiles: &tiles, layout: &places, solid_threshold };
+    let surfaces = match settings.surfaces {
+        SurfaceAtlases::None => None,
+        SurfaceAtlases::GBuffer => Some(textured.surfaces(capture, &rules, monitor)?),
+    };
     stages.atlas = begun.elapsed();
 
     let begun = Instant::now();
-    let mut fidelity = Fidelity::default();
-    for &image in &images {
-        monitor.check()?;
-        fidelity.add(&scene, capture.reference, image, capture.frame)?;
-        monitor.advance(1);
-    }
+    let fidelity = fidelity::compare(&scene, capture, settings.background, monitor)?;
+    let poses = fidelity::random_poses(&scene, &region, &seen)?;
     stages.evaluate = begun.elapsed();
     Ok(Simplified {
         scene,
+        surfaces,
         region,
         samples,
         points: point_count,
@@ -236,14 +268,15 @@ pub fn simplify(capture: &mut Capture<'_>, settings: &Settings, monitor: &dyn Mo
         stages,
         counters,
         fidelity,
+        poses,
         notes,
     })
 }
 
-fn region_of(capture: &mut Capture<'_>, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
+fn region_of(capture: &mut Capture, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
     let mut region = match &settings.region {
         Some(region) => ViewingRegion::given(region.clone()),
-        None => ViewingRegion::around(capture.eyes()),
+        None => ViewingRegion::around(capture.images.iter().map(|image| image.eye)),
     };
     if !region.has_extent() {
         region.grow(capture.nearest_m()?);
@@ -259,22 +292,43 @@ fn region_of(capture: &mut Capture<'_>, settings: &Settings, notes: &mut Vec<Str
     }
 }
 
+/// Tiles are as far from samples as these are wrong.
+fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
+    match capture.relative_depth_error {
+        Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
+        Some(error) => {
+            notes.push(format!(
+                "depths of the container are wrong by up to {:.2}%: a tile within that distance of a sample counts as its surface, \
+                 instead of {:.0}%",
+                100.0 * error,
+                100.0 * SOLID_THRESHOLD
+            ));
+            error
+        }
+        None => {
+            notes.push("the depths of the container have no bound of their error".into());
+            SOLID_THRESHOLD
+        }
+    }
+}
+
 /// Closes the cracks of one image of the capture; answers their number.
 fn close_cracks(
-    capture: &mut Capture<'_>,
+    capture: &mut Capture,
     (image, reach): (usize, u32),
-    region: &ViewingRegion,
+    rules: &SampleRules<'_>,
     (tiles, places): (&TileSet, &Layout),
     scene: &mut QuadMesh,
 ) -> Result<u64> {
-    let (camera, size) = (capture.reference.images[image].camera, capture.reference.images[image].size);
+    let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(0) };
     let drawn = draw(scene, &camera, size);
     if drawn.pixels.iter().all(|pixel| pixel[3] >= CRACK_ALPHA) {
         return Ok(0);
     }
-    let samples = capture.samples(image, region)?;
-    let cracks = samples.iter().zip(&drawn.pixels).filter(|(_, pixel)| pixel[3] < CRACK_ALPHA);
-    Ok(cracks.filter(|(sample, _)| cracks::close((sample, reach), tiles, places, scene)).count() as u64)
+    let (samples, _) = rules.samples(capture, image)?;
+    let is_crack = |sample: &&Sample| sample.is_surface && drawn.pixels[sample.pixel as usize][3] < CRACK_ALPHA;
+    Ok(samples.iter().filter(is_crack).filter(|sample| cracks::close((sample, reach), tiles, places, scene)).count()
+        as u64)
 }
 
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
@@ -282,7 +336,6 @@ const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::reference::Reference;
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, FootagePlan};
 
@@ -294,11 +347,14 @@ mod tests {
             atlas: 512,
             pixels_per_degree: None,
             region: None,
-            frame: 0,
+            background: Background::Sky,
+            inside: Inside::Refuse,
             effort: Effort::Fast,
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
             texture_coordinates: TextureCoordinates::Affine,
+            light: AtlasLight::Codes,
+            surfaces: SurfaceAtlases::None,
         }
     }
 
@@ -306,10 +362,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 32, probes: 3 };
         plan.write(folder.path(), &Silent).unwrap();
-        let mut reference = Reference::open(folder.path()).unwrap();
         let mut settings = settings();
         change(&mut settings);
-        simplify(&mut Capture::new(&mut reference, 0)?, &settings, &Silent)
+        simplify(&mut Capture::open(folder.path(), None)?, &settings, &Silent)
     }
 
     #[test]
@@ -339,6 +394,36 @@ mod tests {
         };
         let one = on(1);
         assert!(one == on(3));
+    }
+
+    #[test]
+    fn homogeneous_texture_coordinates_divide_no_tile() {
+        let found = run(|settings| settings.texture_coordinates = TextureCoordinates::Projective).unwrap();
+        assert_eq!(found.scene.mesh.triangles.len() as u64, 2 * found.tiles);
+        assert_eq!(found.scene.stq.len(), found.scene.mesh.positions.len());
+        // Each corner has those of the affine coordinates.
+        for (stq, uv) in found.scene.stq.iter().zip(&found.scene.mesh.uvs) {
+            assert!(stq.z > 0.0 && stq.z <= 1.0 && (stq.truncate() / stq.z - uv).length() < 1e-6, "{stq} {uv}");
+        }
+        let [psnr_db, affine_db] = [found, run(|_| {}).unwrap()].map(|found| found.fidelity.similarity.all.psnr_db());
+        assert!(psnr_db > affine_db - 0.1, "{psnr_db} {affine_db}");
+    }
+
+    #[test]
+    fn light_of_hdr_is_kept_above_white() {
+        let codes = run(|_| {}).unwrap();
+        assert!(codes.scene.light.is_none() && codes.counters.float_texels == 0);
+        let floats = run(|settings| settings.light = AtlasLight::HalfFloats).unwrap();
+        let light = floats.scene.light.as_ref().unwrap();
+        assert_eq!(floats.counters.float_texels, light.len() as u64);
+        assert!(floats.scene.texture.pixels == codes.scene.texture.pixels && floats.scene.mesh == codes.scene.mesh);
+        let tone = crate::image::ToneMap::default();
+        for (light, pixel) in light.iter().zip(&floats.scene.texture.pixels) {
+            for (light, code) in light.iter().zip(pixel) {
+                assert!(tone.code(light.to_f32()).abs_diff(*code) <= 1, "{light:?} {pixel:?}");
+            }
+        }
+        assert!(light.as_flattened().iter().any(|light| light.to_f32() > 1.0));
     }
 
     #[test]

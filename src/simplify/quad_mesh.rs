@@ -1,87 +1,156 @@
 //! Tiles as a textured triangle mesh, in drawing order (Seurat 5, 6).
 
-use std::io::Write;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2};
-use serde_json::Value;
+use glam::{DVec3, Vec2, Vec3};
+use half::f16;
 
-use super::texture_sizes::{Layout, resized};
+use super::cost::TextureCoordinates;
+use super::texture_sizes::{Layout, Place, resized};
 use super::textures::TileTexture;
-use super::tiles::TileSet;
-use crate::error::Result;
+use super::tiles::{QuadTile, TileSet};
 use crate::image::ToneMap;
-use crate::mesh::gltf::write;
-use crate::mesh::{ImageTexture, Material, Mesh, Wrap};
+use crate::mesh::{ImageTexture, Mesh, Wrap};
 
 /// A mesh whose triangles are drawn in their order, over each other, and its texture: sRGB codes, not multiplied by alpha.
+/// Triangles are counter-clockwise for an eye in the middle of the viewing region.
 #[derive(Debug)]
 pub struct QuadMesh {
     pub mesh: Mesh,
     pub texture: Arc<ImageTexture>,
+    /// Homogeneous texture coordinates of each corner, (u q, v q, q), which are exact where those of the mesh are affine; or
+    /// empty.
+    pub stq: Vec<Vec3>,
+    /// Linear light of each texel, in place of the codes of the texture, or none. Alpha is that of the texture.
+    pub light: Option<Vec<[f16; 3]>>,
+    /// Lengths of runs of triangles in drawing order: of blended ones, of opaque ones, and so on in turns. Empty where it is not
+    /// known which are opaque.
+    pub runs: Vec<u32>,
+}
+
+/// What an atlas keeps of light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtlasLight {
+    /// 8-bit sRGB codes: light of 0 to 1.
+    Codes,
+    /// Half floats, beside the codes.
+    HalfFloats,
+}
+
+/// What a mesh is made like.
+#[derive(Debug, Clone, Copy)]
+pub struct MeshForm {
+    /// Of the viewing region, in metres.
+    pub middle: DVec3,
+    pub coordinates: TextureCoordinates,
+    pub light: AtlasLight,
 }
 
 impl QuadMesh {
-    pub fn new(tiles: &TileSet, textures: &[TileTexture], layout: &Layout, middle: DVec3) -> QuadMesh {
+    pub fn new(tiles: &TileSet, textures: &[TileTexture], layout: &Layout, form: &MeshForm) -> QuadMesh {
         let [width, height] = layout.size;
-        let mut texture =
-            ImageTexture { width, height, pixels: vec![[0; 4]; (width * height) as usize], wrap: [Wrap::Clamp; 2] };
-        let mut mesh = Mesh::default();
-        let tone = ToneMap::default();
+        let texels = (width * height) as usize;
+        let texture = ImageTexture { width, height, pixels: vec![[0; 4]; texels], wrap: [Wrap::Clamp; 2] };
+        let light = (form.light == AtlasLight::HalfFloats).then(|| vec![[f16::ZERO; 3]; texels]);
+        let mut scene =
+            QuadMesh { mesh: Mesh::default(), texture: Arc::new(texture), stq: Vec::new(), light, runs: Vec::new() };
         for (at, tile) in tiles.tiles.iter().enumerate() {
-            let place = layout.places[at];
-            let of_tile = resized(&textures[at], place.side as usize);
-            for (row, texels) in of_tile.light.chunks_exact(of_tile.side).enumerate() {
-                for (column, light) in texels.iter().enumerate() {
-                    let alpha = of_tile
-                        .alpha
-                        .as_ref()
-                        .map_or(255, |alpha| (alpha[row * of_tile.side + column] * 255.0).round() as u8);
-                    let [r, g, b] = light.map(|light| tone.code(light));
-                    let (x, y) = (place.corner[0] as usize + column, place.corner[1] as usize + row);
-                    texture.pixels[y * width as usize + x] = [r, g, b, alpha];
-                }
+            scene.add_texture(&textures[at], layout.places[at]);
+            let first_triangle = scene.mesh.triangles.len();
+            scene.add_triangles(tile, layout.places[at], layout.size, form);
+            let count = (scene.mesh.triangles.len() - first_triangle) as u32;
+            add_to_runs(&mut scene.runs, usize::from(textures[at].alpha.is_none()), count);
+        }
+        scene.mesh.material_of = vec![0; scene.mesh.triangles.len()];
+        scene
+    }
+
+    fn add_texture(&mut self, texture: &TileTexture, place: Place) {
+        let tone = ToneMap::default();
+        let of_tile = resized(texture, place.side as usize);
+        let atlas = Arc::make_mut(&mut self.texture);
+        for (at, light) in of_tile.light.iter().enumerate() {
+            let alpha = of_tile.alpha.as_ref().map_or(255, |alpha| (alpha[at] * 255.0).round() as u8);
+            let [r, g, b] = light.map(|light| tone.code(light));
+            let corner = place.corner.map(|at| at as usize);
+            let (x, y) = (corner[0] + at % of_tile.side, corner[1] + at / of_tile.side);
+            let texel = y * atlas.width as usize + x;
+            atlas.pixels[texel] = [r, g, b, alpha];
+            if let Some(lights) = &mut self.light {
+                lights[texel] = light.map(finite_half);
             }
-            let [columns, rows] = tile.divisions;
-            let first = mesh.positions.len() as u32;
-            for row in 0..=rows {
-                for column in 0..=columns {
-                    let part = [f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows)];
-                    let plane: [f64; 2] = std::array::from_fn(|axis| {
-                        tile.rect.min[axis] + part[axis] * (tile.rect.max[axis] - tile.rect.min[axis])
-                    });
-                    // As files hold it.
-                    mesh.positions.push((middle + tile.point(plane)).as_vec3().as_dvec3());
-                    let uv: [f64; 2] = std::array::from_fn(|axis| {
-                        let texel = f64::from(place.corner[axis]) + 0.5 + part[axis] * f64::from(place.side - 1);
-                        texel / f64::from(layout.size[axis])
-                    });
-                    mesh.uvs.push(Vec2::new(uv[0] as f32, uv[1] as f32));
-                }
-            }
-            for row in 0..rows {
-                for column in 0..columns {
-                    let a = first + row * (columns + 1) + column;
-                    let (b, c, d) = (a + 1, a + columns + 2, a + columns + 1);
-                    mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+
+    fn add_triangles(&mut self, tile: &QuadTile, place: Place, atlas: [u32; 2], form: &MeshForm) {
+        let [columns, rows] = tile.divisions;
+        let first = self.mesh.positions.len() as u32;
+        // Texture coordinates are linear in the plane of the face, and so are their products with the depth along its axis on the tile.
+        let farthest = tile.corners().map(|corner| tile.depth(corner)).into_iter().fold(0.0, f64::max);
+        for row in 0..=rows {
+            for column in 0..=columns {
+                let part = [f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows)];
+                let plane: [f64; 2] = std::array::from_fn(|axis| {
+                    tile.rect.min[axis] + part[axis] * (tile.rect.max[axis] - tile.rect.min[axis])
+                });
+                let point = tile.point(plane);
+                // As files hold it.
+                self.mesh.positions.push((form.middle + point).as_vec3().as_dvec3());
+                let uv: [f64; 2] = std::array::from_fn(|axis| {
+                    let texel = f64::from(place.corner[axis]) + 0.5 + part[axis] * f64::from(place.side - 1);
+                    texel / f64::from(atlas[axis])
+                });
+                self.mesh.uvs.push(Vec2::new(uv[0] as f32, uv[1] as f32));
+                if form.coordinates == TextureCoordinates::Projective {
+                    let q = tile.depth(point) / farthest;
+                    self.stq.push(DVec3::new(uv[0] * q, uv[1] * q, q).as_vec3());
                 }
             }
         }
-        mesh.material_of = vec![0; mesh.triangles.len()];
-        QuadMesh { mesh, texture: Arc::new(texture) }
+        for row in 0..rows {
+            for column in 0..columns {
+                let a = first + row * (columns + 1) + column;
+                let (b, c, d) = (a + 1, a + columns + 2, a + columns + 1);
+                self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
     }
 }
 
-/// Writes the mesh as binary glTF: one unlit, blended primitive whose triangles are in drawing order.
-pub fn write_glb(scene: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()> {
-    let material = Material {
-        name: "quads".into(),
-        base_color: DVec3::ONE,
-        base_texture: Some(scene.texture.clone()),
-        is_blended: true,
-        specular: None,
-        unlit: true,
-        ..Material::default()
-    };
-    write::glb(std::slice::from_ref(&scene.mesh), &[material], Some(extras), out)
+/// Light as a half float that is finite.
+fn finite_half(light: f32) -> f16 {
+    if light.is_nan() { f16::ZERO } else { f16::from_f32(light.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())) }
+}
+
+/// Adds triangles of a kind, 0 blended and 1 opaque.
+fn add_to_runs(runs: &mut Vec<u32>, kind: usize, count: u32) {
+    while runs.len() % 2 == kind || runs.is_empty() {
+        runs.push(0);
+    }
+    if let Some(last) = runs.last_mut() {
+        *last += count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_of_blended_and_opaque_triangles_in_turns() {
+        let of = |kinds: &[usize]| {
+            let mut runs = Vec::new();
+            kinds.iter().for_each(|kind| add_to_runs(&mut runs, *kind, 2));
+            runs
+        };
+        assert_eq!(of(&[0, 0, 1, 0]), [4, 2, 2]);
+        assert_eq!(of(&[1, 1, 0]), [0, 4, 2]);
+        assert_eq!(of(&[]), [0; 0]);
+    }
+
+    #[test]
+    fn light_of_half_floats_is_finite() {
+        let found = [f32::NAN, f32::INFINITY, 1e9, -1e9, 0.5].map(|light| finite_half(light).to_f32());
+        assert_eq!(found, [0.0, 65504.0, 65504.0, -65504.0, 0.5]);
+    }
 }

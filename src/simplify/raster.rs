@@ -136,6 +136,14 @@ pub fn draw_picture(
     Ok(Drawn::of_rows(rows.collect::<Result<_>>()?))
 }
 
+/// Homogeneous texture coordinates of a corner.
+pub fn texture_coordinates(scene: &QuadMesh, corner: u32) -> [f64; 3] {
+    match scene.stq.get(corner as usize) {
+        Some(stq) => stq.as_dvec3().to_array(),
+        None => scene.mesh.uvs[corner as usize].as_dvec2().extend(1.0).to_array(),
+    }
+}
+
 /// Bytes that a picture takes while it is drawn.
 pub fn drawing_bytes(scene: &QuadMesh, settings: &DrawSettings) -> u64 {
     let [width, height] = settings.size.map(u64::from);
@@ -164,8 +172,8 @@ impl<'a> Raster<'a> {
         let mesh = &scene.mesh;
         let corners: Vec<_> = mesh.positions.par_iter().map(|&point| pixels.from_world(point)).collect();
         let see = |triangle: &[u32; 3]| {
-            let uvs = triangle.map(|corner| mesh.uvs[corner as usize].as_dvec2().to_array());
-            Triangle::new(&triangle.map(|corner| corners[corner as usize]), uvs, &pixels)
+            let stq = triangle.map(|corner| texture_coordinates(scene, corner));
+            Triangle::new(&triangle.map(|corner| corners[corner as usize]), stq, &pixels)
         };
         let triangles: Vec<Triangle> = mesh.triangles.par_iter().filter_map(see).collect();
         let mut of_job = vec![Vec::new(); settings.size[1].div_ceil(ROWS_A_JOB) as usize];
@@ -175,7 +183,7 @@ impl<'a> Raster<'a> {
                 .iter_mut()
                 .for_each(|list| list.push(at));
         }
-        let texels = Texels::new(&scene.texture);
+        let texels = Texels::new(scene);
         Raster { settings: *settings, samples: settings.samples(), texels, triangles, of_job }
     }
 
@@ -230,7 +238,7 @@ impl<'a> Raster<'a> {
     fn blend(&self, job: usize, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
-            let (sum, uv) = (triangle.sum.row(y), triangle.uv.map(|axis| axis.row(y)));
+            let [s, t, q] = triangle.stq.map(|axis| axis.row(y));
             let range = place..place + span.len();
             counts[range.clone()].iter_mut().for_each(|count| *count += 1);
             for (x, pixel) in span.zip(&mut pixels[range]) {
@@ -239,8 +247,8 @@ impl<'a> Raster<'a> {
                     continue;
                 }
                 let x = f64::from(x) + sample.offset[0];
-                let scale = 1.0 / sum.at(x);
-                let texel = self.texels.sample(uv.map(|axis| axis.at(x) * scale));
+                let scale = 1.0 / q.at(x);
+                let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
                 let share = open * texel.w;
                 *pixel += (texel * share).truncate().extend(share);
             }
@@ -254,18 +262,17 @@ impl<'a> Raster<'a> {
         // Inverse depth of what shows.
         let mut nearest = vec![0f64; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
-            let (sum, uv) = (triangle.sum.row(y), triangle.uv.map(|axis| axis.row(y)));
+            let (sum, [s, t, q]) = (triangle.sum.row(y), triangle.stq.map(|axis| axis.row(y)));
             let range = place..place + span.len();
             counts[range.clone()].iter_mut().for_each(|count| *count += 1);
             for ((x, pixel), nearest) in span.zip(&mut pixels[range.clone()]).zip(&mut nearest[range]) {
                 let x = f64::from(x) + sample.offset[0];
-                let weights = sum.at(x);
-                let inverse_depth = weights / triangle.volume;
+                let inverse_depth = sum.at(x) / triangle.volume;
                 if inverse_depth <= *nearest {
                     continue;
                 }
-                let scale = 1.0 / weights;
-                let texel = self.texels.sample(uv.map(|axis| axis.at(x) * scale));
+                let scale = 1.0 / q.at(x);
+                let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
                 if texel.w > sample.threshold {
                     *nearest = inverse_depth;
                     *pixel = texel.truncate().extend(1.0);

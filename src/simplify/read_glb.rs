@@ -1,6 +1,7 @@
-//! Reads the binary glTF that [`super::quad_mesh::write_glb`] wrote.
+//! Reads the binary glTF that [`super::export`] wrote.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use serde_json::Value;
 
@@ -47,7 +48,7 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     let mut buffers = Buffers::new(root, blob, folder, Budget::new(bytes.len() as u64));
     let mut notes = Vec::new();
     let paints = materials::read_all(&document, &mut buffers, &mut notes);
-    let mut mesh = Mesh::default();
+    let (mut mesh, mut stq) = (Mesh::default(), Vec::new());
     let mut texture = None;
     for primitive in document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()) {
         // The list begins with the default material.
@@ -58,18 +59,24 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
             return Err(Error::invalid(format!("a primitive has no atlas that shows under any light{note}")));
         };
         let atlas = texture.get_or_insert_with(|| own.clone());
-        if !std::sync::Arc::ptr_eq(atlas, own) {
+        if !Arc::ptr_eq(atlas, own) {
             return Err(Error::invalid("its primitives have different atlases, where one was expected"));
         }
         let Some(part) = primitives::read(&primitive, 0, paint.coordinates, &mut buffers)? else {
             return Err(Error::invalid("it has points or lines, where triangles were expected"));
         };
         append(&mut mesh, &part)?;
+        stq.extend(primitives::application_vectors(&primitive, HOMOGENEOUS, &mut buffers)?);
+    }
+    if !stq.is_empty() && stq.len() != mesh.positions.len() || !stq.iter().all(|stq| stq.is_finite()) {
+        return Err(Error::invalid(format!("_{HOMOGENEOUS}: finite numbers for each corner were expected")));
     }
     let texture = texture.ok_or_else(|| Error::invalid("it has no triangles"))?;
-    Ok(QuadScene { quads: QuadMesh { mesh, texture }, frame })
+    Ok(QuadScene { quads: QuadMesh { mesh, texture, stq, light: None, runs: Vec::new() }, frame })
 }
 
+/// Name of the attribute with homogeneous texture coordinates, without its underscore.
+const HOMOGENEOUS: &str = "TEXCOORD_STQ";
 const IDENTITY: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
@@ -102,15 +109,13 @@ fn append(mesh: &mut Mesh, part: &primitives::Geometry) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use glam::{DVec3, Vec2};
+    use glam::{DVec3, Vec2, Vec3};
     use serde_json::json;
 
     use super::*;
-    use crate::mesh::gltf::write;
+    use crate::mesh::gltf::write::{self, Additions};
     use crate::mesh::{ImageTexture, Wrap};
-    use crate::simplify::quad_mesh::write_glb;
+    use crate::simplify::export::glb;
 
     fn scene() -> QuadMesh {
         let mut mesh = Mesh::default();
@@ -122,12 +127,13 @@ mod tests {
         mesh.triangles = (0..8).map(|at| [0, 1, 2].map(|corner| (3 * (at * 5 % 8) + corner) as u32)).collect();
         mesh.material_of = vec![0; 8];
         let pixels = (0..12).map(|at| [at, 10 * at, 255 - at, 20 * at]).collect();
-        QuadMesh { mesh, texture: Arc::new(ImageTexture { width: 4, height: 3, pixels, wrap: [Wrap::Clamp; 2] }) }
+        let texture = Arc::new(ImageTexture { width: 4, height: 3, pixels, wrap: [Wrap::Clamp; 2] });
+        QuadMesh { mesh, texture, stq: Vec::new(), light: None, runs: Vec::new() }
     }
 
     fn written(extras: Value) -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_glb(&scene(), extras, &mut bytes).unwrap();
+        glb::write(&scene(), extras, &mut bytes).unwrap();
         bytes
     }
 
@@ -141,6 +147,15 @@ mod tests {
         assert_eq!((found.frame, &found.quads.mesh), (7, &scene().mesh));
         assert_eq!(found.quads.texture.pixels, scene().texture.pixels);
         assert_eq!(read(&written(json!({ "lightfold": {} }))).unwrap().frame, 0);
+        let mut projective = scene();
+        projective.stq = (0..24).map(|at| Vec3::splat(1.0 + at as f32)).collect();
+        let mut bytes = Vec::new();
+        glb::write(&projective, json!({ "lightfold": {} }), &mut bytes).unwrap();
+        assert_eq!(read(&bytes).unwrap().quads.stq, projective.stq);
+        projective.stq[3].z = f32::NAN;
+        bytes.clear();
+        glb::write(&projective, json!({ "lightfold": {} }), &mut bytes).unwrap();
+        assert!(read(&bytes).unwrap_err().to_string().contains("_TEXCOORD_STQ"));
     }
 
     #[test]
@@ -149,17 +164,17 @@ mod tests {
         assert!(said(&written(json!({ "other": {} }))).contains("capture"));
         assert!(said(b"{\"asset\": {\"version\": \"2.0\"}}").contains("capture"));
         assert!(said(&written(json!({ "lightfold": { "frame": -1 } }))).contains("extras.lightfold.frame"));
-        let own = || Some(json!({ "lightfold": {} }));
+        let own = Additions { extras: Some(json!({ "lightfold": {} })), attributes: &[] };
         let mut bytes = Vec::new();
-        write::glb(&[scene().mesh], &[Material::default()], own(), &mut bytes).unwrap();
+        write::glb(&[scene().mesh], &[Material::default()], &own, &mut bytes).unwrap();
         assert!(said(&bytes).contains("no atlas"));
         let mut broken = scene();
         broken.mesh.positions[5].y = f64::INFINITY;
         bytes.clear();
-        write_glb(&broken, json!({ "lightfold": {} }), &mut bytes).unwrap();
+        glb::write(&broken, json!({ "lightfold": {} }), &mut bytes).unwrap();
         assert!(said(&bytes).contains("corner 5"), "{}", said(&bytes));
         bytes.clear();
-        write::glb(&[], &[], own(), &mut bytes).unwrap();
+        write::glb(&[], &[], &own, &mut bytes).unwrap();
         assert!(said(&bytes).contains("no triangles"));
     }
 

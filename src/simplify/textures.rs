@@ -53,22 +53,11 @@ impl<'a> TextureBuilder<'a> {
 
     /// Adds samples; rays of every `stride`th are traced through free space.
     pub fn add(&mut self, samples: &[Sample], stride: usize) {
-        let find = |(job, samples): (usize, &[Sample])| {
-            let mut finder = ConstraintFinder::new(self.tiles, self.solid_threshold);
-            let (mut found, mut uncovered) = (Vec::new(), 0);
-            for (at, sample) in samples.iter().enumerate() {
-                let number = job * SAMPLES_A_JOB + at;
-                let free = if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
-                uncovered += u64::from(!finder.add(sample, number as u32, free, &mut found));
-            }
-            (found, uncovered)
-        };
-        let jobs: Vec<(Vec<Constraint>, u64)> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
-        self.uncovered += jobs.iter().map(|(_, uncovered)| uncovered).sum::<u64>();
-        let mut found: Vec<Constraint> = jobs.into_iter().flat_map(|(found, _)| found).collect();
+        let free = |number: usize| if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
+        let (found, uncovered) = constraints_by_tile(self.tiles, self.solid_threshold, samples, free);
+        self.uncovered += uncovered;
         self.solid += found.iter().filter(|constraint| constraint.sample.is_some()).count() as u64;
         self.free += found.iter().filter(|constraint| constraint.sample.is_none()).count() as u64;
-        found.par_sort_by_key(|constraint| constraint.tile);
         let runs: Vec<&[Constraint]> = found.chunk_by(|a, b| a.tile == b.tile).collect();
         self.buffers.par_iter_mut().enumerate().for_each(|(tile, buffers)| {
             let Ok(run) = runs.binary_search_by_key(&(tile as u32), |run| run[0].tile) else { return };
@@ -94,4 +83,27 @@ impl<'a> TextureBuilder<'a> {
         let filled = finished.iter().map(|(_, filled)| filled).sum();
         (finished.into_iter().map(|(texture, _)| texture).collect(), filled)
     }
+}
+
+/// Constraints of samples, in the order of tiles and then of samples, and the number of samples that no tile lies along.
+pub(super) fn constraints_by_tile(
+    tiles: &TileSet,
+    solid_threshold: f64,
+    samples: &[Sample],
+    free_space: impl Fn(usize) -> FreeSpace + Sync,
+) -> (Vec<Constraint>, u64) {
+    let find = |(job, samples): (usize, &[Sample])| {
+        let mut finder = ConstraintFinder::new(tiles, solid_threshold);
+        let (mut found, mut uncovered) = (Vec::new(), 0);
+        for (at, sample) in samples.iter().enumerate() {
+            let number = job * SAMPLES_A_JOB + at;
+            uncovered += u64::from(!finder.add(sample, number as u32, free_space(number), &mut found));
+        }
+        (found, uncovered)
+    };
+    let jobs: Vec<(Vec<Constraint>, u64)> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
+    let uncovered = jobs.iter().map(|(_, uncovered)| uncovered).sum();
+    let mut found: Vec<Constraint> = jobs.into_iter().flat_map(|(found, _)| found).collect();
+    found.par_sort_by_key(|constraint| constraint.tile);
+    (found, uncovered)
 }

@@ -32,6 +32,12 @@ impl QuadTile {
         self.rect.corners().map(|corner| self.point(corner))
     }
 
+    /// Distance of a point along the axis of the tile's face, metres.
+    pub fn depth(&self, point: DVec3) -> f64 {
+        let [forward, ..] = self.cell.face.axes();
+        point.dot(forward)
+    }
+
     /// Position within the texture, 0 to 1 along each side.
     pub fn texture_position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [least, most] = [self.rect.min, self.rect.max];

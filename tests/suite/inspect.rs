@@ -57,6 +57,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         color: pattern(StreamKind::Color),
         depth: pattern(StreamKind::Depth),
         material: pattern(StreamKind::Material),
+        normal: None,
     };
     let path =
         |face: &str, kind: StreamKind, frame: u32| folder.path().join(format!("{face}_{}.{frame:04}.exr", kind.name()));

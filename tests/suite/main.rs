@@ -44,6 +44,7 @@ mod roundtrip;
 mod samples;
 mod seurat;
 mod simplify;
+mod simplify_export;
 mod tradeoff;
 mod train;
 mod transform;

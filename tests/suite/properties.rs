@@ -171,7 +171,12 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 depth: Some(depth),
                 color: None,
                 material: Some(MaterialInfo { channels: MaterialChannels { reflection, refraction, ior } }),
-                files: Files { color: None, depth: Some("{probe}/{face}.%04d.exr".into()), material: None },
+                files: Files {
+                    color: None,
+                    depth: Some("{probe}/{face}.%04d.exr".into()),
+                    material: None,
+                    normal: None,
+                },
                 probes: probes.into_iter().map(probe).collect(),
                 extra: None,
             }

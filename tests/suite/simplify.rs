@@ -10,7 +10,7 @@ use crate::commands::{fine, refused};
 
 const PLAN: &str = "capture interior --position=0,1.5,0 --position=0.3,1.5,0.1 --position=0.1,1.7,0.3 --size 48 --samples 2 --frames 0-1 -o room";
 
-fn room() -> TempDir {
+pub fn room() -> TempDir {
     let folder = TempDir::new().unwrap();
     fine(PLAN, folder.path());
     folder

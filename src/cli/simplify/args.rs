@@ -1,13 +1,16 @@
 //! Arguments of `simplify`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::options::{Choices, EFFORTS, check_report, one_of, parse_positive};
 use crate::effort::Effort;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::placement::Region;
 use crate::simplify::cost::TextureCoordinates;
-use crate::simplify::pipeline::{Settings, TilingKind};
+use crate::simplify::export::{Ktx2Format, Ktx2Output, Outputs};
+use crate::simplify::pipeline::{Settings, SurfaceAtlases, TilingKind};
+use crate::simplify::quad_mesh::AtlasLight;
+use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
 use crate::simplify::texture_sizes::Sizing;
 
@@ -15,18 +18,25 @@ use crate::simplify::texture_sizes::Sizing;
 #[command(after_help = "Examples:\n  \
     lightfold simplify footage/lightfield.json -o scene.glb\n  \
     lightfold simplify footage --triangles 20000 --atlas 2048 --effort fast -o scene.glb --json\n  \
-    lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frame 24 -o scene.glb\n\n\
+    lightfold simplify footage -o scene.obj --uv projective\n  \
+    lightfold simplify footage -o scene.glb --ktx2 scene.ktx2 --hdr\n  \
+    lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frames 24 -o scene.glb\n\n\
     The scene is right for eyes in the viewing region only. Triangles are stored from back to front: a viewer draws them in that \
     order, blended, without depth test, culling or sorting (three.js: sortObjects = false, forceSinglePass = true).\n\n\
+    A .glb file holds the texture as PNG; beside a .obj file lie a .mtl file and a .png file. --hdr writes the texture to a .exr file \
+    of the scene's name as well, or in place of the .png file. All textures have straight alpha.\n\n\
+    Triangles of glTF interpolate texture coordinates linearly, so that slanted quads are divided until that is within half a texel. \
+    --uv projective divides none: a .glb file then has the attribute _TEXCOORD_STQ, and a .obj file vt s t q; the texture lies at s/q, \
+    t/q, which few viewers know.\n\n\
     All budgets are kept; one that cannot be is an error that names the least value that would do. Area: how often all quads \
     together would cover the sphere around the viewer. Peak overdraw: mean number of quads over a pixel in the worst of 126 views of \
     90 degrees. Cracks: pixels of the capture with less than half alpha.")]
 pub struct Args {
-    /// Manifest of a dataset with colour and depth (lightfield.json), or its folder
+    /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]
     pub input: PathBuf,
-    /// Binary glTF file to write
-    #[arg(long, short, value_name = "SCENE.glb")]
+    /// File to write, binary glTF or Wavefront OBJ by its extension
+    #[arg(long, short, value_name = "SCENE.glb|SCENE.obj")]
     pub output: PathBuf,
     /// Most triangles
     #[arg(long, value_name = "N", default_value_t = 72_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
@@ -47,9 +57,15 @@ pub struct Args {
     /// repeatable, for a union [default: the box around the cameras]
     #[arg(long, value_name = "BOX|SPHERE|MESH", allow_hyphen_values = true)]
     pub region: Vec<String>,
-    /// Frame to simplify
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub frame: u32,
+    /// What is infinitely far
+    #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "sky")]
+    pub background: Background,
+    /// Samples in the viewing region
+    #[arg(long, value_parser = one_of(INSIDE), default_value = "refuse")]
+    pub inside: Inside,
+    /// The frame to simplify [default: the first]
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u32>,
     /// Search effort: tiles for each part of the scene and precision of their planes; fast traces a quarter of the rays
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,
@@ -59,14 +75,53 @@ pub struct Args {
     /// How textures shrink that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
+    /// Texture coordinates, which decide how many quads a slanted one is divided into
+    #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
+    pub uv: TextureCoordinates,
+    /// Keep light above 1, as half floats: in a .exr file beside the scene, and in BC6H with --ktx2
+    #[arg(long)]
+    pub hdr: bool,
+    /// Write the texture as KTX2, too, which graphics cards read compressed
+    #[arg(long, value_name = "FILE.ktx2")]
+    pub ktx2: Option<PathBuf>,
+    /// Blocks of the KTX2 file, where it has no half floats
+    #[arg(long, value_parser = one_of(KTX2_FORMATS), requires = "ktx2", conflicts_with = "hdr", default_value = "bc7")]
+    pub ktx2_format: Ktx2Format,
+    /// Compare pictures of the scene with the images of this dataset, too
+    #[arg(long, value_name = "DATASET")]
+    pub held_out: Option<PathBuf>,
+    /// Print durations and counts of all stages
+    #[arg(long)]
+    pub stats: bool,
+    /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
+    #[arg(long)]
+    pub gbuffer: bool,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
 }
 
+const BACKGROUNDS: &Choices<Background> = &[
+    ("sky", Background::Sky, "A cube around the viewing region, 400 times as large"),
+    ("transparent", Background::Transparent, "Nothing; it stays transparent"),
+];
+
+const INSIDE: &Choices<Inside> =
+    &[("refuse", Inside::Refuse, "Are an error"), ("drop", Inside::Drop, "Are left out, and counted")];
+
 const TILINGS: &Choices<TilingKind> = &[
     ("quadtree", TilingKind::Quadtree, "Cells of any level of a quadtree"),
     ("uniform", TilingKind::Uniform, "Cells of the sixth level alone, for comparison (Seurat figure 13)"),
+];
+
+const COORDINATES: &Choices<TextureCoordinates> = &[
+    ("affine", TextureCoordinates::Affine, "Interpolated linearly, which every viewer does"),
+    ("projective", TextureCoordinates::Projective, "Homogeneous: no quad is divided"),
+];
+
+const KTX2_FORMATS: &Choices<Ktx2Format> = &[
+    ("bc7", Ktx2Format::Bc7, "Read by graphics cards of desktops"),
+    ("astc", Ktx2Format::Astc, "ASTC 4x4, read by mobile ones"),
 ];
 
 const SIZINGS: &Choices<Sizing> = &[
@@ -76,7 +131,16 @@ const SIZINGS: &Choices<Sizing> = &[
 
 impl Args {
     pub(super) fn check(&self) -> Result<()> {
-        check_report(&self.output, self.json)
+        check_report(&self.output, self.json)?;
+        match (self.hdr || self.gbuffer) && self.output == Path::new("-") {
+            true => Err(Error::Usage("--hdr and --gbuffer write files beside the scene: give -o a name, not -".into())),
+            false => self.outputs().check(),
+        }
+    }
+
+    pub(super) fn outputs(&self) -> Outputs {
+        let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), format: self.ktx2_format, effort: self.effort };
+        Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
     }
 
     pub(super) fn settings(&self) -> Result<Settings> {
@@ -88,11 +152,14 @@ impl Args {
             atlas: self.atlas,
             pixels_per_degree: self.pixels_per_degree,
             region,
-            frame: self.frame,
+            background: self.background,
+            inside: self.inside,
             effort: self.effort,
             tiling: self.tiling,
             sizing: self.sizing,
-            texture_coordinates: TextureCoordinates::Affine,
+            texture_coordinates: self.uv,
+            surfaces: if self.gbuffer { SurfaceAtlases::GBuffer } else { SurfaceAtlases::None },
+            light: if self.hdr { AtlasLight::HalfFloats } else { AtlasLight::Codes },
         })
     }
 }

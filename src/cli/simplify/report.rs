@@ -4,10 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
+use serde_json::to_value;
 
 use super::Args;
 use crate::cli::output::human_bytes;
+use crate::error::{Error, Result};
 use crate::json::{self, Number};
+use crate::simplify::fidelity::Fidelity;
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
 
 #[derive(Debug, Serialize)]
@@ -33,6 +36,9 @@ pub struct Report {
     crack_pixels: u64,
     translucent_pixels: u64,
     pixels: u64,
+    random_poses: PoseReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    held_out: Option<HeldOutReport>,
     selection: SelectionReport,
     budgets: Vec<BudgetReport>,
     samples: u64,
@@ -43,6 +49,22 @@ pub struct Report {
     files: Vec<FileReport>,
     #[serde(serialize_with = "json::seconds")]
     seconds: Duration,
+}
+
+#[derive(Debug, Serialize)]
+struct HeldOutReport {
+    psnr_db: Number,
+    ssim: Option<f64>,
+    psnr_hvs_m_db: Option<Number>,
+    crack_pixels: u64,
+    images: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct PoseReport {
+    poses: u32,
+    pixels: u64,
+    crack_pixels: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -67,8 +89,14 @@ struct FileReport {
 }
 
 impl Report {
-    pub fn new(simplified: &Simplified, args: &Args, bytes: u64, elapsed: Duration) -> Report {
-        let Simplified { selection, fidelity, atlas, .. } = simplified;
+    /// Of a scene, and of its comparison with images that it was not made from.
+    pub fn new(
+        (simplified, held_out): (&Simplified, Option<&Fidelity>),
+        args: &Args,
+        files: Vec<(PathBuf, u64)>,
+        elapsed: Duration,
+    ) -> Report {
+        let Simplified { selection, fidelity, atlas, poses, .. } = simplified;
         let [triangles, area, overdraw] = selection.used;
         let texels = u64::from(atlas[0]) * u64::from(atlas[1]);
         Report {
@@ -90,6 +118,14 @@ impl Report {
             crack_pixels: fidelity.crack_pixels,
             translucent_pixels: fidelity.translucent_pixels,
             pixels: fidelity.pixels,
+            random_poses: PoseReport { poses: poses.poses, pixels: poses.pixels, crack_pixels: poses.crack_pixels },
+            held_out: held_out.map(|held_out| HeldOutReport {
+                psnr_db: Number(held_out.similarity.all.psnr_db()),
+                ssim: held_out.similarity.ssim(),
+                psnr_hvs_m_db: held_out.similarity.hvs.psnr_db().map(Number),
+                crack_pixels: held_out.crack_pixels,
+                images: held_out.similarity.images,
+            }),
             selection: SelectionReport {
                 dual: selection.dual,
                 primal: selection.primal,
@@ -107,18 +143,34 @@ impl Report {
             candidates: simplified.candidates,
             stages: simplified.stages,
             counters: simplified.counters,
-            files: vec![FileReport { path: args.output.clone(), bytes }],
+            files: files.into_iter().map(|(path, bytes)| FileReport { path, bytes }).collect(),
             seconds: elapsed,
         }
     }
 
+    /// Durations and counts of the stages, one on each line.
+    pub fn stats(&self) -> Result<String> {
+        let mut lines = String::new();
+        for (title, values) in [("seconds", to_value(self.stages)), ("count", to_value(self.counters))] {
+            let values = values.map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+            for (name, value) in values.as_object().into_iter().flatten() {
+                lines += &format!("{title}: {} {value}\n", name.replace('_', " "));
+            }
+        }
+        Ok(lines)
+    }
+
     pub fn text(&self) -> String {
         let bytes: u64 = self.files.iter().map(|file| file.bytes).sum();
+        let held_out = self.held_out.as_ref().map_or(String::new(), |held_out| {
+            let ssim = held_out.ssim.unwrap_or(f64::NAN);
+            format!("held out: PSNR {:.2} dB, SSIM {ssim:.4}, {} images\n", held_out.psnr_db.0, held_out.images)
+        });
         format!(
             "{} triangles, atlas {}x{} ({:.0}% used), {}\n\
              area {:.2} spheres, overdraw mean {:.2}, peak {:.2}\n\
              PSNR {:.2} dB, SSIM {:.4}, {} cracks of {} pixels\n\
-             {:.1} s",
+             {}{:.1} s",
             self.triangles,
             self.atlas_width,
             self.atlas_height,
@@ -131,6 +183,7 @@ impl Report {
             self.ssim.unwrap_or(f64::NAN),
             self.crack_pixels,
             self.pixels,
+            held_out,
             self.seconds.as_secs_f64(),
         )
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::SEED;
 use crate::error::Result;
@@ -47,6 +47,12 @@ pub fn cases(compositing: Compositing) -> Result<Vec<DrawingCase>> {
         builder.room(DVec3::ZERO, 4.0);
         builder.leaves(60);
     };
+    let homogeneous = |builder: &mut Builder| {
+        builder.room(DVec3::ZERO, 4.0);
+        // Weights that differ by corner: texture coordinates are not affine in the plane of a tile.
+        builder.stq =
+            (0..).zip(&builder.mesh.uvs).map(|(at, uv)| uv.extend(1.0) * (1.0 + 0.3 * (at % 4) as f32)).collect();
+    };
     let clipped = Lens { near_m: 1.5, far_m: 4.5, ..Lens::new(80.0) };
     let mut cases = vec![
         case("no triangle in sight", &|builder| builder.square(DVec3::Z * 2.0, 0.5, 0), looking(DVec3::ZERO, 80.0)?),
@@ -59,11 +65,12 @@ pub fn cases(compositing: Compositing) -> Result<Vec<DrawingCase>> {
             Camera::look_at(DVec3::ZERO, DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, clipped)?
         }),
         case("an image off its axis", &leaves, looking(DVec3::ZERO, 70.0)?.off_axis([0.3, -0.2])?),
+        case("homogeneous texture coordinates", &homogeneous, looking(DVec3::ZERO, 70.0)?),
         case("several samples", &leaves, looking(DVec3::new(0.1, 0.2, 0.3), 80.0)?),
         case("leaves, four times as wide", &leaves, looking(DVec3::new(-0.2, 0.1, 0.3), 80.0)?),
     ];
-    cases[8].settings.samples = 2;
-    cases[9].settings.size = [4 * SIZE, 4 * SIZE];
+    cases[9].settings.samples = 2;
+    cases[10].settings.size = [4 * SIZE, 4 * SIZE];
     Ok(cases)
 }
 
@@ -114,12 +121,13 @@ fn looking(eye: DVec3, fov_y_deg: f64) -> Result<Camera> {
 /// Tiles of an atlas of smooth colours: those of even numbers are opaque, others are leaves with soft edges.
 struct Builder {
     mesh: Mesh,
+    stq: Vec<Vec3>,
     random: Random,
 }
 
 impl Builder {
     fn new() -> Builder {
-        Builder { mesh: Mesh::default(), random: Random::new(SEED) }
+        Builder { mesh: Mesh::default(), stq: Vec::new(), random: Random::new(SEED) }
     }
 
     /// A number in -1..1.
@@ -193,6 +201,6 @@ impl Builder {
         };
         let pixels = (0..ATLAS * ATLAS).map(texel).collect();
         let texture = ImageTexture { width: ATLAS, height: ATLAS, pixels, wrap: [Wrap::Clamp; 2] };
-        QuadMesh { mesh: self.mesh, texture: Arc::new(texture) }
+        QuadMesh { mesh: self.mesh, texture: Arc::new(texture), stq: self.stq, light: None, runs: Vec::new() }
     }
 }

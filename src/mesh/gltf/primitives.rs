@@ -91,6 +91,12 @@ pub fn read(
     Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
 }
 
+/// An attribute of an application, one vector for each corner, by its name without the underscore; empty where there is none.
+pub fn application_vectors(primitive: &gltf::Primitive, name: &str, buffers: &mut Buffers) -> Result<Vec<Vec3>> {
+    let count = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
+    vectors(primitive.get(&Semantic::Extras(name.into())), count, name, buffers)
+}
+
 /// The first set of vertex colours; without alpha, they are opaque.
 fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Vec4>> {
     let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Vec::new()) };

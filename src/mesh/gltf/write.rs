@@ -6,8 +6,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::sync::Arc;
 
-use ::image::codecs::png::PngEncoder;
-use ::image::{ExtendedColorType, ImageEncoder};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
@@ -17,19 +15,33 @@ use crate::mesh::texture::{ImageTexture, Wrap};
 use crate::mesh::triangles::Mesh;
 
 const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
+/// Targets of buffer views.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
 /// Without mipmaps.
 const LINEAR: u32 = 9729;
 
+/// Data of the application.
+#[derive(Debug, Default)]
+pub struct Additions<'a> {
+    /// Of the file.
+    pub extras: Option<Value>,
+    /// Attributes of the corners of the first mesh. Names begin with an underscore (glTF 2.0, section 3.7.2.1).
+    pub attributes: &'a [(&'a str, &'a [Vec3])],
+}
+
 /// Writes the meshes, whose triangles have materials of the list, as a `.glb` file. Triangles of a material keep their order.
-/// `extras` are data of the application.
-pub fn glb(meshes: &[Mesh], materials: &[Material], extras: Option<Value>, out: &mut dyn Write) -> Result<()> {
+pub fn glb(meshes: &[Mesh], materials: &[Material], additions: &Additions, out: &mut dyn Write) -> Result<()> {
     let mut document = Document::default();
     for material in materials {
         let material = document.material(material)?;
         document.materials.push(material);
     }
-    let parts = meshes.iter().map(|mesh| document.mesh(mesh)).collect::<Result<Vec<Value>>>()?;
+    let attributes = |at: usize| if at == 0 { additions.attributes } else { &[] };
+    let parts = meshes.iter().enumerate().map(|(at, mesh)| document.mesh(mesh, attributes(at)));
+    let parts = parts.collect::<Result<Vec<Value>>>()?;
     let nodes: Vec<Value> = (0..parts.len()).map(|mesh| json!({ "mesh": mesh })).collect();
     let mut root = json!({ "asset": { "version": "2.0", "generator": "lightfold" }, "scene": 0 });
     root["scenes"] = json!([{ "nodes": (0..parts.len()).collect::<Vec<usize>>() }]);
@@ -44,8 +56,8 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], extras: Option<Value>, out: 
         ("bufferViews", document.views),
         ("extensionsUsed", document.extensions.into_iter().map(Value::from).collect()),
     ];
-    if let Some(extras) = extras {
-        root["extras"] = extras;
+    if let Some(extras) = &additions.extras {
+        root["extras"] = extras.clone();
     }
     // Lists of a glTF file have at least one element.
     for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
@@ -88,8 +100,11 @@ fn push(list: &mut Vec<Value>, value: Value) -> usize {
 }
 
 impl Document {
-    fn view(&mut self, bytes: &[u8]) -> usize {
-        let view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
         self.bytes.extend_from_slice(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         push(&mut self.views, view)
@@ -97,13 +112,13 @@ impl Document {
 
     fn floats<const N: usize>(&mut self, vectors: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = vectors.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
-        let view = self.view(&bytes);
+        let view = self.view(&bytes, Some(VERTICES));
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
         let accessor = json!({ "bufferView": view, "componentType": FLOAT, "count": vectors.len(), "type": kind });
         push(&mut self.accessors, accessor)
     }
 
-    fn mesh(&mut self, mesh: &Mesh) -> Result<Value> {
+    fn mesh(&mut self, mesh: &Mesh, additions: &[(&str, &[Vec3])]) -> Result<Value> {
         let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|at| at.as_vec3().to_array()).collect();
         let mut attributes = json!({ "POSITION": self.floats(&positions) });
         let bound = |pick: fn(Vec3, Vec3) -> Vec3| {
@@ -122,6 +137,19 @@ impl Document {
         if !mesh.colors.is_empty() {
             attributes["COLOR_0"] = self.floats(&mesh.colors.iter().map(Vec4::to_array).collect::<Vec<_>>()).into();
         }
+        for (name, values) in additions {
+            if values.len() != mesh.positions.len() {
+                return Err(Error::invalid(format!(
+                    "{name}: {} values for {} corners",
+                    values.len(),
+                    mesh.positions.len()
+                )));
+            }
+            attributes[*name] = self.floats(&values.iter().map(Vec3::to_array).collect::<Vec<_>>()).into();
+        }
+        // Index 65535 is not allowed in lists of 16 bits (glTF 2.0, section 3.7.2.1).
+        let is_short = mesh.positions.len() <= usize::from(u16::MAX);
+        let (component, component_bytes) = if is_short { (UNSIGNED_SHORT, 2) } else { (UNSIGNED_INT, 4) };
         let mut parts: BTreeMap<u32, Vec<u8>> = BTreeMap::new();
         for (corners, &material) in mesh.triangles.iter().zip(&mesh.material_of) {
             if corners.iter().any(|&corner| corner as usize >= mesh.positions.len()) {
@@ -130,14 +158,14 @@ impl Document {
             if material as usize >= self.materials.len() {
                 return Err(Error::invalid(format!("a triangle has material {material}, which is not there")));
             }
-            parts.entry(material).or_default().extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
+            let indices = corners.iter().flat_map(|corner| corner.to_le_bytes().into_iter().take(component_bytes));
+            parts.entry(material).or_default().extend(indices);
         }
         let mut primitives = Vec::new();
         for (material, bytes) in parts {
-            let view = self.view(&bytes);
-            let count = bytes.len() / 4;
-            let indices =
-                json!({ "bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR" });
+            let view = self.view(&bytes, Some(INDICES));
+            let count = bytes.len() / component_bytes;
+            let indices = json!({ "bufferView": view, "componentType": component, "count": count, "type": "SCALAR" });
             let indices = push(&mut self.accessors, indices);
             primitives.push(json!({ "attributes": attributes, "indices": indices, "material": material }));
         }
@@ -190,7 +218,7 @@ impl Document {
         if let Some(&known) = self.known.get(&Arc::as_ptr(texture)) {
             return Ok(known);
         }
-        let view = self.view(&png(texture)?);
+        let view = self.view(&texture.png()?, None);
         let image = push(&mut self.images, json!({ "bufferView": view, "mimeType": "image/png" }));
         let [wrap_s, wrap_t] = texture.wrap.map(|wrap| match wrap {
             Wrap::Repeat => 10497,
@@ -207,18 +235,6 @@ impl Document {
         self.known.insert(Arc::as_ptr(texture), number);
         Ok(number)
     }
-}
-
-fn png(texture: &ImageTexture) -> Result<Vec<u8>> {
-    let ImageTexture { width, height, pixels, .. } = texture;
-    if pixels.len() as u64 != u64::from(*width) * u64::from(*height) {
-        return Err(Error::invalid(format!("{} pixels for an image of {width}x{height}", pixels.len())));
-    }
-    let mut png = Vec::new();
-    PngEncoder::new(&mut png)
-        .write_image(pixels.as_flattened(), *width, *height, ExtendedColorType::Rgba8)
-        .map_err(|error| Error::invalid(format!("an image cannot be written as PNG: {error}")))?;
-    Ok(png)
 }
 
 #[cfg(test)]
@@ -308,7 +324,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         let mut bytes = Vec::new();
-        glb(&[mesh()], &palette(), None, &mut bytes).unwrap();
+        glb(&[mesh()], &palette(), &Additions::default(), &mut bytes).unwrap();
         let (found, materials) = read(&bytes);
         assert_eq!(found, mesh());
         assert_eq!(format!("{materials:?}"), format!("{:?}", palette()));
@@ -325,21 +341,63 @@ mod tests {
     }
 
     #[test]
+    fn indices_are_of_32_bits_where_there_are_many_corners() {
+        for (count, kind) in [(65_535, gltf::accessor::DataType::U16), (65_536, gltf::accessor::DataType::U32)] {
+            let last = count as u32 - 1;
+            let positions = (0..count).map(|at| DVec3::splat(at as f64)).collect();
+            let mesh = Mesh { positions, triangles: vec![[0, 1, last]], material_of: vec![0], ..Mesh::default() };
+            let mut bytes = Vec::new();
+            glb(&[mesh], &palette(), &Additions::default(), &mut bytes).unwrap();
+            let read = gltf::Gltf::from_slice(&bytes).unwrap();
+            let primitive = read.meshes().next().unwrap().primitives().next().unwrap();
+            assert_eq!(primitive.indices().unwrap().data_type(), kind);
+            let blob = read.blob.as_deref().unwrap();
+            let indices: Vec<u32> = primitive.reader(|_| Some(blob)).read_indices().unwrap().into_u32().collect();
+            assert_eq!(indices, [0, 1, last]);
+        }
+    }
+
+    #[test]
+    fn additions_are_of_the_first_mesh() {
+        let stq = vec![Vec3::new(0.5, 0.25, 2.0); 80];
+        let additions = Additions { extras: Some(json!({ "a": 1 })), attributes: &[("_STQ", &stq)] };
+        let mut bytes = Vec::new();
+        glb(&[mesh(), mesh()], &palette(), &additions, &mut bytes).unwrap();
+        let read = gltf::Gltf::from_slice(&bytes).unwrap();
+        let of = |mesh: gltf::Mesh| {
+            let accessor = mesh.primitives().next()?.get(&gltf::Semantic::Extras("STQ".into()))?;
+            Some((accessor.count(), accessor.dimensions()))
+        };
+        let found: Vec<_> = read.meshes().map(of).collect();
+        assert_eq!(found, [Some((80, gltf::accessor::Dimensions::Vec3)), None]);
+        let document::Parsed { document, blob } = document::parse(&bytes).unwrap();
+        let folder = Folder::of(std::path::Path::new("a.glb"));
+        let mut buffers = Buffers::new(document.as_json(), blob, folder, Budget::new(bytes.len() as u64));
+        let primitives: Vec<_> = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()).collect();
+        let mut read = |at: usize, name| primitives::application_vectors(&primitives[at], name, &mut buffers).unwrap();
+        assert_eq!((read(0, "STQ"), read(0, "OTHER"), read(2, "STQ")), (stq.clone(), vec![], vec![]));
+        let wrong = Additions { extras: None, attributes: &[("_STQ", &stq[1..])] };
+        let said = glb(&[mesh()], &palette(), &wrong, &mut Vec::new()).unwrap_err().to_string();
+        assert!(said.contains("_STQ: 79 values for 80 corners"), "{said}");
+    }
+
+    #[test]
     fn meshes_share_textures_and_may_be_empty() {
         let shared = texture([Wrap::Repeat; 2]);
         let of = || Material { base_texture: Some(shared.clone()), ..Material::default() };
         let mut bytes = Vec::new();
-        glb(&[mesh(), mesh()], &[of(), of()], None, &mut bytes).unwrap();
+        glb(&[mesh(), mesh()], &[of(), of()], &Additions::default(), &mut bytes).unwrap();
         let read = gltf::Gltf::from_slice(&bytes).unwrap();
         assert_eq!((read.nodes().len(), read.images().len(), read.materials().len()), (2, 1, 2));
         let mut bytes = Vec::new();
-        glb(&[], &[], None, &mut bytes).unwrap();
+        glb(&[], &[], &Additions::default(), &mut bytes).unwrap();
         assert_eq!(gltf::Gltf::from_slice(&bytes).unwrap().nodes().len(), 0);
     }
 
     #[test]
     fn wrong_indices_are_refused() {
-        let refused = |mesh: Mesh| glb(&[mesh], &palette(), None, &mut Vec::new()).unwrap_err().to_string();
+        let refused =
+            |mesh: Mesh| glb(&[mesh], &palette(), &Additions::default(), &mut Vec::new()).unwrap_err().to_string();
         assert!(refused(Mesh { material_of: vec![2; 40], ..mesh() }).contains("material 2"));
         assert!(refused(Mesh { positions: vec![], ..mesh() }).contains("corner"));
     }

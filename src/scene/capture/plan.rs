@@ -5,7 +5,6 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use serde_json::json;
 
 use super::samples::SamplePattern;
 use super::view::{MAX_FACE_SIZE, Pass, Viewpoint};
@@ -17,9 +16,6 @@ use crate::error::{Error, Result};
 use crate::fingerprint::digest;
 use crate::image::{ColorSpace, DepthKind, Face, FrameRange, ImageProjection, Pattern, Projection, StreamKind};
 use crate::math::camera::rotation;
-
-/// Channels of files of normals, half floats.
-pub const NORMAL_CHANNELS: [&str; 3] = ["X", "Y", "Z"];
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapturePlan {
@@ -73,7 +69,6 @@ impl CapturePlan {
         let wants = |pass| self.passes.contains(&pass);
         let files = |pass| wants(pass).then(|| self.file_text(pass));
         let probes = (0..self.cameras.cameras.len()).map(|camera| self.probe(camera)).collect::<Result<_>>()?;
-        let normal = || json!({ "normal": { "files": self.file_text(Pass::Normal), "channels": NORMAL_CHANNELS, "axes": "world" } });
         let manifest = Manifest {
             lightfield: MANIFEST_VERSION,
             name: self.name.clone(),
@@ -86,9 +81,14 @@ impl CapturePlan {
             depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
             color: wants(Pass::Color).then_some(ColorInfo { space: ColorSpace::LinearRec709 }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
-            files: Files { color: files(Pass::Color), depth: files(Pass::Depth), material: files(Pass::Material) },
+            files: Files {
+                color: files(Pass::Color),
+                depth: files(Pass::Depth),
+                material: files(Pass::Material),
+                normal: files(Pass::Normal),
+            },
             probes,
-            extra: wants(Pass::Normal).then(normal),
+            extra: None,
         };
         manifest.validate()?;
         Ok(manifest)
@@ -204,10 +204,9 @@ impl CapturePlan {
     /// Fails where the folder of an existing dataset would keep images that are not of this one.
     pub fn check_replaces(&self, old: &Manifest) -> Result<()> {
         let new = self.manifest()?;
-        let normals = |manifest: &Manifest| manifest.extra.as_ref().and_then(|extra| extra.get("normal")).is_some();
         let has_files = |kind| old.files.get(kind).is_none() || old.files.get(kind) == new.files.get(kind);
         let is_within = StreamKind::ALL.into_iter().all(has_files)
-            && (!normals(old) || normals(&new))
+            && (old.files.normal.is_none() || old.files.normal == new.files.normal)
             && old.faces().iter().all(|face| new.faces().contains(face))
             && old.probes.iter().all(|probe| {
                 let frames = |manifest: &Manifest, probe: &Probe| probe.frames.unwrap_or(manifest.frames);

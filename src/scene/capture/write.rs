@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::plan::{CapturePlan, FrameRequest, NORMAL_CHANNELS};
+use super::plan::{CapturePlan, FrameRequest};
 use super::samples::SamplePattern;
 use super::view::{Images, Pass, PassSettings, capture_view};
-use crate::dataset::manifest::{MANIFEST_NAME, MaterialChannels};
+use crate::dataset::manifest::{MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
 use crate::error::{Error, Result};
 use crate::files::{FolderKind, write_whole};
 use crate::image::{ChannelSelect, DepthPlane, Plane, ReadLimits, exr};

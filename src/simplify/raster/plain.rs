@@ -6,8 +6,8 @@
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
-use super::Drawn;
 use super::texels::Texels;
+use super::{Drawn, texture_coordinates};
 use crate::math::Camera;
 use crate::simplify::quad_mesh::QuadMesh;
 
@@ -22,13 +22,14 @@ struct Seen {
     normals: [DVec3; 3],
     /// Which edges belong to this triangle: an edge of two triangles belongs to one of them.
     owns_edges: [bool; 3],
-    uvs: [[f64; 2]; 3],
+    /// Homogeneous texture coordinates.
+    stq: [[f64; 3]; 3],
 }
 
 /// As [`super::draw`], one fragment after the other.
 pub fn draw_plainly(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
     let [width, height] = size;
-    let texels = Texels::new(&scene.texture);
+    let texels = Texels::new(scene);
     let seen: Vec<Seen> = (0..scene.mesh.triangles.len())
         .into_par_iter()
         .filter_map(|triangle| see(scene, triangle, camera, size))
@@ -56,10 +57,9 @@ pub fn draw_plainly(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn 
                     {
                         continue;
                     }
-                    let sum: f64 = weights.iter().sum();
-                    let uv =
-                        [0, 1].map(|axis| (0..3).map(|at| weights[at] * triangle.uvs[at][axis]).sum::<f64>() / sum);
-                    let texel = texels.sample(uv);
+                    let [s, t, q] =
+                        [0, 1, 2].map(|axis| (0..3).map(|at| weights[at] * triangle.stq[at][axis]).sum::<f64>());
+                    let texel = texels.sample([s / q, t / q]);
                     let light = (texel.truncate() * texel.w).extend(texel.w);
                     pixels[index] = light + (1.0 - light.w) * pixels[index];
                     counts[index] += 1;
@@ -76,12 +76,12 @@ fn see(scene: &QuadMesh, triangle: usize, camera: &Camera, size: [u32; 2]) -> Op
     let [a, b, c] = scene.mesh.corners(triangle).map(|corner| corner - eye);
     let rect = bounds(&[a, b, c], camera, size)?;
     let normals = [b.cross(c), c.cross(a), a.cross(b)];
-    let uvs = scene.mesh.triangles[triangle].map(|corner| scene.mesh.uvs[corner as usize].as_dvec2().to_array());
+    let stq = scene.mesh.triangles[triangle].map(|corner| texture_coordinates(scene, corner));
     let volume = a.dot(normals[0]);
     let normals = normals.map(|normal| normal * volume.signum());
     let owns_edges =
         normals.map(|normal| normal.to_array().into_iter().find(|at| *at != 0.0).is_some_and(|at| at > 0.0));
-    (volume != 0.0).then_some(Seen { rect, normals, owns_edges, uvs })
+    (volume != 0.0).then_some(Seen { rect, normals, owns_edges, stq })
 }
 
 /// Pixels that a polygon can cover, of corners relative to the eye; none where it lies behind the camera or beside the image.

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
+use half::f16;
 
 use super::*;
 use crate::math::Lens;
@@ -21,7 +22,7 @@ fn square(mesh: &mut Mesh, distance: f64, texel: f32) {
 fn scene(mesh: Mesh) -> QuadMesh {
     let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 128]];
     let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
-    QuadMesh { mesh, texture: Arc::new(texture) }
+    QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() }
 }
 
 /// Triangles of all sizes around the origin, beside and behind it, and a texture of all alphas.
@@ -45,7 +46,7 @@ fn crowd(count: u32) -> QuadMesh {
     let mut code = || (256.0 * random()) as u8;
     let pixels = (0..16 * 16).map(|at| [code(), code(), code(), if at % 3 == 0 { code() } else { 255 }]).collect();
     let texture = ImageTexture { width: 16, height: 16, pixels, wrap: [Wrap::Clamp; 2] };
-    QuadMesh { mesh, texture: Arc::new(texture) }
+    QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() }
 }
 
 fn camera(eye: DVec3, target: DVec3) -> Camera {
@@ -70,6 +71,32 @@ fn later_triangles_are_blended_over_earlier_ones() {
         let wanted = if is_inside { [1.0 - alpha, alpha, 0.0, 1.0] } else { [0.0; 4] };
         assert!(pixel.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{at}: {pixel:?}");
     }
+}
+
+#[test]
+fn homogeneous_texture_coordinates_are_those_of_the_plane_of_a_face() {
+    // A quad that goes away from the eye, whose texture is a ramp over the picture.
+    let mut mesh = Mesh::default();
+    let corners = [([-1.0, 1.0], 1.0), ([1.0, 1.0], 4.0), ([1.0, -1.0], 4.0), ([-1.0, -1.0], 1.0)];
+    for ([x, y], depth) in corners {
+        mesh.positions.push(DVec3::new(x, y, -1.0) * depth);
+        mesh.uvs.push(Vec2::new(0.5 + 0.25 * x as f32, 0.5));
+    }
+    (mesh.triangles, mesh.material_of) = (vec![[0, 1, 2], [0, 2, 3]], vec![0, 0]);
+    let stq = mesh.uvs.iter().zip(corners).map(|(uv, (_, depth))| uv.extend(1.0) * depth as f32).collect();
+    let pixels = vec![[0, 0, 0, 255], [255; 4]];
+    let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
+    let light = Some(vec![[f16::ZERO; 3], [f16::from_f32(8.0); 3]]);
+    let mut scene = QuadMesh { mesh, texture: Arc::new(texture), stq, light, runs: Vec::new() };
+    let error = |scene: &QuadMesh, draw: fn(&QuadMesh, &Camera, [u32; 2]) -> Drawn| {
+        let drawn = draw(scene, &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
+        assert_eq!(drawn.fragments, 256);
+        let wanted = |at: usize| 8.0 * ((at % 16) as f32 + 0.5) / 16.0;
+        drawn.pixels.iter().enumerate().map(|(at, pixel)| (pixel[0] - wanted(at)).abs()).fold(0.0, f32::max)
+    };
+    assert!(error(&scene, draw) < 1e-4 && error(&scene, draw_plainly) < 1e-4, "{}", error(&scene, draw));
+    scene.stq.clear();
+    assert!(error(&scene, draw) > 1.0 && error(&scene, draw_plainly) > 1.0, "{}", error(&scene, draw));
 }
 
 #[test]

@@ -1,20 +1,29 @@
 //! Bilinear samples of an atlas, in linear light.
 
 use glam::Vec4;
+use half::f16;
 
 use crate::image::Transfer;
 use crate::mesh::ImageTexture;
+use crate::simplify::quad_mesh::QuadMesh;
 
 /// An atlas beside the linear light of its codes.
 pub struct Texels<'a> {
     texture: &'a ImageTexture,
-    light: [f32; 256],
+    /// In place of the codes.
+    light: Option<&'a [[f16; 3]]>,
+    of_codes: [f32; 256],
     alpha: [f32; 256],
 }
 
 impl<'a> Texels<'a> {
-    pub fn new(texture: &'a ImageTexture) -> Texels<'a> {
-        Texels { texture, light: light_of_codes(), alpha: std::array::from_fn(|code| code as f32 / 255.0) }
+    pub fn new(scene: &'a QuadMesh) -> Texels<'a> {
+        Texels {
+            texture: &scene.texture,
+            light: scene.light.as_deref(),
+            of_codes: light_of_codes(),
+            alpha: std::array::from_fn(|code| code as f32 / 255.0),
+        }
     }
 
     /// Light, not multiplied by alpha, and alpha; (0, 0) is the top left corner, coordinates are clamped.
@@ -27,12 +36,11 @@ impl<'a> Texels<'a> {
         let first = top * width + left;
         let texel = |at: usize| {
             let [r, g, b, alpha] = self.texture.pixels[at];
-            Vec4::new(
-                self.light[usize::from(r)],
-                self.light[usize::from(g)],
-                self.light[usize::from(b)],
-                self.alpha[usize::from(alpha)],
-            )
+            let [r, g, b] = match self.light {
+                Some(light) => light[at].map(f16::to_f32),
+                None => [r, g, b].map(|code| self.of_codes[usize::from(code)]),
+            };
+            Vec4::new(r, g, b, self.alpha[usize::from(alpha)])
         };
         let upper = texel(first).lerp(texel(first + right), along);
         let lower = texel(first + below).lerp(texel(first + below + right), along);
@@ -55,14 +63,18 @@ fn place(at: f64, side: u32) -> (usize, f32) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::mesh::Wrap;
+    use crate::mesh::{Mesh, Wrap};
 
     #[test]
     fn texels_are_met_at_their_centres_and_mixed_as_light_between() {
         let pixels = vec![[0, 0, 0, 0], [255, 255, 255, 255], [255, 0, 0, 255], [0, 0, 255, 51]];
         let texture = ImageTexture { width: 2, height: 2, pixels, wrap: [Wrap::Clamp; 2] };
-        let texels = Texels::new(&texture);
+        let texture = Arc::new(texture);
+        let scene = QuadMesh { mesh: Mesh::default(), texture, stq: Vec::new(), light: None, runs: Vec::new() };
+        let texels = Texels::new(&scene);
         assert_eq!(texels.sample([0.25, 0.25]), Vec4::ZERO);
         assert_eq!(texels.sample([0.75, 0.25]), Vec4::ONE);
         assert_eq!(texels.sample([0.5, 0.25]), Vec4::splat(0.5));

@@ -166,15 +166,15 @@ pub struct Triangle {
     range: Option<[Edge; 2]>,
     /// Sum of the weights.
     pub sum: Affine,
-    /// The sum times texture coordinates.
-    pub uv: [Affine; 2],
+    /// The sum times homogeneous texture coordinates.
+    pub stq: [Affine; 3],
     /// Volume of its corners and the eye, six times: divided by the sum it is the depth in metres along the axis.
     pub volume: f64,
 }
 
 impl Triangle {
     /// Corners in the coordinates of the camera; none where it is not seen.
-    pub fn new(corners: &[DVec3; 3], uvs: [[f64; 2]; 3], pixels: &Pixels) -> Option<Triangle> {
+    pub fn new(corners: &[DVec3; 3], stq: [[f64; 3]; 3], pixels: &Pixels) -> Option<Triangle> {
         let rows = pixels.rows(corners).filter(|[first, end]| first < end)?;
         let [a, b, c] = *corners;
         let normals = [b.cross(c), c.cross(a), a.cross(b)];
@@ -202,8 +202,8 @@ impl Triangle {
             let is_before_far = Affine { constant: -volume / far_m, ..none }.plus(sum, 1.0);
             [is_beyond_near, is_before_far].map(|side| Edge { side, owns_border: true })
         });
-        let uv = [0, 1].map(|axis| total(uvs.map(|uv| uv[axis])));
-        Some(Triangle { rows, edges: [0, 1, 2].map(edge), range, sum, uv, volume })
+        let stq = [0, 1, 2].map(|axis| total(stq.map(|stq| stq[axis])));
+        Some(Triangle { rows, edges: [0, 1, 2].map(edge), range, sum, stq, volume })
     }
 
     /// The pixels of a row whose samples it covers; a sample lies at `offset` in its pixel.

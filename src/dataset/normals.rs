@@ -1,0 +1,63 @@
+//! Files of normals: X, Y, Z of an EXR file, unit vectors in world axes, zero for the background.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::manifest::{Manifest, NORMAL_CHANNELS};
+use super::pixels::pixel;
+use crate::error::{Error, Result};
+use crate::image::{Face, FrameRange, NormalPlane, ReadLimits, Sequence, exr, png};
+
+/// Files by probe and first face; empty where the dataset has no normals.
+#[derive(Debug, Default)]
+pub struct NormalFiles(BTreeMap<(usize, Face), Sequence>);
+
+impl NormalFiles {
+    /// Those of the manifest in a folder. `first_faces` are of the files of a frame, `frames` of the probes.
+    pub fn of(manifest: &Manifest, folder: &Path, first_faces: &[Face], frames: &[FrameRange]) -> Result<NormalFiles> {
+        let mut files = BTreeMap::new();
+        for (at, (probe, &frames)) in manifest.probes.iter().zip(frames).enumerate() {
+            for &face in first_faces {
+                let Some(pattern) = manifest.normal_pattern(&probe.name, face)? else { continue };
+                files.insert((at, face), Sequence::known(pattern.below(folder), frames)?);
+            }
+        }
+        Ok(NormalFiles(files))
+    }
+
+    pub fn path(&self, probe: usize, first_face: Face, frame: u32) -> Option<PathBuf> {
+        self.0.get(&(probe, first_face)).filter(|files| files.frames.contains(frame)).map(|files| files.path(frame))
+    }
+}
+
+/// Fails where a normal is not finite.
+pub fn read(path: &Path, limits: &ReadLimits) -> Result<NormalPlane> {
+    if png::is_png(path) {
+        return Err(Error::unsupported("normals are read from EXR files only"));
+    }
+    let plane = exr::read_channels(path, NORMAL_CHANNELS, limits)?;
+    match plane.data().iter().position(|normal| normal.iter().any(|part| !part.is_finite())) {
+        Some(at) => Err(Error::invalid(format!("the normal at {} is not finite", pixel(at, plane.width())))),
+        None => Ok(plane),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_that_are_not_finite_and_png_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("normal.exr");
+        let mut plane = NormalPlane::filled(3, 2, [0.0, 1.0, 0.0]);
+        exr::write_material(&path, &plane, NORMAL_CHANNELS).unwrap();
+        assert_eq!(read(&path, &ReadLimits::default()).unwrap(), plane);
+        plane.data_mut()[4][1] = f32::NAN;
+        exr::write_material(&path, &plane, NORMAL_CHANNELS).unwrap();
+        let said = read(&path, &ReadLimits::default()).unwrap_err().to_string();
+        assert!(said.contains("normal at pixel (1, 1)"), "{said}");
+        let said = read(Path::new("a.png"), &ReadLimits::default()).unwrap_err().to_string();
+        assert!(said.contains("EXR files only"), "{said}");
+    }
+}

@@ -1,0 +1,87 @@
+//! Images of a container, in metres and linear light.
+
+use crate::dataset::{ProbeInfo, planar_to_distance};
+use crate::decode::{Decoder, Picture};
+use crate::depth::CodeTable;
+use crate::error::{Error, Result};
+use crate::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane};
+use crate::streams::convert::{color_light, material_values};
+use crate::streams::{CodecHeader, ColorFormat, StreamInfo};
+
+#[derive(Debug)]
+pub struct DecodedImages {
+    decoder: Decoder,
+    pub probes: Vec<ProbeInfo>,
+}
+
+impl DecodedImages {
+    pub fn new(decoder: Decoder) -> DecodedImages {
+        let probe = |entry: &crate::container::ProbeEntry| ProbeInfo {
+            name: entry.name.clone(),
+            position: entry.position,
+            orientation: entry.orientation,
+            frames: FrameRange { first: entry.frames[0], last: entry.frames[1] },
+            intrinsics: (entry.intrinsics != [0.0; 4]).then_some(entry.intrinsics),
+        };
+        let probes = decoder.reader().index().probes.iter().map(probe).collect();
+        DecodedImages { decoder, probes }
+    }
+
+    pub fn streams(&self) -> &[StreamInfo] {
+        self.decoder.streams()
+    }
+
+    pub fn color(&self, stream: usize, frame: u32) -> Result<Vec<ColorPlane>> {
+        let header = &self.streams()[stream].header;
+        match (self.decoder.face(&self.streams()[stream]).decode(frame)?, header) {
+            (Picture::ColorHalf(light), _) => Ok(vec![light]),
+            (Picture::Color8(codes), CodecHeader::Color(color)) => match color.format {
+                ColorFormat::EightBit(tone) => Ok(vec![color_light(&codes, &DecodeTable::new(&tone))]),
+                ColorFormat::Half { .. } => Err(wrong_kind()),
+            },
+            _ => Err(wrong_kind()),
+        }
+    }
+
+    /// Distances, `+inf` for the background.
+    pub fn distance_m(&self, stream: usize, frame: u32) -> Result<Vec<DepthPlane>> {
+        let stream = &self.streams()[stream];
+        let (Picture::Depth(codes), CodecHeader::Depth(header)) =
+            (self.decoder.face(stream).decode(frame)?, &stream.header)
+        else {
+            return Err(wrong_kind());
+        };
+        let table = CodeTable::new(header.range, f32::INFINITY);
+        let mut metres = codes.map(|&code| table.metres(code));
+        if header.kind == DepthKind::Planar {
+            let probe = &self.probes[stream.probe];
+            let projection = probe.projection(stream.face, stream.size()).ok_or_else(|| {
+                let message = format!("probe {}: its planar depth needs \"intrinsics\" to become distance", probe.name);
+                Error::invalid(message)
+            })?;
+            planar_to_distance(&mut metres, &projection);
+        }
+        Ok(vec![metres])
+    }
+
+    pub fn material(&self, stream: usize, frame: u32) -> Result<Vec<MaterialPlane>> {
+        match self.decoder.face(&self.streams()[stream]).decode(frame)? {
+            Picture::Material(codes) => Ok(vec![material_values(&codes)]),
+            _ => Err(wrong_kind()),
+        }
+    }
+
+    /// Of all depth streams: a code's step to the power of the bound, and half of one for rounding. None where a codec has no bound.
+    pub fn relative_depth_error(&self) -> Option<f64> {
+        let error = |stream: &StreamInfo| {
+            let (range, codes) = (stream.depth_range()?, stream.error_bound_codes()?);
+            Some(range.step_ratio().powf(f64::from(codes) + 0.5) - 1.0)
+        };
+        let with_depth = self.streams().iter().filter(|stream| stream.depth_range().is_some());
+        with_depth.map(error).try_fold(0.0, |most: f64, error| Some(most.max(error?)))
+    }
+}
+
+fn wrong_kind() -> Error {
+    Error::invalid("a stream decodes to another kind of image than its header says")
+}

@@ -1,0 +1,184 @@
+//! Captures: images with colour and depth as rays, of a dataset, a container or a Seurat manifest (Seurat 3).
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::dataset::seurat::{CaptureRay, SeuratCapture, is_manifest};
+use crate::error::{Error, Result};
+use crate::evaluate::reference::Reference;
+use crate::image::{MaterialPlane, NormalPlane, ReadLimits};
+use crate::math::Camera;
+
+#[derive(Debug, Clone)]
+pub struct CaptureImage {
+    /// Probe, face and frame, or the path in the manifest.
+    pub name: String,
+    pub eye: DVec3,
+    pub size: [u32; 2],
+    /// None of orthographic images and of those with skew: pictures of the scene are not compared with them.
+    pub camera: Option<Camera>,
+}
+
+/// What an image shows beside colour and depth, by pixel.
+#[derive(Debug, Default)]
+pub struct Surfaces {
+    pub normal: Option<NormalPlane>,
+    /// Weights of reflection and refraction and index of refraction.
+    pub material: Option<MaterialPlane>,
+}
+
+#[derive(Debug)]
+enum Rays {
+    /// Images of one frame, by their indices.
+    Reference {
+        reference: Box<Reference>,
+        indices: Vec<usize>,
+        frame: u32,
+    },
+    Manifest(SeuratCapture),
+}
+
+/// All images, read one by one.
+#[derive(Debug)]
+pub struct Capture {
+    rays: Rays,
+    pub images: Vec<CaptureImage>,
+    /// Largest error of distances, as a part of them; none where it is unknown.
+    pub relative_depth_error: Option<f64>,
+    /// Sentences about the input.
+    pub notes: Vec<String>,
+}
+
+impl Capture {
+    /// Opens a dataset, a container or a Seurat manifest. The frame is the first one unless given; manifests have one.
+    pub fn open(path: &Path, frame: Option<u32>) -> Result<Capture> {
+        if !is_manifest(path) {
+            return Capture::new(Reference::open(path)?, frame).map_err(|error| error.in_file(path));
+        }
+        let capture = SeuratCapture::open(path)?;
+        if let Some(frame) = frame.filter(|&frame| frame != 0) {
+            return Err(Error::Usage(format!("there is no frame {frame}: a Seurat manifest has one")).in_file(path));
+        }
+        if capture.views.is_empty() {
+            return Err(Error::invalid("the manifest has no view: a capture has at least one").in_file(path));
+        }
+        let image = |view: &crate::dataset::seurat::SeuratView| CaptureImage {
+            name: view.json_path(),
+            eye: view.camera.position(),
+            size: view.size(),
+            camera: view.perspective(),
+        };
+        let images: Vec<CaptureImage> = capture.views.iter().map(image).collect();
+        let mut notes = capture.notes.clone();
+        let without = images.iter().filter(|image| image.camera.is_none()).count();
+        if without > 0 {
+            notes.push(format!(
+                "pictures are not compared with {without} of {} views: they are not perspective",
+                images.len()
+            ));
+        }
+        Ok(Capture { rays: Rays::Manifest(capture), images, relative_depth_error: Some(0.0), notes })
+    }
+
+    /// The images of a frame, the first one unless given.
+    pub fn new(reference: Reference, frame: Option<u32>) -> Result<Capture> {
+        let first = reference.images.iter().map(|image| image.frames.first).min().unwrap_or(0);
+        let frame = frame.unwrap_or(first);
+        let all = reference.images.iter().enumerate();
+        let indices: Vec<usize> = all.filter(|(_, image)| image.frames.contains(frame)).map(|(at, _)| at).collect();
+        if indices.is_empty() {
+            return Err(Error::Usage(format!("there is no image of frame {frame}")));
+        }
+        let image = |&at: &usize| {
+            let image = &reference.images[at];
+            CaptureImage {
+                name: format!("probe {}, {}, frame {frame}", image.probe, image.face.name()),
+                eye: image.camera.eye(),
+                size: image.size,
+                camera: Some(image.camera),
+            }
+        };
+        let images = indices.iter().map(image).collect();
+        let relative_depth_error = reference.relative_depth_error();
+        let rays = Rays::Reference { reference: Box::new(reference), indices, frame };
+        Ok(Capture { rays, images, relative_depth_error, notes: Vec::new() })
+    }
+
+    /// Number of the frame that its images show.
+    pub fn frame(&self) -> u32 {
+        match &self.rays {
+            Rays::Reference { frame, .. } => *frame,
+            Rays::Manifest(_) => 0,
+        }
+    }
+
+    /// The rays of an image, row by row.
+    pub fn rays(&mut self, image: usize) -> Result<Vec<CaptureRay>> {
+        match &mut self.rays {
+            Rays::Manifest(capture) => capture.views[image].read(&ReadLimits::default()),
+            Rays::Reference { reference, indices, frame } => of_reference(reference, indices[image], *frame),
+        }
+    }
+
+    /// Normals and material of an image, where the capture has them.
+    pub fn surfaces(&mut self, image: usize) -> Result<Surfaces> {
+        match &mut self.rays {
+            Rays::Manifest(_) => Ok(Surfaces::default()),
+            Rays::Reference { reference, indices, frame } => {
+                let (image, frame) = (indices[image], *frame);
+                let normal = reference.normal(image, frame)?;
+                Ok(Surfaces { normal, material: reference.truth(image, frame)?.material })
+            }
+        }
+    }
+
+    /// Names the file of an image's depth, where it has one of its own.
+    pub fn in_file(&self, image: usize, error: Error) -> Error {
+        match &self.rays {
+            Rays::Manifest(capture) => error.in_file(&capture.views[image].depth.path),
+            Rays::Reference { .. } => error,
+        }
+    }
+
+    /// Pixels of an image along a unit of the plane at distance 1 from its camera: the most of all images.
+    pub fn pixels_per_unit(&self) -> f64 {
+        let of = |image: &CaptureImage| Some(f64::from(image.size[1]) / (2.0 * image.camera?.half()[1]));
+        self.images.iter().filter_map(of).fold(1.0, f64::max)
+    }
+
+    /// Metres to the nearest sample of all images, `+inf` where all show the sky.
+    pub fn nearest_m(&mut self) -> Result<f64> {
+        let mut nearest = f64::INFINITY;
+        for image in 0..self.images.len() {
+            nearest = self.rays(image)?.iter().map(|ray| ray.distance_m).fold(nearest, f64::min);
+        }
+        Ok(nearest)
+    }
+}
+
+fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<Vec<CaptureRay>> {
+    let (camera, [width, height]) = (reference.images[image].camera, reference.images[image].size);
+    let truth = reference.truth(image, frame)?;
+    let distances = reference.distance_m(image, frame)?.ok_or_else(|| {
+        let named = &reference.images[image];
+        Error::Usage(format!(
+            "probe {}, {}: there is no depth: simplification needs colour and depth of each image",
+            named.probe,
+            named.face.name()
+        ))
+    })?;
+    let ray = |at: u32| {
+        let (column, row) = (at % width, at / width);
+        let centre = [f64::from(column) + 0.5, f64::from(row) + 0.5];
+        CaptureRay {
+            pixel: [column, row],
+            origin: camera.eye(),
+            direction: camera.direction([centre[0] / f64::from(width), centre[1] / f64::from(height)]),
+            distance_m: f64::from(distances.get(column, row)),
+            light: truth.color.get(column, row).map(|light| light.to_f32()),
+            alpha: 1.0,
+        }
+    };
+    Ok((0..width * height).map(ray).collect())
+}

@@ -1,0 +1,69 @@
+//! A scene as binary glTF: one unlit, blended, double-sided primitive whose triangles are in drawing order.
+
+use std::io::Write;
+
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+
+use super::Scene;
+use crate::error::Result;
+use crate::mesh::Material;
+use crate::mesh::gltf::write::{self, Additions};
+use crate::simplify::cost::TextureCoordinates;
+use crate::simplify::quad_mesh::QuadMesh;
+
+/// glTF has no homogeneous texture coordinates: they are an attribute of the application. The validator of Khronos reports a
+/// textured primitive without TEXCOORD_0, which therefore stays.
+const HOMOGENEOUS: &str = "_TEXCOORD_STQ";
+
+/// Writes the mesh; `extras` are data of the file.
+pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()> {
+    let material = Material {
+        name: "quads".into(),
+        base_color: DVec3::ONE,
+        base_texture: Some(quads.texture.clone()),
+        is_blended: true,
+        specular: None,
+        unlit: true,
+        ..Material::default()
+    };
+    let stq: &[(&str, &[Vec3])] = &[(HOMOGENEOUS, &quads.stq)];
+    let attributes = if quads.stq.is_empty() { &[] } else { stq };
+    let additions = Additions { extras: Some(extras), attributes };
+    write::glb(std::slice::from_ref(&quads.mesh), &[material], &additions, out)
+}
+
+/// `textures` are names of files with the same texture.
+pub fn bytes(scene: &Scene, textures: &[&str]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write(scene.quads, extras(scene, textures), &mut bytes)?;
+    Ok(bytes)
+}
+
+fn extras(scene: &Scene, textures: &[&str]) -> Value {
+    let corners = [scene.region.middle - scene.region.half, scene.region.middle + scene.region.half];
+    let coordinates = match scene.coordinates {
+        TextureCoordinates::Affine => "affine",
+        TextureCoordinates::Projective => {
+            "projective: s/q and t/q of _TEXCOORD_STQ; TEXCOORD_0 is right at the corners alone"
+        }
+    };
+    let mut extras = json!({
+        "frame": scene.frame,
+        "viewing_region_m": corners.map(|corner| corner.to_array()),
+        "triangles": scene.budgets.triangles,
+        "projected_area": scene.budgets.area,
+        "peak_overdraw": scene.budgets.peak_overdraw,
+        "atlas": scene.atlas,
+        "drawing_order": "back to front, as stored; blend without depth test, without culling, and without sorting",
+        "texture_coordinates": coordinates,
+        "alpha": "straight",
+        // Lengths of runs of triangles, blended and opaque in turns.
+        "runs_blended_opaque": scene.quads.runs,
+        "three_js": { "material.forceSinglePass": true, "renderer.sortObjects": false },
+    });
+    if !textures.is_empty() {
+        extras["textures"] = json!(textures);
+    }
+    json!({ "lightfold": extras })
+}

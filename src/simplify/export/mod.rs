@@ -1,0 +1,173 @@
+//! Files of a simplified scene: binary glTF or OBJ, and textures beside them (Seurat 6).
+//!
+//! Light lies straight, not multiplied by alpha, in all of them. No file changes the order of triangles.
+
+pub mod glb;
+mod obj;
+mod textures;
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+pub use textures::Ktx2Format;
+
+use super::cost::TextureCoordinates;
+use super::gbuffer::SurfaceAtlas;
+use super::quad_mesh::QuadMesh;
+use super::region::ViewingRegion;
+use super::selection::Budgets;
+use crate::dataset::manifest::NORMAL_CHANNELS;
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::image::{Plane, exr};
+
+/// A scene, and what files say about it.
+#[derive(Debug)]
+pub struct Scene<'a> {
+    pub quads: &'a QuadMesh,
+    pub region: &'a ViewingRegion,
+    pub budgets: &'a Budgets,
+    /// Of the capture.
+    pub frame: u32,
+    /// Largest side of the atlas, in texels.
+    pub atlas: u32,
+    pub coordinates: TextureCoordinates,
+    pub surfaces: Option<&'a SurfaceAtlas>,
+}
+
+/// The files to write.
+#[derive(Debug)]
+pub struct Outputs {
+    /// `.obj`, or binary glTF; `-` for standard output.
+    pub scene: PathBuf,
+    pub ktx2: Option<Ktx2Output>,
+}
+
+#[derive(Debug)]
+pub struct Ktx2Output {
+    pub path: PathBuf,
+    /// Of 8-bit textures; light of half floats is in BC6H.
+    pub format: Ktx2Format,
+    pub effort: Effort,
+}
+
+#[derive(Debug)]
+pub struct OutputBytes {
+    pub path: PathBuf,
+    pub bytes: Vec<u8>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum SceneFormat {
+    Glb,
+    Obj,
+}
+
+impl Outputs {
+    /// Fails where names do not tell what to write; so that it can be said before there is a scene.
+    pub fn check(&self) -> Result<()> {
+        self.format()?;
+        if let Some(Ktx2Output { path, .. }) = &self.ktx2
+            && (*path == self.scene || *path == self.beside("exr") || path == Path::new("-"))
+        {
+            return Err(Error::Usage(format!("{}: a file name of its own is needed for `ktx2`", path.display())));
+        }
+        Ok(())
+    }
+
+    fn format(&self) -> Result<SceneFormat> {
+        let extension = self.scene.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("obj") => Ok(SceneFormat::Obj),
+            Some("glb") | None => Ok(SceneFormat::Glb),
+            Some(other) => Err(Error::Usage(format!(
+                "{}: a name that ends in .glb or .obj was expected, not .{other}",
+                self.scene.display()
+            ))),
+        }
+    }
+
+    /// The scene's name with another extension.
+    fn beside(&self, extension: &str) -> PathBuf {
+        self.scene.with_extension(extension)
+    }
+}
+
+/// The bytes of all files, that of the scene first. Half floats, where the scene has them, go to an EXR file of the scene's
+/// name, and to the KTX2 file in place of codes.
+pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
+    outputs.check()?;
+    let mut beside = Vec::new();
+    if outputs.scene == Path::new("-") && (scene.quads.light.is_some() || scene.surfaces.is_some()) {
+        return Err(Error::Usage("there are files beside the scene: give it a name, not -".into()));
+    }
+    if let Some(light) = &scene.quads.light {
+        beside.push(OutputBytes { path: outputs.beside("exr"), bytes: textures::exr(&scene.quads.texture, light)? });
+    }
+    if let Some(output) = &outputs.ktx2 {
+        beside.push(OutputBytes { path: output.path.clone(), bytes: textures::ktx2(scene.quads, output)? });
+    }
+    for (plane, extension, channels) in surfaces(scene) {
+        beside.push(OutputBytes { path: outputs.beside(extension), bytes: exr::triple_bytes(plane, channels)? });
+    }
+    let mut files = match outputs.format()? {
+        SceneFormat::Glb => {
+            let names = beside.iter().map(|file| file_name(&file.path)).collect::<Result<Vec<&str>>>()?;
+            vec![OutputBytes { path: outputs.scene.clone(), bytes: glb::bytes(scene, &names)? }]
+        }
+        SceneFormat::Obj => {
+            let [materials, png] = ["mtl", "png"].map(|extension| outputs.beside(extension));
+            let texture = if scene.quads.light.is_some() { outputs.beside("exr") } else { png.clone() };
+            let names = [file_name(&materials)?, file_name(&texture)?];
+            let mut files = vec![
+                OutputBytes { path: outputs.scene.clone(), bytes: obj::bytes(scene, names[0]) },
+                OutputBytes { bytes: obj::material(names[1]), path: materials },
+            ];
+            if scene.quads.light.is_none() {
+                files.push(OutputBytes { path: png, bytes: scene.quads.texture.png()? });
+            }
+            files
+        }
+    };
+    files.extend(beside);
+    Ok(files)
+}
+
+/// Atlases beside that of light: values, what the name of the file ends in, channels.
+fn surfaces<'a>(scene: &'a Scene) -> Vec<(&'a Plane<[f32; 3]>, &'static str, [&'static str; 3])> {
+    let Some(SurfaceAtlas { normal, material }) = scene.surfaces else { return Vec::new() };
+    let of_normal = normal.iter().map(|plane| (plane, "normal.exr", NORMAL_CHANNELS));
+    let of_material = material.iter().map(|plane| (plane, "material.exr", ["reflect", "refract", "ior"]));
+    of_normal.chain(of_material).collect()
+}
+
+/// A name that other files can refer to.
+fn file_name(path: &Path) -> Result<&str> {
+    let name = path.file_name().and_then(OsStr::to_str).filter(|name| !name.chars().any(char::is_control));
+    name.ok_or_else(|| Error::Usage(format!("{}: a file name in UTF-8 was expected", path.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_the_format() {
+        let of = |scene: &str, ktx2: Option<&str>| {
+            let ktx2 = ktx2.map(|path| Ktx2Output { path: path.into(), format: Ktx2Format::Bc7, effort: Effort::Fast });
+            Outputs { scene: scene.into(), ktx2 }
+        };
+        for (name, format) in [("a.glb", SceneFormat::Glb), ("a.OBJ", SceneFormat::Obj), ("-", SceneFormat::Glb)] {
+            assert_eq!(of(name, None).format().unwrap(), format);
+        }
+        assert!(of("a.glb", Some("a.ktx2")).check().is_ok());
+        for (outputs, words) in [
+            (of("a.ply", None), "a.ply: a name that ends in .glb or .obj"),
+            (of("a.glb", Some("a.glb")), "a.glb: a file name of its own"),
+            (of("a.obj", Some("-")), "-: a file name of its own"),
+        ] {
+            let said = outputs.check().unwrap_err().to_string();
+            assert!(said.contains(words), "{said}");
+        }
+    }
+}

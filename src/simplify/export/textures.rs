@@ -1,0 +1,57 @@
+//! The texture of a scene as files of its own: KTX2 of compressed blocks, EXR of half floats.
+
+use half::f16;
+use rayon::prelude::*;
+
+use super::Ktx2Output;
+use crate::block::{Astc4x4, Bc6h, Bc7, Bc7Rgba, BlockEncoder, SIDE};
+use crate::effort::Effort;
+use crate::error::Result;
+use crate::image::ktx2::{self, BlockFormat};
+use crate::image::{Plane, exr};
+use crate::mesh::ImageTexture;
+use crate::simplify::quad_mesh::QuadMesh;
+
+/// Rows of blocks that one job encodes.
+const ROWS_A_JOB: usize = 16;
+
+/// Compressed formats of 8-bit textures, both of one byte a texel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ktx2Format {
+    /// Graphics cards of desktops.
+    Bc7,
+    /// Mobile ones; blocks of 4x4 texels.
+    Astc,
+}
+
+/// Half floats in BC6H, which has no alpha, or codes with alpha.
+pub fn ktx2(quads: &QuadMesh, output: &Ktx2Output) -> Result<Vec<u8>> {
+    let ImageTexture { width, height, pixels, .. } = &*quads.texture;
+    let (across, effort) = (*width as usize, output.effort);
+    let (format, blocks) = match (&quads.light, output.format) {
+        (Some(light), _) => {
+            let bits: Vec<[u16; 3]> = light.iter().map(|light| light.map(f16::to_bits)).collect();
+            (BlockFormat::Bc6hUnsigned, encode(&Bc6h, &bits, across, effort))
+        }
+        (None, Ktx2Format::Astc) => (BlockFormat::Astc4x4Srgb, encode(&Astc4x4, pixels, across, effort)),
+        (None, Ktx2Format::Bc7) if pixels.iter().all(|pixel| pixel[3] == u8::MAX) => {
+            let opaque: Vec<[u8; 3]> = pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+            (BlockFormat::Bc7Srgb, encode(&Bc7, &opaque, across, effort))
+        }
+        (None, Ktx2Format::Bc7) => (BlockFormat::Bc7Srgb, encode(&Bc7Rgba, pixels, across, effort)),
+    };
+    ktx2::bytes(format, [*width, *height], &blocks)
+}
+
+fn encode<E: BlockEncoder<Texel: Sync>>(encoder: &E, pixels: &[E::Texel], width: usize, effort: Effort) -> Vec<u8> {
+    let bands = pixels.par_chunks((width * SIDE * ROWS_A_JOB).max(1));
+    let blocks: Vec<Vec<u8>> = bands.map(|band| encoder.encode(band, width, band.len() / width, effort)).collect();
+    blocks.concat()
+}
+
+/// R, G, B and A as halves; unlike in other EXR files, light is not multiplied by alpha, as in the other textures of a scene.
+pub fn exr(texture: &ImageTexture, light: &[[f16; 3]]) -> Result<Vec<u8>> {
+    let alpha = |pixel: &[u8; 4]| f16::from_f32(f32::from(pixel[3]) / 255.0);
+    let texels = light.iter().zip(&texture.pixels).map(|(&[r, g, b], pixel)| [r, g, b, alpha(pixel)]).collect();
+    exr::rgba_bytes(&Plane::new(texture.width, texture.height, texels)?)
+}

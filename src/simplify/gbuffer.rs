@@ -1,0 +1,93 @@
+//! Atlases of normals and of material, with the layout of the atlas of light (Seurat 5.2 has light alone).
+//!
+//! Enters: the tiles, where their textures lie, and captures with normals or material. Leaves: a value for each texel, filtered and
+//! filled as light is.
+
+use rayon::prelude::*;
+
+use super::capture::{Capture, Surfaces};
+use super::constraints::FreeSpace;
+use super::samples::{Sample, SampleRules};
+use super::shading::LightBuffer;
+use super::texture_sizes::Layout;
+use super::textures::constraints_by_tile;
+use super::tiles::TileSet;
+use crate::error::{Error, Result};
+use crate::image::{MaterialPlane, NormalPlane, Plane};
+use crate::monitor::Monitor;
+
+/// Atlases beside that of light.
+#[derive(Debug, Default)]
+pub struct SurfaceAtlas {
+    pub normal: Option<NormalPlane>,
+    /// Weights of reflection and refraction and index of refraction.
+    pub material: Option<MaterialPlane>,
+}
+
+/// The scene whose texels get values.
+#[derive(Debug, Clone, Copy)]
+pub struct TexturedTiles<'a> {
+    pub tiles: &'a TileSet,
+    pub layout: &'a Layout,
+    /// Relative distance within which a tile counts as a sample's surface.
+    pub solid_threshold: f64,
+}
+
+/// Texels of all tiles.
+type Buffers = Vec<LightBuffer>;
+
+impl TexturedTiles<'_> {
+    /// Reads all images once more. An error where no image has normals or material.
+    pub fn surfaces(&self, capture: &mut Capture, rules: &SampleRules, monitor: &dyn Monitor) -> Result<SurfaceAtlas> {
+        let (mut normals, mut materials): (Option<Buffers>, Option<Buffers>) = (None, None);
+        for image in 0..capture.images.len() {
+            monitor.check()?;
+            let Surfaces { normal, material } = capture.surfaces(image)?;
+            let (samples, _) = rules.samples(capture, image)?;
+            for (plane, buffers) in [(normal, &mut normals), (material, &mut materials)] {
+                if let Some(plane) = plane {
+                    self.add(&samples, &plane, buffers.get_or_insert_with(|| self.buffers()));
+                }
+            }
+        }
+        if normals.is_none() && materials.is_none() {
+            return Err(Error::Usage("`gbuffer` needs normals or material, and the capture has neither".into()));
+        }
+        let mut normal = normals.map(|buffers| self.atlas(&buffers)).transpose()?;
+        for normal in normal.iter_mut().flat_map(Plane::data_mut) {
+            *normal = glam::Vec3::from_array(*normal).normalize_or_zero().to_array();
+        }
+        Ok(SurfaceAtlas { normal, material: materials.map(|buffers| self.atlas(&buffers)).transpose()? })
+    }
+
+    fn buffers(&self) -> Buffers {
+        self.layout.places.iter().map(|place| LightBuffer::new(place.side as usize)).collect()
+    }
+
+    fn add(&self, samples: &[Sample], values: &Plane<[f32; 3]>, buffers: &mut Buffers) {
+        let (found, _) = constraints_by_tile(self.tiles, self.solid_threshold, samples, |_| FreeSpace::Ignore);
+        let runs: Vec<_> = found.chunk_by(|a, b| a.tile == b.tile).collect();
+        buffers.par_iter_mut().enumerate().for_each(|(tile, buffer)| {
+            let Ok(run) = runs.binary_search_by_key(&(tile as u32), |run| run[0].tile) else { return };
+            let last = (self.layout.places[tile].side - 1) as f32;
+            for constraint in runs[run] {
+                let Some(sample) = constraint.sample else { continue };
+                let value = values.data()[samples[sample as usize].pixel as usize];
+                buffer.add(constraint.at.map(|at| at.clamp(0.0, 1.0) * last), value);
+            }
+        });
+    }
+
+    fn atlas(&self, buffers: &Buffers) -> Result<Plane<[f32; 3]>> {
+        let [width, height] = self.layout.size;
+        let mut texels = vec![[0.0; 3]; width as usize * height as usize];
+        let resolved: Vec<Vec<[f32; 3]>> = buffers.par_iter().map(|buffer| buffer.resolve().0).collect();
+        for (place, tile) in self.layout.places.iter().zip(resolved) {
+            for (row, values) in (0..).zip(tile.chunks_exact(place.side as usize)) {
+                let first = (place.corner[1] + row) as usize * width as usize + place.corner[0] as usize;
+                texels[first..first + values.len()].copy_from_slice(values);
+            }
+        }
+        Plane::new(width, height, texels)
+    }
+}
