@@ -6,7 +6,7 @@
 use glam::DVec3;
 use half::f16;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::drawing::{self, COUNT_FORMAT, DEPTH_FORMAT, DrawingPipeline, LIGHT_FORMAT, read_halves};
 use crate::gpu::kernels;

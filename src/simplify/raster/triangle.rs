@@ -130,7 +130,8 @@ impl Edge {
             side > 0.0 || side == 0.0 && self.owns_border
         };
         let Range { mut start, mut end } = pixels;
-        let border = (-side.start / side.across - offset).clamp(f64::from(start), f64::from(end)).ceil() as u32;
+        // In this order what is no number is the start.
+        let border = (-side.start / side.across - offset).max(f64::from(start)).min(f64::from(end)).ceil() as u32;
         if side.across > 0.0 {
             let least = start;
             start = border;
