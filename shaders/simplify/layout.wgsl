@@ -1,5 +1,8 @@
 // Input of the drawings of textured triangles; src/gpu/quads.rs writes it.
 
+// Bits of an inverse depth that a z-buffer does not compare.
+const DEPTH_BITS_LEFT_OUT: u32 = 10u;
+
 // A picture, and the place of its sample in the pixels.
 struct QuadPicture {
     // Axes of the camera, of length 1.
@@ -14,7 +17,7 @@ struct QuadPicture {
     eye: vec3<f32>,
     shift_y: f32,
     eye_rest: vec3<f32>,
-    // Depth in metres that has depth 1 in the buffer; infinity has 0.
+    // Depth in metres that has depth 1 in the buffer, a power of two; infinity has 0.
     nearest_m: f32,
     // Depths between which surfaces are drawn, in metres; finite.
     near_m: f32,

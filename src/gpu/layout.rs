@@ -154,6 +154,8 @@ mod tests {
     fn constants_are_those_of_the_format() {
         assert_eq!([DOMAIN_LOG, DOMAIN_LINEAR, DOMAIN_INVERSE], DomainKind::ALL.map(|kind| kind as u32));
         assert_eq!(LEVELS as usize, runtime::LEVELS);
+        #[cfg(feature = "simplify")]
+        assert_eq!(DEPTH_BITS_LEFT_OUT, crate::simplify::raster::DEPTH_BITS_LEFT_OUT);
         assert_eq!(NODE_HEADER_WORDS as usize * 4, runtime::HEADER_BYTES);
     }
 
@@ -209,7 +211,10 @@ mod tests {
             assert_eq!(stages, [naga::ShaderStage::Vertex, naga::ShaderStage::Fragment], "{}", drawing.name);
             let result = entry(module, drawing.fragment).function.result.as_ref().expect("a fragment has a result");
             let locations = match &module.types[result.ty].inner {
-                naga::TypeInner::Struct { members, .. } => members.len(),
+                naga::TypeInner::Struct { members, .. } => {
+                    let is_target = |m: &&naga::StructMember| matches!(m.binding, Some(naga::Binding::Location { .. }));
+                    members.iter().filter(is_target).count()
+                }
                 _ => 1,
             };
             assert_eq!(locations, drawing.targets.len(), "{}", drawing.name);

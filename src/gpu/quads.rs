@@ -190,7 +190,7 @@ impl<'a> GpuQuads<'a> {
             shift_y: shift_y as f32,
             eye: eye.as_vec3().to_array(),
             eye_rest: (eye - eye.as_vec3().as_dvec3()).as_vec3().to_array(),
-            nearest_m: (NEAREST * farthest_m) as f32,
+            nearest_m: (NEAREST * farthest_m).max(f64::from(f32::MIN_POSITIVE)).log2().floor().exp2() as f32,
             near_m: depth_m[0],
             far_m: depth_m[1],
             threshold: sample.threshold,

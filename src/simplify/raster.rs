@@ -31,13 +31,16 @@ const ROWS_A_JOB: u32 = 16;
 /// Part of the light behind a pixel below which nothing of it shows: a hundredth of an 8-bit code.
 const LEAST_OPEN: f32 = 1.0 / 65_536.0;
 
+/// Bits of an inverse depth in single precision that a z-buffer leaves out: 13 of the mantissa stay, 0.01%.
+pub const DEPTH_BITS_LEFT_OUT: u32 = 10;
+
 /// How triangles hide each other.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Compositing {
     /// Each is blended over those before it.
     #[default]
     Painter,
-    /// The nearest hides the others; of equally near ones, the last.
+    /// The nearest hides the others; of those that are equally near within 0.01%, the last.
     ZBuffer,
 }
 
@@ -155,6 +158,12 @@ pub fn drawing_bytes(scene: &QuadMesh, settings: &DrawSettings) -> u64 {
     of_mesh.saturating_add((width * height).saturating_mul(32 + 4 * samples))
 }
 
+/// What a z-buffer compares: an inverse depth above 0 without the last bits of its mantissa. Tiles overlap their neighbours along nearly the
+/// same surface, where rounding would decide, on each device otherwise; so the later one shows.
+fn nearness(inverse_depth: f32) -> u32 {
+    inverse_depth.to_bits() >> DEPTH_BITS_LEFT_OUT
+}
+
 /// A picture in the making.
 struct Raster<'a> {
     settings: DrawSettings,
@@ -259,22 +268,21 @@ impl<'a> Raster<'a> {
     /// Shows the nearest triangle that covers each sample.
     fn hide(&self, job: usize, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
-        // Inverse depth of what shows.
-        let mut nearest = vec![0f64; counts.len()];
+        let mut nearest = vec![0u32; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
             let (sum, [s, t, q]) = (triangle.sum.row(y), triangle.stq.map(|axis| axis.row(y)));
             let range = place..place + span.len();
             counts[range.clone()].iter_mut().for_each(|count| *count += 1);
             for ((x, pixel), nearest) in span.zip(&mut pixels[range.clone()]).zip(&mut nearest[range]) {
                 let x = f64::from(x) + sample.offset[0];
-                let inverse_depth = sum.at(x) / triangle.volume;
-                if inverse_depth <= *nearest {
+                let nearness = nearness((sum.at(x) / triangle.volume) as f32);
+                if nearness <= *nearest {
                     continue;
                 }
                 let scale = 1.0 / q.at(x);
                 let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
                 if texel.w > sample.threshold {
-                    *nearest = inverse_depth;
+                    *nearest = nearness;
                     *pixel = texel.truncate().extend(1.0);
                 }
             }
