@@ -85,7 +85,7 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
         ("--atlas 4", "an atlas of 4 texels a side"),
         ("--region=-9,-9,-9,9,9,9", "lies in the viewing region"),
         ("--region=1,2", "six numbers"),
-        ("--frame 7", "no image of frame 7"),
+        ("--frames 7", "no image of frame 7"),
     ];
     for (options, words) in cases {
         let said = refused(&format!("simplify room -o out.glb --effort fast {options}"), folder.path());
@@ -103,7 +103,7 @@ const PATH: &str = r#"{"cameras": [
 /// A simplified scene beside the dataset that it was made of, and the report about it.
 fn simplified(options: &str) -> (TempDir, Value) {
     let folder = room();
-    let line = format!("simplify room -o quads.glb --triangles 3000 --effort fast --json {options}");
+    let line = format!("simplify room -o quads.glb --triangles 3000 --effort fast --json{options}");
     let report = serde_json::from_slice(&fine(&line, folder.path()).stdout).unwrap();
     (folder, report)
 }
@@ -114,7 +114,7 @@ fn report(line: &str, folder: &Path) -> Value {
 
 #[test]
 fn a_scene_is_rendered_as_simplify_measured_it() {
-    let (folder, made) = simplified("--frame 1");
+    let (folder, made) = simplified(" --frames 1");
     let at = folder.path();
     let shown = report("render quads.glb --reference room --null --error-map maps --json", at);
     assert_eq!((&shown["device"], &shown["pictures"]), (&Value::from("cpu"), &Value::from(18)));

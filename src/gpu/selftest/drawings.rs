@@ -191,7 +191,9 @@ impl Builder {
             let tile = y / side * TILES + x / side;
             let place = [x % side, y % side].map(|at| f64::from(at) / f64::from(side - 1) - 0.5);
             let wave = |channel: u32| {
-                let turn = f64::from(tile * (channel + 3)) + 5.0 * place[0] + f64::from(channel) * 4.0 * place[1];
+                // Neighbours differ by little, as tiles of one surface do: a pixel on their edge may show either, as devices round
+                // corners to parts of a pixel.
+                let turn = 0.1 * f64::from(tile % 5 + channel) + f64::from(channel + 1) * place[0] * place[1];
                 (127.5 + 110.0 * turn.sin()) as u8
             };
             let edge = 0.45 - (place[0] * place[0] + place[1] * place[1]).sqrt();
