@@ -74,6 +74,32 @@ fn layout_source(table: &Value) -> String {
     out + "}\n"
 }
 
+/// The files of a row, as elements of a list of `ShaderFile`.
+#[cfg(feature = "gpu")]
+fn file_source(row: &Value) -> String {
+    let file = |path: &str| {
+        let include = format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/shaders/{path}\"))");
+        format!("ShaderFile {{ path: {path:?}, text: {include} }}, ")
+    };
+    rows(&row["files"]).iter().map(text).map(file).collect()
+}
+
+/// The bindings of a row, as elements of a list of `Binding`.
+#[cfg(feature = "gpu")]
+fn binding_source(row: &Value) -> String {
+    let binding = |(name, kind): (&str, &str)| {
+        let kind = match kind {
+            "read-only-storage" => "ReadOnlyStorage",
+            "storage" => "Storage",
+            "uint" => "Uint",
+            "unfilterable-float" => "UnfilterableFloat",
+            other => panic!("shaders/kernels.json: {other} is no kind of binding"),
+        };
+        format!("Binding {{ name: {name:?}, kind: BindingKind::{kind} }}, ")
+    };
+    rows(&row["bindings"]).iter().map(name_and_type).map(binding).collect()
+}
+
 /// The kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
 #[cfg(feature = "gpu")]
 fn kernel_source(table: &Value) -> String {
@@ -81,22 +107,7 @@ fn kernel_source(table: &Value) -> String {
     for row in rows(&table["kernels"]) {
         let name = text(&row["name"]);
         let constant = name.to_uppercase().replace('-', "_");
-        let mut files = String::new();
-        for path in rows(&row["files"]).iter().map(text) {
-            let include = format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/shaders/{path}\"))");
-            files += &format!("ShaderFile {{ path: {path:?}, text: {include} }}, ");
-        }
-        let mut bindings = String::new();
-        for (name, kind) in rows(&row["bindings"]).iter().map(name_and_type) {
-            let kind = match kind {
-                "read-only-storage" => "ReadOnlyStorage",
-                "storage" => "Storage",
-                "uint" => "Uint",
-                "unfilterable-float" => "UnfilterableFloat",
-                other => panic!("shaders/kernels.json: {other} is no kind of binding"),
-            };
-            bindings += &format!("Binding {{ name: {name:?}, kind: BindingKind::{kind} }}, ");
-        }
+        let (files, bindings) = (file_source(row), binding_source(row));
         out += &format!(
             "/// {}\npub static {constant}: Kernel = Kernel {{ name: {name:?}, entry: {:?}, files: &[{files}], \
              bindings: &[{bindings}], workgroup: {} }};\n",
@@ -109,12 +120,43 @@ fn kernel_source(table: &Value) -> String {
     out + &format!("/// All kernels.\npub static KERNELS: [&Kernel; {}] = [{}];\n", names.len(), names.join(", "))
 }
 
+/// The drawings of the kernel table as statics of `gpu/kernels.rs`, and `DRAWINGS`, which lists them.
+#[cfg(feature = "gpu")]
+fn drawing_source(table: &Value) -> String {
+    let (mut out, mut names) = (String::new(), Vec::new());
+    for row in rows(&table["drawings"]) {
+        let name = text(&row["name"]);
+        let constant = name.to_uppercase().replace('-', "_");
+        let mut targets = String::new();
+        for (name, blending) in rows(&row["targets"]).iter().map(name_and_type) {
+            let blending = match blending {
+                "over" => "Over",
+                "add" => "Add",
+                "nearest" => "Nearest",
+                other => panic!("shaders/kernels.json: {other} is no kind of blending"),
+            };
+            targets += &format!("Target {{ name: {name:?}, blending: Blending::{blending} }}, ");
+        }
+        out += &format!(
+            "/// {}\npub static {constant}: Drawing = Drawing {{ name: {name:?}, vertex: {:?}, fragment: {:?}, files: &[{}], \
+             bindings: &[{}], targets: &[{targets}] }};\n",
+            text(&row["about"]),
+            text(&row["vertex"]),
+            text(&row["fragment"]),
+            file_source(row),
+            binding_source(row),
+        );
+        names.push(format!("&{constant}"));
+    }
+    out + &format!("/// All drawings.\npub static DRAWINGS: [&Drawing; {}] = [{}];\n", names.len(), names.join(", "))
+}
+
 #[cfg(feature = "gpu")]
 fn write_kernel_table() -> std::io::Result<()> {
     println!("cargo::rerun-if-changed=shaders/kernels.json");
     let table: Value = serde_json::from_str(&fs::read_to_string("shaders/kernels.json")?)?;
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
-    fs::write(folder.join("kernels.rs"), kernel_source(&table))?;
+    fs::write(folder.join("kernels.rs"), kernel_source(&table) + &drawing_source(&table))?;
     fs::write(folder.join("layout.rs"), layout_source(&table))
 }
 

@@ -56,7 +56,7 @@ pub enum Command {
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),
-    /// Render novel views of a light field, and compare them with reference images
+    /// Render light fields and simplified scenes, and compare pictures with references
     Render(Box<render::Args>),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),

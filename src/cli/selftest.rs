@@ -8,6 +8,8 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
 use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
+use crate::gpu::kernels::DRAWINGS;
+use crate::gpu::selftest::drawings::test_drawing;
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::hard_cases::device::DeviceFigures;
@@ -84,7 +86,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 
 fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -> Result<Tested> {
     let count = inputs.iter().map(|inputs| inputs.clips.len()).sum::<usize>() as u64;
-    let more = if args.hard_cases { 0 } else { ROWS.len() as u64 + args.streams };
+    let more = if args.hard_cases { 0 } else { (ROWS.len() + DRAWINGS.len()) as u64 + args.streams };
     let progress = Progress::start(global, "testing", count + more)?;
     let hard_cases = hard_cases::device::compare(gpu, inputs, &progress)?;
     let (mut kernels, mut streams) = (Vec::new(), None);
@@ -95,6 +97,11 @@ fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -
             test_kernel(gpu, row, args.seed)
         };
         kernels = ROWS.iter().map(kernel).collect::<Result<Vec<_>>>()?;
+        for drawing in DRAWINGS {
+            progress.check()?;
+            progress.advance(1);
+            kernels.push(test_drawing(gpu, drawing)?);
+        }
         streams = Some(test_streams(gpu, args.streams, args.seed, &progress)?);
     }
     Ok(Tested { info: gpu.info.clone(), kernels, hard_cases, streams })

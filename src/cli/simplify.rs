@@ -42,7 +42,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     drop(progress);
     simplified.notes.iter().for_each(|note| global.note(note));
     let writing = Instant::now();
-    let files = write(args, &settings, &simplified)?;
+    let files = write(args, &settings, (&simplified, capture.frame()))?;
     simplified.stages.export = writing.elapsed();
     let report = Report::new((&simplified, held_out.as_ref()), args, (files, figures), begun.elapsed());
     global.report(args.json, &report, || report.text())?;
@@ -53,11 +53,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 }
 
 /// Writes all files, each whole or not at all, and none where one cannot be made. Answers their bytes.
-fn write(args: &Args, settings: &Settings, simplified: &Simplified) -> Result<Vec<(PathBuf, u64)>> {
+fn write(args: &Args, settings: &Settings, (simplified, frame): (&Simplified, u32)) -> Result<Vec<(PathBuf, u64)>> {
     let scene = Scene {
         quads: &simplified.scene,
         region: &simplified.region,
         budgets: &settings.budgets,
+        frame,
         atlas: settings.atlas,
         coordinates: settings.texture_coordinates,
         surfaces: simplified.surfaces.as_ref(),

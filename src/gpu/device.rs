@@ -296,18 +296,7 @@ impl Gpu {
         let label = Some(kernel.name);
         let source = wgpu::ShaderSource::Wgsl(kernel.source().into());
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
-        let entry = |(at, binding): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
-            binding: at as u32,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: binding_type(*binding),
-            count: None,
-        };
-        let entries: Vec<_> = kernel.bindings.iter().enumerate().map(entry).collect();
-        let layout =
-            self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
-        let descriptor =
-            wgpu::PipelineLayoutDescriptor { label, bind_group_layouts: &[Some(&layout)], immediate_size: 0 };
-        let pipeline_layout = self.device.create_pipeline_layout(&descriptor);
+        let (layout, pipeline_layout) = self.layouts(kernel.name, kernel.bindings, wgpu::ShaderStages::COMPUTE);
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&pipeline_layout),
@@ -319,16 +308,46 @@ impl Gpu {
         Pipeline { pipeline, layout, bindings: kernel.bindings }
     }
 
+    /// Layouts of a bind group and of a pipeline with these bindings.
+    pub(super) fn layouts(
+        &self,
+        label: &'static str,
+        bindings: &[Binding],
+        visibility: wgpu::ShaderStages,
+    ) -> (wgpu::BindGroupLayout, wgpu::PipelineLayout) {
+        let entry = |(at, binding): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
+            binding: at as u32,
+            visibility,
+            ty: binding_type(*binding),
+            count: None,
+        };
+        let (label, entries) = (Some(label), bindings.iter().enumerate().map(entry).collect::<Vec<_>>());
+        let layout =
+            self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let descriptor =
+            wgpu::PipelineLayoutDescriptor { label, bind_group_layouts: &[Some(&layout)], immediate_size: 0 };
+        let of_pipeline = self.device.create_pipeline_layout(&descriptor);
+        (layout, of_pipeline)
+    }
+
     /// The resources of a kernel by the names of its bindings.
     pub fn bind<'r>(
         &self,
         pipeline: &Pipeline,
         resource: impl Fn(&str) -> Option<wgpu::BindingResource<'r>>,
     ) -> wgpu::BindGroup {
+        self.bind_to(&pipeline.layout, pipeline.bindings, resource)
+    }
+
+    pub(super) fn bind_to<'r>(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        bindings: &[Binding],
+        resource: impl Fn(&str) -> Option<wgpu::BindingResource<'r>>,
+    ) -> wgpu::BindGroup {
         let entry =
             |(binding, row): (u32, &Binding)| Some(wgpu::BindGroupEntry { binding, resource: resource(row.name)? });
-        let entries: Vec<_> = (0..).zip(pipeline.bindings).filter_map(entry).collect();
-        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries };
-        self.device.create_bind_group(&descriptor)
+        let entries: Vec<_> = (0..).zip(bindings).filter_map(entry).collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 }

@@ -1,4 +1,4 @@
-//! The kernel table: the rows of `shaders/kernels.json`, which `build.rs` turns into the statics below.
+//! The kernel table: dispatches and drawings, the rows of `shaders/kernels.json`, which `build.rs` turns into the statics below.
 
 #[derive(Debug, Clone, Copy)]
 pub struct ShaderFile {
@@ -48,8 +48,48 @@ impl PartialEq for Kernel {
 
 impl Kernel {
     pub fn source(&self) -> String {
-        self.files.iter().map(|file| file.text).collect::<Vec<_>>().join("\n")
+        source(self.files)
     }
+}
+
+/// How fragments change a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Blending {
+    /// Over what is there: light multiplied by alpha, and alpha.
+    Over,
+    /// Added to what is there.
+    Add,
+    /// In place of what is there, if it is not nearer.
+    Nearest,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Target {
+    pub name: &'static str,
+    pub blending: Blending,
+}
+
+/// A drawing of triangles by the rasteriser of a device.
+#[derive(Debug)]
+pub struct Drawing {
+    pub name: &'static str,
+    /// Entry points.
+    pub vertex: &'static str,
+    pub fragment: &'static str,
+    pub files: &'static [ShaderFile],
+    pub bindings: &'static [Binding],
+    /// Its location is its position in the row.
+    pub targets: &'static [Target],
+}
+
+impl Drawing {
+    pub fn source(&self) -> String {
+        source(self.files)
+    }
+}
+
+fn source(files: &[ShaderFile]) -> String {
+    files.iter().map(|file| file.text).collect::<Vec<_>>().join("\n")
 }
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));

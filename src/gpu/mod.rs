@@ -1,4 +1,5 @@
-//! Decoding on graphics devices, equal to the CPU's in every bit (GDC 5), and rendering within a stated bound (CALF 6).
+//! Decoding on graphics devices, equal to the CPU's in every bit (GDC 5), and rendering within a stated bound (CALF 6,
+//! Seurat 6).
 //!
 //! Enters: an open container. Leaves: its pictures, in the domain of their codecs; rendered views of a light field. The kernels
 //! are in `shaders/`, each a mirror of a file of `depth`, `color` or `march`; `kernels` is their table, and `selftest` runs each
@@ -10,12 +11,16 @@
 
 pub mod decode;
 pub mod device;
+#[cfg(feature = "simplify")]
+pub mod drawing;
 pub mod family;
 pub mod harness;
 pub mod kernels;
 pub mod layout;
 pub mod pictures;
 pub mod prepare;
+#[cfg(feature = "simplify")]
+pub mod quads;
 pub mod render;
 pub mod resident;
 #[cfg(feature = "scene")]

@@ -3,6 +3,8 @@
 mod blocks;
 mod boxes;
 mod cells;
+#[cfg(feature = "simplify")]
+pub mod drawings;
 mod gathered;
 mod nodes;
 pub mod pictures;

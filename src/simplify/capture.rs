@@ -113,6 +113,14 @@ impl Capture {
         Capture { rays: Rays::Memory(rays), images, relative_depth_error: Some(0.0), notes: Vec::new() }
     }
 
+    /// Number of the frame that its images show.
+    pub fn frame(&self) -> u32 {
+        match &self.rays {
+            Rays::Reference { frame, .. } => *frame,
+            Rays::Manifest(_) | Rays::Memory(_) => 0,
+        }
+    }
+
     /// The rays of an image, row by row.
     pub fn rays(&mut self, image: usize) -> Result<Vec<CaptureRay>> {
         match &mut self.rays {

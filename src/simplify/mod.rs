@@ -12,7 +12,7 @@
 //!    a mesh of them, [`cracks`] closes what is left open.
 //! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
 //!    material; [`export`]: files.
-//! 7. [`raster`]: draws the mesh (6).
+//! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
 
@@ -30,6 +30,7 @@ pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;
 pub mod raster;
+pub mod read_glb;
 pub mod region;
 pub mod samples;
 pub mod selection;

@@ -1,255 +1,295 @@
-//! Draws a textured mesh in the order of its triangles, on the CPU (Seurat 6).
+//! Draws a textured mesh on the CPU (Seurat 6): every triangle from both sides, in the order of the mesh, its texture sampled bilinearly
+//! in linear light.
 //!
-//! Triangles are not culled and not clipped: the ray of a pixel meets the plane of a triangle, and signs of three volumes say whether it
-//! meets the triangle.
+//! [`Compositing::Painter`] blends each triangle over those before it. Here they are taken from the last to the first, each behind what is
+//! there already, which is the same picture and leaves out what an opaque triangle hides; [`draw_plainly`] blends in order. Triangles
+//! that share an edge share no sample and leave none.
+//!
+//! [`Compositing::ZBuffer`] shows the nearest triangle at each sample, of those whose alpha covers it (alpha to coverage): the samples of a
+//! pixel have thresholds that are spread evenly over 0..1.
 
-use glam::{DVec3, Vec4};
-use half::f16;
+mod plain;
+mod texels;
+mod triangle;
+
+use glam::Vec4;
 use rayon::prelude::*;
 
 use super::quad_mesh::QuadMesh;
-use crate::image::Transfer;
+use crate::error::Result;
+use crate::evaluate::RenderedImage;
 use crate::math::Camera;
+use crate::monitor::Monitor;
+
+pub use plain::draw_plainly;
+use texels::Texels;
+pub use texels::light_of_codes;
+use triangle::{Pixels, Triangle};
 
 /// Rows that one job draws.
 const ROWS_A_JOB: u32 = 16;
+/// Part of the light behind a pixel below which nothing of it shows: a hundredth of an 8-bit code.
+const LEAST_OPEN: f32 = 1.0 / 65_536.0;
+
+/// Bits of an inverse depth in single precision that a z-buffer leaves out: 13 of the mantissa stay, 0.01%.
+pub const DEPTH_BITS_LEFT_OUT: u32 = 10;
+
+/// How triangles hide each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Compositing {
+    /// Each is blended over those before it.
+    #[default]
+    Painter,
+    /// The nearest hides the others; of those that are equally near within 0.01%, the last.
+    ZBuffer,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrawSettings {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    pub compositing: Compositing,
+    /// Samples in each row and column of a pixel, at least 1.
+    pub samples: u32,
+}
+
+/// A sample in each pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Its place in the pixel, 0..1 to the right and down.
+    pub offset: [f64; 2],
+    /// A texel covers it whose alpha is above.
+    pub threshold: f32,
+}
+
+impl DrawSettings {
+    /// The samples of a pixel: the middles of a regular grid. Their thresholds are a permutation in which neighbours differ, as in ordered
+    /// dithering.
+    pub fn samples(&self) -> Vec<Sample> {
+        let side = self.samples.max(1);
+        let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side);
+        let sample = |at: u32| {
+            let (x, y) = (at % side, at / side);
+            let rank = x + side * ((x + y) % side);
+            let threshold = (f64::from(rank) + 0.5) / f64::from(side * side);
+            Sample { offset: [place(x), place(y)], threshold: threshold as f32 }
+        };
+        (0..side * side).map(sample).collect()
+    }
+}
 
 /// What was drawn.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// Linear light multiplied by alpha, and alpha.
+    /// Linear light multiplied by alpha, and alpha: means of the samples of a pixel.
     pub pixels: Vec<[f32; 4]>,
-    /// Triangles drawn over each pixel, in all.
+    /// Triangles over each sample, whether they show or not, in all.
     pub fragments: u64,
     /// And at most.
     pub most_fragments: u32,
 }
 
-/// A triangle as one camera sees it.
-struct Seen {
-    /// Left, top, right, bottom in pixels.
-    rect: [u32; 4],
-    /// The weight of a corner along a ray is its dot product with one of them; all are above 0 inside.
-    normals: [DVec3; 3],
-    /// Which edges belong to this triangle: an edge of two triangles belongs to one of them.
-    owns_edges: [bool; 3],
-    /// Homogeneous texture coordinates.
-    stq: [[f64; 3]; 3],
+impl Drawn {
+    fn of_rows(rows: Vec<(Vec<Vec4>, Vec<u32>)>) -> Drawn {
+        let counts = || rows.iter().flat_map(|(_, counts)| counts);
+        Drawn {
+            fragments: counts().map(|&count| u64::from(count)).sum(),
+            most_fragments: counts().copied().max().unwrap_or(0),
+            pixels: rows.iter().flat_map(|(pixels, _)| pixels.iter().map(|pixel| pixel.to_array())).collect(),
+        }
+    }
+
+    /// The picture; colour is not multiplied by alpha.
+    pub fn image(&self, size: [u32; 2]) -> Result<RenderedImage> {
+        let straight = |&[r, g, b, alpha]: &[f32; 4]| {
+            let factor = if alpha > 0.0 { alpha.recip() } else { 0.0 };
+            [r * factor, g * factor, b * factor, alpha]
+        };
+        RenderedImage::of_pixels(size, self.pixels.iter().map(straight))
+    }
+
+    /// The picture over black, as it is compared.
+    pub fn over_black(&self, size: [u32; 2]) -> Result<RenderedImage> {
+        RenderedImage::of_pixels(size, self.pixels.iter().copied())
+    }
 }
 
-/// Draws the mesh over a transparent picture.
+/// Draws the mesh over a transparent picture: in order, with one sample in the middle of each pixel.
 pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
-    let [width, height] = size;
-    let decode: Vec<f32> = (0..256).map(|code| Transfer::Srgb.decode(f64::from(code) / 255.0) as f32).collect();
-    let seen: Vec<Seen> = (0..scene.mesh.triangles.len())
-        .into_par_iter()
-        .filter_map(|triangle| see(scene, triangle, camera, size))
-        .collect();
-    let draw_rows = |job: u32| {
-        let (first, end) = (job * ROWS_A_JOB, ((job + 1) * ROWS_A_JOB).min(height));
-        let mut pixels = vec![Vec4::ZERO; ((end - first) * width) as usize];
-        let mut counts = vec![0u32; pixels.len()];
-        let direction = |at: u32| {
-            let (column, row) = (at % width, first + at / width);
-            let centre = [f64::from(column) + 0.5, f64::from(row) + 0.5];
-            camera.direction([centre[0] / f64::from(width), centre[1] / f64::from(height)])
+    let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
+    let raster = Raster::new(scene, camera, &settings);
+    Drawn::of_rows(raster.jobs().map(|job| raster.rows(job)).collect())
+}
+
+/// Draws the mesh over a transparent picture. The monitor advances by one for each row.
+pub fn draw_picture(
+    scene: &QuadMesh,
+    camera: &Camera,
+    settings: &DrawSettings,
+    monitor: &dyn Monitor,
+) -> Result<Drawn> {
+    monitor.check()?;
+    let raster = Raster::new(scene, camera, settings);
+    let rows = raster.jobs().map(|job| {
+        monitor.check()?;
+        let rows = raster.rows(job);
+        monitor.advance(u64::from(raster.rows_of(job)[1] - raster.rows_of(job)[0]));
+        Ok(rows)
+    });
+    Ok(Drawn::of_rows(rows.collect::<Result<_>>()?))
+}
+
+/// Homogeneous texture coordinates of a corner.
+pub fn texture_coordinates(scene: &QuadMesh, corner: u32) -> [f64; 3] {
+    match scene.stq.get(corner as usize) {
+        Some(stq) => stq.as_dvec3().to_array(),
+        None => scene.mesh.uvs[corner as usize].as_dvec2().extend(1.0).to_array(),
+    }
+}
+
+/// Bytes that a picture takes while it is drawn.
+pub fn drawing_bytes(scene: &QuadMesh, settings: &DrawSettings) -> u64 {
+    let [width, height] = settings.size.map(u64::from);
+    let samples = u64::from(settings.samples).pow(2);
+    // Corners, triangles as they are seen, and their numbers in the lists of jobs: of most, two.
+    let of_mesh = 24 * scene.mesh.positions.len() as u64
+        + scene.mesh.triangles.len() as u64 * (size_of::<Triangle>() as u64 + 16);
+    // A sum and the counts of its samples stay until the end.
+    of_mesh.saturating_add((width * height).saturating_mul(32 + 4 * samples))
+}
+
+/// What a z-buffer compares: an inverse depth above 0 without the last bits of its mantissa. Tiles overlap their neighbours along nearly the
+/// same surface, where rounding would decide, on each device otherwise; so the later one shows.
+fn nearness(inverse_depth: f32) -> u32 {
+    inverse_depth.to_bits() >> DEPTH_BITS_LEFT_OUT
+}
+
+/// A picture in the making.
+struct Raster<'a> {
+    settings: DrawSettings,
+    samples: Vec<Sample>,
+    texels: Texels<'a>,
+    /// Those that are seen, in order.
+    triangles: Vec<Triangle>,
+    /// Those of each job, by index.
+    of_job: Vec<Vec<u32>>,
+}
+
+impl<'a> Raster<'a> {
+    fn new(scene: &'a QuadMesh, camera: &Camera, settings: &DrawSettings) -> Raster<'a> {
+        let pixels = Pixels::new(camera, settings.size);
+        let mesh = &scene.mesh;
+        let corners: Vec<_> = mesh.positions.par_iter().map(|&point| pixels.from_world(point)).collect();
+        let see = |triangle: &[u32; 3]| {
+            let stq = triangle.map(|corner| texture_coordinates(scene, corner));
+            Triangle::new(&triangle.map(|corner| corners[corner as usize]), stq, &pixels)
         };
-        let directions: Vec<DVec3> = (0..pixels.len() as u32).map(direction).collect();
-        for triangle in &seen {
-            let [left, top, right, bottom] = triangle.rect;
-            for row in top.max(first)..bottom.min(end) {
-                for column in left..right {
-                    let index = ((row - first) * width + column) as usize;
-                    let weights = triangle.normals.map(|normal| normal.dot(directions[index]));
-                    if !weights
-                        .iter()
-                        .zip(triangle.owns_edges)
-                        .all(|(&weight, owns)| weight > 0.0 || weight == 0.0 && owns)
-                    {
-                        continue;
-                    }
-                    let [s, t, q] =
-                        [0, 1, 2].map(|axis| (0..3).map(|at| weights[at] * triangle.stq[at][axis]).sum::<f64>());
-                    let light = sample(scene, &decode, [s / q, t / q]);
-                    pixels[index] = light + (1.0 - light.w) * pixels[index];
-                    counts[index] += 1;
+        let triangles: Vec<Triangle> = mesh.triangles.par_iter().filter_map(see).collect();
+        let mut of_job = vec![Vec::new(); settings.size[1].div_ceil(ROWS_A_JOB) as usize];
+        for (at, triangle) in (0..).zip(&triangles) {
+            let [first, end] = triangle.rows;
+            of_job[(first / ROWS_A_JOB) as usize..end.div_ceil(ROWS_A_JOB) as usize]
+                .iter_mut()
+                .for_each(|list| list.push(at));
+        }
+        let texels = Texels::new(scene);
+        Raster { settings: *settings, samples: settings.samples(), texels, triangles, of_job }
+    }
+
+    fn jobs(&self) -> impl IndexedParallelIterator<Item = usize> {
+        (0..self.of_job.len()).into_par_iter()
+    }
+
+    /// First and end row of a job.
+    fn rows_of(&self, job: usize) -> [u32; 2] {
+        let first = job as u32 * ROWS_A_JOB;
+        [first, (first + ROWS_A_JOB).min(self.settings.size[1])]
+    }
+
+    /// Pixels of a job, and triangles over each sample of them.
+    fn rows(&self, job: usize) -> (Vec<Vec4>, Vec<u32>) {
+        let [first, end] = self.rows_of(job);
+        let pixels = self.settings.size[0] as usize * (end - first) as usize;
+        let draw = match self.settings.compositing {
+            Compositing::Painter => Self::blend,
+            Compositing::ZBuffer => Self::hide,
+        };
+        let mut counts = vec![0u32; pixels * self.samples.len()];
+        let mut sums = vec![Vec4::ZERO; pixels];
+        for (sample, counts) in self.samples.iter().zip(counts.chunks_exact_mut(pixels.max(1))) {
+            let drawn = draw(self, job, sample, counts);
+            sums.iter_mut().zip(drawn).for_each(|(sum, pixel)| *sum += pixel);
+        }
+        if self.samples.len() > 1 {
+            let share = 1.0 / self.samples.len() as f32;
+            sums.iter_mut().for_each(|sum| *sum *= share);
+        }
+        (sums, counts)
+    }
+
+    /// Calls `shade` for each triangle of a job and each of its rows, the last triangle first, with its pixels in the row and the place
+    /// of the first of them among those of the job.
+    fn spans(&self, job: usize, sample: &Sample, mut shade: impl FnMut(&Triangle, f64, std::ops::Range<u32>, usize)) {
+        let ([first, end], width) = (self.rows_of(job), self.settings.size[0]);
+        for &at in self.of_job[job].iter().rev() {
+            let triangle = &self.triangles[at as usize];
+            for row in triangle.rows[0].max(first)..triangle.rows[1].min(end) {
+                let span = triangle.span(row, width, sample.offset);
+                if !span.is_empty() {
+                    let place = (row - first) as usize * width as usize + span.start as usize;
+                    shade(triangle, f64::from(row) + sample.offset[1], span, place);
                 }
             }
         }
-        (pixels, counts)
-    };
-    let rows: Vec<_> = (0..height.div_ceil(ROWS_A_JOB)).into_par_iter().map(draw_rows).collect();
-    let counts = || rows.iter().flat_map(|(_, counts)| counts);
-    Drawn {
-        fragments: counts().map(|&count| u64::from(count)).sum(),
-        most_fragments: counts().copied().max().unwrap_or(0),
-        pixels: rows.iter().flat_map(|(pixels, _)| pixels.iter().map(|pixel| pixel.to_array())).collect(),
     }
-}
 
-/// Bilinear, in linear light, multiplied by alpha.
-fn sample(scene: &QuadMesh, decode: &[f32], [u, v]: [f64; 2]) -> Vec4 {
-    let texture = &scene.texture;
-    let place = |at: f64, side: u32| {
-        let at = (at * f64::from(side) - 0.5).clamp(0.0, f64::from(side - 1)) as f32;
-        let first = at as u32;
-        (first, (first + 1).min(side - 1), at - first as f32)
-    };
-    let ((left, right, along), (top, bottom, down)) = (place(u, texture.width), place(v, texture.height));
-    let texel = |x: u32, y: u32| {
-        let at = (y * texture.width + x) as usize;
-        let [r, g, b, alpha] = texture.pixels[at];
-        let [r, g, b] = match &scene.light {
-            Some(light) => light[at].map(f16::to_f32),
-            None => [r, g, b].map(|code| decode[code as usize]),
-        };
-        Vec4::new(r, g, b, f32::from(alpha) / 255.0)
-    };
-    let upper = texel(left, top).lerp(texel(right, top), along);
-    let lower = texel(left, bottom).lerp(texel(right, bottom), along);
-    let light = upper.lerp(lower, down);
-    (light.truncate() * light.w).extend(light.w)
-}
-
-fn see(scene: &QuadMesh, triangle: usize, camera: &Camera, size: [u32; 2]) -> Option<Seen> {
-    let eye = camera.eye();
-    let [a, b, c] = scene.mesh.corners(triangle).map(|corner| corner - eye);
-    let rect = bounds(&[a, b, c], camera, size)?;
-    let normals = [b.cross(c), c.cross(a), a.cross(b)];
-    let stq = scene.mesh.triangles[triangle].map(|corner| match scene.stq.get(corner as usize) {
-        Some(stq) => stq.as_dvec3().to_array(),
-        None => scene.mesh.uvs[corner as usize].as_dvec2().extend(1.0).to_array(),
-    });
-    let volume = a.dot(normals[0]);
-    let normals = normals.map(|normal| normal * volume.signum());
-    let owns_edges =
-        normals.map(|normal| normal.to_array().into_iter().find(|at| *at != 0.0).is_some_and(|at| at > 0.0));
-    (volume != 0.0).then_some(Seen { rect, normals, owns_edges, stq })
-}
-
-/// Pixels that a polygon can cover, of corners relative to the eye; none where it lies behind the camera or beside the image.
-fn bounds(corners: &[DVec3], camera: &Camera, [width, height]: [u32; 2]) -> Option<[u32; 4]> {
-    let [forward, ..] = camera.axes();
-    let near = 1e-9 * corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
-    let mut range = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
-    let mut add = |point: DVec3| {
-        if let Some(([x, y], _)) = camera.project(point) {
-            let [x, y] = [x * f64::from(width), y * f64::from(height)];
-            range = [range[0].min(x), range[1].min(y), range[2].max(x), range[3].max(y)];
-        }
-    };
-    for at in 0..corners.len() {
-        let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
-        let (da, db) = (a.dot(forward) - near, b.dot(forward) - near);
-        if da >= 0.0 {
-            add(a);
-        }
-        if (da >= 0.0) != (db >= 0.0) {
-            add(a + da / (da - db) * (b - a));
-        }
+    /// Blends triangles behind each other.
+    fn blend(&self, job: usize, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
+        let mut pixels = vec![Vec4::ZERO; counts.len()];
+        self.spans(job, sample, |triangle, y, span, place| {
+            let [s, t, q] = triangle.stq.map(|axis| axis.row(y));
+            let range = place..place + span.len();
+            counts[range.clone()].iter_mut().for_each(|count| *count += 1);
+            for (x, pixel) in span.zip(&mut pixels[range]) {
+                let open = 1.0 - pixel.w;
+                if open < LEAST_OPEN {
+                    continue;
+                }
+                let x = f64::from(x) + sample.offset[0];
+                let scale = 1.0 / q.at(x);
+                let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
+                let share = open * texel.w;
+                *pixel += (texel * share).truncate().extend(share);
+            }
+        });
+        pixels
     }
-    let clamp = |at: f64, side: u32| at.clamp(0.0, f64::from(side)) as u32;
-    let [left, top] = [clamp(range[0].floor(), width), clamp(range[1].floor(), height)];
-    let [right, bottom] = [clamp(range[2].ceil(), width), clamp(range[3].ceil(), height)];
-    (left < right && top < bottom).then_some([left, top, right, bottom])
+
+    /// Shows the nearest triangle that covers each sample.
+    fn hide(&self, job: usize, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
+        let mut pixels = vec![Vec4::ZERO; counts.len()];
+        let mut nearest = vec![0u32; counts.len()];
+        self.spans(job, sample, |triangle, y, span, place| {
+            let (sum, [s, t, q]) = (triangle.sum.row(y), triangle.stq.map(|axis| axis.row(y)));
+            let range = place..place + span.len();
+            counts[range.clone()].iter_mut().for_each(|count| *count += 1);
+            for ((x, pixel), nearest) in span.zip(&mut pixels[range.clone()]).zip(&mut nearest[range]) {
+                let x = f64::from(x) + sample.offset[0];
+                let nearness = nearness((sum.at(x) / triangle.volume) as f32);
+                if nearness <= *nearest {
+                    continue;
+                }
+                let scale = 1.0 / q.at(x);
+                let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
+                if texel.w > sample.threshold {
+                    *nearest = nearness;
+                    *pixel = texel.truncate().extend(1.0);
+                }
+            }
+        });
+        pixels
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::math::Lens;
-    use crate::mesh::{ImageTexture, Mesh, Wrap};
-
-    /// A square across the view at a distance, half as wide as the picture, of one colour.
-    fn square(mesh: &mut Mesh, distance: f64, texel: f32) {
-        let first = mesh.positions.len() as u32;
-        for [x, y] in [[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]] {
-            mesh.positions.push(DVec3::new(x, y, -1.0) * distance);
-            mesh.uvs.push(glam::Vec2::new(texel, 0.5));
-        }
-        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-        mesh.material_of.extend([0, 0]);
-    }
-
-    fn scene(mesh: Mesh) -> QuadMesh {
-        let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 128]];
-        let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
-        QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() }
-    }
-
-    fn camera(eye: DVec3, target: DVec3) -> Camera {
-        Camera::look_at(eye, target, DVec3::Y, Lens::new(90.0)).unwrap()
-    }
-
-    #[test]
-    fn later_triangles_are_blended_over_earlier_ones() {
-        let mut mesh = Mesh::default();
-        // The nearer one comes first: order decides, not depth.
-        square(&mut mesh, 1.0, 0.25);
-        square(&mut mesh, 3.0, 0.75);
-        let drawn = draw(&scene(mesh), &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
-        assert_eq!((drawn.fragments, drawn.most_fragments), (2 * 8 * 8, 2));
-        let alpha = 128.0 / 255.0;
-        for (at, pixel) in drawn.pixels.iter().enumerate() {
-            let is_inside = [at % 16, at / 16].iter().all(|place| (4..12).contains(place));
-            let wanted = if is_inside { [1.0 - alpha, alpha, 0.0, 1.0] } else { [0.0; 4] };
-            assert!(pixel.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{at}: {pixel:?}");
-        }
-    }
-
-    #[test]
-    fn homogeneous_texture_coordinates_are_those_of_the_plane_of_a_face() {
-        // A quad that goes away from the eye, whose texture is a ramp over the picture.
-        let mut mesh = Mesh::default();
-        let corners = [([-1.0, 1.0], 1.0), ([1.0, 1.0], 4.0), ([1.0, -1.0], 4.0), ([-1.0, -1.0], 1.0)];
-        for ([x, y], depth) in corners {
-            mesh.positions.push(DVec3::new(x, y, -1.0) * depth);
-            mesh.uvs.push(glam::Vec2::new(0.5 + 0.25 * x as f32, 0.5));
-        }
-        (mesh.triangles, mesh.material_of) = (vec![[0, 1, 2], [0, 2, 3]], vec![0, 0]);
-        let stq = mesh.uvs.iter().zip(corners).map(|(uv, (_, depth))| uv.extend(1.0) * depth as f32).collect();
-        let pixels = vec![[0, 0, 0, 255], [255; 4]];
-        let texture = ImageTexture { width: 2, height: 1, pixels, wrap: [Wrap::Clamp; 2] };
-        let light = Some(vec![[f16::ZERO; 3], [f16::from_f32(8.0); 3]]);
-        let mut scene = QuadMesh { mesh, texture: Arc::new(texture), stq, light, runs: Vec::new() };
-        let error = |scene: &QuadMesh| {
-            let drawn = draw(scene, &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
-            assert_eq!(drawn.fragments, 256);
-            let wanted = |at: usize| 8.0 * ((at % 16) as f32 + 0.5) / 16.0;
-            drawn.pixels.iter().enumerate().map(|(at, pixel)| (pixel[0] - wanted(at)).abs()).fold(0.0, f32::max)
-        };
-        assert!(error(&scene) < 1e-4, "{}", error(&scene));
-        scene.stq.clear();
-        assert!(error(&scene) > 1.0, "{}", error(&scene));
-    }
-
-    #[test]
-    fn triangles_are_seen_from_both_sides_and_not_behind_the_eye() {
-        let mut mesh = Mesh::default();
-        square(&mut mesh, 2.0, 0.25);
-        let scene = scene(mesh);
-        let seen = |eye: DVec3, target: DVec3| draw(&scene, &camera(eye, target), [16, 16]).fragments;
-        assert_eq!(seen(DVec3::ZERO, DVec3::Z), 0);
-        assert_eq!(seen(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO), 64);
-        // An eye so near that the square goes on behind it, and one in its plane.
-        assert!(seen(DVec3::new(0.0, 0.3, -1.999), DVec3::new(0.0, 0.2, -2.1)) > 128);
-        assert_eq!(seen(DVec3::new(0.0, 0.0, -2.0), DVec3::new(1.0, 0.0, -2.0)), 0);
-    }
-
-    #[test]
-    fn the_two_triangles_of_a_square_share_no_pixel_and_leave_none() {
-        let mut mesh = Mesh::default();
-        square(&mut mesh, 2.0, 0.25);
-        let scene = scene(mesh);
-        for step in 0..20 {
-            let turn = f64::from(step) * 0.31;
-            let eye = DVec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.1);
-            let drawn = draw(&scene, &camera(eye, DVec3::new(0.01, 0.02, -2.0)), [61, 61]);
-            // No more than the corners lie on the diagonal exactly.
-            assert!(drawn.most_fragments == 1, "{step}");
-            assert_eq!(drawn.fragments, drawn.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() as u64);
-        }
-    }
-}
+mod tests;

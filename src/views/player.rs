@@ -121,10 +121,9 @@ impl<'a> Player<'a> {
         })
     }
 
-    /// The same within a memory budget, of which others take `reserved_bytes`.
-    #[must_use]
-    pub fn with_memory(self, budget: Budget, reserved_bytes: u64) -> Player<'a> {
-        Player { budget, reserved_bytes, ..self }
+    /// Keeps to a memory budget, of which others take `reserved_bytes`.
+    pub fn limit_memory(&mut self, budget: Budget, reserved_bytes: u64) {
+        (self.budget, self.reserved_bytes) = (budget, reserved_bytes);
     }
 
     pub fn has_material(&self) -> bool {

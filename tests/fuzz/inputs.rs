@@ -55,6 +55,7 @@ impl Inputs {
             "color-tables" => (Kind::Bytes, seeds::color_tables()),
             "gltf" => (Kind::Json, seeds::gltf()),
             "glb" => (Kind::Header(4000), seeds::glb()),
+            "quads" => (Kind::Header(4000), seeds::quads()),
             "obj" => (Kind::Bytes, seeds::obj()),
             "mtl" => (Kind::Bytes, seeds::mtl()),
             codec => (Kind::Case, codec.as_bytes().try_into().map(seeds::cases).unwrap_or_default()),

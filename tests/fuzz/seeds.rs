@@ -8,12 +8,16 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
 };
+use glam::DVec3;
 use half::f16;
 use lightfold::container::{
     ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, Writer, compression,
 };
 use lightfold::image::{Plane, png};
+use lightfold::mesh::{ImageTexture, Mesh, Wrap};
 use lightfold::report::tradeoff::coding::CODING;
+use lightfold::simplify::export::glb as quads_glb;
+use lightfold::simplify::quad_mesh::QuadMesh;
 
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
@@ -201,6 +205,30 @@ pub fn gltf() -> Vec<Vec<u8>> {
 /// GLB files.
 pub fn glb() -> Vec<Vec<u8>> {
     vec![rich().glb(), triangle().glb()]
+}
+
+/// Simplified scenes.
+pub fn quads() -> Vec<Vec<u8>> {
+    let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+    let mesh = Mesh {
+        positions: corners.map(|[x, y]| DVec3::new(x, y, -2.0)).to_vec(),
+        uvs: corners.map(|[x, y]| glam::Vec2::new(0.5 + 0.4 * x as f32, 0.5 - 0.4 * y as f32)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material_of: vec![0; 2],
+        ..Mesh::default()
+    };
+    let pixels = vec![[10, 20, 30, 255], [200, 100, 0, 128], [0, 0, 255, 0], [255; 4]];
+    let texture = Arc::new(ImageTexture { width: 2, height: 2, pixels, wrap: [Wrap::Clamp; 2] });
+    let mut scene = QuadMesh { mesh, texture, stq: Vec::new(), light: None, runs: Vec::new() };
+    let written = |scene: &QuadMesh| {
+        let mut bytes = Vec::new();
+        quads_glb::write(scene, serde_json::json!({ "lightfold": { "frame": 3 } }), &mut bytes)
+            .expect("a scene is written");
+        bytes
+    };
+    let affine = written(&scene);
+    scene.stq = scene.mesh.uvs.iter().map(|uv| uv.extend(1.0) * 0.5).collect();
+    vec![affine, written(&scene)]
 }
 
 /// OBJ files.

@@ -3,6 +3,7 @@
 //! The environment variable `LIGHTFOLD_GPU` picks a device by its number or a part of its name.
 
 mod decoding;
+mod drawings;
 mod pictures;
 mod projection;
 
@@ -19,7 +20,7 @@ use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitF
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
 use lightfold::gpu::decode::GpuDecoder;
 use lightfold::gpu::device::Pick;
-use lightfold::gpu::kernels::{Kernel, ShaderFile};
+use lightfold::gpu::kernels::{DRAWINGS, Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, device, verify};
 use lightfold::hard_cases;
@@ -346,7 +347,12 @@ fn main() {
         eprintln!("no graphics device was found: tests of kernels are ignored");
     }
     let trials = ROWS.iter().map(|row| Trial::test(format!("kernel::{}", row.kernel.name), || kernel(row)));
+    let of_drawings =
+        DRAWINGS.iter().map(|drawing| Trial::test(format!("drawing::{}", drawing.name), || drawings::drawing(drawing)));
     let others = [
+        Trial::test("drawings::commands", drawings::commands),
+        Trial::test("drawings::refusals", drawings::refusals),
+        Trial::test("drawings::equal_depths_and_many_layers", drawings::equal_depths_and_many_layers),
         Trial::test("hard_cases", hard_cases),
         Trial::test("random_streams", random_streams),
         Trial::test("vectors", vectors),
@@ -366,6 +372,7 @@ fn main() {
     // Ignored, and not passed, where LIGHTFOLD_DATA of CONTRIBUTING.md leads nowhere.
     let footage = [Trial::test("footage", footage), Trial::test("pictures::footage", pictures::footage)]
         .map(|trial| trial.with_ignored_flag(none || cfg!(not(footage_at_hand))));
-    let trials = trials.chain(others).map(|trial| trial.with_ignored_flag(none)).chain(footage).collect();
+    let trials =
+        trials.chain(of_drawings).chain(others).map(|trial| trial.with_ignored_flag(none)).chain(footage).collect();
     libtest_mimic::run(&arguments, trials).exit();
 }

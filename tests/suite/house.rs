@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use lightfold::cli::{self, Cli};
-use lightfold::gpu::kernels::KERNELS;
+use lightfold::gpu::kernels::{DRAWINGS, KERNELS, ShaderFile};
 use lightfold::gpu::selftest::ROWS;
 
 use crate::documents::DOCUMENTS;
@@ -130,10 +130,10 @@ fn imports_go_down_the_layers_of_architecture_md() {
 
 #[test]
 fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
-    let used: BTreeSet<PathBuf> = KERNELS
-        .iter()
-        .flat_map(|kernel| kernel.files.iter().map(|file| Path::new("shaders").join(file.path)))
-        .collect();
+    let path = |file: &ShaderFile| Path::new("shaders").join(file.path);
+    let of_kernels = KERNELS.iter().flat_map(|kernel| kernel.files);
+    let used: BTreeSet<PathBuf> =
+        of_kernels.chain(DRAWINGS.iter().flat_map(|drawing| drawing.files)).map(path).collect();
     let mut shaders = files_below("shaders");
     shaders.retain(|path| path.extension().is_some_and(|extension| extension == "wgsl"));
     assert!(shaders.len() > 10, "only {} shaders were found", shaders.len());

@@ -362,8 +362,11 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
         player.bytes()
     };
     assert!(one > 6 * 32 * 32 * 8);
-    let limited_beside =
-        |bytes, beside| Player::new(&decoder, &ProbeChoice::default()).unwrap().with_memory(Budget::of(bytes), beside);
+    let limited_beside = |bytes, beside| {
+        let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+        player.limit_memory(Budget::of(bytes), beside);
+        player
+    };
     let limited = |bytes| limited_beside(bytes, 0);
     let mut player = limited(one * 5 / 2);
     let shown = |player: &Player<'_>| -> Vec<bool> {

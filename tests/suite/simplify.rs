@@ -1,6 +1,7 @@
 //! `lightfold simplify`: what it writes, reports and refuses.
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -110,4 +111,107 @@ fn charts_and_pictures_are_drawn_into_a_folder() {
     assert_eq!(report["figures"].as_array().unwrap().len(), names.len());
     let chart = fs::read_to_string(folder.path().join("figures/convergence.svg")).unwrap();
     assert!(chart.contains("bound (dual)") && chart.contains("best selection (primal)"), "{chart}");
+}
+
+/// A path of two poses, the second for two frames.
+const PATH: &str = r#"{"cameras": [
+    {"eye": [0.1, 1.55, 0.1], "look_at": [2, 1.4, 0.3], "fov_y_deg": 70, "frame": 0},
+    {"eye": [0.2, 1.6, 0.1], "look_at": [2, 1.3, 0.9], "fov_y_deg": 70, "frame": 2}]}"#;
+
+/// A simplified scene beside the dataset that it was made of, and the report about it.
+fn simplified(options: &str) -> (TempDir, Value) {
+    let folder = room();
+    let line = format!("simplify room -o quads.glb --triangles 3000 --effort fast --json{options}");
+    let report = serde_json::from_slice(&fine(&line, folder.path()).stdout).unwrap();
+    (folder, report)
+}
+
+fn report(line: &str, folder: &Path) -> Value {
+    serde_json::from_slice(&fine(line, folder).stdout).unwrap()
+}
+
+#[test]
+fn a_scene_is_rendered_as_simplify_measured_it() {
+    let (folder, made) = simplified(" --frames 1");
+    let at = folder.path();
+    let shown = report("render quads.glb --reference room --null --error-map maps --json", at);
+    assert_eq!((&shown["device"], &shown["pictures"]), (&Value::from("cpu"), &Value::from(18)));
+    let near = |found: &Value, wanted: &Value| {
+        let (found, wanted) = (found.as_f64().unwrap(), wanted.as_f64().unwrap());
+        assert!((found - wanted).abs() <= 1e-4 * wanted, "{found} {wanted}");
+    };
+    for key in ["psnr_db", "ssim", "psnr_hvs_m_db"] {
+        near(&shown["reference"][key], &made[key]);
+    }
+    for key in ["overdraw_mean", "peak_overdraw_measured", "fragments_per_pixel_max", "triangles"] {
+        near(&shown[key], &made[key]);
+    }
+    assert_eq!(shown["reference"]["method"], "painter");
+    assert_eq!(fs::read_dir(at.join("maps")).unwrap().count(), 18);
+    // It was made of frame 1, and shows that in every frame.
+    let images = shown["reference"]["images"].as_array().unwrap();
+    assert!(images.iter().all(|image| image["frame"] == 1));
+    let other = report("render quads.glb --reference room --frames 0-1 --null --json --method z-buffer", at);
+    assert_eq!(other["reference"]["images"].as_array().unwrap().len(), 36);
+    let psnr_db = other["reference"]["psnr_db"].as_f64().unwrap();
+    assert!(psnr_db > 20.0, "{psnr_db}");
+}
+
+#[test]
+fn a_scene_takes_the_cameras_and_outputs_of_a_container() {
+    let (folder, _) = simplified("");
+    let at = folder.path();
+    fs::write(at.join("path.json"), PATH).unwrap();
+    let eye = "--eye 0.1,1.55,0.1 --look-at 2,1.4,0.3 --fov 70 --size 40x30";
+    fine("render quads.glb --camera path.json --size 24 -o path/%04d.png --contact-sheet sheet.png", at);
+    assert_eq!(fs::read_dir(at.join("path")).unwrap().count(), 3);
+    fine(&format!("render quads.glb {eye} -o a.png"), at);
+    fine(&format!("render quads.glb {eye} -o a.exr"), at);
+    fine(&format!("render quads.glb {eye} --stereo 0.06 -o %V.png"), at);
+    let open = |name: &str| image::open(at.join(name)).unwrap().to_rgba8();
+    let picture = open("a.png");
+    assert_eq!((picture.dimensions(), open("left.png").dimensions()), ((40, 30), (40, 30)));
+    assert!(open("left.png") != open("right.png") && at.join("sheet.png").exists());
+    assert!(picture.pixels().filter(|pixel| pixel[3] == 255).count() > 1100);
+    // The same bytes on any number of threads; more samples are another picture.
+    let printed = fine(&format!("render quads.glb {eye} -o - --threads 1"), at).stdout;
+    assert!(printed == fs::read(at.join("a.png")).unwrap());
+    fine(&format!("render quads.glb {eye} -o smooth.png --samples 3"), at);
+    assert!(open("smooth.png") != picture);
+    let said = String::from_utf8(fine(&format!("render quads.glb {eye} --null --stats"), at).stdout).unwrap();
+    assert!(said.contains("triangles") && said.contains("overdraw: mean") && said.contains("median"), "{said}");
+    // A name without an ending is read by its first bytes.
+    fs::rename(at.join("quads.glb"), at.join("quads")).unwrap();
+    assert!(fine(&format!("render quads {eye} -o -"), at).stdout == printed);
+}
+
+#[test]
+fn what_a_scene_cannot_be_rendered_with_is_refused() {
+    let (folder, _) = simplified("");
+    let at = folder.path();
+    let eye = "--eye 0.1,1.55,0.1 --look-at 2,1.4,0.3 --fov 70 --size 8 --null";
+    for (options, words) in [
+        ("--steps 1024", "--steps is about light fields"),
+        ("--probe 00", "--probe"),
+        ("--exclude-probe 00", "--exclude-probe"),
+        ("--views 3", "--views"),
+        ("--trace a.jsonl", "--trace"),
+        ("--holes blank", "--holes"),
+        ("--decode all", "--decode"),
+        ("--method march", "painter and z-buffer draw it"),
+        ("--method reproject", "painter and z-buffer draw it"),
+        ("--memory 1k", "smaller"),
+    ] {
+        let said = refused(&format!("render quads.glb {eye} {options}"), at);
+        assert!(said.contains(words), "{options}: {said}");
+        assert!(!at.join("a.jsonl").exists());
+    }
+    let bytes = fs::read(at.join("quads.glb")).unwrap();
+    fs::write(at.join("cut.glb"), &bytes[..bytes.len() / 2]).unwrap();
+    assert!(refused(&format!("render cut.glb {eye}"), at).contains("cut.glb"));
+    fs::write(at.join("other.gltf"), r#"{"asset": {"version": "2.0"}}"#).unwrap();
+    assert!(refused(&format!("render other.gltf {eye}"), at).contains("capture"));
+    fine("encode room -o room.lfold --frames 0", at);
+    let said = refused(&format!("render room.lfold {eye} --method painter"), at);
+    assert!(said.contains("simplified scenes"), "{said}");
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::options::{MarchArgs, TruthArgs, ViewArgs, parse_size};
+use super::options::{Given, MarchArgs, TruthArgs, ViewArgs, parse_size};
 use crate::cli::device::{DEVICES, GpuArgs};
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, one_of, parse_positive};
 use crate::gpu::device::DeviceChoice;
@@ -19,7 +19,14 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
     lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
-    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n\n\
+    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n  \
+    lightfold render scene.glb --camera path.json -o view.%04d.png\n  \
+    lightfold render scene.glb --reference footage --error-map maps --json\n\n\
+    A simplified scene (.glb) is still: it looks the same in every frame, and is compared with the frame of the reference that it was \
+    made of. Options about rays, probes and decoding are refused. --method painter blends all triangles over each other in the order \
+    of the file, from both sides and without depth test; z-buffer shows the nearest triangle at each of --samples N x N samples of \
+    a pixel, which it covers where alpha is above the threshold of the sample: thresholds of a pixel are (0.5, 1.5, 2.5, ...) / N^2. \
+    PNG and EXR images have the alpha of the scene; with --reference it is over black.\n\n\
     A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
     \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames names one \
     frame or is absent, all of them show that frame. Either all cameras of a path have \"frames\", or none has. Poses with a \
@@ -40,7 +47,10 @@ use crate::gpu::device::DeviceChoice;
     update_ms and render_ms."
 )]
 pub struct Args {
-    /// The container, - for standard input
+    // First, as options that are read leave the matches.
+    #[command(flatten)]
+    pub given: Given,
+    /// The container, - for standard input; or a scene that simplify wrote (.glb)
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
     /// An image ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder for PNG
@@ -83,6 +93,11 @@ pub struct Args {
 }
 
 impl Args {
+    /// Whether a graphics device is asked for.
+    pub fn is_on_device(&self) -> bool {
+        self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceChoice::Cpu)
+    }
+
     pub fn results_to_stdout(&self) -> usize {
         let paths = [&self.output, &self.contact_sheet, &self.views.trace];
         paths.into_iter().flatten().filter(|path| *path == Path::new("-")).count()

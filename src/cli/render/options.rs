@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args};
 use glam::DVec3;
 
 use crate::cli::options::{Choices, one_of, parse_not_negative, parse_number_where, parse_point, parse_positive};
@@ -16,6 +17,8 @@ pub enum Method {
     March,
     Splat,
     Reproject,
+    Painter,
+    ZBuffer,
 }
 
 pub const METHODS: &Choices<Method> = &[
@@ -26,7 +29,62 @@ pub const METHODS: &Choices<Method> = &[
         Method::Reproject,
         "Upper reference: blend views at the true distances of --reference, without reflection and refraction",
     ),
+    ("painter", Method::Painter, "Simplified scenes: blend all triangles in their order"),
+    (
+        "z-buffer",
+        Method::ZBuffer,
+        "Simplified scenes: the nearest triangle at each sample; alpha covers a part of the samples of a pixel",
+    ),
 ];
+
+/// Options without a meaning for simplified scenes.
+pub const OF_LIGHT_FIELDS: &[&str] = &[
+    "steps",
+    "refine",
+    "near",
+    "far",
+    "acceleration",
+    "effects",
+    "max-bounces",
+    "holes",
+    "probe",
+    "exclude-probe",
+    "views",
+    "view-priority",
+    "pivot",
+    "cull-angle",
+    "target-ms",
+    "trace",
+    "decode",
+];
+
+/// Options that stand on the command line, without dashes: those that have their default value are not among them.
+#[derive(Debug, Clone, Default)]
+pub struct Given {
+    pub names: Vec<String>,
+}
+
+impl clap::FromArgMatches for Given {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Given, clap::Error> {
+        let is_given = |id: &&clap::Id| matches.value_source(id.as_str()) == Some(ValueSource::CommandLine);
+        Ok(Given { names: matches.ids().filter(is_given).map(|id| id.as_str().replace('_', "-")).collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Given::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl clap::Args for Given {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        command
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        command
+    }
+}
 
 const HOLES: &Choices<HoleFill> = &[
     ("blank", HoleFill::Blank, "Transparent black"),
@@ -69,8 +127,8 @@ pub struct MarchArgs {
     /// End of rays in metres from the eye [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// N x N rays per pixel
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    /// N x N rays per pixel, of a simplified scene samples [default: 1; with --method z-buffer 2]
+    #[arg(long, value_name = "N", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Acceleration of ray marching
     #[arg(long, value_parser = one_of(ACCELERATIONS), default_value = "pyramid")]
@@ -84,9 +142,9 @@ pub struct MarchArgs {
     /// Fill of holes, which no probe saw; they have alpha 0 and are counted
     #[arg(long, value_parser = one_of(HOLES), default_value = "blank")]
     pub holes: HoleFill,
-    /// Rendering method
-    #[arg(long, value_parser = one_of(METHODS), default_value = "march")]
-    pub method: Method,
+    /// Rendering method [default: march; of a simplified scene painter]
+    #[arg(long, value_parser = one_of(METHODS))]
+    pub method: Option<Method>,
 }
 
 #[derive(Debug, Clone, Args)]

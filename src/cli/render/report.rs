@@ -12,12 +12,13 @@ use crate::evaluate::similarity::some_psnr;
 use crate::gpu::render::RenderCost;
 use crate::march::counters::Counters;
 use crate::march::playback::frames::PlaybackSummary;
-use crate::march::playback::pacing::FramePacing;
+use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::trace::FrameTrace;
 use crate::report::coding_map::counted;
+use crate::simplify::raster::Drawn;
 use crate::views::player::ShowCounts;
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Frames {
     views: Vec<usize>,
     milliseconds: Vec<f64>,
@@ -42,20 +43,70 @@ impl Frames {
     }
 }
 
+/// What was drawn, by what it was drawn from.
+pub enum Figures {
+    LightField(Box<LightFieldFigures>),
+    Quads(QuadFigures),
+}
+
+pub struct LightFieldFigures {
+    pub summary: PlaybackSummary,
+    pub frames: Frames,
+    pub gpu_cost: Option<RenderCost>,
+    /// Decoder of depth and colour: `device` or `cpu`.
+    pub decoded_on: &'static str,
+}
+
+#[derive(Debug, Clone, Default)]
+pub struct QuadFigures {
+    triangles: usize,
+    fragments: u64,
+    samples: u64,
+    most_fragments: u32,
+    /// Largest mean of a picture.
+    peak_overdraw: f64,
+    update_ms: Vec<f64>,
+    render_ms: Vec<f64>,
+}
+
+impl QuadFigures {
+    pub fn of(triangles: usize) -> QuadFigures {
+        QuadFigures { triangles, ..QuadFigures::default() }
+    }
+
+    /// Adds the pictures of a frame, each of so many samples, and the times to send the scene and to draw.
+    pub fn add(&mut self, pictures: &[Drawn], samples: u64, [update_ms, render_ms]: [f64; 2]) {
+        for drawn in pictures {
+            self.fragments += drawn.fragments;
+            self.samples += samples;
+            self.most_fragments = self.most_fragments.max(drawn.most_fragments);
+            self.peak_overdraw = self.peak_overdraw.max(drawn.fragments as f64 / samples.max(1) as f64);
+        }
+        self.update_ms.push(update_ms);
+        self.render_ms.push(render_ms);
+    }
+
+    fn overdraw_mean(&self) -> f64 {
+        self.fragments as f64 / self.samples.max(1) as f64
+    }
+
+    fn pacing(&self) -> FramePacing {
+        let frame_ms: Vec<f64> = self.update_ms.iter().zip(&self.render_ms).map(|(a, b)| a + b).collect();
+        let [frame, update, render] = [&frame_ms, &self.update_ms, &self.render_ms].map(|times| Pacing::of(times));
+        FramePacing { frame, update, render }
+    }
+}
+
 pub struct Report<'a> {
     pub args: &'a Args,
-    pub summary: PlaybackSummary,
+    pub figures: Figures,
     pub pixels: u64,
     pub pictures: u64,
-    pub frames: &'a Frames,
     /// Whether near or far distances clip surfaces.
     pub is_cut_off: bool,
     pub seconds: f64,
     pub bytes_out: u64,
     pub device: String,
-    pub gpu_cost: Option<RenderCost>,
-    /// Decoder of depth and colour: `device` or `cpu`.
-    pub decoded_on: &'static str,
     pub truth: Option<&'a TruthRun>,
 }
 
@@ -67,9 +118,8 @@ struct Document<'a> {
     pixels: u64,
     bytes_out: u64,
     device: &'a str,
-    views: usize,
-    least_views: Option<usize>,
-    hole_rays: u64,
+    #[serde(flatten)]
+    drawn: DrawnFrom,
     megapixels_per_second: f64,
     pacing: FramePacing,
     #[serde(flatten)]
@@ -80,6 +130,23 @@ struct Document<'a> {
     gpu: Option<GpuCost>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reference: Option<TruthReport<'a>>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum DrawnFrom {
+    Views {
+        views: usize,
+        least_views: Option<usize>,
+        hole_rays: u64,
+    },
+    Triangles {
+        triangles: usize,
+        overdraw_mean: f64,
+        fragments_per_pixel_max: u32,
+        /// Largest mean of a picture.
+        peak_overdraw_measured: f64,
+    },
 }
 
 #[derive(Serialize)]
@@ -109,6 +176,20 @@ struct GpuCost {
     bytes_copied: u64,
 }
 
+impl GpuCost {
+    fn of(cost: &RenderCost, shots: usize) -> GpuCost {
+        let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / shots.max(1) as f64;
+        GpuCost {
+            sending_ms: ms(cost.sending),
+            glass_ms: ms(cost.proxies),
+            marching_ms: ms(cost.marching),
+            reading_ms: ms(cost.reading),
+            bytes_sent: cost.bytes_sent,
+            bytes_copied: cost.bytes_copied,
+        }
+    }
+}
+
 impl Report<'_> {
     /// Prints the report on standard output, or text on standard error if a result goes there. With --quiet and a file, only
     /// requested figures.
@@ -128,66 +209,103 @@ impl Report<'_> {
         lines.iter().try_for_each(|line| output::print_text(&format!("{line}\n")))
     }
 
+    fn frames(&self) -> usize {
+        match &self.figures {
+            Figures::LightField(figures) => figures.summary.shots,
+            Figures::Quads(figures) => figures.render_ms.len(),
+        }
+    }
+
+    fn pacing(&self) -> FramePacing {
+        match &self.figures {
+            Figures::LightField(figures) => figures.summary.pacing,
+            Figures::Quads(figures) => figures.pacing(),
+        }
+    }
+
     fn megapixels_per_second(&self) -> f64 {
-        let render_s = self.summary.pacing.render.mean_ms * self.summary.shots as f64 / 1e3;
+        let render_s = self.pacing().render.mean_ms * self.frames() as f64 / 1e3;
         self.pixels as f64 / 1e6 / render_s.max(1e-9)
     }
 
     fn document(&self) -> Document<'_> {
-        let PlaybackSummary { shots, most_views, counters, counts, pacing } = self.summary;
-        let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / shots.max(1) as f64;
-        let has_statistics = self.args.cameras.stats;
+        let drawn = match &self.figures {
+            Figures::LightField(figures) => DrawnFrom::Views {
+                views: figures.summary.most_views,
+                least_views: figures.frames.views.iter().min().copied(),
+                hole_rays: figures.summary.counters.hole_rays,
+            },
+            Figures::Quads(figures) => DrawnFrom::Triangles {
+                triangles: figures.triangles,
+                overdraw_mean: figures.overdraw_mean(),
+                fragments_per_pixel_max: figures.most_fragments,
+                peak_overdraw_measured: figures.peak_overdraw,
+            },
+        };
+        let of_views = match &self.figures {
+            Figures::LightField(figures) => Some(figures),
+            Figures::Quads(_) => None,
+        };
+        let with_statistics = of_views.filter(|_| self.args.cameras.stats);
         Document {
             seconds: self.seconds,
-            frames: shots,
+            frames: self.frames(),
             pictures: self.pictures,
             pixels: self.pixels,
             bytes_out: self.bytes_out,
             device: &self.device,
-            views: most_views,
-            least_views: self.frames.views.iter().min().copied(),
-            hole_rays: counters.hole_rays,
+            drawn,
             megapixels_per_second: self.megapixels_per_second(),
-            pacing,
-            target: self.args.views.target_ms.map(|target_ms| {
-                let frames_within_target = self.frames.within(target_ms);
+            pacing: self.pacing(),
+            target: of_views.zip(self.args.views.target_ms).map(|(figures, target_ms)| {
+                let frames_within_target = figures.frames.within(target_ms);
                 Target { target_ms, frames_within_target }
             }),
-            statistics: has_statistics.then(|| Statistics {
-                counters,
-                counts,
-                cells_skipped: counts.cells_skipped(),
-                decoded_on: self.decoded_on,
+            statistics: with_statistics.map(|figures| Statistics {
+                counters: figures.summary.counters,
+                counts: figures.summary.counts,
+                cells_skipped: figures.summary.counts.cells_skipped(),
+                decoded_on: figures.decoded_on,
             }),
-            gpu: self.gpu_cost.filter(|_| has_statistics).map(|cost| GpuCost {
-                sending_ms: ms(cost.sending),
-                glass_ms: ms(cost.proxies),
-                marching_ms: ms(cost.marching),
-                reading_ms: ms(cost.reading),
-                bytes_sent: cost.bytes_sent,
-                bytes_copied: cost.bytes_copied,
-            }),
+            gpu: with_statistics.and_then(|figures| Some(GpuCost::of(&figures.gpu_cost?, self.frames()))),
             reference: self.truth.map(TruthRun::report),
         }
     }
 
     fn lines(&self) -> Vec<String> {
-        let summary = &self.summary;
         let place = self.args.output.as_ref().map_or_else(String::new, |path| format!("{}: ", path.display()));
         let written = if self.bytes_out > 0 { format!(", {}", human_bytes(self.bytes_out)) } else { String::new() };
-        let mut lines = vec![format!(
-            "{place}{}{written}, from {}, {:.2} s; a frame{} took {:.1} ms ({:.1} to update, {:.1} to render, {:.2} Mpixel/s) on {}",
+        let from = match &self.figures {
+            Figures::LightField(figures) => figures.frames.probes(),
+            Figures::Quads(figures) => counted(figures.triangles as u64, "triangle"),
+        };
+        let pacing = self.pacing();
+        let line = format!(
+            "{place}{}{written}, from {from}, {:.2} s; a frame{} took {:.1} ms ({:.1} to update, {:.1} to render, {:.2} Mpixel/s) on {}",
             counted(self.pictures, "picture"),
-            self.frames.probes(),
             self.seconds,
             self.pictures_a_frame(),
-            summary.pacing.frame.mean_ms,
-            summary.pacing.update.mean_ms,
-            summary.pacing.render.mean_ms,
+            pacing.frame.mean_ms,
+            pacing.update.mean_ms,
+            pacing.render.mean_ms,
             self.megapixels_per_second(),
             self.device,
-        )];
-        let counters = &summary.counters;
+        );
+        let more = match &self.figures {
+            Figures::LightField(figures) => self.lines_of_views(figures),
+            Figures::Quads(figures) => vec![format!(
+                "overdraw: mean {:.2}, of one picture up to {:.2}, of one pixel up to {}",
+                figures.overdraw_mean(),
+                figures.peak_overdraw,
+                figures.most_fragments
+            )],
+        };
+        std::iter::once(line).chain(more).collect()
+    }
+
+    fn lines_of_views(&self, figures: &LightFieldFigures) -> Vec<String> {
+        let mut lines = Vec::new();
+        let counters = &figures.summary.counters;
         if counters.hole_rays > 0 {
             let percent = 100.0 * counters.hole_rays as f64 / counters.primary_rays.max(1) as f64;
             let filled = match self.args.march.holes {
@@ -201,10 +319,10 @@ impl Report<'_> {
             ));
         }
         if let Some(target_ms) = self.args.views.target_ms {
-            let within = self.frames.within(target_ms);
+            let within = figures.frames.within(target_ms);
             lines.push(format!(
                 "{within} of {} took no longer than {target_ms} ms",
-                counted(summary.shots as u64, "frame")
+                counted(figures.summary.shots as u64, "frame")
             ));
         }
         lines
@@ -212,8 +330,9 @@ impl Report<'_> {
 
     /// ` of 6 pictures`, if all frames have the same number above 1.
     fn pictures_a_frame(&self) -> String {
-        match self.pictures.checked_div(self.summary.shots as u64) {
-            Some(each) if each > 1 && each * self.summary.shots as u64 == self.pictures => {
+        let frames = self.frames() as u64;
+        match self.pictures.checked_div(frames) {
+            Some(each) if each > 1 && each * frames == self.pictures => {
                 format!(" of {each} pictures")
             }
             _ => String::new(),
@@ -221,38 +340,46 @@ impl Report<'_> {
     }
 
     fn statistics(&self) -> Vec<String> {
-        let summary = &self.summary;
-        let (counters, counts, pacing) = (&summary.counters, &summary.counts, &summary.pacing.frame);
-        let per_ray = |count: u64| count as f64 / (counters.primary_rays + counters.secondary_rays).max(1) as f64;
-        vec![
-            format!(
-                "{} primary rays, {:.1} steps and {:.1} refinements per ray; {} secondary rays, {} normals, {} material \
-                 samples, {} background rays",
-                counters.primary_rays,
-                per_ray(counters.march_steps),
-                per_ray(counters.refine_steps),
-                counters.secondary_rays,
-                counters.normal_evals,
-                counters.material_samples,
-                counters.background_rays,
-            ),
-            format!(
-                "{} tiles and cells decoded{}, {} skipped ({} unchanged, {} not visible); {} of {} read ({:.1}%)",
-                counts.cells_decoded,
-                if self.decoded_on == "device" { " on the device" } else { "" },
-                counts.cells_skipped(),
-                counts.cells_unchanged,
-                counts.cells_unseen,
-                human_bytes(counts.bytes_read),
-                human_bytes(summary.counts.bytes_all),
-                100.0 * counts.bytes_read as f64 / summary.counts.bytes_all.max(1) as f64,
-            ),
-            format!(
-                "frames: mean {:.1} ms, median {:.1}, 95% within {:.1}, longest {:.1}",
-                pacing.mean_ms, pacing.p50_ms, pacing.p95_ms, pacing.max_ms
-            ),
-        ]
+        let mut lines = match &self.figures {
+            Figures::LightField(figures) => counts(figures),
+            Figures::Quads(_) => Vec::new(),
+        };
+        let pacing = self.pacing().frame;
+        lines.push(format!(
+            "frames: mean {:.1} ms, median {:.1}, 95% within {:.1}, longest {:.1}",
+            pacing.mean_ms, pacing.p50_ms, pacing.p95_ms, pacing.max_ms
+        ));
+        lines
     }
+}
+
+fn counts(figures: &LightFieldFigures) -> Vec<String> {
+    let PlaybackSummary { counters, counts, .. } = &figures.summary;
+    let per_ray = |count: u64| count as f64 / (counters.primary_rays + counters.secondary_rays).max(1) as f64;
+    vec![
+        format!(
+            "{} primary rays, {:.1} steps and {:.1} refinements per ray; {} secondary rays, {} normals, {} material \
+             samples, {} background rays",
+            counters.primary_rays,
+            per_ray(counters.march_steps),
+            per_ray(counters.refine_steps),
+            counters.secondary_rays,
+            counters.normal_evals,
+            counters.material_samples,
+            counters.background_rays,
+        ),
+        format!(
+            "{} tiles and cells decoded{}, {} skipped ({} unchanged, {} not visible); {} of {} read ({:.1}%)",
+            counts.cells_decoded,
+            if figures.decoded_on == "device" { " on the device" } else { "" },
+            counts.cells_skipped(),
+            counts.cells_unchanged,
+            counts.cells_unseen,
+            human_bytes(counts.bytes_read),
+            human_bytes(counts.bytes_all),
+            100.0 * counts.bytes_read as f64 / counts.bytes_all.max(1) as f64,
+        ),
+    ]
 }
 
 fn similarity(truth: &TruthRun) -> String {

@@ -112,7 +112,7 @@ impl TruthRun {
         }
         if jobs.is_empty() {
             return refuse(format!(
-                "{}: no selected frame is in both the reference and the container ({available})",
+                "{}: no selected frame is in both the reference and the input ({available})",
                 self.path.display()
             ));
         }

@@ -1,6 +1,7 @@
 //! Differences between pictures of a device and of the CPU, and their bounds.
 
 use crate::error::Result;
+use crate::evaluate::RenderedImage;
 use crate::evaluate::similarity::difference;
 use crate::image::ToneMap;
 use crate::march::Rendered;
@@ -11,11 +12,13 @@ pub const CODES: u8 = 2;
 /// The part of the pixels that may differ by more, or be a hole in one of the pictures alone. Where a ray grazes a surface,
 /// it takes the last bit of a float to pass it or not.
 pub const PIXELS: f64 = 1e-3;
+/// Alpha by which a pixel may differ: half a code. Marching differs by more or not at all.
+pub const ALPHA: f32 = 0.5 / 255.0;
 /// The least PSNR in dB, of 8-bit sRGB codes.
 pub const PSNR_DB: f64 = 50.0;
 /// The least SSIM.
 pub const SSIM: f64 = 0.999;
-/// The part of the steps by which marching may differ.
+/// The part of the steps by which marching may differ, and of the fragments.
 pub const STEPS: f64 = 0.01;
 
 /// What differs between two pictures of one camera.
@@ -24,7 +27,7 @@ pub struct Agreement {
     pub pixels: u64,
     /// Pixels whose codes differ by more than [`CODES`].
     pub differing: u64,
-    /// Pixels that are holes to another part.
+    /// Pixels whose alpha differs by more than [`ALPHA`].
     pub holes_differing: u64,
     /// Pixels of which a channel is no finite number, in the device's picture.
     pub not_finite: u64,
@@ -32,22 +35,28 @@ pub struct Agreement {
     pub psnr_db: f64,
     /// SSIM; 1 where pictures are too small to have one.
     pub ssim: f64,
-    /// Steps of marching: the device's over the CPU's; 1 where neither has any.
+    /// Steps of marching, or fragments: the device's over the CPU's; 1 where neither has any.
     pub steps_ratio: f64,
 }
 
 impl Agreement {
     pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
-        let [found, expected] = [on_device, on_cpu].map(|picture| picture.image.codes(ToneMap::default()));
+        let steps = [on_device, on_cpu].map(|picture| picture.counters.march_steps);
+        Agreement::of_images(&on_device.image, &on_cpu.image, steps)
+    }
+
+    /// Of pictures and the steps that they took: of marching, or fragments.
+    pub fn of_images(on_device: &RenderedImage, on_cpu: &RenderedImage, steps: [u64; 2]) -> Result<Agreement> {
+        let [found, expected] = [on_device, on_cpu].map(|image| image.codes(ToneMap::default()));
         let error = SquaredError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
         let differences = difference(&found, &expected)?;
-        let alphas = on_device.image.alpha.data().iter().zip(on_cpu.image.alpha.data());
-        let steps = [on_device, on_cpu].map(|picture| picture.counters.march_steps as f64);
+        let alphas = on_device.alpha.data().iter().zip(on_cpu.alpha.data());
+        let steps = steps.map(|steps| steps as f64);
         Ok(Agreement {
             pixels: found.data().len() as u64,
             differing: differences.data().iter().filter(|codes| **codes > CODES).count() as u64,
-            holes_differing: alphas.filter(|(a, b)| a != b).count() as u64,
-            not_finite: on_device.image.color.data().iter().filter(|pixel| !pixel.iter().all(|c| c.is_finite())).count()
+            holes_differing: alphas.filter(|(a, b)| (*a - *b).abs() > ALPHA).count() as u64,
+            not_finite: on_device.color.data().iter().filter(|pixel| !pixel.iter().all(|c| c.is_finite())).count()
                 as u64,
             psnr_db: error.psnr_db(),
             ssim: ssim_rgb8(&found, &expected)?.unwrap_or(1.0),
@@ -68,7 +77,6 @@ impl Agreement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::rendered_image::RenderedImage;
     use crate::image::plane::Plane;
     use crate::march::counters::Counters;
 

@@ -192,10 +192,9 @@ impl<'a> Playback<'a> {
         })
     }
 
-    /// The same within a memory budget, of which others take `beside_bytes`.
-    #[must_use]
-    pub fn with_memory(self, budget: Budget, beside_bytes: u64) -> Playback<'a> {
-        Playback { player: self.player.with_memory(budget, beside_bytes), ..self }
+    /// Keeps to a memory budget, of which others take `beside_bytes`.
+    pub fn limit_memory(&mut self, budget: Budget, beside_bytes: u64) {
+        self.player.limit_memory(budget, beside_bytes);
     }
 
     pub fn show(

@@ -49,6 +49,7 @@ fn extras(scene: &Scene, textures: &[&str]) -> Value {
         }
     };
     let mut extras = json!({
+        "frame": scene.frame,
         "viewing_region_m": corners.map(|corner| corner.to_array()),
         "triangles": scene.budgets.triangles,
         "projected_area": scene.budgets.area,

@@ -25,6 +25,8 @@ pub struct Scene<'a> {
     pub quads: &'a QuadMesh,
     pub region: &'a ViewingRegion,
     pub budgets: &'a Budgets,
+    /// Of the capture.
+    pub frame: u32,
     /// Largest side of the atlas, in texels.
     pub atlas: u32,
     pub coordinates: TextureCoordinates,

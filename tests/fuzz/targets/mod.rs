@@ -82,6 +82,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "color-tables", execs: 2000, run: texts::run_color_tables, bound: texts::bound },
     Target { name: "gltf", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "glb", execs: 2000, run: models::run_gltf, bound: models::bound },
+    Target { name: "quads", execs: 1000, run: models::run_quads, bound: models::bound },
     Target { name: "obj", execs: 2000, run: models::run_obj, bound: models::bound },
     Target { name: "mtl", execs: 2000, run: models::run_mtl, bound: models::bound },
 ];

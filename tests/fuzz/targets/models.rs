@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+use lightfold::math::{Camera, Lens};
 use lightfold::mesh::budget::Budget;
 use lightfold::scene::{Model, Play, SceneMesh};
+use lightfold::simplify::raster::draw;
+use lightfold::simplify::read_glb::{QuadScene, read_glb};
 use tempfile::NamedTempFile;
 
 use super::{Judged, Verdict, judge};
@@ -83,6 +87,22 @@ fn sound(mesh: &SceneMesh, again: &SceneMesh) -> Result<(), String> {
 /// A glTF or GLB file.
 pub fn run_gltf(bytes: &[u8]) -> Judged {
     GLTF.with(|file| run(file, bytes))
+}
+
+/// A simplified scene, which is drawn where it is read.
+pub fn run_quads(bytes: &[u8]) -> Judged {
+    GLTF.with(|file| {
+        std::fs::write(file.path(), bytes).expect("the temporary file is written");
+        let read = read_glb(file.path());
+        if let Ok(QuadScene { quads, .. }) = &read {
+            let camera = Camera::look_at(DVec3::ZERO, DVec3::new(0.3, -0.1, -1.0), DVec3::Y, Lens::new(100.0));
+            let drawn = draw(quads, &camera.map_err(|error| error.to_string())?, [5, 4]);
+            if drawn.pixels.iter().flatten().any(|part| !(0.0..=1.001).contains(part)) {
+                return Err(format!("a pixel is no colour: {:?}", drawn.pixels));
+            }
+        }
+        judge(&read)
+    })
 }
 
 /// An OBJ file.

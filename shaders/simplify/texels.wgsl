@@ -1,0 +1,24 @@
+// Bilinear samples of the atlas in linear light, as src/simplify/raster/texels.rs. Filtering units may have weights of 8 bits, which
+// would differ from it by some codes in dark texels beside bright ones.
+
+// Linear light of sRGB codes.
+@group(0) @binding(2) var<storage, read> light_of_codes: array<f32>;
+// sRGB codes and alpha.
+@group(0) @binding(3) var atlas: texture_2d_array<u32>;
+
+fn texel(at: vec2<i32>) -> vec4<f32> {
+    let codes = textureLoad(atlas, at, 0, 0);
+    return vec4(light_of_codes[codes.r], light_of_codes[codes.g], light_of_codes[codes.b], f32(codes.a) / 255.0);
+}
+
+// Light, not multiplied by alpha, and alpha.
+fn sample(uv: vec2<f32>) -> vec4<f32> {
+    let last = vec2<f32>(textureDimensions(atlas)) - 1.0;
+    let at = clamp(uv * (last + 1.0) - 0.5, vec2(0.0), last);
+    let first = vec2<i32>(at);
+    let next = min(first + 1, vec2<i32>(last));
+    let part = at - floor(at);
+    let upper = mix(texel(first), texel(vec2(next.x, first.y)), part.x);
+    let lower = mix(texel(vec2(first.x, next.y)), texel(next), part.x);
+    return mix(upper, lower, part.y);
+}

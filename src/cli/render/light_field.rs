@@ -1,0 +1,239 @@
+//! Renders a light field: marching, on the CPU or a device, and what it is compared with.
+
+use std::path::Path;
+
+use super::args::Args;
+use super::options::{METHODS, Method};
+use super::pictures::Job;
+use super::pixels;
+use super::report::{Figures, Frames, LightFieldFigures};
+use super::subject::{JobRenderer, RenderedJob, Subject};
+use super::truth::TruthRun;
+use crate::cli::options::word_of;
+use crate::cli::{GlobalArgs, refuse};
+use crate::decode::Decoder;
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::render::playback::DeviceRenderer;
+use crate::image::FrameRange;
+use crate::image::transfer::ToneMap;
+use crate::march::active_views::ActiveViews;
+use crate::march::memory::{march_bytes, picture_bytes, splat_bytes};
+use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
+use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
+use crate::march::playback::selection::SelectionSettings;
+use crate::march::settings::SpecularMode;
+use crate::memory::Need;
+use crate::monitor::Monitor;
+use crate::views::catalogue::ProbeChoice;
+
+const SHEET_BYTES: u64 = 1 << 20;
+
+pub struct LightFieldSubject<'a> {
+    args: &'a Args,
+    input: &'a Path,
+    decoder: &'a Decoder,
+    playback: Playback<'a>,
+}
+
+impl<'a> LightFieldSubject<'a> {
+    pub fn open(args: &'a Args, input: &'a Path, decoder: &'a Decoder) -> Result<LightFieldSubject<'a>> {
+        let playback = Playback::new(decoder, args.playback_options()).map_err(|error| error.in_file(input))?;
+        Ok(LightFieldSubject { args, input, decoder, playback })
+    }
+
+    /// Refuses a --far before the default --near.
+    fn check_far(&self, job: &Job) -> Result<()> {
+        let march = &self.args.march;
+        let (Some(far_m), None, Some(camera)) = (march.far, march.near, job.request.cameras.first()) else {
+            return Ok(());
+        };
+        let field = &self.playback.player.field;
+        let all: Vec<usize> = (0..field.views.len()).collect();
+        let near_m = ActiveViews::new(field, &all, camera.eye()).near_m() / 10.0;
+        if f64::from(near_m) < far_m {
+            return Ok(());
+        }
+        refuse(format!("--far {far_m} is nearer than the default --near, {near_m}: set --near, or a greater --far"))
+    }
+
+    fn bytes_beside_views(&self, jobs: &[Job]) -> Result<u64> {
+        let args = self.args;
+        let pixels_of = |job: &Job| pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
+        let most_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
+        let sheet = if args.contact_sheet.is_some() { jobs.len() as u64 * SHEET_BYTES } else { 0 };
+        let of_method = match self.method() {
+            Method::Splat => splat_bytes(self.decoder),
+            Method::Reproject => 0,
+            _ => march_bytes(self.decoder, &args.playback_options(), args.march.effects),
+        };
+        let of_pictures = picture_bytes(most_pixels, args.truth.reference.is_some()).saturating_add(sheet);
+        let fixed = of_pictures.saturating_add(of_method);
+        let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
+        args.memory.get().at_once(&need, 1)?;
+        Ok(fixed)
+    }
+}
+
+impl Subject for LightFieldSubject<'_> {
+    fn method(&self) -> Method {
+        self.args.march.method.unwrap_or(Method::March)
+    }
+
+    fn frames(&self) -> Option<FrameRange> {
+        Some(self.playback.player.frames())
+    }
+
+    fn tone(&self) -> ToneMap {
+        self.playback.player.field.coding.tone()
+    }
+
+    fn check(&mut self, jobs: &[Job], global: &GlobalArgs) -> Result<()> {
+        let march = &self.args.march;
+        if self.method() != Method::March && (march.samples != 1 || march.effects == SpecularMode::Force) {
+            let method = word_of(METHODS, &self.method());
+            global.note(format_args!("--method {method} ignores --samples and --effects"));
+        }
+        let beside_bytes = self.bytes_beside_views(jobs)?;
+        self.playback.limit_memory(self.args.memory.get(), beside_bytes);
+        jobs.iter().try_for_each(|job| self.check_far(job))
+    }
+
+    fn renderer<'s>(&'s mut self, gpu: Option<&'s Gpu>) -> Result<Box<dyn JobRenderer + 's>> {
+        let options = self.args.picture_options();
+        let method = match (self.method(), gpu) {
+            (Method::Splat, _) => MethodRenderer::Splat(SplatRenderer { options }),
+            (Method::Reproject, _) => {
+                MethodRenderer::Reproject(ReprojectRenderer { options, ..ReprojectRenderer::default() })
+            }
+            (_, Some(gpu)) => {
+                let coding = self.playback.player.field.coding;
+                MethodRenderer::Device(Box::new(DeviceRenderer::new(gpu, options).decoding(self.decoder, coding)))
+            }
+            (_, None) => MethodRenderer::March(CpuRenderer::new(options)),
+        };
+        Ok(Box::new(LightFieldRenderer {
+            input: self.input,
+            playback: &mut self.playback,
+            method,
+            frames: Frames::default(),
+        }))
+    }
+}
+
+struct LightFieldRenderer<'s, 'a> {
+    input: &'s Path,
+    playback: &'s mut Playback<'a>,
+    method: MethodRenderer<'s>,
+    frames: Frames,
+}
+
+impl JobRenderer for LightFieldRenderer<'_, '_> {
+    fn render(&mut self, job: &Job, truth: Option<&mut TruthRun>, monitor: &dyn Monitor) -> Result<RenderedJob> {
+        let renderer = self.method.prepare(job, truth)?;
+        let named = |error: Error| error.in_file(self.input);
+        let shown = self.playback.show(&job.request, renderer, monitor).map_err(named)?;
+        self.frames.add(&shown.trace);
+        Ok(RenderedJob {
+            images: shown.pictures.into_iter().map(|picture| picture.image).collect(),
+            compared: None,
+            trace: Some(shown.trace),
+        })
+    }
+
+    fn figures(&self) -> Figures {
+        let (gpu_cost, decoded_on) = match &self.method {
+            MethodRenderer::Device(renderer) => {
+                (Some(renderer.cost()), if renderer.decodes() { "device" } else { "cpu" })
+            }
+            _ => (None, "cpu"),
+        };
+        let (summary, frames) = (self.playback.summary(), self.frames.clone());
+        Figures::LightField(Box::new(LightFieldFigures { summary, frames, gpu_cost, decoded_on }))
+    }
+}
+
+enum MethodRenderer<'g> {
+    March(CpuRenderer),
+    Device(Box<DeviceRenderer<'g>>),
+    Splat(SplatRenderer),
+    Reproject(ReprojectRenderer),
+}
+
+impl MethodRenderer<'_> {
+    fn prepare(&mut self, job: &Job, truth: Option<&mut TruthRun>) -> Result<&mut dyn Renderer> {
+        let options = match self {
+            MethodRenderer::March(renderer) => &mut renderer.options,
+            MethodRenderer::Device(renderer) => &mut renderer.options,
+            MethodRenderer::Splat(renderer) => &mut renderer.options,
+            MethodRenderer::Reproject(renderer) => &mut renderer.options,
+        };
+        options.size = job.size;
+        if let (MethodRenderer::Reproject(renderer), Some(truth)) = (&mut *self, truth) {
+            renderer.distances_m = truth.distances(job)?;
+        }
+        Ok(match self {
+            MethodRenderer::March(renderer) => renderer,
+            MethodRenderer::Device(renderer) => renderer.as_mut(),
+            MethodRenderer::Splat(renderer) => renderer,
+            MethodRenderer::Reproject(renderer) => renderer,
+        })
+    }
+}
+
+impl Args {
+    /// Refuses what a light field cannot be drawn with.
+    pub fn check_container(&self) -> Result<()> {
+        if let (Some(near), Some(far)) = (self.march.near, self.march.far)
+            && near >= far
+        {
+            return refuse(format!("--near {near} must be below --far {far}"));
+        }
+        let choice = &self.views;
+        if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
+            return refuse("--exclude-probe excludes all probes of --probe");
+        }
+        let Some(method) = self.march.method else { return Ok(()) };
+        let word = word_of(METHODS, &method);
+        if matches!(method, Method::Painter | Method::ZBuffer) {
+            return refuse(format!(
+                "--method {word} draws simplified scenes (.glb); march, splat and reproject render containers"
+            ));
+        }
+        if method != Method::March && self.is_on_device() {
+            return refuse(format!("--method {word} runs on the CPU: leave out --device"));
+        }
+        Ok(())
+    }
+
+    fn playback_options(&self) -> PlaybackOptions {
+        let views = &self.views;
+        PlaybackOptions {
+            probes: ProbeChoice { only: views.probe.clone(), without: views.exclude_probe.clone() },
+            selection: SelectionSettings {
+                priority: views.view_priority,
+                pivot: views.pivot,
+                cull_angle_deg: (views.cull_angle > 0.0).then_some(views.cull_angle),
+                most: views.views.map(|views| views as usize),
+                target_ms: views.target_ms,
+            },
+            decode: views.decode,
+        }
+    }
+
+    fn picture_options(&self) -> PictureOptions {
+        let march = &self.march;
+        PictureOptions {
+            size: [1, 1],
+            steps: march.steps,
+            refine: march.refine,
+            near_m: march.near.map(|metres| metres as f32),
+            far_m: march.far.map(|metres| metres as f32),
+            samples: march.samples,
+            holes: march.holes,
+            specular: march.effects,
+            max_bounces: march.max_bounces,
+            acceleration: march.acceleration,
+        }
+    }
+}

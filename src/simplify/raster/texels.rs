@@ -1,0 +1,88 @@
+//! Bilinear samples of an atlas, in linear light.
+
+use glam::Vec4;
+use half::f16;
+
+use crate::image::Transfer;
+use crate::mesh::ImageTexture;
+use crate::simplify::quad_mesh::QuadMesh;
+
+/// An atlas beside the linear light of its codes.
+pub struct Texels<'a> {
+    texture: &'a ImageTexture,
+    /// In place of the codes.
+    light: Option<&'a [[f16; 3]]>,
+    of_codes: [f32; 256],
+    alpha: [f32; 256],
+}
+
+impl<'a> Texels<'a> {
+    pub fn new(scene: &'a QuadMesh) -> Texels<'a> {
+        Texels {
+            texture: &scene.texture,
+            light: scene.light.as_deref(),
+            of_codes: light_of_codes(),
+            alpha: std::array::from_fn(|code| code as f32 / 255.0),
+        }
+    }
+
+    /// Light, not multiplied by alpha, and alpha; (0, 0) is the top left corner, coordinates are clamped.
+    pub fn sample(&self, [u, v]: [f64; 2]) -> Vec4 {
+        let (left, along) = place(u, self.texture.width);
+        let (top, down) = place(v, self.texture.height);
+        let width = self.texture.width as usize;
+        let right = usize::from(left + 1 < width);
+        let below = if top + 1 < self.texture.height as usize { width } else { 0 };
+        let first = top * width + left;
+        let texel = |at: usize| {
+            let [r, g, b, alpha] = self.texture.pixels[at];
+            let [r, g, b] = match self.light {
+                Some(light) => light[at].map(f16::to_f32),
+                None => [r, g, b].map(|code| self.of_codes[usize::from(code)]),
+            };
+            Vec4::new(r, g, b, self.alpha[usize::from(alpha)])
+        };
+        let upper = texel(first).lerp(texel(first + right), along);
+        let lower = texel(first + below).lerp(texel(first + below + right), along);
+        upper.lerp(lower, down)
+    }
+}
+
+/// Linear light of each sRGB code.
+pub fn light_of_codes() -> [f32; 256] {
+    std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0) as f32)
+}
+
+/// The texel before a coordinate, and the weight of the next one.
+fn place(at: f64, side: u32) -> (usize, f32) {
+    // In this order a coordinate that is no number counts as 0.
+    let at = (at * f64::from(side) - 0.5).max(0.0).min(f64::from(side - 1)) as f32;
+    let first = at as usize;
+    (first, at - first as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::mesh::{Mesh, Wrap};
+
+    #[test]
+    fn texels_are_met_at_their_centres_and_mixed_as_light_between() {
+        let pixels = vec![[0, 0, 0, 0], [255, 255, 255, 255], [255, 0, 0, 255], [0, 0, 255, 51]];
+        let texture = ImageTexture { width: 2, height: 2, pixels, wrap: [Wrap::Clamp; 2] };
+        let texture = Arc::new(texture);
+        let scene = QuadMesh { mesh: Mesh::default(), texture, stq: Vec::new(), light: None, runs: Vec::new() };
+        let texels = Texels::new(&scene);
+        assert_eq!(texels.sample([0.25, 0.25]), Vec4::ZERO);
+        assert_eq!(texels.sample([0.75, 0.25]), Vec4::ONE);
+        assert_eq!(texels.sample([0.5, 0.25]), Vec4::splat(0.5));
+        assert_eq!(texels.sample([-3.0, 0.75]), Vec4::new(1.0, 0.0, 0.0, 1.0));
+        assert_eq!(texels.sample([9.0, 9.0]), Vec4::new(0.0, 0.0, 1.0, 0.2));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300] {
+            let found = texels.sample([bad, bad]);
+            assert!(found.is_finite(), "{bad}: {found}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Speeds of pictures of simplified scenes beside marching the light fields that they were made of, on one thread: millions of pixels a
+//! second, and times those of marching.
+//!
+//! `cargo bench --bench simplify [-- DATASET..]` encodes and simplifies each dataset (20,000 triangles, an atlas of 2048 texels), and
+//! without one a built-in room of nine probes. Both are drawn from a point between the probes, six faces of a cube map. Medians of the
+//! turns are printed; columns stand two spaces apart.
+
+mod clock;
+
+use std::hint::black_box;
+use std::path::Path;
+use std::process::Command;
+
+use clock::Clock;
+use glam::DVec3;
+use lightfold::decode::{AllUnits, Decoder};
+use lightfold::error::{Error, Result};
+use lightfold::image::cube::Face;
+use lightfold::march::active_views::ActiveViews;
+use lightfold::march::playback::frames::PictureOptions;
+use lightfold::march::render::render;
+use lightfold::march::settings::SpecularMode;
+use lightfold::math::{Camera, Lens};
+use lightfold::monitor::Silent;
+use lightfold::simplify::quad_mesh::QuadMesh;
+use lightfold::simplify::raster::{Compositing, DrawSettings, draw_picture, draw_plainly};
+use lightfold::simplify::read_glb::read_glb;
+use lightfold::views::catalogue::ProbeChoice;
+use lightfold::views::light_field::LightField;
+use lightfold::views::player::Player;
+
+/// Turns of each measurement.
+const TURNS: usize = 3;
+const SIZES: [u32; 2] = [256, 512];
+
+fn main() -> Result<()> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().ok();
+    let folder = tempfile::tempdir().map_err(|error| Error::io("a temporary folder", error))?;
+    let mut datasets: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    if datasets.is_empty() {
+        let room = folder.path().join("room").display().to_string();
+        let line = ["capture", "interior", "--size", "192", "--samples", "1", "--frames", "0", "-q", "-o", &room];
+        let position = |at: u32| {
+            format!(
+                "--position={},{},{}",
+                0.3 * f64::from(at % 3),
+                1.5 + 0.1 * f64::from(at % 2),
+                0.3 * f64::from(at / 3)
+            )
+        };
+        run(line.map(str::to_owned).into_iter().chain((0..9).map(position)))?;
+        datasets.push(room);
+    }
+    for dataset in datasets {
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let (container, scene) = (path("a.lfold"), path("a.glb"));
+        let words = |line: &[&str]| line.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        run(words(&["encode", &dataset, "--frames", "0", "-q", "-o", &container]))?;
+        let budgets = ["--triangles", "20000", "--atlas", "2048", "--effort", "fast", "-q", "-o", &scene];
+        run(words(&[&["simplify", &dataset], &budgets[..]].concat()))?;
+        measure(&dataset, &container, &scene)?;
+    }
+    Ok(())
+}
+
+/// Runs the program.
+fn run(words: impl IntoIterator<Item = String>) -> Result<()> {
+    let words: Vec<String> = words.into_iter().collect();
+    let output = Command::new(env!("CARGO_BIN_EXE_lightfold")).args(&words).output();
+    let output = output.map_err(|error| Error::io("lightfold", error))?;
+    match output.status.success() {
+        true => Ok(()),
+        false => Err(Error::invalid(format!("{words:?}: {}", String::from_utf8_lossy(&output.stderr)))),
+    }
+}
+
+fn measure(name: &str, container: &str, scene: &str) -> Result<()> {
+    let decoder = Decoder::open(container)?;
+    let mut player = Player::new(&decoder, &ProbeChoice::default())?;
+    let all: Vec<usize> = (0..player.field.views.len()).collect();
+    player.show(player.frames().first, &all, &AllUnits)?;
+    let scene = read_glb(Path::new(scene))?.quads;
+    println!("{name}: {} views, {} triangles", all.len(), scene.mesh.triangles.len());
+    println!("{:<28}  {:>9}  {:>10}  {:>8}", "", "Mpixel/s", "x marching", "overdraw");
+    for size in SIZES {
+        let marching = marched(&player.field, size)?;
+        print(&format!("{size}²; marching"), marching, marching, None);
+        for (label, compositing, samples) in
+            [("painter", Compositing::Painter, 1), ("z-buffer, 2x2 samples", Compositing::ZBuffer, 2)]
+        {
+            let settings = DrawSettings { size: [size; 2], compositing, samples };
+            let (speed, overdraw) = drawn(&player.field, size, |camera| {
+                Ok(draw_picture(&scene, camera, &settings, &Silent)?.fragments / u64::from(samples * samples))
+            })?;
+            print(&format!("{size}²; {label}"), speed, marching, Some(overdraw));
+        }
+        let (speed, overdraw) = drawn(&player.field, size, |camera| plainly(&scene, camera, size))?;
+        print(&format!("{size}²; painter, plain"), speed, marching, Some(overdraw));
+    }
+    println!();
+    Ok(())
+}
+
+fn plainly(scene: &QuadMesh, camera: &Camera, size: u32) -> Result<u64> {
+    Ok(draw_plainly(scene, camera, [size; 2]).fragments)
+}
+
+fn print(label: &str, speed: f64, marching: f64, overdraw: Option<f64>) {
+    let overdraw = overdraw.map_or(String::new(), |overdraw| format!("{overdraw:.2}"));
+    println!("{label:<28}  {speed:>9.3}  {:>10.1}  {overdraw:>8}", speed / marching);
+}
+
+/// A point between the probes.
+fn eye(field: &LightField) -> DVec3 {
+    let positions = field.views.iter().map(|view| view.position);
+    positions.sum::<DVec3>() / field.views.len() as f64 + DVec3::new(0.03, 0.02, -0.01)
+}
+
+/// Millions of pixels a second, and triangles over a pixel.
+fn drawn(field: &LightField, size: u32, mut draw: impl FnMut(&Camera) -> Result<u64>) -> Result<(f64, f64)> {
+    let (eye, pixels) = (eye(field), 6.0 * f64::from(size).powi(2));
+    let (mut seconds, mut fragments) = (Vec::new(), 0);
+    for _ in 0..TURNS {
+        let start = Clock::start();
+        fragments = 0;
+        for face in Face::CUBE {
+            let [forward, _, down] = face.axes();
+            let camera = Camera::look_at(eye, eye + forward, -down, Lens::new(90.0))?;
+            fragments += black_box(draw(&camera)?);
+        }
+        seconds.push(start.seconds());
+    }
+    seconds.sort_by(f64::total_cmp);
+    Ok((pixels / seconds[TURNS / 2] / 1e6, fragments as f64 / pixels))
+}
+
+/// Marching with the settings of `render`.
+fn marched(field: &LightField, size: u32) -> Result<f64> {
+    let all: Vec<usize> = (0..field.views.len()).collect();
+    let views = ActiveViews::new(field, &all, eye(field));
+    let options = PictureOptions { size: [size; 2], specular: SpecularMode::None, ..PictureOptions::default() };
+    let settings = options.settings(&views);
+    Ok(drawn(field, size, |camera| Ok(render(&views, camera, &settings, &Silent)?.counters.primary_rays))?.0)
+}
