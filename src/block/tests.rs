@@ -382,4 +382,4 @@ fn blocks_with_alpha_reach_their_decibels() {
 }
 
 /// At each effort, of BC7 with alpha: floors in dB, a little below what was measured.
-const ALPHA_FLOORS: [f64; 3] = [30.0, 30.0, 30.0];
+const ALPHA_FLOORS: [f64; 3] = [42.3, 42.5, 42.8];

@@ -41,7 +41,7 @@ type Cached<T> = Option<(usize, u32, Vec<T>)>;
 #[derive(Debug)]
 enum Images {
     Dataset(Box<Source>),
-    Container(DecodedImages),
+    Container(Box<DecodedImages>),
 }
 
 #[derive(Debug)]
@@ -108,7 +108,7 @@ impl Reference {
                 groups: [Some([at, 0]), of(StreamKind::Depth), of(StreamKind::Material)],
             });
         }
-        Reference::of(Images::Container(files), images)
+        Reference::of(Images::Container(Box::new(files)), images)
     }
 
     fn of(files: Images, images: Vec<ReferenceImage>) -> Result<Reference> {

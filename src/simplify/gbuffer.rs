@@ -33,11 +33,21 @@ pub struct TexturedTiles<'a> {
     pub solid_threshold: f64,
 }
 
+/// Fails where the capture has neither normals nor material.
+pub fn check(capture: &mut Capture) -> Result<()> {
+    match capture.surfaces(0)? {
+        Surfaces { normal: None, material: None } => {
+            Err(Error::Usage("`gbuffer` needs normals or material, and the capture has neither".into()))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Texels of all tiles.
 type Buffers = Vec<LightBuffer>;
 
 impl TexturedTiles<'_> {
-    /// Reads all images once more. An error where no image has normals or material.
+    /// Reads all images once more.
     pub fn surfaces(&self, capture: &mut Capture, rules: &SampleRules, monitor: &dyn Monitor) -> Result<SurfaceAtlas> {
         let (mut normals, mut materials): (Option<Buffers>, Option<Buffers>) = (None, None);
         for image in 0..capture.images.len() {
@@ -49,9 +59,6 @@ impl TexturedTiles<'_> {
                     self.add(&samples, &plane, buffers.get_or_insert_with(|| self.buffers()));
                 }
             }
-        }
-        if normals.is_none() && materials.is_none() {
-            return Err(Error::Usage("`gbuffer` needs normals or material, and the capture has neither".into()));
         }
         let mut normal = normals.map(|buffers| self.atlas(&buffers)).transpose()?;
         for normal in normal.iter_mut().flat_map(Plane::data_mut) {

@@ -10,7 +10,7 @@ use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks;
 use super::fidelity::{self, Fidelity, PoseScore};
 use super::gaps::{self, Account, SeenDirections};
-use super::gbuffer::{SurfaceAtlas, TexturedTiles};
+use super::gbuffer::{self, SurfaceAtlas, TexturedTiles};
 use super::points::PointMerger;
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
@@ -174,6 +174,9 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     let mut counters = Counters::default();
     let mut notes = Vec::new();
     let images = 0..capture.images.len();
+    if settings.surfaces == SurfaceAtlases::GBuffer {
+        gbuffer::check(capture)?;
+    }
     let region = region_of(capture, settings, &mut notes)?;
     let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
     let solid_threshold = solid_threshold(capture, &mut notes);

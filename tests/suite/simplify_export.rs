@@ -168,7 +168,7 @@ fn hdr_textures_keep_light_above_one() {
 #[test]
 fn normals_and_material_have_the_texture_coordinates_of_light() {
     let folder = tempfile::TempDir::new().unwrap();
-    let cameras = "--position=0,1.5,0 --position=0.3,1.6,0.1 --size 32 --samples 1";
+    let cameras = "--position=0,1.5,0 --position=0.3,1.6,0.1 --size 32 --samples 1 --frames 0-0";
     fine(&format!("capture mirrors {cameras} --aov depth,normal,material -o room"), folder.path());
     let manifest = fs::read_to_string(folder.path().join("room/lightfield.json")).unwrap();
     assert!(serde_json::from_str::<Value>(&manifest).unwrap()["files"]["normal"].is_string());

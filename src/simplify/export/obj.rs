@@ -39,5 +39,5 @@ pub fn bytes(scene: &Scene, materials: &str) -> Vec<u8> {
 
 /// The material library: light of the texture as it is, whose alpha viewers take from the same image.
 pub fn material(texture: &str) -> Vec<u8> {
-    format!("newmtl {MATERIAL}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 0\nmap_Kd -clamp on {texture}\n").into_bytes()
+    format!("newmtl {MATERIAL}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 0\nmap_Kd {texture}\n").into_bytes()
 }
