@@ -94,15 +94,14 @@ def held_out(measured):
 
 def stages(measured):
     """Seurat table 2."""
+    timed = [stage for stage in STAGES if any(stage in of.simplified["stages"] for of in measured)]
     rows = []
     for of in measured:
-        seconds = of.simplified["stages"]
-        total = of.simplified["seconds"]
-        known = [seconds[stage] for stage in STAGES if stage in seconds]
+        seconds, total = of.simplified["stages"], of.simplified["seconds"]
         cell = lambda value: f"{value:.1f} ({100 * value / total:.0f}%)"
-        rows.append([of.name, *(cell(seconds[stage]) if stage in seconds else "" for stage in STAGES),
-                     cell(max(total - sum(known), 0.0)), f"{total:.1f}"])
-    return lf.table(["set", *STAGES, "other", "seconds"], rows)
+        known = [seconds.get(stage, 0.0) for stage in timed]
+        rows.append([of.name, *map(cell, known), cell(max(total - sum(known), 0.0)), f"{total:.1f}"])
+    return lf.table(["set", *timed, "other", "seconds"], rows)
 
 
 def pages(binary, work, sets, options):

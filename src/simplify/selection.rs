@@ -424,7 +424,7 @@ mod tests {
                 let energy: f64 =
                     found.tilings.iter().map(|chosen| problem.of_cell(chosen.cell)[chosen.tiling].energy).sum();
                 assert!((energy - found.primal).abs() < 1e-12);
-                assert!(found.used[0] <= triangles && found.used[1] <= 0.4 && found.used[2] <= 2.5 + 1e-9);
+                assert!(keeps(&found.used, &budgets.capacity()));
                 assert!(found.dual <= best + 1e-9 && best <= found.primal + 1e-9, "{found:?} {best}");
                 cases += 1;
                 exact += u32::from(found.primal <= best + 1e-9);

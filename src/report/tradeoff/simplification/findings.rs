@@ -213,25 +213,25 @@ fn adaptive_sizes_save_texels(results: &Results) -> Option<Judged> {
     let with =
         |run: &Run<'_>, sizing: &str| run.others.iter().any(|(name, value)| *name == "sizing" && value == sizing);
     let others = |run: &Run<'_>| run.others.iter().filter(|(name, _)| *name != "sizing").cloned().collect::<Vec<_>>();
-    let mut savings = Vec::new();
+    let mut ratios = Vec::new();
     for uniform in runs.iter().filter(|run| with(run, "uniform")) {
         let adaptive = runs.iter().filter(|run| with(run, "adaptive") && others(run) == others(uniform));
         let adaptive: Vec<[f64; 2]> = adaptive.flat_map(curve).collect();
         // An atlas that holds all textures as they are has the same texels either way.
         let is_full = |spot: &[f64; 2]| adaptive.contains(spot);
         for spot in curve(uniform).into_iter().filter(|spot| !is_full(spot)) {
-            savings.extend(texels_at(&adaptive, spot[0]).map(|texels| 1.0 - texels / spot[1]));
+            ratios.extend(texels_at(&adaptive, spot[0]).map(|texels| texels / spot[1]));
         }
     }
-    let least = savings.iter().copied().reduce(f64::min)?;
-    let most = savings.iter().copied().fold(least, f64::max);
+    let most = ratios.iter().copied().reduce(f64::max)?;
+    let least = ratios.iter().copied().fold(most, f64::min);
     let rests_on = format!(
-        "{} to {} % fewer texels at the PSNR of {} atlases of uniform sizes.",
-        short(100.0 * least),
-        short(100.0 * most),
-        savings.len()
+        "Adaptive sizes need {} to {} times the texels, at the PSNR of {} atlases of uniform sizes.",
+        short(least),
+        short(most),
+        ratios.len()
     );
-    Some(Judged::new(least >= LEAST_SAVING, rests_on))
+    Some(Judged::new(most <= 1.0 - LEAST_SAVING, rests_on))
 }
 
 /// Texels at which a curve of (PSNR, texels) has a PSNR, their logarithm interpolated; none outside of the curve.
