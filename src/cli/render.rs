@@ -27,7 +27,7 @@ use crate::report::coding_map::counted;
 
 pub use args::Args;
 use light_field::LightFieldSubject;
-use pictures::{Job, PictureName, Pictures};
+use pictures::{Job, PictureName, Pictures, pixels};
 use quads::QuadSubject;
 use report::Report;
 use subject::Subject;
@@ -116,10 +116,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     report.print(global)?;
     Ok(ExitStatus::Passed)
-}
-
-fn pixels(size: [u32; 2]) -> u64 {
-    size.into_iter().map(u64::from).product()
 }
 
 impl Args {

@@ -13,9 +13,11 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
+use crate::memory::Need;
 use crate::simplify::capture::Capture;
 use crate::simplify::export::{self, OutputBytes, Scene};
 use crate::simplify::fidelity::compare;
+use crate::simplify::memory::bytes;
 use crate::simplify::pipeline::{self, Settings, Simplified};
 
 pub use args::Args;
@@ -29,6 +31,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     capture.notes.iter().for_each(|note| global.note(note));
     let mut held_out = args.held_out.as_deref().map(|path| Capture::open(path, args.frames)).transpose()?;
     let held_out_images = held_out.as_ref().map_or(0, |capture| capture.images.len());
+    let all = std::iter::once(&capture).chain(&held_out);
+    let need = Need {
+        what: "simplifying",
+        fixed: all.map(|capture| bytes(capture, &settings)).max().unwrap_or(0),
+        each: 0,
+        instead: "fewer `pixels_per_degree`",
+    };
+    args.memory.get().at_once(&need, 1)?;
     let steps = pipeline::steps(capture.images.len()) + held_out_images as u64;
     let progress = Progress::start(global, "simplifying", steps)?;
     let mut simplified =

@@ -182,7 +182,7 @@ mod tests {
         let mut mesh = Mesh::default();
         for at in 0..9u32 {
             let far = if at == 8 { 1.0 } else { -1.0 - 0.3 * f64::from(at) };
-            let x = 0.37 * f64::from(at % 4) - 0.6;
+            let x = 0.371 * f64::from(at % 4) - 0.6;
             let corners = [[x - 0.7, -0.53, far], [x + 0.81, -0.4, far - 0.2], [x + 0.1, 0.77, far + 0.1]];
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(corners.map(DVec3::from_array));

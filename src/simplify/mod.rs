@@ -14,7 +14,8 @@
 //!    material; [`export`]: files.
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
-//! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7).
+//! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7); [`memory`] says what
+//! it takes.
 
 pub mod candidates;
 pub mod capture;
@@ -26,6 +27,7 @@ pub mod fidelity;
 pub mod fit;
 pub mod gaps;
 pub mod gbuffer;
+pub mod memory;
 pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;

@@ -8,6 +8,7 @@
 //! [`Compositing::ZBuffer`] shows the nearest triangle at each sample, of those whose alpha covers it (alpha to coverage): the samples of a
 //! pixel have thresholds that are spread evenly over 0..1.
 
+mod drawn;
 mod plain;
 mod texels;
 mod triangle;
@@ -17,13 +18,13 @@ use rayon::prelude::*;
 
 use super::quad_mesh::QuadMesh;
 use crate::error::Result;
-use crate::evaluate::RenderedImage;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
+pub use drawn::Drawn;
 pub use plain::draw_plainly;
 use texels::Texels;
-pub use texels::light_of_codes;
+pub use texels::{light_of_codes, texture_coordinates};
 use triangle::{Pixels, Triangle};
 
 /// Rows that one job draws.
@@ -78,42 +79,6 @@ impl DrawSettings {
     }
 }
 
-/// What was drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drawn {
-    /// Linear light multiplied by alpha, and alpha: means of the samples of a pixel.
-    pub pixels: Vec<[f32; 4]>,
-    /// Triangles over each sample, whether they show or not, in all.
-    pub fragments: u64,
-    /// And at most.
-    pub most_fragments: u32,
-}
-
-impl Drawn {
-    fn of_rows(rows: Vec<(Vec<Vec4>, Vec<u32>)>) -> Drawn {
-        let counts = || rows.iter().flat_map(|(_, counts)| counts);
-        Drawn {
-            fragments: counts().map(|&count| u64::from(count)).sum(),
-            most_fragments: counts().copied().max().unwrap_or(0),
-            pixels: rows.iter().flat_map(|(pixels, _)| pixels.iter().map(|pixel| pixel.to_array())).collect(),
-        }
-    }
-
-    /// The picture; colour is not multiplied by alpha.
-    pub fn image(&self, size: [u32; 2]) -> Result<RenderedImage> {
-        let straight = |&[r, g, b, alpha]: &[f32; 4]| {
-            let factor = if alpha > 0.0 { alpha.recip() } else { 0.0 };
-            [r * factor, g * factor, b * factor, alpha]
-        };
-        RenderedImage::of_pixels(size, self.pixels.iter().map(straight))
-    }
-
-    /// The picture over black, as it is compared.
-    pub fn over_black(&self, size: [u32; 2]) -> Result<RenderedImage> {
-        RenderedImage::of_pixels(size, self.pixels.iter().copied())
-    }
-}
-
 /// Draws the mesh over a transparent picture: in order, with one sample in the middle of each pixel.
 pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
     let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
@@ -137,14 +102,6 @@ pub fn draw_picture(
         Ok(rows)
     });
     Ok(Drawn::of_rows(rows.collect::<Result<_>>()?))
-}
-
-/// Homogeneous texture coordinates of a corner.
-pub fn texture_coordinates(scene: &QuadMesh, corner: u32) -> [f64; 3] {
-    match scene.stq.get(corner as usize) {
-        Some(stq) => stq.as_dvec3().to_array(),
-        None => scene.mesh.uvs[corner as usize].as_dvec2().extend(1.0).to_array(),
-    }
 }
 
 /// Bytes that a picture takes while it is drawn.
@@ -179,7 +136,7 @@ impl<'a> Raster<'a> {
     fn new(scene: &'a QuadMesh, camera: &Camera, settings: &DrawSettings) -> Raster<'a> {
         let pixels = Pixels::new(camera, settings.size);
         let mesh = &scene.mesh;
-        let corners: Vec<_> = mesh.positions.par_iter().map(|&point| pixels.from_world(point)).collect();
+        let corners: Vec<_> = mesh.positions.par_iter().map(|&point| pixels.seen_from_eye(point)).collect();
         let see = |triangle: &[u32; 3]| {
             let stq = triangle.map(|corner| texture_coordinates(scene, corner));
             Triangle::new(&triangle.map(|corner| corners[corner as usize]), stq, &pixels)

@@ -82,7 +82,7 @@ const IDENTITY: [[f32; 4]; 4] =
 
 fn foreign(why: &str) -> Error {
     Error::unsupported(format!(
-        "{why}: a scene that `simplify` wrote was expected; `capture` renders other meshes as datasets"
+        "{why}: a scene of lightfold simplify was expected; lightfold capture renders other meshes as datasets"
     ))
 }
 

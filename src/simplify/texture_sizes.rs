@@ -72,7 +72,9 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing) -> Result<Lay
     };
     let sides_at: Box<dyn Fn(f64) -> Vec<usize>> = match sizing {
         Sizing::Adaptive => {
-            let choices: Vec<Vec<Representation>> = textures.par_iter().map(representations).collect();
+            let alpha_weight = 2.0 * variance(textures);
+            let of = |texture: &TileTexture| representations(texture, alpha_weight);
+            let choices: Vec<Vec<Representation>> = textures.par_iter().map(of).collect();
             Box::new(move |octaves: f64| {
                 let lambda = octaves.exp2();
                 let cost = |of: &&Representation| of.distortion + lambda * (of.side * of.side) as f64;
@@ -131,8 +133,22 @@ fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
     })
 }
 
-/// All sizes of a texture, and their distortions.
-fn representations(texture: &TileTexture) -> Vec<Representation> {
+/// Variance of light as a display shows it, over all texels, in the sum of the three channels.
+fn variance(textures: &[TileTexture]) -> f64 {
+    let (mut count, mut sums, mut squares) = (0.0, [0.0; 3], 0.0);
+    for light in textures.iter().flat_map(|texture| &texture.light) {
+        let shown = light.map(|light| f64::from(light.clamp(0.0, 1.0)).sqrt());
+        count += 1.0;
+        (0..3).for_each(|channel| sums[channel] += shown[channel]);
+        squares += shown.iter().map(|shown| shown * shown).sum::<f64>();
+    }
+    let count = f64::max(count, 1.0);
+    squares / count - sums.iter().map(|sum| (sum / count).powi(2)).sum::<f64>()
+}
+
+/// All sizes of a texture, and their distortions. Where alpha is wrong another surface shows: the mean square of what that changes is
+/// `alpha_weight`, twice the variance of light.
+fn representations(texture: &TileTexture, alpha_weight: f64) -> Vec<Representation> {
     let full = encoded(texture);
     let sides = (BLOCK..=texture.side).step_by(BLOCK);
     let of = |side: usize| {
@@ -141,8 +157,10 @@ fn representations(texture: &TileTexture) -> Vec<Representation> {
         }
         let small = resize(&full, texture.side, side, Filter::Tent);
         let shown = resize(&small, side, texture.side, Filter::Linear);
-        let difference =
-            |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|at| f64::from(a[at] - b[at]).powi(2)).sum::<f64>();
+        let square = |a: &[f32; 4], b: &[f32; 4], at: usize| f64::from(a[at] - b[at]).powi(2);
+        let difference = |(a, b): (&[f32; 4], &[f32; 4])| {
+            (0..3).map(|channel| square(a, b, channel)).sum::<f64>() + alpha_weight * square(a, b, 3)
+        };
         Representation { side, distortion: full.iter().zip(&shown).map(difference).sum() }
     };
     sides.map(of).collect()
@@ -241,7 +259,7 @@ mod tests {
 
     fn distortion(textures: &[TileTexture], layout: &Layout) -> f64 {
         let of = |(texture, place): (&TileTexture, &Place)| {
-            representations(texture)
+            representations(texture, 2.0 * variance(std::slice::from_ref(texture)))
                 .into_iter()
                 .find(|of| of.side == place.side as usize)
                 .map_or(0.0, |of| of.distortion)

@@ -369,7 +369,7 @@ fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
         assert!(folder.join(name).is_file(), "{name}");
     }
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
-    assert!(page.contains("triangles=4 sizing=adaptive is infeasible"), "{page}");
+    assert!(page.contains("triangles=4 atlas=96 effort=fast sizing=adaptive is infeasible"), "{page}");
     let all = refused("room --sweep triangles=2,4 --repeats 1 -o none -- --effort fast");
     assert!(all.contains("the least that would do is 12"), "{all}");
 }

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::args::Args;
 use super::options::{METHODS, Method};
-use super::pictures::Job;
-use super::pixels;
+use super::pictures::{Job, pixels};
 use super::report::{Figures, Frames, LightFieldFigures};
 use super::subject::{JobRenderer, RenderedJob, Subject};
 use super::truth::TruthRun;

@@ -226,3 +226,7 @@ fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {
         alpha: Plane::from_fn(all, height, |x, y| at(x).0.alpha.get(at(x).1, y)),
     })
 }
+
+pub fn pixels(size: [u32; 2]) -> u64 {
+    size.into_iter().map(u64::from).product()
+}

@@ -7,8 +7,7 @@ use std::time::Instant;
 
 use super::args::Args;
 use super::options::{METHODS, Method, OF_LIGHT_FIELDS};
-use super::pictures::Job;
-use super::pixels;
+use super::pictures::{Job, pixels};
 use super::report::{Figures, QuadFigures};
 use super::subject::{JobRenderer, RenderedJob, Subject};
 use super::truth::TruthRun;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::options::{Choices, EFFORTS, check_report, one_of, parse_positive};
+use crate::cli::options::{Choices, EFFORTS, MemoryArgs, check_report, one_of, parse_positive};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::placement::Region;
@@ -97,6 +97,8 @@ pub struct Args {
     /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
     #[arg(long)]
     pub gbuffer: bool,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,

@@ -5,7 +5,7 @@ use std::io::Write;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::Scene;
+use super::scene::Scene;
 use crate::error::Result;
 use crate::mesh::Material;
 use crate::mesh::gltf::write::{self, Additions};

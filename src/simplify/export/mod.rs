@@ -4,34 +4,18 @@
 
 pub mod glb;
 mod obj;
+mod scene;
 mod textures;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use super::cost::TextureCoordinates;
-use super::gbuffer::SurfaceAtlas;
-use super::quad_mesh::QuadMesh;
-use super::region::ViewingRegion;
-use super::selection::Budgets;
 use crate::dataset::manifest::NORMAL_CHANNELS;
-use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::image::{Plane, exr};
 
-/// A scene, and what files say about it.
-#[derive(Debug)]
-pub struct Scene<'a> {
-    pub quads: &'a QuadMesh,
-    pub region: &'a ViewingRegion,
-    pub budgets: &'a Budgets,
-    /// Of the capture.
-    pub frame: u32,
-    /// Largest side of the atlas, in texels.
-    pub atlas: u32,
-    pub coordinates: TextureCoordinates,
-    pub surfaces: Option<&'a SurfaceAtlas>,
-}
+pub use scene::Scene;
+pub use textures::Ktx2Output;
 
 /// The files to write.
 #[derive(Debug)]
@@ -39,13 +23,6 @@ pub struct Outputs {
     /// `.obj`, or binary glTF; `-` for standard output.
     pub scene: PathBuf,
     pub ktx2: Option<Ktx2Output>,
-}
-
-/// BC7, or BC6H of half floats.
-#[derive(Debug)]
-pub struct Ktx2Output {
-    pub path: PathBuf,
-    pub effort: Effort,
 }
 
 #[derive(Debug)]
@@ -156,6 +133,7 @@ fn file_name(path: &Path) -> Result<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effort::Effort;
 
     #[test]
     fn names_tell_the_format() {

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::Scene;
+use super::scene::Scene;
 
 /// The name of the material in both files.
 const MATERIAL: &str = "quads";

@@ -3,7 +3,8 @@
 use half::f16;
 use rayon::prelude::*;
 
-use super::Ktx2Output;
+use std::path::PathBuf;
+
 use crate::block::{Bc6h, Bc7, Bc7Rgba, BlockEncoder, SIDE};
 use crate::effort::Effort;
 use crate::error::Result;
@@ -11,6 +12,13 @@ use crate::image::ktx2::{self, BlockFormat};
 use crate::image::{Plane, exr};
 use crate::mesh::ImageTexture;
 use crate::simplify::quad_mesh::QuadMesh;
+
+/// BC7, or BC6H of half floats.
+#[derive(Debug)]
+pub struct Ktx2Output {
+    pub path: PathBuf,
+    pub effort: Effort,
+}
 
 /// Rows of blocks that one job encodes.
 const ROWS_A_JOB: usize = 16;

@@ -6,8 +6,8 @@
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
-use super::texels::Texels;
-use super::{Drawn, texture_coordinates};
+use super::drawn::Drawn;
+use super::texels::{Texels, texture_coordinates};
 use crate::math::Camera;
 use crate::simplify::quad_mesh::QuadMesh;
 

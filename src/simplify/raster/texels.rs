@@ -61,6 +61,14 @@ fn place(at: f64, side: u32) -> (usize, f32) {
     (first, at - first as f32)
 }
 
+/// Homogeneous texture coordinates of a corner.
+pub fn texture_coordinates(scene: &QuadMesh, corner: u32) -> [f64; 3] {
+    match scene.stq.get(corner as usize) {
+        Some(stq) => stq.as_dvec3().to_array(),
+        None => scene.mesh.uvs[corner as usize].as_dvec2().extend(1.0).to_array(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;

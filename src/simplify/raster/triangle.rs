@@ -74,7 +74,7 @@ impl Pixels {
     }
 
     /// A point in the coordinates of the camera.
-    pub fn from_world(&self, point: DVec3) -> DVec3 {
+    pub fn seen_from_eye(&self, point: DVec3) -> DVec3 {
         let from_eye = point - self.eye;
         DVec3::from_array(self.axes.map(|axis| axis.dot(from_eye)))
     }

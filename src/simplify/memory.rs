@@ -1,0 +1,33 @@
+//! Memory that simplification takes at most.
+
+use super::capture::Capture;
+use super::pipeline::{MAX_POINTS, Settings};
+
+/// Bytes by pixel of an image: its rays, samples, constraints and pictures.
+const PIXEL_BYTES: u64 = 640;
+/// Bytes by pixel of each further image that is compared at the same time.
+const COMPARED_PIXEL_BYTES: u64 = 320;
+/// Bytes by merged point: its voxel, the point, its copies in the candidates' order, and the candidates it may lead to.
+const POINT_BYTES: u64 = 400;
+/// Bytes by texel of all tiles: sums of light, constraints, light and alpha, and the atlas.
+const TEXEL_BYTES: u64 = 96;
+/// Texels of all tiles, by those of their area: tiles are dilated, and their sides are rounded up.
+const TEXEL_SHARE: f64 = 3.0;
+/// Tables of candidates and of the shares of views.
+const FIXED_BYTES: u64 = 256 << 20;
+
+/// An upper bound, for a budget that is checked before the work.
+pub fn bytes(capture: &Capture, settings: &Settings) -> u64 {
+    let pixels = capture.images.iter().map(|image| image.size.map(u64::from).iter().product()).max().unwrap_or(0);
+    let samples = pixels.saturating_mul(capture.images.len() as u64);
+    let points = samples.min(MAX_POINTS as u64);
+    let texels_per_unit = settings.texels_per_unit(capture);
+    let sphere = 4.0 * std::f64::consts::PI * texels_per_unit * texels_per_unit;
+    let texels = (TEXEL_SHARE * settings.budgets.area * sphere) as u64;
+    let compared = (rayon::current_num_threads() as u64).saturating_mul(COMPARED_PIXEL_BYTES);
+    pixels
+        .saturating_mul(PIXEL_BYTES + compared)
+        .saturating_add(points * POINT_BYTES)
+        .saturating_add(texels.saturating_mul(TEXEL_BYTES))
+        .saturating_add(FIXED_BYTES)
+}
