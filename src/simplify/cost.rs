@@ -98,7 +98,7 @@ fn view_axes() -> Vec<[DVec3; 3]> {
     Face::CUBE.into_iter().map(Face::axes).chain(turned).collect()
 }
 
-/// The cost of a tiling, and what it is worth.
+/// Energy and costs of a tiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TilingCost {
     /// Σ of equation 2.

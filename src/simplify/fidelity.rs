@@ -24,7 +24,7 @@ use crate::monitor::Monitor;
 
 /// Alpha below which the released evaluator left a pixel out.
 const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
-/// What it added to the PSNR: 10 log10 255.
+/// Decibels that the released evaluator added to the PSNR: 10 log10 255.
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 
 /// Images that are compared at once, at most.

@@ -31,7 +31,7 @@ impl TilePlane {
     }
 }
 
-/// A point and what its energy counts.
+/// A point and the weight of its energy.
 #[derive(Debug, Clone, Copy)]
 pub struct WeightedPoint {
     pub position: DVec3,

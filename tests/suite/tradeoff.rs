@@ -347,7 +347,7 @@ fn a_process_ends_with_the_one_that_started_it() {
     assert_eq!(status.code(), Some(130));
 }
 
-/// Budgets that cannot be kept are told beside the points that were measured.
+/// Budgets that cannot be kept are listed beside the points that were measured.
 #[test]
 fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 16, probes: 2 };
