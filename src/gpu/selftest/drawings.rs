@@ -36,7 +36,7 @@ pub struct DrawingCase {
 /// All cases; the last one is timed.
 pub fn cases(compositing: Compositing) -> Result<Vec<DrawingCase>> {
     let settings = DrawSettings { size: [SIZE, SIZE - 11], compositing, samples: 1 };
-    let away = DVec3::new(1e5, -2e4, 3e5);
+    let (in_room, away) = (DVec3::new(0.3, -0.2, 0.1), DVec3::new(1e5, -2e4, 3e5));
     let case = |label, scene: &dyn Fn(&mut Builder), camera: Camera| {
         let mut builder = Builder::new();
         scene(&mut builder);
@@ -56,11 +56,11 @@ pub fn cases(compositing: Compositing) -> Result<Vec<DrawingCase>> {
     let clipped = Lens { near_m: 1.5, far_m: 4.5, ..Lens::new(80.0) };
     let mut cases = vec![
         case("no triangle in sight", &|builder| builder.square(DVec3::Z * 2.0, 0.5, 0), looking(DVec3::ZERO, 80.0)?),
-        case("room", &room, looking(DVec3::new(0.3, -0.2, 0.1), 80.0)?),
+        case("room", &room, looking(in_room, 80.0)?),
         case("leaves in a room", &leaves, looking(DVec3::new(0.1, 0.2, 0.3), 80.0)?),
         case("a narrow view", &leaves, looking(DVec3::ZERO, 4.0)?),
         case("tiles beside and behind the eye", &leaves, looking(DVec3::new(3.9, 3.9, -3.9), 130.0)?),
-        case("far from the origin", &|builder| builder.room(away, 4.0), looking(away + 0.2, 80.0)?),
+        case("far from the origin", &|builder| builder.room(away, 4.0), looking(away + in_room, 80.0)?),
         case("near and far planes", &leaves, {
             Camera::look_at(DVec3::ZERO, DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, clipped)?
         }),
