@@ -6,7 +6,7 @@ mod report;
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::cli::output;
 use crate::cli::progress::Progress;
@@ -39,12 +39,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         instead: "fewer `pixels_per_degree`",
     };
     args.memory.get().at_once(&need, 1)?;
-    let steps = pipeline::steps(capture.images.len()) + held_out_images as u64;
+    let is_evaluated = args.is_evaluated();
+    let evaluated_images = held_out_images + if is_evaluated { capture.images.len() } else { 0 };
+    let steps = pipeline::steps(capture.images.len()) + evaluated_images as u64;
     let progress = Progress::start(global, "simplifying", steps)?;
     let mut simplified =
         pipeline::simplify(&mut capture, &settings, &progress).map_err(|error| error.in_file(&args.input))?;
+    let mut evaluate = || simplified.evaluate(&mut capture, settings.background, &progress);
+    let evaluation = is_evaluated.then(&mut evaluate).transpose()?;
     let mut compare = |capture: &mut Capture| compare(&simplified.scene, capture, settings.background, &progress);
     let held_out = held_out.as_mut().map(&mut compare).transpose()?;
+    simplified.stages.evaluate = evaluation.map_or(Duration::ZERO, |evaluation| evaluation.duration);
     let figures = match &args.plot {
         Some(folder) => plot::write(folder, &simplified, &mut capture, settings.background)?,
         None => Vec::new(),
@@ -54,7 +59,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let writing = Instant::now();
     let files = write(args, &settings, (&simplified, capture.frame()))?;
     simplified.stages.export = writing.elapsed();
-    let report = Report::new((&simplified, held_out.as_ref()), args, (files, figures), begun.elapsed());
+    let scenes = (&simplified, evaluation.as_ref(), held_out.as_ref());
+    let report = Report::new(scenes, args, (files, figures), begun.elapsed());
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;

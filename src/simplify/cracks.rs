@@ -12,7 +12,7 @@ use super::gaps::{Coverage, SeenDirections};
 use super::quad_mesh::QuadMesh;
 use super::raster::{Drawn, draw};
 use super::region::ViewingRegion;
-use super::samples::{Sample, SampleRules};
+use super::samples::{Background, Sample, SampleRules};
 use super::texture_sizes::Layout;
 use super::tiles::TileSet;
 use super::tree::project;
@@ -23,6 +23,8 @@ use crate::mesh::Ray;
 
 /// A pixel of less alpha is a crack.
 pub const CRACK_ALPHA: f32 = 0.5;
+/// A pixel of less alpha is translucent: half a code.
+pub const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 /// Texels beside those around a crack that are made opaque, too, where it stays open.
 const REACH: u32 = 2;
 
@@ -32,28 +34,42 @@ const EYE_SIDE: u32 = 256;
 /// The tiles of a mesh, and where their textures lie.
 pub type Placed<'a> = (&'a TileSet, &'a Layout);
 
-/// Closes the cracks of one image of the capture; answers their number.
+/// Pixels of one image of the capture that were closed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Closed {
+    pub cracks: u64,
+    /// Those that were more than half covered, before a background that covers everything.
+    pub translucent: u64,
+}
+
+/// Closes the cracks of one image of the capture, and what is translucent where the sky covers everything.
 pub fn close_in_image(
     capture: &mut Capture,
     image: usize,
     rules: &SampleRules<'_>,
     placed: Placed<'_>,
     scene: &mut QuadMesh,
-) -> Result<u64> {
-    let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(0) };
-    let mut closed = 0;
+) -> Result<Closed> {
+    let mut closed = Closed::default();
+    let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(closed) };
+    let wanted = if rules.background == Background::Sky { OPAQUE_ALPHA } else { CRACK_ALPHA };
     // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
     for reach in 0..=REACH {
         let Drawn { pixels, .. } = draw(scene, &camera, size);
-        if pixels.iter().all(|pixel| pixel[3] >= CRACK_ALPHA) {
+        if pixels.iter().all(|pixel| pixel[3] >= wanted) {
             break;
         }
         let (samples, _) = rules.samples(capture, image)?;
-        let is_crack = |sample: &&Sample| sample.is_surface && pixels[sample.pixel as usize][3] < CRACK_ALPHA;
-        for sample in samples.iter().filter(is_crack) {
+        let alpha = |sample: &Sample| pixels[sample.pixel as usize][3];
+        for sample in samples.iter().filter(|sample| sample.is_surface && alpha(sample) < wanted) {
             let along = sample.end - sample.origin;
             let Some(ray) = Ray::new(sample.origin, along) else { continue };
-            closed += u64::from(close((&ray, along.length(), reach), placed, scene));
+            if alpha(sample) < CRACK_ALPHA {
+                let surface = Which::NearestTo(along.length());
+                closed.cracks += u64::from(close((&ray, surface, reach), placed, scene));
+            } else if reach == 0 {
+                closed.translucent += u64::from(close((&ray, Which::First, reach), placed, scene));
+            }
         }
     }
     Ok(closed)
@@ -89,17 +105,28 @@ pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image:
 /// Closes cracks that pictures show; answers their number.
 pub fn close_in_pictures(pictures: &[Coverage], placed: Placed<'_>, scene: &mut QuadMesh) -> u64 {
     let rays = pictures.iter().flat_map(Coverage::gaps);
-    rays.filter(|ray| close((ray, f64::INFINITY, 0), placed, scene)).count() as u64
+    rays.filter(|ray| close((ray, Which::Farthest, 0), placed, scene)).count() as u64
 }
 
-/// Makes the texels opaque that a ray passes between, and `reach` more on each side: of the tile that it meets nearest to a surface at
-/// `distance_m`, or of the farthest one where that is infinite. Answers whether it meets one.
-pub fn close((ray, distance_m, reach): (&Ray, f64, u32), (tiles, layout): Placed<'_>, scene: &mut QuadMesh) -> bool {
-    let crossed = tiles.crossed(ray);
-    let beside = |distance: f64| if distance_m.is_finite() { (distance / distance_m - 1.0).abs() } else { -distance };
-    let Some(&(tile, distance)) = crossed.iter().min_by(|a, b| beside(a.1).total_cmp(&beside(b.1))) else {
-        return false;
+/// Which of the tiles along a ray is made opaque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Which {
+    /// The nearest to a surface at this distance, in metres.
+    NearestTo(f64),
+    Farthest,
+    /// That which is drawn first, behind all others.
+    First,
+}
+
+/// Makes the texels opaque that a ray passes between, and `reach` more on each side. Answers whether it meets a tile.
+pub fn close((ray, which, reach): (&Ray, Which, u32), (tiles, layout): Placed<'_>, scene: &mut QuadMesh) -> bool {
+    let rank = |&(tile, distance): &(u32, f64)| match which {
+        Which::NearestTo(metres) => (distance / metres - 1.0).abs(),
+        Which::Farthest => -distance,
+        Which::First => f64::from(tile),
     };
+    let crossed = tiles.crossed(ray);
+    let Some(&(tile, distance)) = crossed.iter().min_by(|a, b| rank(a).total_cmp(&rank(b))) else { return false };
     let quad = &tiles.tiles[tile as usize];
     let Some(at) = project(quad.cell.face, ray.at(distance)) else { return false };
     let place = layout.places[tile as usize];

@@ -1,11 +1,13 @@
 //! Pictures of the simplified scene beside those of the capture (Seurat 7).
 
+use std::time::Duration;
+
 use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
 
 use super::capture::{Capture, CaptureImage};
-use super::cracks::CRACK_ALPHA;
+use super::cracks::{CRACK_ALPHA, OPAQUE_ALPHA};
 use super::gaps::SeenDirections;
 use super::quad_mesh::QuadMesh;
 use super::raster::{Drawn, draw};
@@ -22,8 +24,6 @@ use crate::math::{Camera, Lens};
 use crate::metrics::{SquaredError, U8_PEAK};
 use crate::monitor::Monitor;
 
-/// Alpha below which the released evaluator left a pixel out.
-const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 /// Decibels that the released evaluator added to the PSNR: 10 log10 255.
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 
@@ -35,11 +35,19 @@ const POSE_SIDE: u32 = 256;
 /// Random places that are tried for each pose.
 const TRIES: u32 = 10_000;
 
+/// A scene beside its capture.
+#[derive(Debug, Clone, Copy)]
+pub struct Evaluation {
+    pub fidelity: Fidelity,
+    pub poses: PoseScore,
+    pub duration: Duration,
+}
+
 /// Figures of all pictures.
 #[derive(Debug, Clone, Copy)]
 pub struct Fidelity {
     pub similarity: Similarity,
-    /// Error of the pixels that are opaque.
+    /// Error of the pixels that are opaque: the released evaluator left out the others.
     opaque: SquaredError,
     pub pixels: u64,
     /// Triangles that were drawn over pixels.

@@ -10,7 +10,7 @@ use super::constraints::FreeSpace;
 use super::samples::{Sample, SampleRules};
 use super::shading::LightBuffer;
 use super::texture_sizes::Layout;
-use super::textures::constraints_by_tile;
+use super::textures::{ShortCuts, constraints_by_tile};
 use super::tiles::TileSet;
 use crate::error::{Error, Result};
 use crate::image::{MaterialPlane, NormalPlane, Plane};
@@ -88,7 +88,8 @@ impl TexturedTiles<'_> {
     fn atlas(&self, buffers: &Buffers) -> Result<Plane<[f32; 3]>> {
         let [width, height] = self.layout.size;
         let mut texels = vec![[0.0; 3]; width as usize * height as usize];
-        let resolved: Vec<Vec<[f32; 3]>> = buffers.par_iter().map(|buffer| buffer.resolve().0).collect();
+        let resolved: Vec<Vec<[f32; 3]>> =
+            buffers.par_iter().map(|buffer| buffer.resolve(ShortCuts::Taken).0).collect();
         for (place, tile) in self.layout.places.iter().zip(resolved) {
             for (row, values) in (0..).zip(tile.chunks_exact(place.side as usize)) {
                 let first = (place.corner[1] + row) as usize * width as usize + place.corner[0] as usize;

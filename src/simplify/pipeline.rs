@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
-use super::capture::Capture;
+use super::capture::{Capture, CaptureImage};
 use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks;
-use super::fidelity::{self, Fidelity, PoseScore};
+use super::fidelity::{self, Evaluation};
 use super::gaps::{self, Account, SeenDirections};
 use super::gbuffer::{self, SurfaceAtlas, TexturedTiles};
 use super::points::PointMerger;
@@ -17,6 +17,7 @@ use super::region::ViewingRegion;
 use super::samples::{Background, Inside, SampleRules};
 use super::selection::{Budgets, Problem, Selection};
 use super::texture_sizes::Sizing;
+use super::textures::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
 use super::tree::MAX_LEVEL;
@@ -63,6 +64,7 @@ pub struct Settings {
     pub texture_coordinates: TextureCoordinates,
     pub light: AtlasLight,
     pub surfaces: SurfaceAtlases,
+    pub short_cuts: ShortCuts,
 }
 
 /// Atlases beside that of light.
@@ -100,6 +102,7 @@ pub struct Stages {
     /// Files, which the caller writes.
     #[serde(serialize_with = "json::seconds")]
     pub export: Duration,
+    /// Of [`Simplified::evaluate`].
     #[serde(serialize_with = "json::seconds")]
     pub evaluate: Duration,
 }
@@ -117,13 +120,22 @@ pub struct Counters {
     pub opaque_tiles: u64,
     /// Samples in the viewing region that were left out.
     pub dropped_samples: u64,
-    /// Texels without a sample, whose light was filled.
+    /// Tiles with one.
+    pub silhouettes: u64,
+    /// Texels without a sample, whose light was filled, and tiles with any.
     pub filled_texels: u64,
+    pub filled_tiles: u64,
     /// Tiles with a smaller texture than asked for, so that the atlas fits.
     pub reduced_tiles: u64,
     pub closed_cracks: u64,
+    /// Pixels that were translucent before the sky, which covers everything.
+    pub closed_translucent: u64,
     /// Texels that are kept as half floats, too.
     pub float_texels: u64,
+    /// Tree cells with samples: the others have no tiling.
+    pub fitted_cells: u64,
+    /// Triangles that are blended: those of opaque tiles are not.
+    pub blended_triangles: u64,
 }
 
 impl Stages {
@@ -141,7 +153,9 @@ impl Counters {
         self.free_space_constraints += textured.free_space_constraints;
         self.samples_without_tile += textured.uncovered_samples;
         self.opaque_tiles += textured.opaque_tiles;
+        self.silhouettes += textured.layout.places.len() as u64 - textured.opaque_tiles;
         self.filled_texels += textured.filled_texels;
+        self.filled_tiles += textured.filled_tiles;
         self.reduced_tiles += textured.layout.reduced as u64;
     }
 }
@@ -164,15 +178,24 @@ pub struct Simplified {
     pub used_texels: u64,
     pub stages: Stages,
     pub counters: Counters,
-    pub fidelity: Fidelity,
-    pub poses: PoseScore,
+    pub seen: SeenDirections,
     pub notes: Vec<String>,
+}
+
+impl Simplified {
+    /// Compares pictures of the scene with the capture that it was made from, and looks for cracks from other places.
+    pub fn evaluate(&self, capture: &mut Capture, background: Background, monitor: &dyn Monitor) -> Result<Evaluation> {
+        let begun = Instant::now();
+        let fidelity = fidelity::compare(&self.scene, capture, background, monitor)?;
+        let poses = fidelity::random_poses(&self.scene, &self.region, &self.seen)?;
+        Ok(Evaluation { fidelity, poses, duration: begun.elapsed() })
+    }
 }
 
 /// Steps that a run reports to its monitor.
 pub fn steps(images: usize) -> u64 {
-    // Merging, texturing twice, cracks and evaluation.
-    5 * images as u64
+    // Merging, texturing twice, and cracks.
+    4 * images as u64
 }
 
 /// Simplifies a capture.
@@ -191,16 +214,13 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
     let (mut samples, mut farthest_m) = (0, 0f64);
-    for image in images.clone() {
-        monitor.check()?;
-        let (found, left_out) = rules.samples(capture, image)?;
+    rules.of_all_images(capture, monitor, |_, found, left_out| {
         counters.dropped_samples += left_out;
         let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
         samples += ends.len() as u64;
         farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
         merger.add(&ends);
-        monitor.advance(1);
-    }
+    })?;
     if samples == 0 {
         return Err(Error::Usage("there is no sample: a capture has a pixel that shows a surface".into()));
     }
@@ -219,6 +239,8 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     }
     let levels = candidates(&points, &extent, &fitting);
     let count = levels.iter().flat_map(|level| &level.tilings).flatten().map(|tiling| tiling.planes.len() as u64).sum();
+    counters.fitted_cells =
+        levels.iter().flat_map(|level| &level.tilings).filter(|tilings| !tilings.is_empty()).count() as u64;
     stages.candidates = begun.elapsed();
     monitor.check()?;
 
@@ -251,6 +273,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light },
         atlas: settings.atlas,
         sizing: settings.sizing,
+        short_cuts: settings.short_cuts,
     };
     let coarse = texturing.coarse().run(&tiles, capture, monitor)?;
     stages.add(&coarse);
@@ -267,7 +290,8 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     let mut gap_pictures = pictures(&coarse.scene)?;
     for image in &capture.images {
         monitor.check()?;
-        gap_pictures.extend(cracks::picture(&coarse.scene, &region, &tiles, image));
+        let size = image.size.map(|side| side.div_ceil(texturing.coarse().pixel_step));
+        gap_pictures.extend(cracks::picture(&coarse.scene, &region, &tiles, &CaptureImage { size, ..image.clone() }));
     }
     drop(coarse);
     let mut used = selection.used;
@@ -281,12 +305,15 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     counters.add(&textured);
     let begun = Instant::now();
     let Textured { mut scene, layout, .. } = textured;
+    counters.blended_triangles = scene.runs.iter().step_by(2).map(|&count| u64::from(count)).sum();
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     let placed = (&tiles, &layout);
     counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, placed, &mut scene);
     for image in images.clone() {
         monitor.check()?;
-        counters.closed_cracks += cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
+        let closed = cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
+        counters.closed_cracks += closed.cracks;
+        counters.closed_translucent += closed.translucent;
         monitor.advance(1);
     }
     let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
@@ -295,11 +322,6 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         SurfaceAtlases::GBuffer => Some(tiles_in_atlas.surfaces(capture, &rules, monitor)?),
     };
     stages.atlas += begun.elapsed();
-
-    let begun = Instant::now();
-    let fidelity = fidelity::compare(&scene, capture, settings.background, monitor)?;
-    let poses = fidelity::random_poses(&scene, &region, &seen)?;
-    stages.evaluate = begun.elapsed();
     Ok(Simplified {
         scene,
         surfaces,
@@ -314,8 +336,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         selection,
         stages,
         counters,
-        fidelity,
-        poses,
+        seen,
         notes,
     })
 }
@@ -366,6 +387,7 @@ mod tests {
     use super::*;
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, FootagePlan};
+    use crate::simplify::tree::TreeCell;
 
     const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
 
@@ -383,16 +405,29 @@ mod tests {
             texture_coordinates: TextureCoordinates::Affine,
             light: AtlasLight::Codes,
             surfaces: SurfaceAtlases::None,
+            short_cuts: ShortCuts::Taken,
         }
     }
 
-    fn run(change: impl Fn(&mut Settings)) -> Result<Simplified> {
+    fn captured<T>(work: impl FnOnce(&mut Capture) -> T) -> T {
         let folder = tempfile::tempdir().unwrap();
         let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 32, probes: 3 };
         plan.write(folder.path(), &Silent).unwrap();
+        work(&mut Capture::open(folder.path(), None).unwrap())
+    }
+
+    fn run(change: impl Fn(&mut Settings)) -> Result<Simplified> {
         let mut settings = settings();
         change(&mut settings);
-        simplify(&mut Capture::open(folder.path(), None)?, &settings, &Silent)
+        captured(|capture| simplify(capture, &settings, &Silent))
+    }
+
+    fn evaluated(found: &Simplified) -> Evaluation {
+        captured(|capture| found.evaluate(capture, Background::Sky, &Silent)).unwrap()
+    }
+
+    fn psnr_db_of(found: &Simplified) -> f64 {
+        evaluated(found).fidelity.similarity.all.psnr_db()
     }
 
     #[test]
@@ -400,17 +435,18 @@ mod tests {
         let found = run(|_| {}).unwrap();
         assert!(found.scene.mesh.triangles.len() as f64 <= BUDGETS.triangles);
         assert!(found.used[1] <= BUDGETS.area && found.used[2] <= BUDGETS.peak_overdraw + 1e-9);
-        assert!(found.fidelity.peak_overdraw <= 1.15 * BUDGETS.peak_overdraw, "{}", found.fidelity.peak_overdraw);
+        let Evaluation { fidelity, poses, .. } = evaluated(&found);
+        assert!(fidelity.peak_overdraw <= 1.15 * BUDGETS.peak_overdraw, "{}", fidelity.peak_overdraw);
         assert!(found.atlas.iter().all(|side| *side <= 512));
-        assert_eq!(found.fidelity.crack_pixels, 0);
-        let psnr_db = found.fidelity.similarity.all.psnr_db();
+        assert_eq!((fidelity.crack_pixels, fidelity.translucent_pixels, poses.poses), (0, 0, 64));
+        let psnr_db = fidelity.similarity.all.psnr_db();
         assert!(psnr_db > 25.0, "{psnr_db}");
         // One tile for each face of the cube, and some more, is worse.
         let cube = run(|settings| settings.budgets.triangles = 40.0).unwrap();
-        let cube_db = cube.fidelity.similarity.all.psnr_db();
+        let cube_db = psnr_db_of(&cube);
         assert!(cube_db < psnr_db - 2.0, "{cube_db} {psnr_db}");
         // What the released evaluator adds.
-        assert!(found.fidelity.released_psnr_db() > psnr_db + 20.0);
+        assert!(fidelity.released_psnr_db() > psnr_db + 20.0);
     }
 
     #[test]
@@ -433,8 +469,22 @@ mod tests {
         for (stq, uv) in found.scene.stq.iter().zip(&found.scene.mesh.uvs) {
             assert!(stq.z > 0.0 && stq.z <= 1.0 && (stq.truncate() / stq.z - uv).length() < 1e-6, "{stq} {uv}");
         }
-        let [psnr_db, affine_db] = [found, run(|_| {}).unwrap()].map(|found| found.fidelity.similarity.all.psnr_db());
+        let [psnr_db, affine_db] = [found, run(|_| {}).unwrap()].map(|found| psnr_db_of(&found));
         assert!(psnr_db > affine_db - 0.1, "{psnr_db} {affine_db}");
+    }
+
+    #[test]
+    fn short_cuts_change_nothing_and_are_counted() {
+        let [taken, off] = [ShortCuts::Taken, ShortCuts::Off]
+            .map(|short_cuts| run(|settings| settings.short_cuts = short_cuts).unwrap());
+        let Counters { opaque_tiles, silhouettes, filled_tiles, fitted_cells, blended_triangles, .. } = taken.counters;
+        assert!(opaque_tiles > 0 && silhouettes > 0 && opaque_tiles + silhouettes == taken.tiles);
+        assert!(filled_tiles > 0 && filled_tiles < taken.tiles);
+        assert!(blended_triangles > 0 && blended_triangles < taken.scene.mesh.triangles.len() as u64);
+        assert!(fitted_cells > 0 && fitted_cells < TreeCell::count(MAX_LEVEL) as u64, "{fitted_cells}");
+        assert!(taken.scene.mesh == off.scene.mesh && taken.scene.runs == off.scene.runs);
+        assert!(taken.scene.texture.pixels == off.scene.texture.pixels);
+        assert_eq!(taken.counters.filled_texels, off.counters.filled_texels);
     }
 
     #[test]

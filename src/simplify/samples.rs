@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::capture::Capture;
 use super::region::ViewingRegion;
 use crate::error::{Error, Result};
+use crate::monitor::Monitor;
 
 /// A ray: its origin and where it ends, relative to the middle of the region in metres, and linear light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +50,25 @@ pub struct SampleRules<'a> {
 }
 
 impl SampleRules<'_> {
+    /// Gives the samples of each image in turn, with its index and the number that was left out. The next image is read meanwhile.
+    pub fn of_all_images(
+        &self,
+        capture: &mut Capture,
+        monitor: &dyn Monitor,
+        mut take: impl FnMut(usize, Vec<Sample>, u64) + Send,
+    ) -> Result<()> {
+        let mut read = |image: usize| (image < capture.images.len()).then(|| self.samples(capture, image)).transpose();
+        let (mut image, mut next) = (0, read(0)?);
+        while let Some((samples, left_out)) = next {
+            monitor.check()?;
+            let ((), following) = rayon::join(|| take(image, samples, left_out), || read(image + 1));
+            monitor.advance(1);
+            next = following?;
+            image += 1;
+        }
+        Ok(())
+    }
+
     /// The samples of one image, row by row, and the number that was left out.
     pub fn samples(&self, capture: &mut Capture, image: usize) -> Result<(Vec<Sample>, u64)> {
         let rays = capture.rays(image)?;

@@ -3,9 +3,15 @@
 //! Enters: samples at solid constraints. Leaves: linear light by texel, filtered; texels without samples are filled from those around
 //! them.
 
+use super::textures::ShortCuts;
+
 /// Radius of the Gaussian filter and its standard deviation, in texels.
 const RADIUS: f32 = 1.5;
 const SIGMA: f32 = 0.3;
+/// Texels of a row within the radius, at most.
+const TEXELS: usize = 4;
+/// Of any texel within the radius: one that no other sample reaches has the light of this one.
+const LEAST_WEIGHT: f32 = 1e-20;
 /// Sweeps of Gauss–Seidel on each level of the multigrid.
 const SWEEPS: usize = 4;
 
@@ -27,34 +33,41 @@ impl LightBuffer {
             let first = (at - RADIUS).ceil().max(0.0) as usize;
             first..((at + RADIUS).floor() + 1.0).clamp(0.0, self.side as f32) as usize
         };
-        for row in range(y) {
-            for column in range(x) {
-                let squared = (column as f32 - x).powi(2) + (row as f32 - y).powi(2);
-                let weight = (squared * (-0.5 / (SIGMA * SIGMA))).exp().max(1e-20);
-                let sum = &mut self.sums[row * self.side + column];
-                for (sum, value) in sum.iter_mut().zip([r, g, b, 1.0]) {
-                    *sum += weight * value;
-                }
+        let weight = |texel: usize, at: f32| ((texel as f32 - at).powi(2) * (-0.5 / (SIGMA * SIGMA))).exp();
+        let (columns, rows) = (range(x), range(y));
+        let mut weights = [0.0; TEXELS];
+        columns.clone().zip(&mut weights).for_each(|(column, value)| *value = weight(column, x));
+        for row in rows {
+            let of_row = weight(row, y);
+            let sums = &mut self.sums[row * self.side..][columns.clone()];
+            for (sum, of_column) in sums.iter_mut().zip(weights) {
+                let weight = (of_row * of_column).max(LEAST_WEIGHT);
+                *sum = std::array::from_fn(|channel| sum[channel] + weight * [r, g, b, 1.0][channel]);
             }
         }
     }
 
     /// Light of all texels; and how many had no sample and were filled.
-    pub fn resolve(&self) -> (Vec<[f32; 3]>, usize) {
+    pub fn resolve(&self, short_cuts: ShortCuts) -> (Vec<[f32; 3]>, usize) {
         let known = |sum: &[f32; 4]| sum[3] > 0.0;
         let light: Vec<Option<[f32; 3]>> = (self.sums.iter())
             .map(|sum| known(sum).then(|| [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]))
             .collect();
         let missing = light.iter().filter(|light| light.is_none()).count();
-        (if missing > 0 { fill(self.side, &light) } else { light.into_iter().flatten().collect() }, missing)
+        (if short_cuts == ShortCuts::Off { fill(self.side, &light) } else { filled(self.side, &light) }, missing)
     }
+}
+
+/// Light without missing texels.
+fn filled(side: usize, light: &[Option<[f32; 3]>]) -> Vec<[f32; 3]> {
+    if light.iter().all(Option::is_some) { light.iter().copied().flatten().collect() } else { fill(side, light) }
 }
 
 /// Solves the discrete Laplace equation at unknown texels, with known ones around them as its border: first on textures of half
 /// the size, and then by sweeps of Gauss–Seidel.
 fn fill(side: usize, light: &[Option<[f32; 3]>]) -> Vec<[f32; 3]> {
     let mut filled: Vec<[f32; 3]> = light.iter().map(|light| light.unwrap_or_default()).collect();
-    if light.iter().all(Option::is_none) || light.iter().all(Option::is_some) {
+    if side == 1 || light.iter().all(Option::is_none) {
         return filled;
     }
     let half = side.div_ceil(2);
@@ -68,7 +81,7 @@ fn fill(side: usize, light: &[Option<[f32; 3]>]) -> Vec<[f32; 3]> {
         })
     };
     let coarse: Vec<Option<[f32; 3]>> = (0..half * half).map(mean).collect();
-    let coarse = fill(half, &coarse);
+    let coarse = self::filled(half, &coarse);
     let unknown: Vec<usize> = (0..side * side).filter(|&at| light[at].is_none()).collect();
     for &at in &unknown {
         filled[at] = coarse[at / side / 2 * half + at % side / 2];
@@ -118,7 +131,7 @@ mod tests {
         let mut buffer = LightBuffer::new(4);
         buffer.add([1.0, 1.0], [1.0, 0.0, 0.0]);
         buffer.add([1.6, 1.0], [0.0, 1.0, 0.0]);
-        let (light, missing) = buffer.resolve();
+        let (light, missing) = buffer.resolve(ShortCuts::Taken);
         let [at, beside] = [light[5], light[6]];
         assert!(at[0] > 0.8 && beside[1] > 0.8 && (at[0] + at[1] - 1.0).abs() < 1e-6, "{at:?} {beside:?}");
         assert!(missing > 0 && missing < 12, "{missing}");

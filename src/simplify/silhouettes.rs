@@ -34,14 +34,15 @@ impl ConstraintBitmap {
         !self.has_free
     }
 
-    /// The part of each texel whose places are nearer to a solid constraint than to one of free space; places with both kinds have none.
+    /// The part of each texel whose places are nearer to a solid constraint than to one of free space; places with both kinds have none. All of
+    /// each texel where there is no free space.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
         let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
         let (solid, free) = (to(SOLID), to(FREE));
         let mut alpha = vec![0.0; texels * texels];
         for (at, (solid, free)) in solid.iter().zip(&free).enumerate() {
-            if solid < free {
+            if solid < free || free.is_infinite() {
                 let (x, y) = (at % self.side / SUPERSAMPLING, at / self.side / SUPERSAMPLING);
                 alpha[y * texels + x] += 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f32;
             }

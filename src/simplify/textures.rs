@@ -11,6 +11,24 @@ use super::tiles::TileSet;
 /// Samples that one job finds the constraints of.
 const SAMPLES_A_JOB: usize = 4096;
 
+/// Whether work is left out whose result is known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ShortCuts {
+    #[default]
+    Taken,
+    /// The same result takes longer.
+    Off,
+}
+
+/// Textures of all tiles.
+#[derive(Debug)]
+pub struct TileTextures {
+    pub textures: Vec<TileTexture>,
+    /// Texels without a sample, whose light was filled, and tiles that have any.
+    pub filled_texels: u64,
+    pub filled_tiles: u64,
+}
+
 /// A square texture: linear light and coverage, row by row; light is not multiplied by coverage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileTexture {
@@ -72,16 +90,21 @@ impl<'a> TextureBuilder<'a> {
         });
     }
 
-    /// The textures, and the number of texels that were filled.
-    pub fn finish(self) -> (Vec<TileTexture>, u64) {
-        let finish = |buffers: Buffers| {
-            let alpha = (!buffers.bitmap.is_opaque()).then(|| buffers.bitmap.coverage());
-            let (light, filled) = buffers.light.resolve();
-            (TileTexture { side: buffers.side, light, alpha }, filled as u64)
+    /// A tile without a free-space constraint has no silhouette, one without a missing texel is not filled.
+    pub fn finish(self, short_cuts: ShortCuts) -> TileTextures {
+        let finish = |Buffers { side, light, bitmap }: Buffers| {
+            let may_be_transparent = !bitmap.is_opaque() || short_cuts == ShortCuts::Off;
+            let alpha = may_be_transparent.then(|| bitmap.coverage());
+            let (light, filled) = light.resolve(short_cuts);
+            let is_transparent = |alpha: &Vec<f32>| alpha.iter().any(|alpha| *alpha < 1.0);
+            (TileTexture { side, light, alpha: alpha.filter(is_transparent) }, filled as u64)
         };
         let finished: Vec<(TileTexture, u64)> = self.buffers.into_par_iter().map(finish).collect();
-        let filled = finished.iter().map(|(_, filled)| filled).sum();
-        (finished.into_iter().map(|(texture, _)| texture).collect(), filled)
+        TileTextures {
+            filled_texels: finished.iter().map(|(_, filled)| filled).sum(),
+            filled_tiles: finished.iter().filter(|(_, filled)| *filled > 0).count() as u64,
+            textures: finished.into_iter().map(|(texture, _)| texture).collect(),
+        }
     }
 }
 

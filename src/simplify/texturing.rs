@@ -6,7 +6,7 @@ use super::capture::Capture;
 use super::quad_mesh::{MeshForm, QuadMesh};
 use super::samples::SampleRules;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
-use super::textures::TextureBuilder;
+use super::textures::{ShortCuts, TextureBuilder, TileTextures};
 use super::tiles::{QuadTile, TileSet};
 use crate::error::Result;
 use crate::monitor::Monitor;
@@ -30,6 +30,7 @@ pub struct Texturing<'a> {
     /// Largest side of the atlas, in texels.
     pub atlas: u32,
     pub sizing: Sizing,
+    pub short_cuts: ShortCuts,
 }
 
 /// A textured mesh, and where the texture of each tile lies.
@@ -43,6 +44,7 @@ pub struct Textured {
     pub uncovered_samples: u64,
     pub opaque_tiles: u64,
     pub filled_texels: u64,
+    pub filled_tiles: u64,
     /// Durations of constraints, textures, atlas.
     pub durations: [Duration; 3],
 }
@@ -58,19 +60,16 @@ impl Texturing<'_> {
         let begun = Instant::now();
         let sides: Vec<usize> = tiles.tiles.iter().map(|tile| self.side(tile)).collect();
         let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold);
-        for image in 0..capture.images.len() {
-            monitor.check()?;
-            let (mut samples, _) = self.rules.samples(capture, image)?;
-            let width = capture.images[image].size[0];
+        let widths: Vec<u32> = capture.images.iter().map(|image| image.size[0]).collect();
+        self.rules.of_all_images(capture, monitor, |image, mut samples, _| {
             let is_used = |at: u32| at.is_multiple_of(self.pixel_step);
-            samples.retain(|sample| is_used(sample.pixel % width) && is_used(sample.pixel / width));
+            samples.retain(|sample| is_used(sample.pixel % widths[image]) && is_used(sample.pixel / widths[image]));
             builder.add(&samples, self.stride);
-            monitor.advance(1);
-        }
+        })?;
         let (solid_constraints, free_space_constraints, uncovered_samples) =
             (builder.solid, builder.free, builder.uncovered);
         let constrained = begun.elapsed();
-        let (textures, filled_texels) = builder.finish();
+        let TileTextures { textures, filled_texels, filled_tiles } = builder.finish(self.short_cuts);
         let shaded = begun.elapsed();
         let layout = layout(&textures, self.atlas, self.sizing)?;
         Ok(Textured {
@@ -81,6 +80,7 @@ impl Texturing<'_> {
             uncovered_samples,
             opaque_tiles: textures.iter().filter(|texture| texture.alpha.is_none()).count() as u64,
             filled_texels,
+            filled_tiles,
             durations: [constrained, shaded - constrained, begun.elapsed() - shaded],
         })
     }

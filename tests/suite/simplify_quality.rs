@@ -9,11 +9,13 @@ use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::simplify::capture::Capture;
 use lightfold::simplify::cost::TextureCoordinates;
+use lightfold::simplify::fidelity::Evaluation;
 use lightfold::simplify::pipeline::{Settings, Simplified, SurfaceAtlases, TilingKind, simplify};
 use lightfold::simplify::quad_mesh::AtlasLight;
 use lightfold::simplify::samples::{Background, Inside};
 use lightfold::simplify::selection::Budgets;
 use lightfold::simplify::texture_sizes::Sizing;
+use lightfold::simplify::textures::ShortCuts;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
 const HEAD: &str = "set,triangles,texels,psnr_db,ssim";
@@ -35,6 +37,7 @@ const SETTINGS: Settings = Settings {
     texture_coordinates: TextureCoordinates::Affine,
     light: AtlasLight::Codes,
     surfaces: SurfaceAtlases::None,
+    short_cuts: ShortCuts::Taken,
 };
 
 struct Row {
@@ -56,8 +59,10 @@ fn of_scene(kind: DemoKind) -> Row {
     let folder = tempfile::tempdir().unwrap();
     let plan = FootagePlan { kind, frames: 1, face_size: 32, probes: 4 };
     plan.write(folder.path(), &Silent).unwrap();
-    let Simplified { scene, atlas, fidelity, .. } =
-        simplify(&mut Capture::open(folder.path(), None).unwrap(), &SETTINGS, &Silent).unwrap();
+    let mut capture = Capture::open(folder.path(), None).unwrap();
+    let simplified = simplify(&mut capture, &SETTINGS, &Silent).unwrap();
+    let Evaluation { fidelity, .. } = simplified.evaluate(&mut capture, SETTINGS.background, &Silent).unwrap();
+    let Simplified { scene, atlas, .. } = simplified;
     Row {
         set: kind.name(),
         triangles: scene.mesh.triangles.len(),

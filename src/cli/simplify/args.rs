@@ -13,6 +13,7 @@ use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
 use crate::simplify::texture_sizes::Sizing;
+use crate::simplify::textures::ShortCuts;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
@@ -91,7 +92,7 @@ pub struct Args {
     /// worst with their errors, and the overdraw of the view that has the most
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
-    /// Print durations and counts of all stages
+    /// Compare pictures of the scene with the input, and print durations and counts of all stages
     #[arg(long)]
     pub stats: bool,
     /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
@@ -99,7 +100,7 @@ pub struct Args {
     pub gbuffer: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Report as JSON
+    /// Report as JSON, with a comparison of pictures of the scene with the input
     #[arg(long)]
     pub json: bool,
 }
@@ -136,6 +137,11 @@ impl Args {
         }
     }
 
+    /// Whether pictures of the scene are compared with the capture.
+    pub(super) fn is_evaluated(&self) -> bool {
+        self.json || self.stats || self.plot.is_some()
+    }
+
     pub(super) fn outputs(&self) -> Outputs {
         let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), effort: self.effort };
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
@@ -158,6 +164,7 @@ impl Args {
             texture_coordinates: self.uv,
             surfaces: if self.gbuffer { SurfaceAtlases::GBuffer } else { SurfaceAtlases::None },
             light: if self.hdr { AtlasLight::HalfFloats } else { AtlasLight::Codes },
+            short_cuts: ShortCuts::Taken,
         })
     }
 }

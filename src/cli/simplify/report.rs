@@ -10,7 +10,7 @@ use super::Args;
 use crate::cli::output::human_bytes;
 use crate::error::{Error, Result};
 use crate::json::{self, Number};
-use crate::simplify::fidelity::Fidelity;
+use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
 
 #[derive(Debug, Serialize)]
@@ -21,22 +21,12 @@ pub struct Report {
     projected_area: f64,
     /// Of the cost model.
     peak_overdraw: f64,
-    /// Largest mean of a picture of the capture.
-    peak_overdraw_measured: f64,
-    overdraw_mean: f64,
-    fragments_per_pixel_max: u32,
     atlas_width: u32,
     atlas_height: u32,
     atlas_texels: u64,
     atlas_occupancy: f64,
-    psnr_db: Number,
-    ssim: Option<f64>,
-    psnr_hvs_m_db: Option<Number>,
-    released_psnr_db: Number,
-    crack_pixels: u64,
-    translucent_pixels: u64,
-    pixels: u64,
-    random_poses: PoseReport,
+    #[serde(flatten)]
+    evaluation: Option<EvaluationReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     held_out: Option<HeldOutReport>,
     selection: SelectionReport,
@@ -52,6 +42,23 @@ pub struct Report {
     figures: Vec<PathBuf>,
     #[serde(serialize_with = "json::seconds")]
     seconds: Duration,
+}
+
+/// Pictures of the scene beside those of the capture.
+#[derive(Debug, Serialize)]
+struct EvaluationReport {
+    /// Largest mean of a picture of the capture.
+    peak_overdraw_measured: f64,
+    overdraw_mean: f64,
+    fragments_per_pixel_max: u32,
+    psnr_db: Number,
+    ssim: Option<f64>,
+    psnr_hvs_m_db: Option<Number>,
+    released_psnr_db: Number,
+    crack_pixels: u64,
+    translucent_pixels: u64,
+    pixels: u64,
+    random_poses: PoseReport,
 }
 
 #[derive(Debug, Serialize)]
@@ -91,15 +98,56 @@ struct FileReport {
     bytes: u64,
 }
 
+/// A figure of pictures that were compared; no number where none was.
+fn compared(fidelity: &Fidelity, value: f64) -> Number {
+    Number(if fidelity.pixels > 0 { value } else { f64::NAN })
+}
+
+impl EvaluationReport {
+    fn new(Evaluation { fidelity, poses, .. }: &Evaluation) -> EvaluationReport {
+        EvaluationReport {
+            peak_overdraw_measured: fidelity.peak_overdraw,
+            overdraw_mean: fidelity.overdraw_mean(),
+            fragments_per_pixel_max: fidelity.fragments_per_pixel_max,
+            psnr_db: compared(fidelity, fidelity.similarity.all.psnr_db()),
+            ssim: fidelity.similarity.ssim(),
+            psnr_hvs_m_db: fidelity.similarity.hvs.psnr_db().map(Number),
+            released_psnr_db: compared(fidelity, fidelity.released_psnr_db()),
+            crack_pixels: fidelity.crack_pixels,
+            translucent_pixels: fidelity.translucent_pixels,
+            pixels: fidelity.pixels,
+            random_poses: PoseReport { poses: poses.poses, pixels: poses.pixels, crack_pixels: poses.crack_pixels },
+        }
+    }
+
+    fn text(&self) -> String {
+        if self.pixels == 0 {
+            return "no picture was compared: the input has no perspective view\n".to_owned();
+        }
+        format!(
+            "overdraw mean {:.2}, peak {:.2}\n{}, {} cracks of {} pixels\n",
+            self.overdraw_mean,
+            self.peak_overdraw_measured,
+            similarity(self.psnr_db, self.ssim),
+            self.crack_pixels,
+            self.pixels
+        )
+    }
+}
+
+fn similarity(psnr_db: Number, ssim: Option<f64>) -> String {
+    format!("PSNR {:.2} dB{}", psnr_db.0, ssim.map_or(String::new(), |ssim| format!(", SSIM {ssim:.4}")))
+}
+
 impl Report {
-    /// Of a scene, and of its comparison with images that it was not made from.
+    /// Of a scene, of its comparison with the capture, and with images that it was not made from.
     pub fn new(
-        (simplified, held_out): (&Simplified, Option<&Fidelity>),
+        (simplified, evaluation, held_out): (&Simplified, Option<&Evaluation>, Option<&Fidelity>),
         args: &Args,
         (files, figures): (Vec<(PathBuf, u64)>, Vec<PathBuf>),
         elapsed: Duration,
     ) -> Report {
-        let Simplified { selection, fidelity, atlas, poses, .. } = simplified;
+        let Simplified { selection, atlas, .. } = simplified;
         let [triangles, area, overdraw] = simplified.used;
         let texels = u64::from(atlas[0]) * u64::from(atlas[1]);
         Report {
@@ -107,23 +155,13 @@ impl Report {
             tiles: simplified.tiles,
             projected_area: area,
             peak_overdraw: overdraw,
-            peak_overdraw_measured: fidelity.peak_overdraw,
-            overdraw_mean: fidelity.overdraw_mean(),
-            fragments_per_pixel_max: fidelity.fragments_per_pixel_max,
             atlas_width: atlas[0],
             atlas_height: atlas[1],
             atlas_texels: texels,
             atlas_occupancy: simplified.used_texels as f64 / texels.max(1) as f64,
-            psnr_db: Number(fidelity.similarity.all.psnr_db()),
-            ssim: fidelity.similarity.ssim(),
-            psnr_hvs_m_db: fidelity.similarity.hvs.psnr_db().map(Number),
-            released_psnr_db: Number(fidelity.released_psnr_db()),
-            crack_pixels: fidelity.crack_pixels,
-            translucent_pixels: fidelity.translucent_pixels,
-            pixels: fidelity.pixels,
-            random_poses: PoseReport { poses: poses.poses, pixels: poses.pixels, crack_pixels: poses.crack_pixels },
+            evaluation: evaluation.map(EvaluationReport::new),
             held_out: held_out.map(|held_out| HeldOutReport {
-                psnr_db: Number(held_out.similarity.all.psnr_db()),
+                psnr_db: compared(held_out, held_out.similarity.all.psnr_db()),
                 ssim: held_out.similarity.ssim(),
                 psnr_hvs_m_db: held_out.similarity.hvs.psnr_db().map(Number),
                 crack_pixels: held_out.crack_pixels,
@@ -167,26 +205,18 @@ impl Report {
     pub fn text(&self) -> String {
         let bytes: u64 = self.files.iter().map(|file| file.bytes).sum();
         let held_out = self.held_out.as_ref().map_or(String::new(), |held_out| {
-            let ssim = held_out.ssim.unwrap_or(f64::NAN);
-            format!("held out: PSNR {:.2} dB, SSIM {ssim:.4}, {} images\n", held_out.psnr_db.0, held_out.images)
+            format!("held out: {}, {} images\n", similarity(held_out.psnr_db, held_out.ssim), held_out.images)
         });
         format!(
-            "{} triangles, atlas {}x{} ({:.0}% used), {}\n\
-             area {:.2} spheres, overdraw mean {:.2}, peak {:.2}\n\
-             PSNR {:.2} dB, SSIM {:.4}, {} cracks of {} pixels\n\
-             {}{:.1} s",
+            "{} triangles, area {:.2} spheres, peak overdraw {:.2}\natlas {}x{} ({:.0}% used), {}\n{}{}{:.1} s",
             self.triangles,
+            self.projected_area,
+            self.peak_overdraw,
             self.atlas_width,
             self.atlas_height,
             100.0 * self.atlas_occupancy,
             human_bytes(bytes),
-            self.projected_area,
-            self.overdraw_mean,
-            self.peak_overdraw_measured,
-            self.psnr_db.0,
-            self.ssim.unwrap_or(f64::NAN),
-            self.crack_pixels,
-            self.pixels,
+            self.evaluation.as_ref().map_or(String::new(), EvaluationReport::text),
             held_out,
             self.seconds.as_secs_f64(),
         )
