@@ -5,7 +5,7 @@
 use half::f16;
 
 use crate::error::Result;
-use crate::image::{Plane, ToneMap};
+use crate::image::{CodeSteps, Plane, ToneMap};
 
 /// What is shown where no view saw anything.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -33,7 +33,8 @@ impl RenderedImage {
     }
 
     pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
-        self.color.map(|light| light.map(|light| tone.code(light)))
+        let steps = CodeSteps::new(tone);
+        self.color.map(|light| light.map(|light| steps.code(light)))
     }
 
     /// 8-bit codes and alpha; colour is not multiplied by alpha.

@@ -25,9 +25,10 @@ use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside, Sample};
 use crate::simplify::selection::{Budgets, SelectedTiling};
 use crate::simplify::shading::LightBuffer;
+use crate::simplify::short_cuts::ShortCuts;
 use crate::simplify::silhouettes::ConstraintBitmap;
 use crate::simplify::texture_sizes::Sizing;
-use crate::simplify::textures::{ShortCuts, TextureBuilder, TileTextures};
+use crate::simplify::textures::{TextureBuilder, TileTextures};
 use crate::simplify::tiles::TileSet;
 use crate::simplify::tree::TreeCell;
 

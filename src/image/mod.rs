@@ -29,4 +29,4 @@ pub use png::ColorSpace;
 pub use projection::ImageProjection;
 pub use sequence::{FrameRange, Pattern, Sequence};
 pub use texel_map::TexelMap;
-pub use transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
+pub use transfer::{CodeSteps, DecodeTable, EncodeTable, ToneMap, Transfer};

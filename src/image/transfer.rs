@@ -95,6 +95,33 @@ impl EncodeTable {
     }
 }
 
+/// The least light of each code from 1 on: the codes of [`ToneMap::code`] without its power function.
+#[derive(Debug, Clone)]
+pub struct CodeSteps {
+    least: [f32; 255],
+}
+
+impl CodeSteps {
+    pub fn new(tone: ToneMap) -> CodeSteps {
+        let least = |code: usize| {
+            // Bits of floats from 0 on are in the order of their values.
+            let (mut below, mut from) = (0, f32::INFINITY.to_bits());
+            while from - below > 1 {
+                let middle = below + (from - below) / 2;
+                let reaches = usize::from(tone.code(f32::from_bits(middle))) >= code;
+                (below, from) = if reaches { (below, middle) } else { (middle, from) };
+            }
+            f32::from_bits(from)
+        };
+        CodeSteps { least: std::array::from_fn(|at| least(at + 1)) }
+    }
+
+    /// The code; 0 for what is not a number.
+    pub fn code(&self, light: f32) -> u8 {
+        self.least.partition_point(|least| *least <= light) as u8
+    }
+}
+
 /// The linear light of each of the 256 codes.
 #[derive(Debug, Clone)]
 pub struct DecodeTable {
@@ -124,6 +151,21 @@ pub(crate) fn srgb16() -> &'static [f16] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_give_the_codes_of_the_curve() {
+        for transfer in [Transfer::Srgb, Transfer::Linear] {
+            for exposure_ev in [-8.0, 0.0, 2.5] {
+                let tone = ToneMap { transfer, exposure_ev };
+                let steps = CodeSteps::new(tone);
+                let around = steps.least.iter().flat_map(|least| [least.next_down(), *least, least.next_up()]);
+                let all = (0..=u16::MAX).map(|bits| f32::from_bits(u32::from(bits) << 16 | 0x1234));
+                for light in around.chain(all) {
+                    assert_eq!(steps.code(light), tone.code(light), "{tone:?} {light}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn every_code_comes_back() {

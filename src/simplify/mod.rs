@@ -15,7 +15,7 @@
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
 //! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7); [`memory`] says what
-//! it takes.
+//! it takes; [`short_cuts`]: work that is left out.
 
 pub mod candidates;
 pub mod capture;
@@ -37,6 +37,7 @@ pub mod region;
 pub mod samples;
 pub mod selection;
 pub mod shading;
+pub mod short_cuts;
 pub mod silhouettes;
 pub mod texture_sizes;
 pub mod textures;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
-use super::capture::{Capture, CaptureImage};
+use super::capture::Capture;
 use super::cost::{CostModel, TextureCoordinates, ViewShares};
 use super::cracks;
 use super::fidelity::{self, Evaluation};
@@ -16,8 +16,8 @@ use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, Inside, SampleRules};
 use super::selection::{Budgets, Problem, Selection};
+use super::short_cuts::ShortCuts;
 use super::texture_sizes::Sizing;
-use super::textures::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
 use super::tree::MAX_LEVEL;
@@ -290,8 +290,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     let mut gap_pictures = pictures(&coarse.scene)?;
     for image in &capture.images {
         monitor.check()?;
-        let size = image.size.map(|side| side.div_ceil(texturing.coarse().pixel_step));
-        gap_pictures.extend(cracks::picture(&coarse.scene, &region, &tiles, &CaptureImage { size, ..image.clone() }));
+        gap_pictures.extend(cracks::picture(&coarse.scene, &region, &tiles, image));
     }
     drop(coarse);
     let mut used = selection.used;

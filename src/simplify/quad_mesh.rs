@@ -9,7 +9,7 @@ use super::cost::TextureCoordinates;
 use super::texture_sizes::{Layout, Place, resized};
 use super::textures::TileTexture;
 use super::tiles::{QuadTile, TileSet};
-use crate::image::ToneMap;
+use crate::image::{CodeSteps, ToneMap};
 use crate::mesh::{ImageTexture, Mesh, Wrap};
 
 /// A mesh whose triangles are drawn in their order, over each other, and its texture: sRGB codes, not multiplied by alpha.
@@ -54,8 +54,9 @@ impl QuadMesh {
         let light = (form.light == AtlasLight::HalfFloats).then(|| vec![[f16::ZERO; 3]; texels]);
         let mut scene =
             QuadMesh { mesh: Mesh::default(), texture: Arc::new(texture), stq: Vec::new(), light, runs: Vec::new() };
+        let codes = CodeSteps::new(ToneMap::default());
         for (at, tile) in tiles.tiles.iter().enumerate() {
-            scene.add_texture(&textures[at], layout.places[at]);
+            scene.add_texture(&textures[at], layout.places[at], &codes);
             let first_triangle = scene.mesh.triangles.len();
             scene.add_triangles(tile, layout.places[at], layout.size, form);
             let count = (scene.mesh.triangles.len() - first_triangle) as u32;
@@ -65,13 +66,12 @@ impl QuadMesh {
         scene
     }
 
-    fn add_texture(&mut self, texture: &TileTexture, place: Place) {
-        let tone = ToneMap::default();
+    fn add_texture(&mut self, texture: &TileTexture, place: Place, codes: &CodeSteps) {
         let of_tile = resized(texture, place.side as usize);
         let atlas = Arc::make_mut(&mut self.texture);
         for (at, light) in of_tile.light.iter().enumerate() {
             let alpha = of_tile.alpha.as_ref().map_or(255, |alpha| (alpha[at] * 255.0).round() as u8);
-            let [r, g, b] = light.map(|light| tone.code(light));
+            let [r, g, b] = light.map(|light| codes.code(light));
             let corner = place.corner.map(|at| at as usize);
             let (x, y) = (corner[0] + at % of_tile.side, corner[1] + at / of_tile.side);
             let texel = y * atlas.width as usize + x;

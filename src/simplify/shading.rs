@@ -3,7 +3,7 @@
 //! Enters: samples at solid constraints. Leaves: linear light by texel, filtered; texels without samples are filled from those around
 //! them.
 
-use super::textures::ShortCuts;
+use super::short_cuts::ShortCuts;
 
 /// Radius of the Gaussian filter and its standard deviation, in texels.
 const RADIUS: f32 = 1.5;

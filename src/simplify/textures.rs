@@ -5,20 +5,12 @@ use rayon::prelude::*;
 use super::constraints::{Constraint, ConstraintFinder, FreeSpace};
 use super::samples::Sample;
 use super::shading::LightBuffer;
+use super::short_cuts::ShortCuts;
 use super::silhouettes::ConstraintBitmap;
 use super::tiles::TileSet;
 
 /// Samples that one job finds the constraints of.
 const SAMPLES_A_JOB: usize = 4096;
-
-/// Whether work is left out whose result is known.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ShortCuts {
-    #[default]
-    Taken,
-    /// The same result takes longer.
-    Off,
-}
 
 /// Textures of all tiles.
 #[derive(Debug)]

@@ -14,8 +14,8 @@ use lightfold::simplify::pipeline::{Settings, Simplified, SurfaceAtlases, Tiling
 use lightfold::simplify::quad_mesh::AtlasLight;
 use lightfold::simplify::samples::{Background, Inside};
 use lightfold::simplify::selection::Budgets;
+use lightfold::simplify::short_cuts::ShortCuts;
 use lightfold::simplify::texture_sizes::Sizing;
-use lightfold::simplify::textures::ShortCuts;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
 const HEAD: &str = "set,triangles,texels,psnr_db,ssim";

@@ -12,8 +12,8 @@ use crate::simplify::pipeline::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
+use crate::simplify::short_cuts::ShortCuts;
 use crate::simplify::texture_sizes::Sizing;
-use crate::simplify::textures::ShortCuts;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
