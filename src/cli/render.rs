@@ -37,6 +37,8 @@ const DEFAULT_SIZE: u32 = 512;
 
 /// Frames of a still scene: it is the same in all.
 const ALL_FRAMES: FrameRange = FrameRange { first: 0, last: u32::MAX };
+/// Pictures of a still scene, at most.
+const MOST_STILL_FRAMES: u64 = 1_000_000;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
@@ -165,6 +167,12 @@ impl Args {
     fn jobs(&self, frames: Option<FrameRange>, global: &GlobalArgs) -> Result<Vec<Job>> {
         let cameras = self.cameras.cameras()?;
         let available = frames.unwrap_or(ALL_FRAMES);
+        if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MOST_STILL_FRAMES) {
+            return Err(Error::Usage(format!(
+                "--frames {asked}: {} pictures of a still scene, where {MOST_STILL_FRAMES} are the most",
+                asked.count()
+            )));
+        }
         let requests = frame_requests::frame_requests(&cameras, self.frames.frames, available)?;
         if frames.is_some() {
             self.note_skipped_frames(&cameras, available, global);

@@ -3,6 +3,7 @@
 mod args;
 mod plot;
 mod report;
+mod unfinished;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,14 +15,18 @@ use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
 use crate::memory::Need;
+use crate::monitor::Monitor;
 use crate::simplify::capture::Capture;
 use crate::simplify::export::{self, OutputBytes, Scene};
-use crate::simplify::fidelity::compare;
+use crate::simplify::fidelity::{Evaluation, Fidelity, compare};
 use crate::simplify::memory::bytes;
-use crate::simplify::pipeline::{self, Settings, Simplified};
+use crate::simplify::pipeline::{self, Simplified, texture};
+use crate::simplify::selected::{SelectedTiles, select};
+use crate::simplify::settings::Settings;
 
 pub use args::Args;
 use report::Report;
+use unfinished::UnfinishedScene;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check()?;
@@ -36,31 +41,31 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         what: "simplifying",
         fixed: all.map(|capture| bytes(capture, &settings)).max().unwrap_or(0),
         each: 0,
-        instead: "fewer `pixels_per_degree`",
+        instead: "fewer `triangles` and a smaller `area`, or fewer `pixels_per_degree`",
     };
     args.memory.get().at_once(&need, 1)?;
-    let is_evaluated = args.is_evaluated();
-    let evaluated_images = held_out_images + if is_evaluated { capture.images.len() } else { 0 };
+    let evaluated_images = held_out_images + if args.is_evaluated() { capture.images.len() } else { 0 };
     let steps = pipeline::steps(capture.images.len()) + evaluated_images as u64;
     let progress = Progress::start(global, "simplifying", steps)?;
-    let mut simplified =
-        pipeline::simplify(&mut capture, &settings, &progress).map_err(|error| error.in_file(&args.input))?;
-    let mut evaluate = || simplified.evaluate(&mut capture, settings.background, &progress);
-    let evaluation = is_evaluated.then(&mut evaluate).transpose()?;
-    let mut compare = |capture: &mut Capture| compare(&simplified.scene, capture, settings.background, &progress);
-    let held_out = held_out.as_mut().map(&mut compare).transpose()?;
-    simplified.stages.evaluate = evaluation.map_or(Duration::ZERO, |evaluation| evaluation.duration);
-    let figures = match &args.plot {
-        Some(folder) => plot::write(folder, &simplified, &mut capture, settings.background)?,
-        None => Vec::new(),
+    check_outputs(args, &capture)?;
+    let fingerprint = unfinished::fingerprint(&args.input, &settings, &capture);
+    let (mut unfinished, words) = UnfinishedScene::open(&args.output, fingerprint, (args.resume, global))?;
+    let selected = match words {
+        Some(words) => {
+            progress.advance(capture.images.len() as u64);
+            SelectedTiles::of_words(&words, &mut capture, &settings)?
+                .ok_or_else(|| unfinished.cannot("its state is damaged"))?
+        }
+        None => select(&mut capture, &settings, &progress).map_err(|error| error.in_file(&args.input))?,
     };
-    drop(progress);
+    unfinished.keep_tiles(&selected.to_words())?;
+    let mut simplified = texture(selected, &mut capture, &settings, &progress)
+        .map_err(|error| unfinished.stopped(error.in_file(&args.input)))?;
+    let outputs = Outputs { args, settings: &settings, progress };
+    let done = outputs.compare_and_write(&mut simplified, (&mut capture, held_out.as_mut()), &mut unfinished.file);
+    let compared = done.map_err(|error| unfinished.stopped(error))?;
     simplified.notes.iter().for_each(|note| global.note(note));
-    let writing = Instant::now();
-    let files = write(args, &settings, (&simplified, capture.frame()))?;
-    simplified.stages.export = writing.elapsed();
-    let scenes = (&simplified, evaluation.as_ref(), held_out.as_ref());
-    let report = Report::new(scenes, args, (files, figures), begun.elapsed());
+    let report = Report::new(&simplified, &compared, args, begun.elapsed());
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;
@@ -68,8 +73,68 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
+/// Refuses outputs that are files of the input.
+fn check_outputs(args: &Args, capture: &Capture) -> Result<()> {
+    let inputs = capture.files().into_iter().chain([args.input.clone()]);
+    let inputs: Vec<PathBuf> = inputs.filter_map(|path| path.canonicalize().ok()).collect();
+    let is_input = |path: &PathBuf| path.canonicalize().is_ok_and(|path| inputs.contains(&path));
+    match args.outputs().all().into_iter().find(is_input) {
+        Some(path) => Err(Error::Usage(format!("{}: a file of the input would be overwritten", path.display()))),
+        None => Ok(()),
+    }
+}
+
+/// What is made of a scene.
+struct Outputs<'a> {
+    args: &'a Args,
+    settings: &'a Settings,
+    progress: Progress,
+}
+
+/// Comparisons with pictures, and files.
+struct Compared {
+    /// With the input.
+    evaluation: Option<Evaluation>,
+    held_out: Option<Fidelity>,
+    /// With their bytes.
+    files: Vec<(PathBuf, u64)>,
+    /// Charts and pictures.
+    figures: Vec<PathBuf>,
+}
+
+impl Outputs<'_> {
+    fn compare_and_write(
+        self,
+        simplified: &mut Simplified,
+        (capture, held_out): (&mut Capture, Option<&mut Capture>),
+        scene: &mut OutputFile,
+    ) -> Result<Compared> {
+        let Outputs { args, settings, progress } = self;
+        let background = settings.background;
+        let evaluation =
+            args.is_evaluated().then(|| simplified.evaluate(capture, background, &progress)).transpose()?;
+        simplified.stages.evaluate = evaluation.map_or(Duration::ZERO, |evaluation| evaluation.duration);
+        let held_out =
+            held_out.map(|capture| compare(&simplified.scene, capture, background, &progress)).transpose()?;
+        let figures = match &args.plot {
+            Some(folder) => plot::write(folder, simplified, capture, background)?,
+            None => Vec::new(),
+        };
+        drop(progress);
+        let writing = Instant::now();
+        let files = write(args, settings, (simplified, capture.frame()), scene)?;
+        simplified.stages.export = writing.elapsed();
+        Ok(Compared { evaluation, held_out, files, figures })
+    }
+}
+
 /// Writes all files, each whole or not at all, and none where one cannot be made. Answers their bytes.
-fn write(args: &Args, settings: &Settings, (simplified, frame): (&Simplified, u32)) -> Result<Vec<(PathBuf, u64)>> {
+fn write(
+    args: &Args,
+    settings: &Settings,
+    (simplified, frame): (&Simplified, u32),
+    scene_file: &mut OutputFile,
+) -> Result<Vec<(PathBuf, u64)>> {
     let scene = Scene {
         quads: &simplified.scene,
         region: &simplified.region,
@@ -79,13 +144,18 @@ fn write(args: &Args, settings: &Settings, (simplified, frame): (&Simplified, u3
         coordinates: settings.texture_coordinates,
         surfaces: simplified.surfaces.as_ref(),
     };
-    let mut written = Vec::new();
+    let (mut beside, mut written) = (Vec::new(), Vec::new());
     for OutputBytes { path, bytes } in export::files(&scene, &args.outputs())? {
-        let mut file = OutputFile::create(&path)?;
-        let result = file.write_all(&bytes);
-        result.map_err(|error| output::name_output(Error::io(&path, error), &path))?;
-        written.push((file, path, bytes.len() as u64));
+        let named = |error| output::name_output(Error::io(&path, error), &path);
+        if path == args.output {
+            scene_file.write_all(&bytes).map_err(named)?;
+        } else {
+            let mut file = OutputFile::create(&path)?;
+            file.write_all(&bytes).map_err(named)?;
+            beside.push(file);
+        }
+        written.push((path, bytes.len() as u64));
     }
-    let commit = |(mut file, path, bytes): (OutputFile, PathBuf, u64)| file.commit().map(|()| (path, bytes));
-    written.into_iter().map(commit).collect()
+    beside.iter_mut().chain([scene_file]).try_for_each(OutputFile::commit)?;
+    Ok(written)
 }

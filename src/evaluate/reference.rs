@@ -1,6 +1,6 @@
 //! Reference images: those of a dataset or a container, with the cameras that see exactly them (CALF 7.2).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
@@ -63,6 +63,13 @@ impl Reference {
             return Reference::of_container(Decoder::open(path)?).map_err(|error| error.in_file(path));
         }
         Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
+    }
+
+    /// The files of a frame's images; none of a container, which is one file.
+    pub fn files(&self, frame: u32) -> Vec<PathBuf> {
+        let Images::Dataset(source) = &self.files else { return Vec::new() };
+        let groups = source.groups().iter().filter(|group| group.frames.contains(frame));
+        groups.filter_map(|group| source.file(group, frame).ok()).collect()
     }
 
     pub fn new(source: Source) -> Result<Reference> {

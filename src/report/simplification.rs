@@ -1,8 +1,6 @@
 //! Charts of a simplified scene: how the selection of tiles converged, what the stages took, and how often pixels are drawn over
 //! (Seurat figures 9 to 11 and 13, table 2).
 
-use glam::DVec3;
-
 use super::picture::error_picture;
 use super::picture::raster::{self, HALF_SIDE, Scale};
 use super::picture::sheet::{Bar, Panel, Sheet};
@@ -14,12 +12,11 @@ use super::plot::palette::{Rgb, heat};
 use crate::error::Result;
 use crate::evaluate::similarity::difference;
 use crate::image::plane::Plane;
-use crate::math::Camera;
-use crate::mesh::{Bvh, Ray};
 use crate::simplify::capture::{Capture, CaptureImage};
 use crate::simplify::fidelity::Compared;
 use crate::simplify::pipeline::Stages;
 use crate::simplify::quad_mesh::QuadMesh;
+use crate::simplify::raster::overdraw;
 use crate::simplify::samples::Background;
 use crate::simplify::selection::Bounds;
 
@@ -64,7 +61,7 @@ fn converging(convergence: &[Bounds]) -> Drawing {
 
 /// Seurat table 2; files are written after this.
 fn durations(stages: &Stages) -> Drawing {
-    let Stages { merge, candidates, selection, silhouettes, shading, atlas, export: _, evaluate } = *stages;
+    let Stages { merge, candidates, selection, silhouettes, shading, atlas, gaps, export: _, evaluate } = *stages;
     let all = [
         ("merge", merge),
         ("candidates", candidates),
@@ -72,6 +69,7 @@ fn durations(stages: &Stages) -> Drawing {
         ("silhouettes", silhouettes),
         ("shading", shading),
         ("atlas", atlas),
+        ("gaps", gaps),
         ("evaluate", evaluate),
     ];
     let mark = |(at, (_, duration)): (usize, &(&str, std::time::Duration))| Mark {
@@ -99,7 +97,7 @@ pub struct ViewPicture {
 }
 
 /// What a capture's image is compared by.
-struct Judged {
+struct ImageScore {
     image: usize,
     psnr_db: f64,
     overdraw: f64,
@@ -114,37 +112,26 @@ pub fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background)
     let mut judged = Vec::new();
     for image in 0..capture.images.len() {
         let Some(Compared { similarity, overdraw, .. }) = compared(capture, image)? else { continue };
-        judged.push(Judged { image, psnr_db: similarity.all.psnr_db(), overdraw });
+        judged.push(ImageScore { image, psnr_db: similarity.all.psnr_db(), overdraw });
     }
     let most = judged.iter().max_by(|a, b| a.overdraw.total_cmp(&b.overdraw)).map(|judged| judged.image);
     judged.sort_by(|a, b| a.psnr_db.total_cmp(&b.psnr_db));
     let mut pictures = Vec::new();
-    for (rank, &Judged { image, psnr_db, .. }) in judged.iter().take(ERROR_MAPS).enumerate() {
+    for (rank, &ImageScore { image, psnr_db, .. }) in judged.iter().take(ERROR_MAPS).enumerate() {
         let Some(Compared { shown, wanted, .. }) = compared(capture, image)? else { continue };
         let title = format!("{}: {psnr_db:.2} dB", capture.images[image].name);
         let picture = error_picture::draw(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
         pictures.push(ViewPicture { name: format!("error-{}", rank + 1), picture });
     }
     if let Some(CaptureImage { name, camera: Some(camera), size, .. }) = most.map(|image| &capture.images[image]) {
-        let picture = overdraw(name, &layers(scene, camera, *size))?;
+        let picture = overdraw_picture(name, &overdraw(scene, camera, *size)?)?;
         pictures.push(ViewPicture { name: "overdraw".to_owned(), picture });
     }
     Ok(pictures)
 }
 
-/// Triangles that each pixel's ray meets.
-pub fn layers(scene: &QuadMesh, camera: &Camera, [width, height]: [u32; 2]) -> Plane<u32> {
-    let bvh = Bvh::new((0..scene.mesh.triangles.len()).map(|triangle| scene.mesh.corners(triangle)));
-    let eye: DVec3 = camera.eye();
-    Plane::from_fn(width, height, |column, row| {
-        let centre = [f64::from(column) + 0.5, f64::from(row) + 0.5];
-        let direction = camera.direction([centre[0] / f64::from(width), centre[1] / f64::from(height)]);
-        Ray::new(eye, direction).map_or(0, |ray| bvh.all(&ray, 0.0..f64::INFINITY).len() as u32)
-    })
-}
-
-/// A picture of [`layers`]: which parts of a view are drawn over often.
-pub fn overdraw(title: &str, layers: &Plane<u32>) -> Result<Plane<Rgb>> {
+/// A picture of the triangles over each pixel.
+fn overdraw_picture(title: &str, layers: &Plane<u32>) -> Result<Plane<Rgb>> {
     let size = [layers.width(), layers.height()];
     let share = |count: u32| f64::from(count.min(MOST_LAYERS)) / f64::from(MOST_LAYERS);
     let ticks = [0, 4, 8, 12, MOST_LAYERS]
@@ -171,10 +158,23 @@ pub fn overdraw(title: &str, layers: &Plane<u32>) -> Result<Plane<Rgb>> {
 mod tests {
     use std::sync::Arc;
 
+    use glam::DVec3;
+
     use super::*;
-    use crate::math::Lens;
-    use crate::mesh::{ImageTexture, Mesh, Wrap};
+    use crate::math::{Camera, Lens};
+    use crate::mesh::{Bvh, ImageTexture, Mesh, Ray, Wrap};
     use crate::simplify::raster::draw;
+
+    /// Triangles that the ray of each pixel meets.
+    fn rays(scene: &QuadMesh, camera: &Camera, [width, height]: [u32; 2]) -> Plane<u32> {
+        let bvh = Bvh::new((0..scene.mesh.triangles.len()).map(|triangle| scene.mesh.corners(triangle)));
+        Plane::from_fn(width, height, |column, row| {
+            let centre = [f64::from(column) + 0.5, f64::from(row) + 0.5];
+            let direction = camera.direction([centre[0] / f64::from(width), centre[1] / f64::from(height)]);
+            let ray = Ray::new(camera.eye(), direction).unwrap();
+            bvh.all(&ray, 0.0..f64::INFINITY).len() as u32
+        })
+    }
 
     #[test]
     fn layers_of_rays_are_the_fragments_of_the_rasteriser() {
@@ -192,7 +192,8 @@ mod tests {
         let texture = ImageTexture { width: 1, height: 1, pixels: vec![[9, 9, 9, 255]], wrap: [Wrap::Clamp; 2] };
         let scene = QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() };
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
-        let layers = layers(&scene, &camera, [48, 40]);
+        let layers = rays(&scene, &camera, [48, 40]);
+        assert_eq!(layers, overdraw(&scene, &camera, [48, 40]).unwrap());
         let sum: u64 = layers.data().iter().map(|&count| u64::from(count)).sum();
         let drawn = draw(&scene, &camera, [48, 40]);
         assert!(sum > 1000 && sum == drawn.fragments, "{sum} {}", drawn.fragments);

@@ -179,14 +179,17 @@ fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: 
         }
         let energy = points.iter().zip(&clusters.energy).map(|(point, energy)| point.weight * energy).sum::<f64>();
         let is_better = found.last().is_none_or(|last| energy < 0.98 * last.energy);
-        if is_better {
-            found.push(Tiling { planes: clusters.planes.clone(), energy });
+        let planes = clusters.planes_with_points();
+        if is_better && planes.iter().all(|&plane| bounds.admits(plane)) {
+            // Planes that lost their points leave a tiling of fewer tiles, which is better than those before it.
+            found.retain(|tiling| tiling.planes.len() < planes.len());
+            found.push(Tiling { planes, energy });
         }
         if energy <= settings.enough * total {
             break;
         }
     }
-    if cell.level == 0 {
+    if cell.level == 0 || found.is_empty() {
         found.push(face_tiling(cell, points, total));
     }
     found
@@ -210,6 +213,12 @@ struct Clusters {
 }
 
 impl Clusters {
+    fn planes_with_points(&self) -> Vec<TilePlane> {
+        let mut has_points = vec![false; self.planes.len()];
+        self.owner.iter().for_each(|&owner| has_points[owner] = true);
+        self.planes.iter().zip(has_points).filter(|(_, has_points)| *has_points).map(|(plane, _)| *plane).collect()
+    }
+
     /// Gives each point to the plane with the least energy; answers whether any moved.
     fn assign(&mut self, points: &[WeightedPoint]) -> bool {
         let mut changed = false;

@@ -1,10 +1,10 @@
 //! Captures: images with colour and depth as rays, of a dataset, a container or a Seurat manifest (Seurat 3).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::dataset::seurat::{CaptureRay, SeuratCapture, is_manifest};
+use crate::dataset::seurat::{CaptureRay, SeuratCapture, SeuratView, is_manifest};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::Reference;
 use crate::image::{MaterialPlane, NormalPlane, ReadLimits};
@@ -65,7 +65,7 @@ impl Capture {
         if capture.views.is_empty() {
             return Err(Error::invalid("the manifest has no view: a capture has at least one").in_file(path));
         }
-        let image = |view: &crate::dataset::seurat::SeuratView| CaptureImage {
+        let image = |view: &SeuratView| CaptureImage {
             name: view.json_path(),
             eye: view.camera.position(),
             size: view.size(),
@@ -121,6 +121,18 @@ impl Capture {
         }
     }
 
+    /// The files of its images, in no order.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match &self.rays {
+            Rays::Reference { reference, frame, .. } => reference.files(*frame),
+            Rays::Manifest(capture) => {
+                let of = |view: &SeuratView| [view.color.path.clone(), view.depth.path.clone()];
+                capture.views.iter().flat_map(of).collect()
+            }
+            Rays::Memory(_) => Vec::new(),
+        }
+    }
+
     /// The rays of an image, row by row.
     pub fn rays(&mut self, image: usize) -> Result<Vec<CaptureRay>> {
         match &mut self.rays {
@@ -150,10 +162,11 @@ impl Capture {
         }
     }
 
-    /// Pixels of an image along a unit of the plane at distance 1 from its camera: the most of all images.
+    /// Pixels of an image along a unit of the plane at distance 1 from its camera: the most of all images. One without a camera counts as
+    /// if it covered a face of a cube.
     pub fn pixels_per_unit(&self) -> f64 {
-        let of = |image: &CaptureImage| Some(f64::from(image.size[1]) / (2.0 * image.camera?.half()[1]));
-        self.images.iter().filter_map(of).fold(1.0, f64::max)
+        let half = |image: &CaptureImage| image.camera.map_or(1.0, |camera| camera.half()[1]);
+        self.images.iter().map(|image| f64::from(image.size[1]) / (2.0 * half(image))).fold(1.0, f64::max)
     }
 
     /// Metres to the nearest sample of all images, `+inf` where all show the sky.

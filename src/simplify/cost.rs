@@ -12,6 +12,10 @@ use crate::image::Face;
 
 /// F of Seurat 4: views of 90 degrees whose mean overdraw is bounded.
 pub const VIEWS: usize = 126;
+/// Error of affine texture coordinates along one axis, in texels: on both axes together it is half a texel.
+const AXIS_ERROR_TEXELS: f64 = 0.35;
+/// Columns or rows that a tile is divided into, at most: such a tile takes so many triangles that it is not selected.
+const MOST_PARTS: u32 = 1024;
 /// Solid angle of a view of 90 degrees: that of a cube face, a sixth of the sphere.
 const VIEW_AREA: f64 = 4.0 * PI / 6.0;
 
@@ -178,22 +182,33 @@ impl CostModel {
                 .map(|[a, b]| (corners[a] / corners[b]).max(corners[b] / corners[a]))
                 .into_iter()
                 .fold(1.0, f64::max);
-            // Along a line whose ends are at distances of this ratio, coordinates differ by (√r − 1) / (√r + 1) of its length at most;
-            // half of it is left to the other axis.
-            (1..64).find(|&parts| {
-                let root = ratio.powf(0.5 / f64::from(parts));
-                (root - 1.0) / (root + 1.0) * texels / f64::from(parts) <= 0.35
-            })
+            // Along a line whose ends are at distances of ratio r, coordinates differ by (√r − 1) / (√r + 1) of its length at most. Inverse
+            // distances are linear in the plane of the face, so that the part at the far end has the largest ratio. Half of the error is
+            // left to the other axis.
+            let is_off = |parts: u32| {
+                let root = (1.0 + (ratio - 1.0) / f64::from(parts)).sqrt();
+                let texels = (root - 1.0) / (root + 1.0) * texels / f64::from(parts);
+                texels.is_nan() || texels > AXIS_ERROR_TEXELS
+            };
+            let (mut below, mut parts) = (0, MOST_PARTS);
+            while parts - below > 1 {
+                let middle = below + (parts - below) / 2;
+                (below, parts) = if is_off(middle) { (middle, parts) } else { (below, middle) };
+            }
+            parts
         };
-        [along([[0, 1], [3, 2]]).unwrap_or(64), along([[0, 3], [1, 2]]).unwrap_or(64)]
+        [along([[0, 1], [3, 2]]), along([[0, 3], [1, 2]])]
     }
 
-    /// The largest solid angle of a tile from any point of the region, in steradians.
+    /// The largest solid angle of a tile from any point of the region, in steradians; `+inf` where a corner is not met.
     fn worst_area(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> f64 {
         let corners = rect.corners().map(|corner| {
             let direction = direction(face, corner);
             direction * plane.hit(direction)
         });
+        if corners.iter().any(|corner| !corner.is_finite()) {
+            return f64::INFINITY;
+        }
         let from = |eye: &DVec3| {
             let [a, b, c, d] = corners.map(|corner| corner - eye);
             triangle_solid_angle([a, b, c]) + triangle_solid_angle([a, c, d])

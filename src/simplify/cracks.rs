@@ -65,10 +65,11 @@ pub fn close_in_image(
             let along = sample.end - sample.origin;
             let Some(ray) = Ray::new(sample.origin, along) else { continue };
             if alpha(sample) < CRACK_ALPHA {
-                let surface = Which::NearestTo(along.length());
-                closed.cracks += u64::from(close((&ray, surface, reach), placed, scene));
+                let surface = TileChoice::NearestTo(along.length());
+                let is_closed = close((&ray, surface, reach), placed, scene);
+                closed.cracks += u64::from(is_closed && reach == 0);
             } else if reach == 0 {
-                closed.translucent += u64::from(close((&ray, Which::First, reach), placed, scene));
+                closed.translucent += u64::from(close((&ray, TileChoice::First, reach), placed, scene));
             }
         }
     }
@@ -105,12 +106,12 @@ pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image:
 /// Closes cracks that pictures show; answers their number.
 pub fn close_in_pictures(pictures: &[Coverage], placed: Placed<'_>, scene: &mut QuadMesh) -> u64 {
     let rays = pictures.iter().flat_map(Coverage::gaps);
-    rays.filter(|ray| close((ray, Which::Farthest, 0), placed, scene)).count() as u64
+    rays.filter(|ray| close((ray, TileChoice::Farthest, 0), placed, scene)).count() as u64
 }
 
 /// Which of the tiles along a ray is made opaque.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Which {
+pub enum TileChoice {
     /// The nearest to a surface at this distance, in metres.
     NearestTo(f64),
     Farthest,
@@ -119,11 +120,11 @@ pub enum Which {
 }
 
 /// Makes the texels opaque that a ray passes between, and `reach` more on each side. Answers whether it meets a tile.
-pub fn close((ray, which, reach): (&Ray, Which, u32), (tiles, layout): Placed<'_>, scene: &mut QuadMesh) -> bool {
-    let rank = |&(tile, distance): &(u32, f64)| match which {
-        Which::NearestTo(metres) => (distance / metres - 1.0).abs(),
-        Which::Farthest => -distance,
-        Which::First => f64::from(tile),
+pub fn close((ray, choice, reach): (&Ray, TileChoice, u32), (tiles, layout): Placed<'_>, scene: &mut QuadMesh) -> bool {
+    let rank = |&(tile, distance): &(u32, f64)| match choice {
+        TileChoice::NearestTo(metres) => (distance / metres - 1.0).abs(),
+        TileChoice::Farthest => -distance,
+        TileChoice::First => f64::from(tile),
     };
     let crossed = tiles.crossed(ray);
     let Some(&(tile, distance)) = crossed.iter().min_by(|a, b| rank(a).total_cmp(&rank(b))) else { return false };

@@ -28,7 +28,7 @@ use crate::monitor::Monitor;
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 
 /// Images that are compared at once, at most.
-const MOST_AT_ONCE: usize = 8;
+pub(super) const MOST_AT_ONCE: usize = 8;
 /// Pictures of random poses, and their side in pixels.
 const POSES: u32 = 64;
 const POSE_SIDE: u32 = 256;
@@ -210,13 +210,14 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
         // Of a small part of the box around it nothing may be found.
         let eyes = (0..TRIES).map(|_| vector() * region.half);
         let Some(eye) = eyes.into_iter().find(|&eye| region.admits(eye)) else { break };
-        score.poses += 1;
         let eye = region.middle + eye;
         let mut forward = vector();
         while forward.length_squared() > 1.0 || forward.x == 0.0 {
             forward = vector();
         }
-        let camera = Camera::look_at(eye, eye + forward, DVec3::Y, Lens::new(90.0))?;
+        // So far away that the next float is metres off, an eye cannot look anywhere.
+        let Ok(camera) = Camera::look_at(eye, eye + forward, DVec3::Y, Lens::new(90.0)) else { break };
+        score.poses += 1;
         let drawn = draw(scene, &camera, size);
         for (at, pixel) in (0..).zip(&drawn.pixels) {
             let centre = [at % POSE_SIDE, at / POSE_SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(POSE_SIDE));

@@ -26,7 +26,7 @@ const MOST_FARTHER: f64 = 2.0;
 const SEEN_LEVEL: u32 = 5;
 
 /// The directions from the middle of the region in which a capture has surfaces.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct SeenDirections(Vec<bool>);
 
 impl SeenDirections {
@@ -38,6 +38,18 @@ impl SeenDirections {
 
     pub fn contains(&self, direction: DVec3) -> bool {
         self.0[TreeCell::containing(direction, SEEN_LEVEL).index()]
+    }
+
+    /// As bits.
+    pub fn to_words(&self) -> impl Iterator<Item = u64> {
+        let word = |bits: &[bool]| (0..).zip(bits).map(|(at, bit)| u64::from(*bit) << at).sum();
+        self.0.chunks(64).map(word)
+    }
+
+    /// Of [`Self::to_words`]; none where they are not as many.
+    pub fn of_words(words: &[u64]) -> Option<SeenDirections> {
+        let bits: Vec<bool> = words.iter().flat_map(|word| (0..64).map(move |at| word >> at & 1 == 1)).collect();
+        (bits.len() == TreeCell::count(SEEN_LEVEL)).then_some(SeenDirections(bits))
     }
 }
 
@@ -129,36 +141,49 @@ impl Coverage {
     }
 }
 
-/// Extends tiles where pictures show a gap. Answers the tiles, unless none was extended, and how many were.
-pub fn extend(tiles: &TileSet, pictures: &[Coverage], account: &mut Account<'_>) -> Option<(TileSet, u64)> {
-    let mut order: Vec<(u32, (PlaneRect, u32))> = wanted_rects(tiles, pictures).into_iter().collect();
-    // Those that close most come first.
-    order.sort_by_key(|&(tile, (_, pixels))| (std::cmp::Reverse(pixels), tile));
-    let mut changed = tiles.tiles.clone();
-    let kept = order.iter().filter(|(tile, (rect, _))| account.replace(&mut changed[*tile as usize], *rect)).count();
-    (kept > 0).then(|| (TileSet::in_order(changed), kept as u64))
+/// Tiles that pictures show a gap beside: the rectangle that would cover it, and the pixels of gaps.
+#[derive(Debug)]
+pub struct Extensions<'a> {
+    tiles: &'a TileSet,
+    wanted: BTreeMap<u32, (PlaneRect, u32)>,
 }
 
-/// By tile, the rectangle that covers the gaps beside it, and their pixels.
-fn wanted_rects(tiles: &TileSet, pictures: &[Coverage]) -> BTreeMap<u32, (PlaneRect, u32)> {
-    let of_picture = |picture: &Coverage| {
-        let mut found = Vec::new();
-        for gap in picture.gap_pixels() {
+impl<'a> Extensions<'a> {
+    pub fn new(tiles: &'a TileSet) -> Extensions<'a> {
+        Extensions { tiles, wanted: BTreeMap::new() }
+    }
+
+    /// Adds the gaps of a picture. The order of pictures does not matter.
+    pub fn add(&mut self, picture: &Coverage) {
+        let tiles = self.tiles;
+        let gaps: Vec<GapPixel> = picture.gap_pixels().collect();
+        let of_gap = |gap: &GapPixel| {
             let last = |ray: Ray| tiles.crossed(&ray).last().copied();
             let mut behind: Vec<(u32, f64)> = picture.border(gap.at).filter_map(last).collect();
             behind.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
             let reaching = |tile: u32| reaching(&tiles.tiles[tile as usize], &gap.ray, picture.pixel_length());
-            found.extend(behind.iter().find_map(|&(tile, _)| Some((tile, reaching(tile)?))));
+            behind.iter().find_map(|&(tile, _)| Some((tile, reaching(tile)?)))
+        };
+        let found: Vec<Option<(u32, PlaneRect)>> = gaps.par_iter().map(of_gap).collect();
+        for (tile, rect) in found.into_iter().flatten() {
+            let (joined, pixels) = self.wanted.entry(tile).or_insert((rect, 0));
+            (*joined, *pixels) = (joined.join(rect), *pixels + 1);
         }
-        found
-    };
-    let found: Vec<Vec<(u32, PlaneRect)>> = pictures.par_iter().map(of_picture).collect();
-    let mut wanted = BTreeMap::new();
-    for (tile, rect) in found.into_iter().flatten() {
-        let (joined, pixels) = wanted.entry(tile).or_insert((rect, 0));
-        (*joined, *pixels) = (joined.join(rect), *pixels + 1);
     }
-    wanted
+
+    /// Extends tiles as budgets allow. Answers all tiles, unless none was extended, and how many were.
+    pub fn extended(self, account: &mut Account<'_>) -> Option<(TileSet, u64)> {
+        let mut order: Vec<(u32, (PlaneRect, u32))> = self.wanted.into_iter().collect();
+        // Those that close most come first.
+        order.sort_by_key(|&(tile, (_, pixels))| (std::cmp::Reverse(pixels), tile));
+        let mut changed = self.tiles.tiles.clone();
+        let mut extend = |tile: u32, rect: PlaneRect| {
+            let tile = &mut changed[tile as usize];
+            may_become(tile, rect) && account.replace(tile, rect)
+        };
+        let kept = order.iter().filter(|(tile, (rect, _))| extend(*tile, *rect)).count();
+        (kept > 0).then(|| (TileSet::in_order(changed), kept as u64))
+    }
 }
 
 /// The rectangle of a tile that reaches to a ray and a margin farther; none where the plane is not met near the tile.
@@ -173,12 +198,18 @@ fn reaching(tile: &QuadTile, gap: &Ray, margin: f64) -> Option<PlaneRect> {
         min: [0, 1].map(|axis| if at[axis] < tile.rect.min[axis] { around.min[axis] } else { tile.rect.min[axis] }),
         max: [0, 1].map(|axis| if at[axis] > tile.rect.max[axis] { around.max[axis] } else { tile.rect.max[axis] }),
     };
+    may_become(tile, rect).then_some(rect)
+}
+
+/// Whether a rectangle is not much larger than that of a tile, and its corners not much farther.
+fn may_become(tile: &QuadTile, rect: PlaneRect) -> bool {
     let is_near = (0..2).all(|axis| {
         tile.rect.min[axis] - rect.min[axis] <= MOST_LONGER && rect.max[axis] - tile.rect.max[axis] <= MOST_LONGER
     });
     let farthest = |rect: PlaneRect| {
         let along = rect.corners().map(|corner| tile.plane.hit(direction(tile.cell.face, corner)));
-        along.into_iter().fold(0.0, |most: f64, at| if at > 0.0 { most.max(at) } else { f64::INFINITY })
+        along.into_iter().fold(0.0, f64::max)
     };
-    (is_near && farthest(rect) <= MOST_FARTHER * farthest(tile.rect)).then_some(rect)
+    let after = farthest(rect);
+    is_near && after.is_finite() && after <= MOST_FARTHER * farthest(tile.rect)
 }

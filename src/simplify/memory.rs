@@ -1,7 +1,9 @@
 //! Memory that simplification takes at most.
 
 use super::capture::Capture;
-use super::pipeline::{MAX_POINTS, Settings};
+use super::fidelity::MOST_AT_ONCE;
+use super::selected::MAX_POINTS;
+use super::settings::Settings;
 
 /// Bytes by pixel of an image: its rays, samples, constraints and pictures.
 const PIXEL_BYTES: u64 = 640;
@@ -11,10 +13,12 @@ const COMPARED_PIXEL_BYTES: u64 = 320;
 const POINT_BYTES: u64 = 400;
 /// Bytes by texel of all tiles: sums of light, constraints, light and alpha, and the atlas.
 const TEXEL_BYTES: u64 = 96;
-/// Texels of all tiles, by those of their area: tiles are dilated, and their sides are rounded up.
-const TEXEL_SHARE: f64 = 3.0;
+/// Area in the planes of cube faces over that on the sphere, at most: 24 over 4 π.
+const PLANE_SHARE: f64 = 1.91;
+/// Texels by which the side of a tile grows: it is dilated on both sides, and rounded up.
+const SIDE_GROWTH: f64 = 9.0;
 /// Tables of candidates and of the shares of views.
-const FIXED_BYTES: u64 = 256 << 20;
+const FIXED_BYTES: u64 = 128 << 20;
 
 /// An upper bound, for a budget that is checked before the work.
 pub fn bytes(capture: &Capture, settings: &Settings) -> u64 {
@@ -23,8 +27,10 @@ pub fn bytes(capture: &Capture, settings: &Settings) -> u64 {
     let points = samples.min(MAX_POINTS as u64);
     let texels_per_unit = settings.texels_per_unit(capture);
     let sphere = 4.0 * std::f64::consts::PI * texels_per_unit * texels_per_unit;
-    let texels = (TEXEL_SHARE * settings.budgets.area * sphere) as u64;
-    let compared = (rayon::current_num_threads() as u64).saturating_mul(COMPARED_PIXEL_BYTES);
+    let (area, tiles) = (PLANE_SHARE * settings.budgets.area * sphere, 0.5 * settings.budgets.triangles);
+    // The sum of (side + growth)², of tiles that have this area together, is largest where all are alike.
+    let texels = (area + 2.0 * SIDE_GROWTH * (tiles * area).sqrt() + SIDE_GROWTH.powi(2) * tiles) as u64;
+    let compared = (rayon::current_num_threads().min(MOST_AT_ONCE) as u64).saturating_mul(COMPARED_PIXEL_BYTES);
     pixels
         .saturating_mul(PIXEL_BYTES + compared)
         .saturating_add(points * POINT_BYTES)

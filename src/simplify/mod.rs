@@ -6,15 +6,15 @@
 //! 1. [`capture`]: images as rays; [`samples`] of them; [`region`]: where the eye may be.
 //! 2. [`points`]: samples merged into a point cloud (4.1).
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
-//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`tiles`]: their quads in drawing order;
-//!    [`gaps`] between them.
+//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`selected`] runs all up to here. [`tiles`]: their quads in
+//!    drawing order; [`gaps`] between them.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2); [`texturing`] makes
 //!    a mesh of them, [`cracks`] closes what is left open.
 //! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
 //!    material; [`export`]: files.
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
-//! [`pipeline`] runs them all; [`fidelity`] compares the result with the capture (7); [`memory`] says what
+//! [`pipeline`] runs them all by [`settings`]; [`fidelity`] compares the result with the capture (7); [`memory`] says what
 //! it takes; [`short_cuts`]: work that is left out.
 
 pub mod candidates;
@@ -35,7 +35,9 @@ pub mod raster;
 pub mod read_glb;
 pub mod region;
 pub mod samples;
+pub mod selected;
 pub mod selection;
+pub mod settings;
 pub mod shading;
 pub mod short_cuts;
 pub mod silhouettes;

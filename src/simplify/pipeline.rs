@@ -4,84 +4,27 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
-use super::cost::{CostModel, TextureCoordinates, ViewShares};
+use super::cost::ViewShares;
 use super::cracks;
 use super::fidelity::{self, Evaluation};
-use super::gaps::{self, Account, SeenDirections};
-use super::gbuffer::{self, SurfaceAtlas, TexturedTiles};
-use super::points::PointMerger;
-use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
+use super::gaps::{Account, Extensions, SeenDirections};
+use super::gbuffer::{SurfaceAtlas, TexturedTiles};
+use super::quad_mesh::{MeshForm, QuadMesh};
 use super::region::ViewingRegion;
-use super::samples::{Background, Inside, SampleRules};
-use super::selection::{Budgets, Problem, Selection};
-use super::short_cuts::ShortCuts;
-use super::texture_sizes::Sizing;
+use super::samples::{Background, SampleRules};
+use super::selected::{Counts, SelectedTiles, cost_model, select};
+use super::selection::Selection;
+use super::settings::{Settings, SurfaceAtlases};
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
-use super::tree::MAX_LEVEL;
 use crate::effort::Effort;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::json;
 use crate::monitor::Monitor;
-use crate::placement::Region;
 
-/// Points that samples are merged to, at most.
-pub(super) const MAX_POINTS: usize = 1_500_000;
-/// Level of the uniform tiling (Seurat 7, figure 13).
-const UNIFORM_LEVEL: u32 = 6;
-/// Least side of a tree cell in pixels of the capture.
-const PIXELS_A_CELL: f64 = 4.0;
 /// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
 const SOLID_THRESHOLD: f64 = 0.01;
-/// Part of the budgets that selection leaves to gaps.
-const GAP_SHARE: f64 = 0.1;
-
-/// Cells that get tilings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TilingKind {
-    /// All cells of the trees.
-    Quadtree,
-    /// Those of one level.
-    Uniform,
-}
-
-#[derive(Debug, Clone)]
-pub struct Settings {
-    pub budgets: Budgets,
-    /// Largest side of the atlas, in texels.
-    pub atlas: u32,
-    /// Texels for a degree at the middle of a cube face; those of the capture where it is not given.
-    pub pixels_per_degree: Option<f64>,
-    /// The box around the cameras where it is not given.
-    pub region: Option<Region>,
-    pub background: Background,
-    pub inside: Inside,
-    pub effort: Effort,
-    pub tiling: TilingKind,
-    pub sizing: Sizing,
-    pub texture_coordinates: TextureCoordinates,
-    pub light: AtlasLight,
-    pub surfaces: SurfaceAtlases,
-    pub short_cuts: ShortCuts,
-}
-
-/// Atlases beside that of light.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum SurfaceAtlases {
-    #[default]
-    None,
-    /// Of normals and material, where the capture has them.
-    GBuffer,
-}
-
-impl Settings {
-    /// Texels for each unit of the plane of a cube face.
-    pub fn texels_per_unit(&self, capture: &Capture) -> f64 {
-        self.pixels_per_degree.map_or_else(|| capture.pixels_per_unit(), f64::to_degrees)
-    }
-}
 
 /// Durations of the stages.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -99,6 +42,9 @@ pub struct Stages {
     pub shading: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub atlas: Duration,
+    /// Tiles are extended over gaps, and cracks are closed.
+    #[serde(serialize_with = "json::seconds")]
+    pub gaps: Duration,
     /// Files, which the caller writes.
     #[serde(serialize_with = "json::seconds")]
     pub export: Duration,
@@ -169,9 +115,7 @@ pub struct Simplified {
     pub selection: Selection,
     /// Triangles, area in spheres, overdraw of the view with the most.
     pub used: [f64; 3],
-    pub samples: u64,
-    pub points: u64,
-    pub candidates: u64,
+    pub counts: Counts,
     pub tiles: u64,
     pub atlas: [u32; 2],
     /// Texels of tiles.
@@ -200,70 +144,29 @@ pub fn steps(images: usize) -> u64 {
 
 /// Simplifies a capture.
 pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<Simplified> {
-    let mut stages = Stages::default();
-    let mut counters = Counters::default();
-    let mut notes = Vec::new();
-    let images = 0..capture.images.len();
-    if settings.surfaces == SurfaceAtlases::GBuffer {
-        gbuffer::check(capture)?;
-    }
-    let region = region_of(capture, settings, &mut notes)?;
+    let selected = select(capture, settings, monitor)?;
+    texture(selected, capture, settings, monitor)
+}
+
+/// Makes a textured mesh of the tiles that were selected for a capture, with the same settings.
+pub fn texture(
+    selected: SelectedTiles,
+    capture: &mut Capture,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Simplified> {
+    let SelectedTiles { region, extent, seen, tiles, selection, counts, durations, mut notes } = selected;
+    let [merge, candidates, of_selection] = durations;
+    let mut stages = Stages { merge, candidates, selection: of_selection, ..Stages::default() };
+    let mut counters =
+        Counters { dropped_samples: counts.dropped_samples, fitted_cells: counts.fitted_cells, ..Counters::default() };
+    let mut tiles = TileSet::in_order(tiles);
     let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
     let solid_threshold = solid_threshold(capture, &mut notes);
-
-    let begun = Instant::now();
-    let mut merger = PointMerger::new(MAX_POINTS);
-    let (mut samples, mut farthest_m) = (0, 0f64);
-    rules.of_all_images(capture, monitor, |_, found, left_out| {
-        counters.dropped_samples += left_out;
-        let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
-        samples += ends.len() as u64;
-        farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
-        merger.add(&ends);
-    })?;
-    if samples == 0 {
-        return Err(Error::Usage("there is no sample: a capture has a pixel that shows a surface".into()));
-    }
-    let points = merger.finish();
-    stages.merge = begun.elapsed();
-
-    let begun = Instant::now();
     let texels_per_unit = settings.texels_per_unit(capture);
-    let extent = Extent { least_m: 0.01 * region.radius(), most_m: farthest_m, margin: 1.0 / texels_per_unit };
-    let mut fitting = CandidateSettings::of(settings.effort);
-    // Cells of fewer pixels would have no sample here and there, and leave holes.
-    let finest = (2.0 * capture.pixels_per_unit() / PIXELS_A_CELL).max(1.0).log2() as u32;
-    fitting.levels[1] = finest.min(fitting.levels[1]);
-    if settings.tiling == TilingKind::Uniform {
-        fitting.levels = [UNIFORM_LEVEL.min(finest); 2];
-    }
-    let levels = candidates(&points, &extent, &fitting);
-    let count = levels.iter().flat_map(|level| &level.tilings).flatten().map(|tiling| tiling.planes.len() as u64).sum();
-    counters.fitted_cells =
-        levels.iter().flat_map(|level| &level.tilings).filter(|tilings| !tilings.is_empty()).count() as u64;
-    stages.candidates = begun.elapsed();
-    monitor.check()?;
-
-    let begun = Instant::now();
-    let model =
-        CostModel { extent, eyes: region.border(), texels_per_unit, texture_coordinates: settings.texture_coordinates };
-    let costs = model.costs(&levels);
+    let model = cost_model(extent, &region, settings, texels_per_unit);
     let shares = ViewShares::of_trees();
-    let (iterations, gap) = match settings.effort {
-        Effort::Fast => (200, 1e-2),
-        Effort::Normal => (600, 1e-3),
-        Effort::Exhaustive => (3000, 1e-5),
-    };
-    let select = |budgets: &Budgets| Problem::new(&costs, fitting.levels[0], &shares, budgets).solve(iterations, gap);
-    // Some of the budgets is kept for gaps, where that is feasible.
-    let selection = select(&settings.budgets.scaled(1.0 - GAP_SHARE)).or_else(|_| select(&settings.budgets))?;
-    let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
-    let mut tiles = TileSet::new(&selection.tilings, &levels, &model);
-    let point_count = points.len() as u64;
-
-    drop((costs, levels, points));
-    stages.selection = begun.elapsed();
-
+    let images = 0..capture.images.len();
     let texturing = Texturing {
         rules,
         solid_threshold,
@@ -275,9 +178,8 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         sizing: settings.sizing,
         short_cuts: settings.short_cuts,
     };
-    let coarse = texturing.coarse().run(&tiles, capture, monitor)?;
-    stages.add(&coarse);
     let begun = Instant::now();
+    let coarse = texturing.coarse().run(&tiles, capture, monitor)?;
     // Without a surface in all directions there is no telling a gap from what is empty.
     let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
     let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
@@ -287,18 +189,19 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     };
-    let mut gap_pictures = pictures(&coarse.scene)?;
+    let mut extensions = Extensions::new(&tiles);
+    pictures(&coarse.scene)?.iter().for_each(|picture| extensions.add(picture));
     for image in &capture.images {
         monitor.check()?;
-        gap_pictures.extend(cracks::picture(&coarse.scene, &region, &tiles, image));
+        cracks::picture(&coarse.scene, &region, &tiles, image).iter().for_each(|picture| extensions.add(picture));
     }
     drop(coarse);
     let mut used = selection.used;
     let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
-    if let Some((extended, count)) = gaps::extend(&tiles, &gap_pictures, &mut account) {
+    if let Some((extended, count)) = extensions.extended(&mut account) {
         (tiles, used, counters.extended_tiles) = (extended, account.used, count);
     }
-    stages.atlas += begun.elapsed();
+    stages.gaps += begun.elapsed();
     let textured = texturing.run(&tiles, capture, monitor)?;
     stages.add(&textured);
     counters.add(&textured);
@@ -308,13 +211,15 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     let placed = (&tiles, &layout);
     counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, placed, &mut scene);
-    for image in images.clone() {
+    for image in images {
         monitor.check()?;
         let closed = cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
         counters.closed_cracks += closed.cracks;
         counters.closed_translucent += closed.translucent;
         monitor.advance(1);
     }
+    stages.gaps += begun.elapsed();
+    let begun = Instant::now();
     let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
     let surfaces = match settings.surfaces {
         SurfaceAtlases::None => None,
@@ -325,9 +230,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         scene,
         surfaces,
         region,
-        samples,
-        points: point_count,
-        candidates: count,
+        counts,
         tiles: tiles.tiles.len() as u64,
         atlas: layout.size,
         used_texels: layout.places.iter().map(|place| u64::from(place.side).pow(2)).sum(),
@@ -338,25 +241,6 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
         seen,
         notes,
     })
-}
-
-fn region_of(capture: &mut Capture, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
-    let mut region = match &settings.region {
-        Some(region) => ViewingRegion::given(region.clone()),
-        None => ViewingRegion::around(capture.images.iter().map(|image| image.eye)),
-    };
-    if !region.has_extent() {
-        region.grow(capture.nearest_m()?);
-        notes.push(format!(
-            "all cameras stand in one place: the viewing region is a cube of radius {:.4} m around it, a tenth of the distance of \
-             the nearest surface; see `region`",
-            region.radius()
-        ));
-    }
-    match region.radius().is_finite() && region.radius() > 0.0 {
-        true => Ok(region),
-        false => Err(Error::Usage("the viewing region has no extent and no surface is near: give a `region`".into())),
-    }
 }
 
 /// Tiles are as far from samples as these are wrong.
@@ -379,14 +263,20 @@ fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
     }
 }
 
-const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::monitor::Silent;
+    use crate::placement::Region;
     use crate::scene::{DemoKind, FootagePlan};
-    use crate::simplify::tree::TreeCell;
+    use crate::simplify::cost::TextureCoordinates;
+    use crate::simplify::quad_mesh::AtlasLight;
+    use crate::simplify::samples::Inside;
+    use crate::simplify::selection::{Budgets, CONSTRAINTS};
+    use crate::simplify::settings::TilingKind;
+    use crate::simplify::short_cuts::ShortCuts;
+    use crate::simplify::texture_sizes::Sizing;
+    use crate::simplify::tree::{MAX_LEVEL, TreeCell};
 
     const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
 
@@ -470,6 +360,28 @@ mod tests {
         }
         let [psnr_db, affine_db] = [found, run(|_| {}).unwrap()].map(|found| psnr_db_of(&found));
         assert!(psnr_db > affine_db - 0.1, "{psnr_db} {affine_db}");
+    }
+
+    #[test]
+    fn tiles_that_were_kept_as_words_give_the_same_scene() {
+        captured(|capture| {
+            let settings = settings();
+            let words = select(capture, &settings, &Silent).unwrap().to_words();
+            let again = SelectedTiles::of_words(&words, capture, &settings).unwrap().unwrap();
+            assert_eq!(again.to_words(), words);
+            let found = texture(again, capture, &settings, &Silent).unwrap();
+            let whole = simplify(capture, &settings, &Silent).unwrap();
+            assert!(found.scene.mesh == whole.scene.mesh && found.scene.texture.pixels == whole.scene.texture.pixels);
+            assert_eq!((found.counts, found.used), (whole.counts, whole.used));
+            let mut is_read = |words: &[u64]| SelectedTiles::of_words(words, capture, &settings).unwrap().is_some();
+            for count in [0, 7, words.len() / 2, words.len() - 1] {
+                assert!(!is_read(&words[..count]), "{count}");
+            }
+            // The length of a list.
+            let mut wrong = words;
+            wrong[14 + CONSTRAINTS] = u64::MAX;
+            assert!(!is_read(&wrong));
+        });
     }
 
     #[test]

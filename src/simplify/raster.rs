@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 use super::quad_mesh::QuadMesh;
 use crate::error::Result;
+use crate::image::plane::Plane;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
@@ -84,6 +85,14 @@ pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
     let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
     let raster = Raster::new(scene, camera, &settings);
     Drawn::of_rows(raster.jobs().map(|job| raster.rows(job)).collect())
+}
+
+/// Triangles over the middle of each pixel.
+pub fn overdraw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Result<Plane<u32>> {
+    let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
+    let raster = Raster::new(scene, camera, &settings);
+    let counts: Vec<Vec<u32>> = raster.jobs().map(|job| raster.rows(job).1).collect();
+    Plane::new(size[0], size[1], counts.concat())
 }
 
 /// Draws the mesh over a transparent picture. The monitor advances by one for each row.

@@ -32,7 +32,7 @@ pub fn read_glb(path: &Path) -> Result<QuadScene> {
 
 fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     if !document::is_glb(bytes) {
-        return Err(foreign("it is no binary glTF"));
+        return Err(foreign("it is no binary glTF (.glb)"));
     }
     let Parsed { document, blob } = document::parse(bytes)?;
     let root = document.as_json();
@@ -55,8 +55,8 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
         let number = primitive.material().index().map_or(0, |index| index + 1);
         let Some(paint) = paints.get(number) else { continue };
         let Material { base_texture: Some(own), unlit: true, .. } = &paint.material else {
-            let note = notes.first().map(|note| format!(": {note}")).unwrap_or_default();
-            return Err(Error::invalid(format!("a primitive has no atlas that shows under any light{note}")));
+            let notes: String = notes.iter().map(|note| format!("; {note}")).collect();
+            return Err(Error::invalid(format!("a primitive has no atlas that shows under any light{notes}")));
         };
         let atlas = texture.get_or_insert_with(|| own.clone());
         if !Arc::ptr_eq(atlas, own) {

@@ -48,6 +48,11 @@ impl ViewingRegion {
         self.given = None;
     }
 
+    /// Metres from the middle within which there is no tile: 1% of the radius (Seurat 4.2).
+    pub fn least_m(&self) -> f64 {
+        0.01 * self.radius()
+    }
+
     /// Metres from the middle to the corners.
     pub fn radius(&self) -> f64 {
         self.half.length()
@@ -58,7 +63,7 @@ impl ViewingRegion {
         let steps = [-1.0, 0.0, 1.0];
         let signs =
             steps.into_iter().flat_map(|x| steps.into_iter().flat_map(move |y| steps.map(|z| DVec3::new(x, y, z))));
-        signs.map(|sign| sign * self.half).collect()
+        distinct(signs.map(|sign| sign * self.half))
     }
 
     /// The same points, moved towards the middle into the region.
@@ -68,9 +73,7 @@ impl ViewingRegion {
             let region = self.given.as_ref();
             steps.into_iter().find(|&at| region.is_none_or(|region| region.contains(self.middle + at)))
         };
-        let mut eyes: Vec<DVec3> = self.border().into_iter().filter_map(into).collect();
-        eyes.dedup();
-        eyes
+        distinct(self.border().into_iter().filter_map(into))
     }
 
     /// Whether a point, relative to the middle, is inside.
@@ -100,6 +103,16 @@ impl ViewingRegion {
     }
 }
 
+/// The points without those that occurred before: boxes without extent along an axis have equal corners.
+fn distinct(points: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    points.fold(Vec::new(), |mut all, point| {
+        if !all.contains(&point) {
+            all.push(point);
+        }
+        all
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +123,7 @@ mod tests {
         assert_eq!((region.middle, region.radius()), (DVec3::new(2.0, 1.0, 1.0), 1.0));
         assert_eq!(region.to_sky(DVec3::X, DVec3::X), 399.0);
         assert_eq!(region.to_sky(DVec3::X, DVec3::new(-0.6, 0.8, 0.0)), 500.0);
+        assert_eq!((region.border().len(), region.eyes().len()), (3, 3));
         assert!(region.admits(DVec3::X) && !region.contains(DVec3::X) && !region.admits(DVec3::Y));
         let ball = ViewingRegion::given(Region::parse(&["sphere:1,2,3,0.5"]).unwrap());
         assert!(ball.contains(DVec3::X * 0.49) && !ball.contains(DVec3::splat(0.4)));

@@ -81,7 +81,7 @@ impl SampleRules<'_> {
             let direction = ray.direction.as_vec3().as_dvec3();
             let sky_m = self.region.to_sky(origin, direction);
             let end = origin + ray.distance_m.min(sky_m) * direction;
-            if self.region.contains(end) {
+            if self.region.contains(end) || end.length() < self.region.least_m() {
                 if self.inside == Inside::Drop {
                     left_out += 1;
                     continue;

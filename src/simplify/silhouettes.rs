@@ -12,6 +12,7 @@ const FREE: u8 = 2;
 pub struct ConstraintBitmap {
     side: usize,
     bits: Vec<u8>,
+    has_solid: bool,
     has_free: bool,
 }
 
@@ -19,30 +20,30 @@ impl ConstraintBitmap {
     /// Of a square texture of so many texels a side.
     pub fn new(texels: usize) -> ConstraintBitmap {
         let side = texels * SUPERSAMPLING;
-        ConstraintBitmap { side, bits: vec![0; side * side], has_free: false }
+        ConstraintBitmap { side, bits: vec![0; side * side], has_solid: false, has_free: false }
     }
 
     /// Adds a constraint at a place in texels: 0 is the middle of the first one.
     pub fn add(&mut self, at: [f32; 2], is_solid: bool) {
         let place = |at: f32| (((at + 0.5) * SUPERSAMPLING as f32) as usize).min(self.side - 1);
         self.bits[place(at[1]) * self.side + place(at[0])] |= if is_solid { SOLID } else { FREE };
+        self.has_solid |= is_solid;
         self.has_free |= !is_solid;
     }
 
-    /// Whether no ray shows any of the tile to be empty.
+    /// Whether a surface lies on the tile, and no ray shows any of it to be empty.
     pub fn is_opaque(&self) -> bool {
-        !self.has_free
+        self.has_solid && !self.has_free
     }
 
-    /// The part of each texel whose places are nearer to a solid constraint than to one of free space; places with both kinds have none. All of
-    /// each texel where there is no free space.
+    /// The part of each texel whose places are nearer to a solid constraint than to one of free space; places with both kinds have none.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
         let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
         let (solid, free) = (to(SOLID), to(FREE));
         let mut alpha = vec![0.0; texels * texels];
         for (at, (solid, free)) in solid.iter().zip(&free).enumerate() {
-            if solid < free || free.is_infinite() {
+            if solid < free {
                 let (x, y) = (at % self.side / SUPERSAMPLING, at / self.side / SUPERSAMPLING);
                 alpha[y * texels + x] += 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f32;
             }

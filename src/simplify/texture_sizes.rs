@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::textures::TileTexture;
 use crate::atlas::{Allocation, Atlas};
 use crate::error::{Error, Result};
+use crate::monitor::Monitor;
 
 /// Sides are multiples of it, so that no two tiles share a block of a compressed texture.
 pub const BLOCK: usize = 4;
@@ -56,8 +57,11 @@ pub enum Sizing {
     Uniform,
 }
 
+/// Sizes of one texture that are compared, at most.
+const MOST_SIZES: usize = 64;
+
 /// Places textures in an atlas of at most `most` texels a side.
-pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing) -> Result<Layout> {
+pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn Monitor) -> Result<Layout> {
     let full: Vec<usize> = textures.iter().map(|texture| texture.side).collect();
     if let Some(layout) = pack(&full, &full, most) {
         return Ok(layout);
@@ -73,8 +77,8 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing) -> Result<Lay
     let sides_at: Box<dyn Fn(f64) -> Vec<usize>> = match sizing {
         Sizing::Adaptive => {
             let alpha_weight = 2.0 * variance(textures);
-            let of = |texture: &TileTexture| representations(texture, alpha_weight);
-            let choices: Vec<Vec<Representation>> = textures.par_iter().map(of).collect();
+            let of = |texture: &TileTexture| representations(texture, alpha_weight, monitor);
+            let choices: Vec<Vec<Representation>> = textures.par_iter().map(of).collect::<Result<_>>()?;
             Box::new(move |octaves: f64| {
                 let lambda = octaves.exp2();
                 let cost = |of: &&Representation| of.distortion + lambda * (of.side * of.side) as f64;
@@ -146,14 +150,16 @@ fn variance(textures: &[TileTexture]) -> f64 {
     squares / count - sums.iter().map(|sum| (sum / count).powi(2)).sum::<f64>()
 }
 
-/// All sizes of a texture, and their distortions. Where alpha is wrong another surface shows: the mean square of what that changes is
+/// Sizes of a texture, and their distortions: all of up to 256 texels a side, and 64 of larger ones. Where alpha is wrong another surface shows: the mean square of what that changes is
 /// `alpha_weight`, twice the variance of light.
-fn representations(texture: &TileTexture, alpha_weight: f64) -> Vec<Representation> {
+fn representations(texture: &TileTexture, alpha_weight: f64, monitor: &dyn Monitor) -> Result<Vec<Representation>> {
     let full = encoded(texture);
-    let sides = (BLOCK..=texture.side).step_by(BLOCK);
+    let step = (texture.side / MOST_SIZES).next_multiple_of(BLOCK).max(BLOCK);
+    let sides = (1..).map(|at| at * step).take_while(|&side| side < texture.side).chain([texture.side]);
     let of = |side: usize| {
+        monitor.check()?;
         if side == texture.side {
-            return Representation { side, distortion: 0.0 };
+            return Ok(Representation { side, distortion: 0.0 });
         }
         let small = resize(&full, texture.side, side, Filter::Tent);
         let shown = resize(&small, side, texture.side, Filter::Linear);
@@ -161,7 +167,7 @@ fn representations(texture: &TileTexture, alpha_weight: f64) -> Vec<Representati
         let difference = |(a, b): (&[f32; 4], &[f32; 4])| {
             (0..3).map(|channel| square(a, b, channel)).sum::<f64>() + alpha_weight * square(a, b, 3)
         };
-        Representation { side, distortion: full.iter().zip(&shown).map(difference).sum() }
+        Ok(Representation { side, distortion: full.iter().zip(&shown).map(difference).sum() })
     };
     sides.map(of).collect()
 }
@@ -244,6 +250,7 @@ fn resize(texels: &[[f32; 4]], from: usize, to: usize, filter: Filter) -> Vec<[f
 mod tests {
     use super::*;
     use crate::math::random::Random;
+    use crate::monitor::Silent;
 
     /// Textures of noise, and flat ones.
     fn textures() -> Vec<TileTexture> {
@@ -259,7 +266,8 @@ mod tests {
 
     fn distortion(textures: &[TileTexture], layout: &Layout) -> f64 {
         let of = |(texture, place): (&TileTexture, &Place)| {
-            representations(texture, 2.0 * variance(std::slice::from_ref(texture)))
+            representations(texture, 2.0 * variance(std::slice::from_ref(texture)), &Silent)
+                .unwrap()
                 .into_iter()
                 .find(|of| of.side == place.side as usize)
                 .map_or(0.0, |of| of.distortion)
@@ -272,7 +280,7 @@ mod tests {
         let textures = textures();
         for most in [256, 100, 64] {
             let [adaptive, uniform] =
-                [Sizing::Adaptive, Sizing::Uniform].map(|sizing| layout(&textures, most, sizing).unwrap());
+                [Sizing::Adaptive, Sizing::Uniform].map(|sizing| layout(&textures, most, sizing, &Silent).unwrap());
             for layout in [&adaptive, &uniform] {
                 assert!(layout.size.iter().all(|side| *side <= most));
                 for (at, a) in layout.places.iter().enumerate() {
@@ -295,7 +303,7 @@ mod tests {
                 "{most}: {adaptive} {uniform}"
             );
         }
-        let said = layout(&textures, 24, Sizing::Adaptive).unwrap_err().to_string();
+        let said = layout(&textures, 24, Sizing::Adaptive, &Silent).unwrap_err().to_string();
         assert!(said.contains("40 tiles") && said.ends_with("is 28"), "{said}");
     }
 

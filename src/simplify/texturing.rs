@@ -9,7 +9,7 @@ use super::short_cuts::ShortCuts;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTextures};
 use super::tiles::{QuadTile, TileSet};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
 /// Largest side of a tile's texture, in texels.
@@ -72,9 +72,15 @@ impl Texturing<'_> {
         let constrained = begun.elapsed();
         let TileTextures { textures, filled_texels, filled_tiles } = builder.finish(self.short_cuts);
         let shaded = begun.elapsed();
-        let layout = layout(&textures, self.atlas, self.sizing)?;
+        let layout = layout(&textures, self.atlas, self.sizing, monitor)?;
+        let scene = QuadMesh::new(tiles, &textures, &layout, &self.form);
+        if !scene.mesh.positions.iter().all(|position| position.is_finite()) {
+            return Err(Error::Usage(
+                "surfaces lie too far away, or too near to the middle of the region, for the single precision of a mesh".into(),
+            ));
+        }
         Ok(Textured {
-            scene: QuadMesh::new(tiles, &textures, &layout, &self.form),
+            scene,
             layout,
             solid_constraints,
             free_space_constraints,

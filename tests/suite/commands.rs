@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::footage::Footage;
 
-fn lightfold(arguments: &[&str], folder: &Path) -> Output {
+pub fn lightfold(arguments: &[&str], folder: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     command.args(arguments).current_dir(folder).output().unwrap()
 }

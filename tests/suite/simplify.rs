@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 
 const PLAN: &str = "capture interior --position=0,1.5,0 --position=0.3,1.5,0.1 --position=0.1,1.7,0.3 --size 48 --samples 2 --frames 0-1 -o room";
 
@@ -214,4 +214,25 @@ fn what_a_scene_cannot_be_rendered_with_is_refused() {
     fine("encode room -o room.lfold --frames 0", at);
     let said = refused(&format!("render room.lfold {eye} --method painter"), at);
     assert!(said.contains("simplified scenes"), "{said}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_run_that_stops_keeps_its_tiles_and_resumes_to_the_same_bytes() {
+    let folder = room();
+    let line = "simplify room -o quads.glb --triangles 1000 --effort fast";
+    // The texture beside the scene cannot be written.
+    let full = lightfold(&format!("{line} --ktx2 /dev/full").split(' ').collect::<Vec<_>>(), folder.path());
+    let stopped = String::from_utf8_lossy(&full.stderr);
+    assert!(!full.status.success() && stopped.contains("--resume continues"), "{stopped}");
+    assert!(!folder.path().join("quads.glb").exists() && folder.path().join(".quads.glb.journal").exists());
+    let other = refused(&format!("{line} --area 2 --resume"), folder.path());
+    assert!(other.contains("cannot resume") && other.contains("options"), "{other}");
+    let resumed = fine(&format!("{line} --resume"), folder.path());
+    assert!(String::from_utf8_lossy(&resumed.stderr).contains("resuming with the tiles"));
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+    let bytes = fs::read(folder.path().join("quads.glb")).unwrap();
+    fine(&line.replace("quads", "whole"), folder.path());
+    assert!(bytes == fs::read(folder.path().join("whole.glb")).unwrap());
 }

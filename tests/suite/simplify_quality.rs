@@ -10,10 +10,11 @@ use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::simplify::capture::Capture;
 use lightfold::simplify::cost::TextureCoordinates;
 use lightfold::simplify::fidelity::Evaluation;
-use lightfold::simplify::pipeline::{Settings, Simplified, SurfaceAtlases, TilingKind, simplify};
+use lightfold::simplify::pipeline::{Simplified, simplify};
 use lightfold::simplify::quad_mesh::AtlasLight;
 use lightfold::simplify::samples::{Background, Inside};
 use lightfold::simplify::selection::Budgets;
+use lightfold::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
 use lightfold::simplify::short_cuts::ShortCuts;
 use lightfold::simplify::texture_sizes::Sizing;
 

@@ -8,10 +8,10 @@ use crate::error::{Error, Result};
 use crate::placement::Region;
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::export::{Ktx2Output, Outputs};
-use crate::simplify::pipeline::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::quad_mesh::AtlasLight;
 use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
+use crate::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::short_cuts::ShortCuts;
 use crate::simplify::texture_sizes::Sizing;
 
@@ -21,6 +21,7 @@ use crate::simplify::texture_sizes::Sizing;
     lightfold simplify footage --triangles 20000 --atlas 2048 --effort fast -o scene.glb --json\n  \
     lightfold simplify footage -o scene.obj --uv projective\n  \
     lightfold simplify footage -o scene.glb --ktx2 scene.ktx2 --hdr\n  \
+    lightfold simplify footage -o scene.glb --resume\n  \
     lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frames 24 -o scene.glb\n\n\
     The scene is right for eyes in the viewing region only. Triangles are stored from back to front: a viewer draws them in that \
     order, blended, without depth test, culling or sorting (three.js: sortObjects = false, forceSinglePass = true).\n\n\
@@ -29,9 +30,14 @@ use crate::simplify::texture_sizes::Sizing;
     Triangles of glTF interpolate texture coordinates linearly, so that slanted quads are divided until that is within half a texel. \
     --uv projective divides none: a .glb file then has the attribute _TEXCOORD_STQ, and a .obj file vt s t q; the texture lies at s/q, \
     t/q, which few viewers know.\n\n\
+    A run that stops after its quads were selected keeps them beside SCENE. The same command with --resume continues and writes the same \
+    bytes.\n\n\
     All budgets are kept; one that cannot be is an error that names the least value that would do. Area: how often all quads \
     together would cover the sphere around the viewer. Peak overdraw: mean number of quads over a pixel in the worst of 126 views of \
-    90 degrees. Cracks: pixels of the capture with less than half alpha.")]
+    90 degrees. Cracks: pixels of the capture with less than half alpha.\n\n\
+    --json has, beside PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images: released_psnr_db, what the evaluator of the released \
+    program would have printed, which left out translucent pixels and added 24.07 dB; random_poses, cracks seen from 64 places in the \
+    region; selection, the energy of the quads (primal) and the least that any selection could have (dual).")]
 pub struct Args {
     /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]
@@ -79,7 +85,8 @@ pub struct Args {
     /// Texture coordinates, which decide how many quads a slanted one is divided into
     #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
     pub uv: TextureCoordinates,
-    /// Keep light above 1, as half floats: in a .exr file beside the scene, and in BC6H with --ktx2
+    /// Keep light above 1, as half floats: in a .exr file beside the scene, and in BC6H, which has no alpha, with
+    /// --ktx2
     #[arg(long)]
     pub hdr: bool,
     /// Write the texture as KTX2, too, in BC7, which graphics cards read compressed
@@ -98,6 +105,9 @@ pub struct Args {
     /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
     #[arg(long)]
     pub gbuffer: bool,
+    /// Resume a stopped run with the tiles that it had selected, with the same options; start anew if there are none
+    #[arg(long)]
+    pub resume: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Report as JSON, with a comparison of pictures of the scene with the input
@@ -131,6 +141,9 @@ const SIZINGS: &Choices<Sizing> = &[
 impl Args {
     pub(super) fn check(&self) -> Result<()> {
         check_report(&self.output, self.json)?;
+        if self.stats && self.output == Path::new("-") {
+            return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
+        }
         match (self.hdr || self.gbuffer) && self.output == Path::new("-") {
             true => Err(Error::Usage("--hdr and --gbuffer write files beside the scene: give -o a name, not -".into())),
             false => self.outputs().check(),

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 use serde_json::to_value;
 
-use super::Args;
+use super::{Args, Compared};
 use crate::cli::output::human_bytes;
 use crate::error::{Error, Result};
 use crate::json::{self, Number};
@@ -99,7 +99,7 @@ struct FileReport {
 }
 
 /// A figure of pictures that were compared; no number where none was.
-fn compared(fidelity: &Fidelity, value: f64) -> Number {
+fn figure(fidelity: &Fidelity, value: f64) -> Number {
     Number(if fidelity.pixels > 0 { value } else { f64::NAN })
 }
 
@@ -109,10 +109,10 @@ impl EvaluationReport {
             peak_overdraw_measured: fidelity.peak_overdraw,
             overdraw_mean: fidelity.overdraw_mean(),
             fragments_per_pixel_max: fidelity.fragments_per_pixel_max,
-            psnr_db: compared(fidelity, fidelity.similarity.all.psnr_db()),
+            psnr_db: figure(fidelity, fidelity.similarity.all.psnr_db()),
             ssim: fidelity.similarity.ssim(),
             psnr_hvs_m_db: fidelity.similarity.hvs.psnr_db().map(Number),
-            released_psnr_db: compared(fidelity, fidelity.released_psnr_db()),
+            released_psnr_db: figure(fidelity, fidelity.released_psnr_db()),
             crack_pixels: fidelity.crack_pixels,
             translucent_pixels: fidelity.translucent_pixels,
             pixels: fidelity.pixels,
@@ -125,12 +125,16 @@ impl EvaluationReport {
             return "no picture was compared: the input has no perspective view\n".to_owned();
         }
         format!(
-            "overdraw mean {:.2}, peak {:.2}\n{}, {} cracks of {} pixels\n",
+            "overdraw of the input's views: mean {:.2}, peak {:.2}\n{}\n{} cracks and {} more translucent of {} pixels; from random \
+             places {} cracks of {}\n",
             self.overdraw_mean,
             self.peak_overdraw_measured,
             similarity(self.psnr_db, self.ssim),
             self.crack_pixels,
-            self.pixels
+            self.translucent_pixels - self.crack_pixels,
+            self.pixels,
+            self.random_poses.crack_pixels,
+            self.random_poses.pixels,
         )
     }
 }
@@ -140,13 +144,8 @@ fn similarity(psnr_db: Number, ssim: Option<f64>) -> String {
 }
 
 impl Report {
-    /// Of a scene, of its comparison with the capture, and with images that it was not made from.
-    pub fn new(
-        (simplified, evaluation, held_out): (&Simplified, Option<&Evaluation>, Option<&Fidelity>),
-        args: &Args,
-        (files, figures): (Vec<(PathBuf, u64)>, Vec<PathBuf>),
-        elapsed: Duration,
-    ) -> Report {
+    pub fn new(simplified: &Simplified, compared: &Compared, args: &Args, elapsed: Duration) -> Report {
+        let Compared { evaluation, held_out, files, figures } = compared;
         let Simplified { selection, atlas, .. } = simplified;
         let [triangles, area, overdraw] = simplified.used;
         let texels = u64::from(atlas[0]) * u64::from(atlas[1]);
@@ -159,9 +158,9 @@ impl Report {
             atlas_height: atlas[1],
             atlas_texels: texels,
             atlas_occupancy: simplified.used_texels as f64 / texels.max(1) as f64,
-            evaluation: evaluation.map(EvaluationReport::new),
-            held_out: held_out.map(|held_out| HeldOutReport {
-                psnr_db: compared(held_out, held_out.similarity.all.psnr_db()),
+            evaluation: evaluation.as_ref().map(EvaluationReport::new),
+            held_out: held_out.as_ref().map(|held_out| HeldOutReport {
+                psnr_db: figure(held_out, held_out.similarity.all.psnr_db()),
                 ssim: held_out.similarity.ssim(),
                 psnr_hvs_m_db: held_out.similarity.hvs.psnr_db().map(Number),
                 crack_pixels: held_out.crack_pixels,
@@ -179,13 +178,13 @@ impl Report {
                 BudgetReport { name: "peak_overdraw", limit: args.peak_overdraw, used: overdraw },
                 BudgetReport { name: "atlas", limit: f64::from(args.atlas), used: f64::from(atlas[0].max(atlas[1])) },
             ],
-            samples: simplified.samples,
-            points: simplified.points,
-            candidates: simplified.candidates,
+            samples: simplified.counts.samples,
+            points: simplified.counts.points,
+            candidates: simplified.counts.candidates,
             stages: simplified.stages,
             counters: simplified.counters,
-            files: files.into_iter().map(|(path, bytes)| FileReport { path, bytes }).collect(),
-            figures,
+            files: files.iter().map(|(path, bytes)| FileReport { path: path.clone(), bytes: *bytes }).collect(),
+            figures: figures.clone(),
             seconds: elapsed,
         }
     }
@@ -196,6 +195,8 @@ impl Report {
         for (title, values) in [("seconds", to_value(self.stages)), ("count", to_value(self.counters))] {
             let values = values.map_err(|error| Error::invalid(format!("JSON: {error}")))?;
             for (name, value) in values.as_object().into_iter().flatten() {
+                let value =
+                    value.as_f64().filter(|_| title == "seconds").map_or(value.to_string(), |s| format!("{s:.3}"));
                 lines += &format!("{title}: {} {value}\n", name.replace('_', " "));
             }
         }
@@ -203,19 +204,21 @@ impl Report {
     }
 
     pub fn text(&self) -> String {
-        let bytes: u64 = self.files.iter().map(|file| file.bytes).sum();
+        let file = |file: &FileReport| format!("{}: {}\n", file.path.display(), human_bytes(file.bytes));
+        let files: String = self.files.iter().map(file).collect();
         let held_out = self.held_out.as_ref().map_or(String::new(), |held_out| {
             format!("held out: {}, {} images\n", similarity(held_out.psnr_db, held_out.ssim), held_out.images)
         });
         format!(
-            "{} triangles, area {:.2} spheres, peak overdraw {:.2}\natlas {}x{} ({:.0}% used), {}\n{}{}{:.1} s",
+            "{files}{} triangles, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
+             {:.1}% of the least\n{}{}{:.1} s",
             self.triangles,
             self.projected_area,
             self.peak_overdraw,
             self.atlas_width,
             self.atlas_height,
             100.0 * self.atlas_occupancy,
-            human_bytes(bytes),
+            100.0 * self.selection.gap,
             self.evaluation.as_ref().map_or(String::new(), EvaluationReport::text),
             held_out,
             self.seconds.as_secs_f64(),

@@ -41,12 +41,24 @@ impl Outputs {
     /// Fails where names do not tell what to write; so that it can be said before there is a scene.
     pub fn check(&self) -> Result<()> {
         self.format()?;
+        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
         if let Some(Ktx2Output { path, .. }) = &self.ktx2
-            && (*path == self.scene || *path == self.beside("exr") || path == Path::new("-"))
+            && (path == Path::new("-") || self.of_scene().iter().any(|other| absolute(other) == absolute(path)))
         {
             return Err(Error::Usage(format!("{}: a file name of its own is needed for `ktx2`", path.display())));
         }
         Ok(())
+    }
+
+    /// Files that a scene of this name may have.
+    fn of_scene(&self) -> Vec<PathBuf> {
+        let beside = ["exr", "mtl", "png", "normal.exr", "material.exr"].map(|extension| self.beside(extension));
+        beside.into_iter().chain([self.scene.clone()]).collect()
+    }
+
+    /// All files that may be written.
+    pub fn all(&self) -> Vec<PathBuf> {
+        self.of_scene().into_iter().chain(self.ktx2.as_ref().map(|ktx2| ktx2.path.clone())).collect()
     }
 
     fn format(&self) -> Result<SceneFormat> {

@@ -12,7 +12,7 @@ pub struct Drawn {
     pub pixels: Vec<[f32; 4]>,
     /// Triangles over each sample, whether they show or not, in all.
     pub fragments: u64,
-    /// And at most.
+    /// Triangles over a sample, at most.
     pub most_fragments: u32,
 }
 

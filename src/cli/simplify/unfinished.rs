@@ -1,0 +1,130 @@
+//! The scene's file while it is made, and beside it the selected tiles, from which `simplify --resume` goes on.
+
+use std::fs::Metadata;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use crate::cli::GlobalArgs;
+use crate::cli::output;
+use crate::error::{Error, Result};
+use crate::files::{IntactBytes, OutputFile};
+use crate::fingerprint::{Fingerprint, digest};
+use crate::simplify::capture::Capture;
+use crate::simplify::settings::Settings;
+
+/// Everything that tiles depend on: of files their sizes and times.
+pub fn fingerprint(input: &Path, settings: &Settings, capture: &Capture) -> Fingerprint {
+    let mut fields = Fingerprint::of_program();
+    fields.push(("the options", digest(format!("{settings:?}").as_bytes())));
+    fields.push(("the frame", capture.frame().to_string()));
+    fields.push(("the images of the input", digest(format!("{:?}", capture.images).as_bytes())));
+    let mut files: Vec<_> = capture.files().iter().chain([&input.to_owned()]).map(|path| file_state(path)).collect();
+    files.sort();
+    fields.push(("the files of the input", digest(format!("{files:?}").as_bytes())));
+    Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+}
+
+/// Name, size and time of a file.
+fn file_state(path: &Path) -> (PathBuf, u64, Option<SystemTime>) {
+    let meta = path.metadata().ok().filter(|meta| meta.is_file());
+    (path.to_owned(), meta.as_ref().map_or(0, Metadata::len), meta.and_then(|meta| meta.modified().ok()))
+}
+
+/// A scene's file that is not whole yet.
+pub struct UnfinishedScene<'a> {
+    pub file: OutputFile,
+    path: &'a Path,
+    fingerprint: Fingerprint,
+    has_tiles: bool,
+}
+
+impl<'a> UnfinishedScene<'a> {
+    /// Opens the file, and gives the words of the tiles that an earlier run left, where it is to be resumed.
+    pub fn open(
+        path: &'a Path,
+        fingerprint: Fingerprint,
+        (resume, global): (bool, &GlobalArgs),
+    ) -> Result<(UnfinishedScene<'a>, Option<Vec<u64>>)> {
+        let say = |words: &str| global.note(format_args!("{}: {words}", path.display()));
+        let mut file = OutputFile::open(path)?;
+        if !file.is_resumable() && resume {
+            say("not a regular file, so there is nothing to resume");
+        }
+        let left = file.recover(|records, _: &mut dyn Read| Ok(Some(records.to_vec())))?;
+        let left = left.filter(|records| !records.is_empty());
+        let mut unfinished = UnfinishedScene { file, path, fingerprint, has_tiles: false };
+        let words = match (left, resume) {
+            (Some(records), true) => {
+                // An error leaves them as they are.
+                let words = unfinished.words_of(&records).map_err(|error| unfinished.kept(error))?;
+                say("resuming with the tiles that were selected");
+                Some(words)
+            }
+            (Some(_), false) => {
+                say("replacing an unfinished scene; --resume would continue it");
+                None
+            }
+            (None, true) => {
+                say("nothing to resume; starting anew");
+                None
+            }
+            (None, false) => None,
+        };
+        Ok((unfinished, words))
+    }
+
+    /// Checks what an earlier run left.
+    fn words_of(&self, records: &[u8]) -> Result<Vec<u64>> {
+        let damaged = || self.cannot("its state is damaged");
+        let end = records.iter().position(|byte| *byte == b'\n').ok_or_else(damaged)?;
+        let (head, body) = (&records[..end], &records[end + 1..]);
+        let (fields, expected): (Vec<(String, String)>, String) =
+            serde_json::from_slice(head).map_err(|_| damaged())?;
+        if let Some(difference) = Fingerprint(fields).difference(&self.fingerprint) {
+            return Err(self.cannot(&difference));
+        }
+        if digest(body) != expected {
+            return Err(damaged());
+        }
+        Ok(body.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect())
+    }
+
+    pub fn cannot(&self, why: &str) -> Error {
+        Error::Usage(format!(
+            "{}: cannot resume the unfinished scene: {why}; repeat its options, or leave out --resume to start anew",
+            self.path.display()
+        ))
+    }
+
+    /// Writes the selected tiles beside the file, for a later process.
+    pub fn keep_tiles(&mut self, words: &[u64]) -> Result<()> {
+        let body: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let head = serde_json::to_string(&(&self.fingerprint.0, digest(&body)))
+            .map_err(|error| Error::invalid(format!("the state of the scene: {error}")))?;
+        let mut journal = self.file.resume(None::<IntactBytes>)?;
+        let written = journal.write_all(format!("{head}\n").as_bytes()).and_then(|()| journal.write_all(&body));
+        written
+            .and_then(|()| journal.flush())
+            .map_err(|error| output::name_output(Error::io(self.path, error), self.path))?;
+        self.has_tiles = self.file.is_resumable();
+        Ok(())
+    }
+
+    /// An error after which a later process can resume, where there are tiles.
+    pub fn stopped(&mut self, error: Error) -> Error {
+        if self.has_tiles && self.file.is_resumable() { self.kept(error) } else { error }
+    }
+
+    fn kept(&mut self, error: Error) -> Error {
+        let how = match self.file.keep() {
+            Ok(()) => "kept".to_owned(),
+            Err(error) => format!("kept, possibly not on disk ({error}),"),
+        };
+        let safe = format!(
+            "the selected tiles are {how} beside {}; the same command with --resume continues",
+            self.file.work_path().display()
+        );
+        Error::Unfinished { cause: Box::new(error), safe }
+    }
+}

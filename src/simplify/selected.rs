@@ -1,0 +1,267 @@
+//! The tiles of a capture (Seurat 4): samples are merged to points, tilings are fitted to these, and the best that keep the budgets are
+//! selected. As words they wait in a file for the texturing of another process.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+
+use super::candidates::{CandidateSettings, Extent, candidates};
+use super::capture::Capture;
+use super::cost::{CostModel, ViewShares};
+use super::fit::TilePlane;
+use super::gaps::SeenDirections;
+use super::gbuffer;
+use super::points::PointMerger;
+use super::region::ViewingRegion;
+use super::samples::SampleRules;
+use super::selection::{Bounds, Budgets, CONSTRAINTS, Problem, SelectedTiling, Selection};
+use super::settings::{Settings, SurfaceAtlases, TilingKind};
+use super::tiles::{QuadTile, TileSet};
+use super::tree::{MAX_LEVEL, PlaneRect, TreeCell};
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::image::Face;
+use crate::monitor::Monitor;
+
+/// Points that samples are merged to, at most.
+pub(super) const MAX_POINTS: usize = 1_500_000;
+/// Level of the uniform tiling (Seurat 7, figure 13).
+const UNIFORM_LEVEL: u32 = 6;
+/// Least side of a tree cell in pixels of the capture.
+const MIN_CELL_PIXELS: f64 = 4.0;
+/// Part of the budgets that selection leaves to gaps.
+const GAP_SHARE: f64 = 0.1;
+
+const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
+
+/// What the tiles were selected from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Counts {
+    pub samples: u64,
+    /// Samples in the viewing region that were left out.
+    pub dropped_samples: u64,
+    pub points: u64,
+    pub candidates: u64,
+    /// Tree cells with samples.
+    pub fitted_cells: u64,
+}
+
+#[derive(Debug, Clone)]
+pub struct SelectedTiles {
+    pub region: ViewingRegion,
+    pub extent: Extent,
+    /// Directions in which the capture has surfaces.
+    pub seen: SeenDirections,
+    /// In drawing order.
+    pub tiles: Vec<QuadTile>,
+    pub selection: Selection,
+    pub counts: Counts,
+    /// Of merging, candidates and selection.
+    pub durations: [Duration; 3],
+    pub notes: Vec<String>,
+}
+
+/// Selects the tiles of a capture.
+pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<SelectedTiles> {
+    if settings.surfaces == SurfaceAtlases::GBuffer {
+        gbuffer::check(capture)?;
+    }
+    let mut notes = Vec::new();
+    let region = viewing_region(capture, settings, &mut notes)?;
+    let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
+
+    let begun = Instant::now();
+    let mut merger = PointMerger::new(MAX_POINTS);
+    let (mut samples, mut dropped_samples, mut farthest_m) = (0, 0, 0f64);
+    rules.of_all_images(capture, monitor, |_, found, left_out| {
+        dropped_samples += left_out;
+        let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
+        samples += ends.len() as u64;
+        farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
+        merger.add(&ends);
+    })?;
+    if samples == 0 {
+        return Err(Error::Usage(match dropped_samples {
+            0 => "there is no sample: a capture has a pixel that shows a surface".to_owned(),
+            count => format!("all {count} samples lie in the viewing region: give a smaller `region`"),
+        }));
+    }
+    let points = merger.finish();
+    let merged = begun.elapsed();
+
+    let texels_per_unit = settings.texels_per_unit(capture);
+    let extent = Extent { least_m: region.least_m(), most_m: farthest_m, margin: 1.0 / texels_per_unit };
+    let mut fitting = CandidateSettings::of(settings.effort);
+    // Cells of fewer pixels would have no sample here and there, and leave holes.
+    let finest = (2.0 * capture.pixels_per_unit() / MIN_CELL_PIXELS).max(1.0).log2() as u32;
+    fitting.levels[1] = finest.min(fitting.levels[1]);
+    if settings.tiling == TilingKind::Uniform {
+        fitting.levels = [UNIFORM_LEVEL.min(finest); 2];
+    }
+    let levels = candidates(&points, &extent, &fitting);
+    let cells = || levels.iter().flat_map(|level| &level.tilings);
+    let counts = Counts {
+        samples,
+        dropped_samples,
+        points: points.len() as u64,
+        candidates: cells().flatten().map(|tiling| tiling.planes.len() as u64).sum(),
+        fitted_cells: cells().filter(|tilings| !tilings.is_empty()).count() as u64,
+    };
+    let fitted = begun.elapsed();
+    monitor.check()?;
+
+    let model = cost_model(extent, &region, settings, texels_per_unit);
+    let costs = model.costs(&levels);
+    let shares = ViewShares::of_trees();
+    let (iterations, gap) = match settings.effort {
+        Effort::Fast => (200, 1e-2),
+        Effort::Normal => (600, 1e-3),
+        Effort::Exhaustive => (3000, 1e-5),
+    };
+    let select = |budgets: &Budgets| Problem::new(&costs, fitting.levels[0], &shares, budgets).solve(iterations, gap);
+    // Some of the budgets is kept for gaps, where that is feasible.
+    let selection = select(&settings.budgets.scaled(1.0 - GAP_SHARE)).or_else(|_| select(&settings.budgets))?;
+    let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
+    let tiles = TileSet::new(&selection.tilings, &levels, &model).tiles;
+    let durations = [merged, fitted - merged, begun.elapsed() - fitted];
+    Ok(SelectedTiles { region, extent, seen, tiles, selection, counts, durations, notes })
+}
+
+pub(super) fn cost_model(
+    extent: Extent,
+    region: &ViewingRegion,
+    settings: &Settings,
+    texels_per_unit: f64,
+) -> CostModel {
+    let texture_coordinates = settings.texture_coordinates;
+    CostModel { extent, eyes: region.border(), texels_per_unit, texture_coordinates }
+}
+
+/// The region of a capture; notes say how it was found.
+fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
+    let mut region = match &settings.region {
+        Some(region) => ViewingRegion::given(region.clone()),
+        None => ViewingRegion::around(capture.images.iter().map(|image| image.eye)),
+    };
+    if !region.has_extent() {
+        region.grow(capture.nearest_m()?);
+        let place =
+            if settings.region.is_some() { "the `region` has no extent" } else { "all cameras stand in one place" };
+        notes.push(format!(
+            "{place}: the viewing region is a cube of radius {:.4} m around it, a tenth of the distance of the nearest surface; see \
+             `region`",
+            region.radius()
+        ));
+    }
+    match region.radius().is_finite() && region.radius() > 0.0 {
+        true => Ok(region),
+        false => Err(Error::Usage("the viewing region has no extent and no surface is near: give a `region`".into())),
+    }
+}
+
+impl SelectedTiles {
+    /// All but region and notes.
+    pub fn to_words(&self) -> Vec<u64> {
+        let Selection { tilings, primal, dual, iterations, convergence, used } = &self.selection;
+        let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
+        let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells];
+        words.extend(self.durations.map(|duration| duration.as_nanos() as u64));
+        words.extend([self.extent.least_m, self.extent.most_m, self.extent.margin].map(f64::to_bits));
+        words.extend([primal.to_bits(), dual.to_bits(), *iterations as u64]);
+        words.extend(used.map(f64::to_bits));
+        words.push(convergence.len() as u64);
+        words.extend(convergence.iter().flat_map(|bounds| [bounds.dual.to_bits(), bounds.primal.to_bits()]));
+        words.push(tilings.len() as u64);
+        for SelectedTiling { cell, tiling } in tilings {
+            words.extend(words_of_cell(*cell));
+            words.push(*tiling as u64);
+        }
+        words.push(self.tiles.len() as u64);
+        for QuadTile { cell, plane, rect, divisions } in &self.tiles {
+            words.extend(words_of_cell(*cell));
+            words.extend(plane.0.to_array().map(f64::to_bits));
+            words.extend([rect.min, rect.max].concat().into_iter().map(f64::to_bits));
+            words.extend(divisions.map(u64::from));
+        }
+        words.extend(self.seen.to_words());
+        words
+    }
+
+    /// The tiles of [`Self::to_words`], of a capture with the same settings; none where the words are not of that kind.
+    pub fn of_words(words: &[u64], capture: &mut Capture, settings: &Settings) -> Result<Option<SelectedTiles>> {
+        let mut notes = Vec::new();
+        let region = viewing_region(capture, settings, &mut notes)?;
+        Ok(read(&mut Words(words.iter()), region, notes))
+    }
+}
+
+fn words_of_cell(cell: TreeCell) -> [u64; 4] {
+    [cell.face as u64, cell.level.into(), cell.column.into(), cell.row.into()]
+}
+
+/// Words that are read one by one.
+struct Words<'a>(std::slice::Iter<'a, u64>);
+
+impl Words<'_> {
+    fn word(&mut self) -> Option<u64> {
+        self.0.next().copied()
+    }
+
+    fn float(&mut self) -> Option<f64> {
+        self.word().map(f64::from_bits)
+    }
+
+    fn floats<const N: usize>(&mut self) -> Option<[f64; N]> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = self.float()?;
+        }
+        Some(values)
+    }
+
+    fn small(&mut self) -> Option<u32> {
+        self.word()?.try_into().ok()
+    }
+
+    fn cell(&mut self) -> Option<TreeCell> {
+        let face = *Face::CUBE.get(self.word()? as usize)?;
+        let cell = TreeCell { face, level: self.small()?, column: self.small()?, row: self.small()? };
+        let side = 1u32 << cell.level.min(MAX_LEVEL);
+        (cell.level <= MAX_LEVEL && cell.column < side && cell.row < side).then_some(cell)
+    }
+
+    /// A number, and as many items.
+    fn list<T>(&mut self, mut item: impl FnMut(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+        let count = self.word()?;
+        (0..count).map(|_| item(self)).collect()
+    }
+}
+
+fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Option<SelectedTiles> {
+    let counts = Counts {
+        samples: words.word()?,
+        dropped_samples: words.word()?,
+        points: words.word()?,
+        candidates: words.word()?,
+        fitted_cells: words.word()?,
+    };
+    let durations = [words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
+    let extent = Extent { least_m: words.float()?, most_m: words.float()?, margin: words.float()? };
+    let (primal, dual, iterations) = (words.float()?, words.float()?, words.word()? as usize);
+    let used = words.floats::<CONSTRAINTS>()?;
+    let convergence = words.list(|words| Some(Bounds { dual: words.float()?, primal: words.float()? }))?;
+    let tilings = words.list(|words| Some(SelectedTiling { cell: words.cell()?, tiling: words.word()? as usize }))?;
+    let tiles = words.list(|words| {
+        let tile = QuadTile {
+            cell: words.cell()?,
+            plane: TilePlane(DVec3::from_array(words.floats()?)),
+            rect: PlaneRect { min: words.floats()?, max: words.floats()? },
+            divisions: [words.small()?, words.small()?],
+        };
+        let is_met = tile.corners().iter().all(|corner| corner.is_finite());
+        (is_met && tile.divisions.iter().all(|parts| *parts > 0)).then_some(tile)
+    })?;
+    let seen = SeenDirections::of_words(words.0.as_slice())?;
+    let selection = Selection { tilings, primal, dual, iterations, convergence, used };
+    Some(SelectedTiles { region, extent, seen, tiles, selection, counts, durations, notes })
+}

@@ -1,0 +1,64 @@
+//! What a scene is simplified by.
+
+use super::capture::Capture;
+use super::cost::TextureCoordinates;
+use super::quad_mesh::AtlasLight;
+use super::samples::{Background, Inside};
+use super::selection::Budgets;
+use super::short_cuts::ShortCuts;
+use super::texture_sizes::Sizing;
+use crate::effort::Effort;
+use crate::placement::Region;
+
+/// Texels of all tiles before they are reduced, over those of the atlas.
+const TEXELS_BEFORE_ATLAS: f64 = 2.0;
+/// Spheres that tiles cover in fact, whatever the budget.
+const MOST_AREA: f64 = 64.0;
+
+/// Cells that get tilings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TilingKind {
+    /// All cells of the trees.
+    Quadtree,
+    /// Those of one level.
+    Uniform,
+}
+
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub budgets: Budgets,
+    /// Largest side of the atlas, in texels.
+    pub atlas: u32,
+    /// Texels for a degree at the middle of a cube face; those of the capture where it is not given.
+    pub pixels_per_degree: Option<f64>,
+    /// The box around the cameras where it is not given.
+    pub region: Option<Region>,
+    pub background: Background,
+    pub inside: Inside,
+    pub effort: Effort,
+    pub tiling: TilingKind,
+    pub sizing: Sizing,
+    pub texture_coordinates: TextureCoordinates,
+    pub light: AtlasLight,
+    pub surfaces: SurfaceAtlases,
+    pub short_cuts: ShortCuts,
+}
+
+/// Atlases beside that of light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SurfaceAtlases {
+    #[default]
+    None,
+    /// Of normals and material, where the capture has them.
+    GBuffer,
+}
+
+impl Settings {
+    /// Texels for each unit of the plane of a cube face: so many that all tiles together have [`TEXELS_BEFORE_ATLAS`] times those of the
+    /// atlas, at most.
+    pub fn texels_per_unit(&self, capture: &Capture) -> f64 {
+        let wanted = self.pixels_per_degree.map_or_else(|| capture.pixels_per_unit(), f64::to_degrees);
+        let texels = TEXELS_BEFORE_ATLAS * f64::from(self.atlas).powi(2);
+        wanted.min((texels / (4.0 * std::f64::consts::PI * self.budgets.area.min(MOST_AREA))).sqrt())
+    }
+}
