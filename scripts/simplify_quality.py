@@ -8,7 +8,7 @@ import lightfold_runs as lf
 import reconstruction_quality as rq
 
 METHODS = ("reproject", "march", "splat")
-STAGES = ("merge", "candidates", "selection", "silhouettes", "shading", "atlas", "export", "evaluate")
+STAGES = ("merge", "candidates", "selection", "silhouettes", "shading", "atlas", "gaps", "export", "evaluate")
 
 
 @dataclasses.dataclass
