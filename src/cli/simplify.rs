@@ -18,14 +18,14 @@ use crate::memory::Need;
 use crate::monitor::Monitor;
 use crate::simplify::capture::Capture;
 use crate::simplify::export::{self, OutputBytes, Scene};
-use crate::simplify::fidelity::{Evaluation, Fidelity, compare};
+use crate::simplify::fidelity::compare;
 use crate::simplify::memory::bytes;
 use crate::simplify::pipeline::{self, Simplified, texture};
 use crate::simplify::selected::{SelectedTiles, select};
 use crate::simplify::settings::Settings;
 
 pub use args::Args;
-use report::Report;
+use report::{Compared, Report};
 use unfinished::UnfinishedScene;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -73,11 +73,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Refuses outputs that are files of the input.
+/// Refuses outputs that are files of the input, and those in a folder that does not exist.
 fn check_outputs(args: &Args, capture: &Capture) -> Result<()> {
     let inputs = capture.files().into_iter().chain([args.input.clone()]);
     let inputs: Vec<PathBuf> = inputs.filter_map(|path| path.canonicalize().ok()).collect();
     let is_input = |path: &PathBuf| path.canonicalize().is_ok_and(|path| inputs.contains(&path));
+    for path in args.outputs().all() {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            return Err(Error::Usage(format!("{}: there is no folder {}", path.display(), folder.display())));
+        }
+    }
     match args.outputs().all().into_iter().find(is_input) {
         Some(path) => Err(Error::Usage(format!("{}: a file of the input would be overwritten", path.display()))),
         None => Ok(()),
@@ -89,17 +95,6 @@ struct Outputs<'a> {
     args: &'a Args,
     settings: &'a Settings,
     progress: Progress,
-}
-
-/// Comparisons with pictures, and files.
-struct Compared {
-    /// With the input.
-    evaluation: Option<Evaluation>,
-    held_out: Option<Fidelity>,
-    /// With their bytes.
-    files: Vec<(PathBuf, u64)>,
-    /// Charts and pictures.
-    figures: Vec<PathBuf>,
 }
 
 impl Outputs<'_> {

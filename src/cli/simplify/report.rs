@@ -6,12 +6,23 @@ use std::time::Duration;
 use serde::Serialize;
 use serde_json::to_value;
 
-use super::{Args, Compared};
+use super::args::Args;
 use crate::cli::output::human_bytes;
 use crate::error::{Error, Result};
 use crate::json::{self, Number};
 use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
+
+/// Comparisons with pictures, and files.
+pub struct Compared {
+    /// With the input.
+    pub evaluation: Option<Evaluation>,
+    pub held_out: Option<Fidelity>,
+    /// With their bytes.
+    pub files: Vec<(PathBuf, u64)>,
+    /// Charts and pictures.
+    pub figures: Vec<PathBuf>,
+}
 
 #[derive(Debug, Serialize)]
 pub struct Report {
