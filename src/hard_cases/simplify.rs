@@ -21,14 +21,12 @@ use crate::simplify::cost::{CostModel, TextureCoordinates};
 use crate::simplify::fidelity::Evaluation;
 use crate::simplify::fit::TilePlane;
 use crate::simplify::pipeline::{Simplified, simplify};
-use crate::simplify::quad_mesh::AtlasLight;
-use crate::simplify::samples::{Background, Inside, Sample};
+use crate::simplify::samples::{Background, Sample};
 use crate::simplify::selection::{Budgets, SelectedTiling};
-use crate::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
+use crate::simplify::settings::Settings;
 use crate::simplify::shading::LightBuffer;
 use crate::simplify::short_cuts::ShortCuts;
 use crate::simplify::silhouettes::ConstraintBitmap;
-use crate::simplify::texture_sizes::Sizing;
 use crate::simplify::textures::{TextureBuilder, TileTextures};
 use crate::simplify::tiles::TileSet;
 use crate::simplify::tree::TreeCell;
@@ -121,14 +119,8 @@ impl Case {
             pixels_per_degree: self.pixels_per_degree,
             region,
             background: self.background,
-            inside: Inside::Refuse,
             effort: Effort::Fast,
-            tiling: TilingKind::Quadtree,
-            sizing: Sizing::Adaptive,
-            texture_coordinates: TextureCoordinates::Affine,
-            light: AtlasLight::Codes,
-            surfaces: SurfaceAtlases::None,
-            short_cuts: ShortCuts::Taken,
+            ..Settings::default()
         })
     }
 

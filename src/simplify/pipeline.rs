@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::capture::Capture;
@@ -191,10 +192,12 @@ pub fn texture(
     };
     let mut extensions = Extensions::new(&tiles);
     pictures(&coarse.scene)?.iter().for_each(|picture| extensions.add(picture));
-    for image in &capture.images {
+    let of_image = |image| {
         monitor.check()?;
-        cracks::picture(&coarse.scene, &region, &tiles, image).iter().for_each(|picture| extensions.add(picture));
-    }
+        Ok(cracks::picture(&coarse.scene, &region, &tiles, image))
+    };
+    let of_images: Vec<_> = capture.images.par_iter().map(of_image).collect::<Result<_>>()?;
+    of_images.iter().flatten().for_each(|picture| extensions.add(picture));
     drop(coarse);
     let mut used = selection.used;
     let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
@@ -271,31 +274,15 @@ mod tests {
     use crate::scene::{DemoKind, FootagePlan};
     use crate::simplify::cost::TextureCoordinates;
     use crate::simplify::quad_mesh::AtlasLight;
-    use crate::simplify::samples::Inside;
     use crate::simplify::selection::{Budgets, CONSTRAINTS};
     use crate::simplify::settings::TilingKind;
     use crate::simplify::short_cuts::ShortCuts;
-    use crate::simplify::texture_sizes::Sizing;
     use crate::simplify::tree::{MAX_LEVEL, TreeCell};
 
     const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
 
     fn settings() -> Settings {
-        Settings {
-            budgets: BUDGETS,
-            atlas: 512,
-            pixels_per_degree: None,
-            region: None,
-            background: Background::Sky,
-            inside: Inside::Refuse,
-            effort: Effort::Fast,
-            tiling: TilingKind::Quadtree,
-            sizing: Sizing::Adaptive,
-            texture_coordinates: TextureCoordinates::Affine,
-            light: AtlasLight::Codes,
-            surfaces: SurfaceAtlases::None,
-            short_cuts: ShortCuts::Taken,
-        }
+        Settings { budgets: BUDGETS, atlas: 512, effort: Effort::Fast, ..Settings::default() }
     }
 
     fn captured<T>(work: impl FnOnce(&mut Capture) -> T) -> T {

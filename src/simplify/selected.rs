@@ -24,7 +24,7 @@ use crate::image::Face;
 use crate::monitor::Monitor;
 
 /// Points that samples are merged to, at most.
-pub(super) const MAX_POINTS: usize = 1_500_000;
+pub const MAX_POINTS: usize = 1_500_000;
 /// Level of the uniform tiling (Seurat 7, figure 13).
 const UNIFORM_LEVEL: u32 = 6;
 /// Least side of a tree cell in pixels of the capture.
@@ -90,7 +90,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let merged = begun.elapsed();
 
     let texels_per_unit = settings.texels_per_unit(capture);
-    let extent = Extent { least_m: region.least_m(), most_m: farthest_m, margin: 1.0 / texels_per_unit };
+    let extent = Extent { least_m: region.least_m(), most_m: farthest_m, margin: 1.0 / capture.pixels_per_unit() };
     let mut fitting = CandidateSettings::of(settings.effort);
     // Cells of fewer pixels would have no sample here and there, and leave holes.
     let finest = (2.0 * capture.pixels_per_unit() / MIN_CELL_PIXELS).max(1.0).log2() as u32;

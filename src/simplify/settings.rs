@@ -12,6 +12,8 @@ use crate::placement::Region;
 
 /// Texels of all tiles before they are reduced, over those of the atlas.
 const TEXELS_BEFORE_ATLAS: f64 = 2.0;
+/// Texels across a pixel of the capture: as many as pixels would blur once more what pixels have blurred.
+const TEXELS_ACROSS_PIXEL: f64 = 2.0;
 /// Spheres that tiles cover in fact, whatever the budget.
 const MOST_AREA: f64 = 64.0;
 
@@ -29,7 +31,7 @@ pub struct Settings {
     pub budgets: Budgets,
     /// Largest side of the atlas, in texels.
     pub atlas: u32,
-    /// Texels for a degree at the middle of a cube face; those of the capture where it is not given.
+    /// Texels for a degree at the middle of a cube face; twice the pixels of the capture where it is not given.
     pub pixels_per_degree: Option<f64>,
     /// The box around the cameras where it is not given.
     pub region: Option<Region>,
@@ -53,11 +55,33 @@ pub enum SurfaceAtlases {
     GBuffer,
 }
 
+impl Default for Settings {
+    /// Those of the paper: 72,000 triangles, area 3, peak overdraw 5, an atlas of 4096.
+    fn default() -> Settings {
+        Settings {
+            budgets: Budgets { triangles: 72_000.0, area: 3.0, peak_overdraw: 5.0 },
+            atlas: 4096,
+            pixels_per_degree: None,
+            region: None,
+            background: Background::Sky,
+            inside: Inside::Refuse,
+            effort: Effort::Normal,
+            tiling: TilingKind::Quadtree,
+            sizing: Sizing::Adaptive,
+            texture_coordinates: TextureCoordinates::Affine,
+            light: AtlasLight::Codes,
+            surfaces: SurfaceAtlases::None,
+            short_cuts: ShortCuts::Taken,
+        }
+    }
+}
+
 impl Settings {
     /// Texels for each unit of the plane of a cube face: so many that all tiles together have [`TEXELS_BEFORE_ATLAS`] times those of the
-    /// atlas, at most.
+    /// atlas, at most, where they cover as much as they may.
     pub fn texels_per_unit(&self, capture: &Capture) -> f64 {
-        let wanted = self.pixels_per_degree.map_or_else(|| capture.pixels_per_unit(), f64::to_degrees);
+        let wanted =
+            self.pixels_per_degree.map_or_else(|| TEXELS_ACROSS_PIXEL * capture.pixels_per_unit(), f64::to_degrees);
         let texels = TEXELS_BEFORE_ATLAS * f64::from(self.atlas).powi(2);
         wanted.min((texels / (4.0 * std::f64::consts::PI * self.budgets.area.min(MOST_AREA))).sqrt())
     }

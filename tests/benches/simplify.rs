@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench simplify [-- DATASET..]` encodes and simplifies each dataset (20,000 triangles, an atlas of 2048 texels), and
 //! without one a built-in room of nine probes. Both are drawn from a point between the probes, six faces of a cube map. Medians of the
-//! turns are printed; columns stand two spaces apart.
+//! turns are printed; columns stand two spaces apart. Below stand the times of reading and merging, and of twice the samples.
 
 mod clock;
 
@@ -14,6 +14,7 @@ use std::process::Command;
 use clock::Clock;
 use glam::DVec3;
 use lightfold::decode::{AllUnits, Decoder};
+use lightfold::effort::Effort;
 use lightfold::error::{Error, Result};
 use lightfold::image::cube::Face;
 use lightfold::march::active_views::ActiveViews;
@@ -22,9 +23,17 @@ use lightfold::march::render::render;
 use lightfold::march::settings::SpecularMode;
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
+use lightfold::simplify::capture::Capture;
+use lightfold::simplify::pipeline::simplify;
+use lightfold::simplify::points::PointMerger;
 use lightfold::simplify::quad_mesh::QuadMesh;
 use lightfold::simplify::raster::{Compositing, DrawSettings, draw_picture, draw_plainly};
 use lightfold::simplify::read_glb::read_glb;
+use lightfold::simplify::region::ViewingRegion;
+use lightfold::simplify::samples::{Background, Inside, SampleRules};
+use lightfold::simplify::selected::MAX_POINTS;
+use lightfold::simplify::selection::Budgets;
+use lightfold::simplify::settings::Settings;
 use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::LightField;
 use lightfold::views::player::Player;
@@ -59,6 +68,8 @@ fn main() -> Result<()> {
         let budgets = ["--triangles", "20000", "--atlas", "2048", "--effort", "fast", "-q", "-o", &scene];
         run(words(&[&["simplify", &dataset], &budgets[..]].concat()))?;
         measure(&dataset, &container, &scene)?;
+        merge(&dataset)?;
+        simplify_half(&dataset)?;
     }
     Ok(())
 }
@@ -101,6 +112,56 @@ fn measure(name: &str, container: &str, scene: &str) -> Result<()> {
     Ok(())
 }
 
+/// Reading all files and merging their samples, over reading them alone.
+fn merge(dataset: &str) -> Result<()> {
+    let mut capture = Capture::open(Path::new(dataset), Some(0))?;
+    let region = ViewingRegion::around(capture.images.iter().map(|image| image.eye));
+    let rules = SampleRules { region: &region, background: Background::Sky, inside: Inside::Drop };
+    let images = 0..capture.images.len();
+    let read = median(|| images.clone().try_for_each(|image| capture.rays(image).map(|rays| drop(black_box(rays)))))?;
+    let merged = median(|| {
+        let mut merger = PointMerger::new(MAX_POINTS);
+        rules.of_all_images(&mut capture, &Silent, |_, samples, _| {
+            merger.add(&samples.iter().map(|sample| sample.end).collect::<Vec<_>>());
+        })?;
+        black_box(merger.finish());
+        Ok(())
+    })?;
+    println!("reading and merging: {:.2} times reading alone ({read:.2} s)", merged / read);
+    Ok(())
+}
+
+/// All stages with all images of a dataset, over those with every second one.
+fn simplify_half(dataset: &str) -> Result<()> {
+    let mut capture = Capture::open(Path::new(dataset), Some(0))?;
+    let images = 0..capture.images.len();
+    let rays: Vec<_> = images.map(|image| capture.rays(image)).collect::<Result<_>>()?;
+    let budgets = Budgets { triangles: 20_000.0, ..Settings::default().budgets };
+    let settings = Settings { budgets, atlas: 2048, effort: Effort::Fast, inside: Inside::Drop, ..Settings::default() };
+    let [half, all] = [2, 1].map(|step| {
+        median(|| {
+            let images = capture.images.iter().cloned().zip(rays.iter().cloned()).step_by(step);
+            black_box(simplify(&mut Capture::of_rays(images), &settings, &Silent)?);
+            Ok(())
+        })
+    });
+    let (half, all) = (half?, all?);
+    println!("twice the samples: {:.2} times the {half:.2} s of half of the images\n", all / half);
+    Ok(())
+}
+
+/// Seconds of the middle turn.
+fn median(mut work: impl FnMut() -> Result<()>) -> Result<f64> {
+    let mut seconds = Vec::new();
+    for _ in 0..TURNS {
+        let start = Clock::start();
+        work()?;
+        seconds.push(start.seconds());
+    }
+    seconds.sort_by(f64::total_cmp);
+    Ok(seconds[TURNS / 2])
+}
+
 fn plainly(scene: &QuadMesh, camera: &Camera, size: u32) -> Result<u64> {
     Ok(draw_plainly(scene, camera, [size; 2]).fragments)
 }
@@ -119,19 +180,17 @@ fn eye(field: &LightField) -> DVec3 {
 /// Millions of pixels a second, and triangles over a pixel.
 fn drawn(field: &LightField, size: u32, mut draw: impl FnMut(&Camera) -> Result<u64>) -> Result<(f64, f64)> {
     let (eye, pixels) = (eye(field), 6.0 * f64::from(size).powi(2));
-    let (mut seconds, mut fragments) = (Vec::new(), 0);
-    for _ in 0..TURNS {
-        let start = Clock::start();
+    let mut fragments = 0;
+    let seconds = median(|| {
         fragments = 0;
         for face in Face::CUBE {
             let [forward, _, down] = face.axes();
             let camera = Camera::look_at(eye, eye + forward, -down, Lens::new(90.0))?;
             fragments += black_box(draw(&camera)?);
         }
-        seconds.push(start.seconds());
-    }
-    seconds.sort_by(f64::total_cmp);
-    Ok((pixels / seconds[TURNS / 2] / 1e6, fragments as f64 / pixels))
+        Ok(())
+    })?;
+    Ok((pixels / seconds / 1e6, fragments as f64 / pixels))
 }
 
 /// Marching with the settings of `render`.

@@ -8,15 +8,10 @@ use lightfold::effort::Effort;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::simplify::capture::Capture;
-use lightfold::simplify::cost::TextureCoordinates;
 use lightfold::simplify::fidelity::Evaluation;
 use lightfold::simplify::pipeline::{Simplified, simplify};
-use lightfold::simplify::quad_mesh::AtlasLight;
-use lightfold::simplify::samples::{Background, Inside};
 use lightfold::simplify::selection::Budgets;
-use lightfold::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
-use lightfold::simplify::short_cuts::ShortCuts;
-use lightfold::simplify::texture_sizes::Sizing;
+use lightfold::simplify::settings::Settings;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
 const HEAD: &str = "set,triangles,texels,psnr_db,ssim";
@@ -25,21 +20,10 @@ const SLACK_DB: f64 = 0.05;
 const SLACK_SSIM: f64 = 0.002;
 const SLACK: f64 = 1.01;
 
-const SETTINGS: Settings = Settings {
-    budgets: Budgets { triangles: 3000.0, area: 2.5, peak_overdraw: 4.0 },
-    atlas: 512,
-    pixels_per_degree: None,
-    region: None,
-    background: Background::Sky,
-    inside: Inside::Refuse,
-    effort: Effort::Fast,
-    tiling: TilingKind::Quadtree,
-    sizing: Sizing::Adaptive,
-    texture_coordinates: TextureCoordinates::Affine,
-    light: AtlasLight::Codes,
-    surfaces: SurfaceAtlases::None,
-    short_cuts: ShortCuts::Taken,
-};
+fn settings() -> Settings {
+    let budgets = Budgets { triangles: 3000.0, area: 2.5, peak_overdraw: 4.0 };
+    Settings { budgets, atlas: 512, effort: Effort::Fast, ..Settings::default() }
+}
 
 struct Row {
     set: &'static str,
@@ -61,8 +45,8 @@ fn of_scene(kind: DemoKind) -> Row {
     let plan = FootagePlan { kind, frames: 1, face_size: 32, probes: 4 };
     plan.write(folder.path(), &Silent).unwrap();
     let mut capture = Capture::open(folder.path(), None).unwrap();
-    let simplified = simplify(&mut capture, &SETTINGS, &Silent).unwrap();
-    let Evaluation { fidelity, .. } = simplified.evaluate(&mut capture, SETTINGS.background, &Silent).unwrap();
+    let simplified = simplify(&mut capture, &settings(), &Silent).unwrap();
+    let Evaluation { fidelity, .. } = simplified.evaluate(&mut capture, settings().background, &Silent).unwrap();
     let Simplified { scene, atlas, .. } = simplified;
     Row {
         set: kind.name(),

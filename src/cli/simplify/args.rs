@@ -57,7 +57,8 @@ pub struct Args {
     /// Most texels of each side of the texture
     #[arg(long, value_name = "TEXELS", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(4..=16_384))]
     pub atlas: u32,
-    /// Texels for each degree of view, before the atlas reduces them [default: the pixels of the capture]
+    /// Texels for each degree of view, before the atlas reduces them; less where quads of all the area would have more than two atlases
+    /// hold [default: twice the pixels of the capture]
     #[arg(long, value_name = "P", value_parser = parse_positive)]
     pub pixels_per_degree: Option<f64>,
     /// Viewing region, without surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a file with a closed mesh;
