@@ -29,6 +29,8 @@ mod modules {
     #[cfg(feature = "encode")]
     pub mod encode;
     pub mod entropy;
+    #[cfg(feature = "epipolar")]
+    pub mod epipolar;
     pub mod error;
     #[cfg(feature = "render")]
     pub mod evaluate;

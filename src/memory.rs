@@ -23,6 +23,13 @@ pub struct Need<'a> {
     pub instead: &'a str,
 }
 
+impl Need<'_> {
+    /// Bytes of so many jobs at once.
+    pub fn bytes(&self, at_once: usize) -> u64 {
+        self.fixed.saturating_add(self.each.saturating_mul(at_once as u64))
+    }
+}
+
 impl Budget {
     /// No limit, other than built-in ones.
     pub const UNLIMITED: Budget = Budget { bytes: None };

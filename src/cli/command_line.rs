@@ -6,8 +6,8 @@ use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
-    bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, man, pack, place,
-    quadtree, render, selftest, simplify, train_color,
+    bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
+    pack, place, quadtree, render, selftest, simplify, train_color,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -60,6 +60,8 @@ pub enum Command {
     Render(Box<render::Args>),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),
+    /// Interpolate many views side by side, for light-field displays
+    Interpolate(Box<interpolate::Args>),
     /// Compare two containers, datasets or image sequences
     Diff(diff::Args),
     /// Measure bytes, time and quality of settings on your own footage

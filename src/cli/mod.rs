@@ -15,6 +15,7 @@ mod encode_color;
 mod encode_depth;
 mod global;
 mod inspect;
+mod interpolate;
 pub mod man;
 mod options;
 mod output;
@@ -85,6 +86,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Decode(args) => decode::run(&args, global),
         Command::Render(args) => render::run(&args, global),
         Command::Simplify(args) => simplify::run(&args, global),
+        Command::Interpolate(args) => interpolate::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),
         Command::TrainColor(args) => train_color::run(&args, global),

@@ -37,6 +37,11 @@ impl SquaredError {
         Ok(())
     }
 
+    /// Mean of the squares, 0 of no samples.
+    pub fn mse(&self) -> f64 {
+        self.sum as f64 / self.samples.max(1) as f64
+    }
+
     /// 10·log₁₀(peak² / mse) in dB; `+inf` when the samples are equal or none was compared.
     pub fn psnr_db(&self) -> f64 {
         psnr_of_sum(self.sum as f64, self.samples, self.peak)

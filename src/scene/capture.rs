@@ -1,5 +1,6 @@
 //! Captures scenes as cube maps, panoramas and perspective images, and writes them as datasets.
 
+pub mod pixels;
 pub mod plan;
 pub mod samples;
 #[cfg(test)]
@@ -7,6 +8,7 @@ pub(crate) mod tests;
 pub mod view;
 pub mod write;
 
+pub use pixels::{PixelTracer, halves};
 pub use plan::{CapturePlan, FrameRequest, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, Viewpoint, capture_view};

@@ -117,4 +117,28 @@ impl SceneAtTime {
         }
         first
     }
+
+    /// All hits along a ray by distance, among all meshes and the `candidates`: of equally near ones, the one that [`Self::first_hit`]
+    /// answers.
+    pub fn all_hits(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Vec<FirstHit> {
+        let mut hits = Vec::new();
+        for index in candidates {
+            let mut passed = 0.0;
+            while let Some(Intersection { distance, normal }) = self.objects[index].shape.intersect(ray, passed)
+                && distance > passed
+            {
+                hits.push(FirstHit { distance, surface: HitSurface::Object { index, normal } });
+                passed = distance;
+            }
+        }
+        for (index, mesh) in self.meshes.iter().enumerate() {
+            let found = mesh.bvh.all(ray, 0.0..f64::INFINITY);
+            let solid = found.into_iter().filter(|hit| !mesh.is_hole(hit.triangle, hit.barycentric));
+            hits.extend(solid.map(|at| FirstHit { distance: at.distance, surface: HitSurface::Mesh { index, at } }));
+        }
+        // Stable: objects first, then meshes.
+        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        hits.dedup_by(|later, first| later.distance == first.distance);
+        hits
+    }
 }

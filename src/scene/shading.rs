@@ -42,6 +42,48 @@ thread_local! {
     pub(super) static SECONDARY_RAYS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) };
 }
 
+/// Radiance of a surface towards an eye.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Radiance {
+    /// The same towards every eye: emission, and the light that a matt surface reflects.
+    pub steady: DVec3,
+    /// Highlights; all light of mirrors and glass.
+    pub of_eye: DVec3,
+}
+
+impl Radiance {
+    pub fn total(&self) -> DVec3 {
+        self.steady + self.of_eye
+    }
+}
+
+/// The highlights of an opaque surface towards any eye on the side that it was seen from: the lights that reach it are known.
+#[derive(Debug, Clone)]
+pub struct Gloss {
+    pub point: DVec3,
+    /// Shading normal, length 1.
+    pub normal: DVec3,
+    phong: Phong,
+    /// Light of each sun and lamp on a white matt surface, and the direction towards it.
+    lights: Vec<(DVec3, DVec3)>,
+    ambient: DVec3,
+}
+
+impl Gloss {
+    /// Radiance of the highlights towards an eye.
+    pub fn towards(&self, eye: DVec3) -> DVec3 {
+        let Some(direction) = (self.point - eye).try_normalize() else { return DVec3::ZERO };
+        let mirrored = reflect(direction, self.normal);
+        let lobes = self.lights.iter().map(|&(light, towards)| self.phong.lobe(mirrored.dot(towards)) * light);
+        self.phong.weight * (lobes.sum::<DVec3>() + ambient(self.ambient, mirrored))
+    }
+
+    /// Mirror directions of the lights, of length 1: towards an eye in one of them, its highlight is brightest.
+    pub fn mirrored(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.lights.iter().map(|&(_, towards)| -reflect(towards, self.normal))
+    }
+}
+
 /// Light reflected by a white matt surface, and by a Phong lobe of weight 1.
 struct Reflected {
     matt: DVec3,
@@ -50,9 +92,9 @@ struct Reflected {
 
 impl SceneAtTime {
     /// Radiance towards the origin of a ray in `direction`.
-    pub(super) fn radiance(&self, surface: &Surface, direction: DVec3, path: Path) -> DVec3 {
-        match surface.optics {
-            Optics::Opaque => self.lit(surface, direction),
+    pub(super) fn radiance(&self, surface: &Surface, direction: DVec3, path: Path) -> Radiance {
+        let of_eye = match surface.optics {
+            Optics::Opaque => return self.lit(surface, direction),
             Optics::Mirror { tint } => {
                 let normal = surface.optical_normal(direction);
                 let reflected = reflect(direction, normal);
@@ -74,7 +116,19 @@ impl SceneAtTime {
                 }
                 light
             }
+        };
+        Radiance { steady: DVec3::ZERO, of_eye }
+    }
+
+    /// The highlights of a surface, `None` where it has none, or is a mirror or glass.
+    pub(super) fn gloss(&self, surface: &Surface) -> Option<Gloss> {
+        if surface.unlit || surface.phong.is_matt() || surface.optics != Optics::Opaque {
+            return None;
         }
+        let mut lights = Vec::new();
+        self.direct_lights(surface, |light, towards| lights.push((light, towards)));
+        let Surface { point, normal, phong, .. } = *surface;
+        Some(Gloss { point, normal, phong, lights, ambient: self.light.sky.ambient })
     }
 
     /// Radiance that arrives from `direction` on the side of `out`.
@@ -87,16 +141,17 @@ impl SceneAtTime {
         let ray = Ray::from_unit(surface.point + self.lift(surface.point) * out, direction);
         match self.first_hit(&ray, 0..self.objects.len()) {
             None => self.light.sky.radiance(direction),
-            Some(hit) => self.radiance(&self.surface(&ray, &hit), direction, path),
+            Some(hit) => self.radiance(&self.surface(&ray, &hit), direction, path).total(),
         }
     }
 
-    fn lit(&self, surface: &Surface, direction: DVec3) -> DVec3 {
+    fn lit(&self, surface: &Surface, direction: DVec3) -> Radiance {
         if surface.unlit {
-            return surface.emission + surface.albedo;
+            return Radiance { steady: surface.emission + surface.albedo, of_eye: DVec3::ZERO };
         }
         let light = self.arriving(surface, direction);
-        surface.emission + surface.albedo * light.matt + surface.phong.weight * light.gloss
+        let steady = surface.emission + surface.albedo * light.matt;
+        Radiance { steady, of_eye: surface.phong.weight * light.gloss }
     }
 
     /// Phong alone, for mirrors and glass.
@@ -110,13 +165,10 @@ impl SceneAtTime {
     /// Ambient and direct light: reflected by a white matt surface, and by a Phong lobe of weight 1. The ambient
     /// light is uniform, so a lobe reflects as much of it as a matt surface.
     fn arriving(&self, surface: &Surface, direction: DVec3) -> Reflected {
-        let ambient = |normal: DVec3| {
-            // The ground reflects 40% of the light of the sky.
-            self.light.sky.ambient * (0.7 + 0.3 * normal.y)
-        };
-        let mut light = self.direct_upon(surface, direction, ambient(surface.normal));
+        let sky = self.light.sky.ambient;
+        let mut light = self.direct_upon(surface, direction, ambient(sky, surface.normal));
         if !surface.phong.is_matt() {
-            light.gloss += ambient(reflect(direction, surface.normal));
+            light.gloss += ambient(sky, reflect(direction, surface.normal));
         }
         light
     }
@@ -125,12 +177,17 @@ impl SceneAtTime {
     fn direct_upon(&self, surface: &Surface, direction: DVec3, mut matt: DVec3) -> Reflected {
         let mut gloss = DVec3::ZERO;
         let mirrored = (!surface.phong.is_matt()).then(|| reflect(direction, surface.normal));
-        let mut add = |light: DVec3, towards: DVec3| {
+        self.direct_lights(surface, |light, towards| {
             matt += light;
             if let Some(mirrored) = mirrored {
                 gloss += surface.phong.lobe(mirrored.dot(towards)) * light;
             }
-        };
+        });
+        Reflected { matt, gloss }
+    }
+
+    /// Gives the light of each sun and lamp that reaches a surface, on a white matt one, and the direction towards it.
+    fn direct_lights(&self, surface: &Surface, mut add: impl FnMut(DVec3, DVec3)) {
         let above = surface.point + self.lift(surface.point) * surface.side;
         for (sun, shadows) in self.light.suns.iter().zip(&self.shadows) {
             let facing = surface.normal.dot(sun.direction);
@@ -145,7 +202,6 @@ impl SceneAtTime {
                 add(light, towards);
             }
         }
-        Reflected { matt, gloss }
     }
 
     /// A lamp's light on a white matt surface, and the direction to the lamp.
@@ -247,6 +303,11 @@ impl Surface {
             }
         }
     }
+}
+
+/// Ambient light of a sky from the side of a normal: the ground reflects 40% of it.
+fn ambient(sky: DVec3, normal: DVec3) -> DVec3 {
+    sky * (0.7 + 0.3 * normal.y)
 }
 
 fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {

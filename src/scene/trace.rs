@@ -5,8 +5,9 @@ mod tests;
 
 use glam::DVec3;
 
-use super::raycast::{HitSurface, SceneAtTime};
-use super::shading::{OPAQUE, Path};
+use super::mesh::Optics;
+use super::raycast::{FirstHit, HitSurface, SceneAtTime};
+use super::shading::{Gloss, OPAQUE, Path, Radiance};
 use crate::mesh::Ray;
 
 /// What a ray hits, or the background.
@@ -38,7 +39,31 @@ pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     scene.trace(&ray, 0..scene.objects.len())
 }
 
+/// Light of a hit, by what it depends on.
+#[derive(Debug, Clone)]
+pub struct ShadedHit {
+    pub radiance: Radiance,
+    /// How its highlights look from other eyes.
+    pub gloss: Option<Gloss>,
+    /// Whether it is a mirror or glass: it looks different from everywhere.
+    pub is_optical: bool,
+}
+
 impl SceneAtTime {
+    /// Light of a hit along a ray; of nothing, where there is none, the light of the sky.
+    pub fn shade(&self, ray: &Ray, hit: Option<&FirstHit>) -> ShadedHit {
+        let Some(hit) = hit else {
+            let steady = self.light.sky.radiance(ray.direction());
+            return ShadedHit { radiance: Radiance { steady, of_eye: DVec3::ZERO }, gloss: None, is_optical: false };
+        };
+        let surface = self.surface(ray, hit);
+        ShadedHit {
+            radiance: self.radiance(&surface, ray.direction(), Path::FIRST),
+            gloss: self.gloss(&surface),
+            is_optical: surface.optics != Optics::Opaque,
+        }
+    }
+
     /// [`trace`] against all meshes and the `candidates` (indices of objects, rising); reflected, refracted and shadow rays
     /// are traced against all objects.
     pub fn trace(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Hit {
@@ -48,7 +73,7 @@ impl SceneAtTime {
         let surface = self.surface(ray, &hit);
         Hit {
             distance: hit.distance,
-            color: self.radiance(&surface, ray.direction(), Path::FIRST),
+            color: self.radiance(&surface, ray.direction(), Path::FIRST).total(),
             normal: surface.normal,
             object: match hit.surface {
                 HitSurface::Object { index, .. } => Some(index),

@@ -3,17 +3,15 @@
 //! one sample, all are of the same ray. Rays have length 1; planar depth is distance over
 //! [`ImageProjection::ray_length_factor`].
 
-use std::f64::consts::PI;
-
 use glam::{DQuat, DVec3};
 use half::f16;
 use rayon::prelude::*;
 
+use super::pixels::{PixelTracer, halves};
 use super::samples::SamplePattern;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::{DepthKind, ImageProjection};
-use crate::mesh::{AxisBox, Ray};
 use crate::monitor::Monitor;
 use crate::scene::{Hit, OPAQUE, SceneAtTime};
 
@@ -118,23 +116,13 @@ pub fn capture_view(
         normal: wants(Pass::Normal).then(|| Plane::filled(width, height, [0.0; 3])),
         material: wants(Pass::Material).then(|| Plane::filled(width, height, [0.0; 3])),
     };
-    let axes = from.projection.axes().map(|axes| axes.map(|axis| turned(from, axis)));
-    let capture = ImageCapture { scene, from, settings, axes };
+    let capture = ImageCapture { pixels: PixelTracer::new(scene, from), settings };
     bands(&mut images, [width, height]).into_par_iter().try_for_each(|band| {
         monitor.check()?;
         capture.capture_band(band);
         Ok(())
     })?;
     Ok(images)
-}
-
-fn turned(from: &Viewpoint, direction: DVec3) -> DVec3 {
-    from.orientation.map_or(direction, |turn| turn * direction)
-}
-
-/// Radiance as half floats, clamped to the largest one, 65,504.
-fn halves(light: DVec3) -> [f16; 3] {
-    light.min(DVec3::splat(f16::MAX.to_f64())).to_array().map(f16::from_f64)
 }
 
 /// Rows of all planes.
@@ -164,22 +152,18 @@ fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
     (0..height).step_by(TILE as usize).map(band).collect()
 }
 
-type BoxTest = Box<dyn Fn(&AxisBox) -> bool>;
-
 struct ImageCapture<'a> {
-    scene: &'a SceneAtTime,
-    from: &'a Viewpoint,
+    pixels: PixelTracer<'a>,
     settings: &'a PassSettings<'a>,
-    /// Forward, right and down in the world, of a flat image.
-    axes: Option<[DVec3; 3]>,
 }
 
 impl ImageCapture<'_> {
     fn capture_band(&self, mut band: Band<'_>) {
-        let [width, _] = self.from.projection.size();
+        let [width, _] = self.pixels.from.projection.size();
         for left in (0..width).step_by(TILE as usize) {
             let right = (left + TILE).min(width);
-            let candidates = self.in_view([left, band.top], [right, band.top + band.rows]);
+            let [from, to] = [[left, band.top], [right, band.top + band.rows]].map(|at| at.map(f64::from));
+            let candidates = self.pixels.in_view(from, to);
             for row in 0..band.rows {
                 for col in left..right {
                     let pixel = row as usize * width as usize + col as usize;
@@ -194,22 +178,22 @@ impl ImageCapture<'_> {
         let mut centre = None;
         if let Some(color) = &mut band.color {
             if self.settings.samples.is_centre() {
-                let hit = self.scene.trace(&self.ray(x, y), candidates.iter().copied());
+                let hit = self.pixels.trace([x, y], candidates);
                 color[pixel] = halves(hit.color);
                 centre = Some(hit);
             } else {
-                color[pixel] = self.color([col, row], candidates);
+                color[pixel] = self.pixels.color([col, row].map(f64::from), self.settings.samples, candidates);
             }
         }
         if band.depth.is_none() && band.normal.is_none() && band.material.is_none() {
             return;
         }
-        let seen = centre.unwrap_or_else(|| self.centre(&self.ray(x, y), candidates));
+        let seen = centre.unwrap_or_else(|| self.centre([x, y], candidates));
         let near = seen.distance <= self.settings.far_m;
         if let Some(depth) = &mut band.depth {
             let metres = match self.settings.depth {
                 DepthKind::Distance => seen.distance,
-                DepthKind::Planar => seen.distance / self.from.projection.unproject([x, y]).length(),
+                DepthKind::Planar => seen.distance / self.pixels.from.projection.unproject([x, y]).length(),
             };
             // Depths that underflow are not 0.
             depth[pixel] = if near { (metres as f32).max(f32::MIN_POSITIVE) } else { f32::INFINITY };
@@ -222,73 +206,13 @@ impl ImageCapture<'_> {
         }
     }
 
-    fn color(&self, [col, row]: [u32; 2], candidates: &[usize]) -> [f16; 3] {
-        let points = &self.settings.samples.points;
-        let look = |[x, y]: [f64; 2]| {
-            let ray = self.ray(f64::from(col) + x, f64::from(row) + y);
-            self.scene.trace(&ray, candidates.iter().copied()).color
-        };
-        let sum = points.iter().fold(DVec3::ZERO, |sum, &point| sum + look(point));
-        halves(sum / points.len() as f64)
-    }
-
     /// The hit of the ray through the centre of a pixel, shaded only where normal or material are requested.
-    fn centre(&self, ray: &Ray, candidates: &[usize]) -> Hit {
+    fn centre(&self, at: [f64; 2], candidates: &[usize]) -> Hit {
         if self.settings.wants(Pass::Normal) || self.settings.wants(Pass::Material) {
-            return self.scene.trace(ray, candidates.iter().copied());
+            return self.pixels.trace(at, candidates);
         }
-        let first = self.scene.first_hit(ray, candidates.iter().copied());
+        let first = self.pixels.scene.first_hit(&self.pixels.ray(at), candidates.iter().copied());
         Hit { distance: first.map_or(f64::INFINITY, |first| first.distance), ..Hit::NOTHING }
-    }
-
-    fn ray(&self, x: f64, y: f64) -> Ray {
-        // Its length lies within f64's reach: 1 or more in flat images, and 1 in others.
-        Ray::from_unit(self.from.position, turned(self.from, self.from.projection.unproject([x, y]).normalize()))
-    }
-
-    /// Indices, in order, of the objects that pixels `from..to` may see.
-    fn in_view(&self, from: [u32; 2], to: [u32; 2]) -> Vec<usize> {
-        let objects = &self.scene.objects;
-        let outside = match self.axes {
-            Some(axes) => self.outside_of_pyramid(axes, from, to),
-            None => self.outside_of_cone(from, to),
-        };
-        (0..objects.len()).filter(|&index| !outside(&objects[index].bounds)).collect()
-    }
-
-    /// Whether a box is outside of one of the five planes of the pixels' pyramid.
-    fn outside_of_pyramid(&self, axes: [DVec3; 3], from: [u32; 2], to: [u32; 2]) -> BoxTest {
-        let [forward, right, down] = axes;
-        let plane = |at: [u32; 2]| self.from.projection.plane(at.map(f64::from));
-        let ([left, top], [beyond, below]) = (plane(from), plane(to));
-        // Inward normals of planes through the camera.
-        let planes =
-            [forward, right - left * forward, beyond * forward - right, down - top * forward, below * forward - down];
-        let position = self.from.position;
-        Box::new(move |bounds| {
-            let corners = bounds.corners().map(|corner| corner - position);
-            // The millionth of a metre is a margin for rounding.
-            planes.iter().any(|normal| corners.iter().all(|corner| corner.dot(*normal) < -1e-6))
-        })
-    }
-
-    /// Whether the sphere around a box is outside of a cone around the pixels of a panorama.
-    fn outside_of_cone(&self, from: [u32; 2], to: [u32; 2]) -> BoxTest {
-        let [width, height] = self.from.projection.size().map(f64::from);
-        let [x, y] = [0, 1].map(|axis| 0.5 * (f64::from(from[axis]) + f64::from(to[axis])));
-        // Along a meridian and then a parallel, which is an upper bound.
-        let across = f64::from(to[0] - from[0]) / width * PI;
-        let along = f64::from(to[1] - from[1]) / height * 0.5 * PI;
-        let reach = across + along + 1e-6;
-        let axis = turned(self.from, self.from.projection.unproject([x, y]));
-        let position = self.from.position;
-        Box::new(move |bounds| {
-            let to_middle = 0.5 * (bounds.min + bounds.max) - position;
-            let (distance, radius) = (to_middle.length(), 0.5 * (bounds.max - bounds.min).length());
-            // Infinite boxes, and those around the camera, are in view: comparisons with NaN fail.
-            distance > radius * 1.000_001 + 1e-6
-                && axis.angle_between(to_middle) > reach + ((radius + 1e-6) / distance).min(1.0).asin()
-        })
     }
 }
 
@@ -325,7 +249,7 @@ mod tests {
                 let (color, depth, normal) = (images.color.unwrap(), images.depth.unwrap(), images.normal.unwrap());
                 let [width, height] = projection.size();
                 for (col, row) in (0..height).flat_map(|row| (0..width).map(move |col| (col, row))) {
-                    let direction = turned(&from, projection.pixel_direction(col, row));
+                    let direction = from.turned(projection.pixel_direction(col, row));
                     // The length of a turned direction is another number, if only just.
                     let hit = trace(&scene, position, direction);
                     let found = f64::from(depth.get(col, row));

@@ -1,0 +1,192 @@
+//! Arguments of `interpolate`.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+use crate::cli::capture::parse_size;
+use crate::cli::options::{Choices, MemoryArgs, one_of, parse_not_negative, parse_point, parse_positive};
+use crate::cli::refuse;
+use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling};
+use crate::epipolar::fill::HoleFilling;
+use crate::epipolar::highlights::DEFAULT_SPLITS;
+use crate::epipolar::interpolate::InterpolateSettings;
+use crate::epipolar::pipeline::Settings;
+use crate::epipolar::source::MAX_LAYERS;
+use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
+use crate::error::Result;
+use crate::math::{Camera, Lens};
+use crate::scene::capture::{MAX_SAMPLES, SamplePattern};
+
+#[derive(Debug, clap::Args)]
+#[command(
+    group(clap::ArgGroup::new("spread").required(true).args(["baseline", "view_cone"])),
+    group(clap::ArgGroup::new("to").required(true).args(["output", "null"])),
+    after_help = "Examples:\n  \
+    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --size 420x560 -o views/%04d.png\n  \
+    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 66 --view-cone 35 --focus 3.6 --size 372x682 -o views/%04d.png\n  \
+    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 100 --baseline 0.5 --size 480x270 --null --compare --json\n  \
+    lightfold interpolate interior --eye 0,1.5,0 --look-at 2,1.5,0 --views 100 --baseline 0.5 --brute-force --null --json\n  \
+    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --view-range 24-47 -o views/%04d.png\n\n\
+    Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
+    behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
+    at infinity do. `render --views` counts probes, `interpolate --views` output views.\n\n\
+    Mirrors and glass are ray cast in every view; so are holes, unless --holes says otherwise.\n\n\
+    --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
+    pictures in write_seconds."
+)]
+pub struct Args {
+    /// A file (glTF, GLB, OBJ) or a built-in scene
+    #[arg(value_name = "SCENE")]
+    pub input: String,
+    /// Middle of the line of cameras, in metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    pub eye: DVec3,
+    /// Point that the camera in the middle looks at, in metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    pub look_at: DVec3,
+    /// Up direction [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    pub up: Option<DVec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_positive)]
+    pub fov: f64,
+    /// Number of output views
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
+    pub views: u32,
+    /// Metres from the first view to the last, in even steps
+    #[arg(long, value_name = "M", value_parser = parse_not_negative)]
+    pub baseline: Option<f64>,
+    /// Degrees from the first view to the last, in even angles around the focus
+    #[arg(long, value_name = "DEGREES", value_parser = parse_not_negative, requires = "focus")]
+    pub view_cone: Option<f64>,
+    /// Distance in metres of the plane that does not move from view to view [default: infinity]
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
+    pub focus: Option<f64>,
+    /// Height, or width and height of a view in pixels
+    #[arg(long, value_name = "N|WxH", value_parser = parse_size, default_value = "512")]
+    pub size: (u32, Option<u32>),
+    /// Colour samples per pixel: on a grid if a square number, else Hammersley points
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    pub samples: u32,
+    /// The frame of an animated scene
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub frame: u32,
+    /// Frames per second
+    #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_positive)]
+    pub fps: f64,
+    /// Places of source views
+    #[arg(long, value_parser = one_of(ACQUISITIONS), default_value = "dual")]
+    pub acquire: Acquisition,
+    /// Most layers of a source view
+    #[arg(long, value_name = "N", default_value_t = MAX_LAYERS as u32, value_parser = clap::value_parser!(u32).range(1..=MAX_LAYERS as i64))]
+    pub layers: u32,
+    /// Surfaces that are left out of source views, as no output view sees them
+    #[arg(long, value_parser = one_of(CULLINGS), default_value = "full")]
+    pub culling: Culling,
+    /// Missing pixels in percent above which a hierarchical acquisition adds a source
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.5, value_parser = parse_not_negative)]
+    pub hole_threshold: f64,
+    /// Most sources of a hierarchical acquisition
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_VIEWS)))]
+    pub max_sources: u32,
+    /// Pixels between the first view and the last by which neighbours may differ that move together; 0 for none
+    #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = parse_not_negative)]
+    pub coalesce: f64,
+    /// Most places between the first view and the last where highlights are computed
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SPLITS as u32, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub splits: u32,
+    /// What fills pixels that no source shows
+    #[arg(long, value_parser = one_of(HOLES), default_value = "trace")]
+    pub holes: HoleFilling,
+    /// Only these views, such as 24-47
+    #[arg(long, value_name = "A-B", value_parser = parse_range)]
+    pub view_range: Option<(u32, u32)>,
+    /// Ray cast every view: the truth, and what interpolation saves
+    #[arg(long, conflicts_with = "compare")]
+    pub brute_force: bool,
+    /// Ray cast every view, too, and compare the pictures
+    #[arg(long)]
+    pub compare: bool,
+    /// Table of the figures of each view, as CSV
+    #[arg(long, value_name = "FILE.csv", requires = "compare")]
+    pub csv: Option<PathBuf>,
+    /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file for one view
+    #[arg(long, short, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// Render without writing
+    #[arg(long)]
+    pub null: bool,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Print durations and counts of all stages
+    #[arg(long)]
+    pub stats: bool,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const ACQUISITIONS: &Choices<Acquisition> = &[
+    ("center", Acquisition::Center, "One in the middle, with a wider window"),
+    ("dual", Acquisition::Dual, "One at each end"),
+    (
+        "hierarchical",
+        Acquisition::Hierarchical,
+        "At both ends, and between them where pixels are missing; nearest surfaces only",
+    ),
+];
+
+const CULLINGS: &Choices<Culling> = &[
+    ("full", Culling::Full, "Those close behind others, and those behind pixels that hide them from all views"),
+    ("offset", Culling::DepthOffset, "Those close behind others"),
+    ("off", Culling::Off, "None"),
+];
+
+const HOLES: &Choices<HoleFilling> = &[
+    ("trace", HoleFilling::Trace, "Ray casting"),
+    ("nearest", HoleFilling::Nearest, "The nearest pixel of the scanline; alpha is 0"),
+    ("blank", HoleFilling::Blank, "Nothing: alpha is 0"),
+];
+
+fn parse_range(text: &str) -> std::result::Result<(u32, u32), String> {
+    let ends = text.split_once('-').unwrap_or((text, text));
+    let range = ends.0.parse().ok().zip(ends.1.parse().ok()).filter(|(first, last): &(u32, u32)| first <= last);
+    range.ok_or_else(|| format!("'{text}' is no range of views such as 24-47"))
+}
+
+impl Args {
+    pub(super) fn output_views(&self) -> Result<OutputViews> {
+        let camera = Camera::look_at(self.eye, self.look_at, self.up.unwrap_or(DVec3::Y), Lens::new(self.fov))?;
+        let size = match self.size {
+            (width, Some(height)) => [width, height],
+            (side, None) => [side; 2],
+        };
+        let spread = self.view_cone.map_or(Spread::Baseline(self.baseline.unwrap_or(0.0)), Spread::Cone);
+        OutputViews::new(camera, size, self.views, spread, self.focus.unwrap_or(f64::INFINITY))
+    }
+
+    /// The views to render.
+    pub(super) fn range(&self) -> Result<std::ops::Range<usize>> {
+        match self.view_range {
+            None => Ok(0..self.views as usize),
+            Some((first, last)) if last < self.views => Ok(first as usize..last as usize + 1),
+            Some((first, last)) => {
+                refuse(format!("--view-range {first}-{last}: there are views 0 to {}", self.views - 1))
+            }
+        }
+    }
+
+    pub(super) fn settings(&self, views_at_once: usize) -> Result<Settings> {
+        let acquire = AcquireSettings {
+            acquisition: self.acquire,
+            layers: self.layers as usize,
+            culling: self.culling,
+            hole_threshold_percent: self.hole_threshold,
+            max_sources: self.max_sources as usize,
+            ..AcquireSettings::new(SamplePattern::new(self.samples)?)
+        };
+        let interpolate = InterpolateSettings { coalesce: self.coalesce, splits: self.splits as usize };
+        Ok(Settings { acquire, interpolate, holes: self.holes, views_at_once })
+    }
+}

@@ -1,0 +1,133 @@
+//! Pictures of interpolated views beside those that are ray cast.
+
+use std::path::Path;
+
+use half::f16;
+use serde::Serialize;
+
+use crate::epipolar::pipeline::Picture;
+use crate::error::{Error, Result};
+use crate::evaluate::reference::Truth;
+use crate::evaluate::similarity::Similarity;
+use crate::files::OutputFile;
+use crate::image::{Plane, ToneMap};
+use crate::json::Number;
+
+/// By view.
+#[derive(Debug, Default)]
+pub struct Quality {
+    rows: Vec<Row>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Row {
+    view: usize,
+    #[serde(flatten)]
+    filled: Figures,
+    #[serde(skip)]
+    unfilled: Figures,
+    holes_percent: f64,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Figures {
+    psnr_db: f64,
+    ssim: f64,
+    psnr_hvs_m_db: f64,
+    mse: f64,
+}
+
+impl Figures {
+    fn of(similarity: &Similarity) -> Figures {
+        Figures {
+            psnr_db: similarity.all.psnr_db(),
+            ssim: similarity.ssim().unwrap_or(f64::NAN),
+            psnr_hvs_m_db: similarity.hvs.psnr_db().unwrap_or(f64::NAN),
+            mse: similarity.all.mse(),
+        }
+    }
+}
+
+/// Of a figure over all views; exact pictures have a PSNR of infinity, and a mean without them.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Spread {
+    mean: Number,
+    min: Number,
+    max: Number,
+}
+
+impl Spread {
+    fn of(values: impl Iterator<Item = f64> + Clone) -> Spread {
+        let finite = values.clone().filter(|value| value.is_finite());
+        let count = finite.clone().count();
+        let mean =
+            if count == 0 { values.clone().next().unwrap_or(f64::NAN) } else { finite.sum::<f64>() / count as f64 };
+        Spread {
+            mean: Number(mean),
+            min: Number(values.clone().fold(f64::INFINITY, f64::min)),
+            max: Number(values.fold(f64::NEG_INFINITY, f64::max)),
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub struct QualityReport {
+    psnr_db: Spread,
+    ssim: Spread,
+    psnr_hvs_m_db: Spread,
+    mse: Spread,
+}
+
+impl Quality {
+    pub fn add(&mut self, view: usize, picture: &Picture, color: Plane<[f16; 3]>) -> Result<()> {
+        let truth = Truth { color, material: None };
+        let of = |image| Similarity::of(image, &truth, ToneMap::default());
+        let (filled, unfilled) = (of(&picture.filled)?, of(&picture.unfilled)?);
+        self.rows.push(Row {
+            view,
+            filled: Figures::of(&filled),
+            unfilled: Figures::of(&unfilled),
+            holes_percent: unfilled.hole_percent(),
+        });
+        Ok(())
+    }
+
+    /// With holes filled, and without; none where nothing was compared.
+    pub fn reports(&self) -> Option<[QualityReport; 2]> {
+        let report = |of: fn(&Row) -> Figures| {
+            let spread = |figure: fn(Figures) -> f64| Spread::of(self.rows.iter().map(move |row| figure(of(row))));
+            QualityReport {
+                psnr_db: spread(|figures| figures.psnr_db),
+                ssim: spread(|figures| figures.ssim),
+                psnr_hvs_m_db: spread(|figures| figures.psnr_hvs_m_db),
+                mse: spread(|figures| figures.mse),
+            }
+        };
+        (!self.rows.is_empty()).then(|| [report(|row| row.filled), report(|row| row.unfilled)])
+    }
+
+    pub fn write_csv(&self, path: &Path) -> Result<()> {
+        let mut file = OutputFile::create(path)?;
+        let mut text =
+            String::from("view,psnr_db,ssim,psnr_hvs_m_db,mse,holes_percent,psnr_db_without_fill,ssim_without_fill\n");
+        for row in &self.rows {
+            let Figures { psnr_db, ssim, psnr_hvs_m_db, mse } = row.filled;
+            text += &format!(
+                "{},{psnr_db:.3},{ssim:.5},{psnr_hvs_m_db:.3},{mse:.4},{:.4},{:.3},{:.5}\n",
+                row.view, row.holes_percent, row.unfilled.psnr_db, row.unfilled.ssim
+            );
+        }
+        std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
+        file.commit()
+    }
+}
+
+impl QualityReport {
+    pub fn text(&self) -> String {
+        let QualityReport { psnr_db, ssim, psnr_hvs_m_db, .. } = self;
+        format!(
+            "PSNR {:.2} dB (least {:.2}), SSIM {:.4}, PSNR-HVS-M {:.2} dB",
+            psnr_db.mean.0, psnr_db.min.0, ssim.mean.0, psnr_hvs_m_db.mean.0
+        )
+    }
+}

@@ -1,0 +1,132 @@
+//! What `interpolate` reports.
+
+use std::time::Duration;
+
+use serde::Serialize;
+use serde_json::to_value;
+
+use super::args::Args;
+use super::quality::{Quality, QualityReport};
+use crate::cli::output::human_bytes;
+use crate::epipolar::counters::Counters;
+use crate::epipolar::pipeline::{SourceReport, Stages, Summary};
+use crate::epipolar::views::OutputViews;
+use crate::error::{Error, Result};
+use crate::json::{self, Number};
+
+/// What a run measured beside its stages.
+#[derive(Debug)]
+pub struct Measured {
+    pub load: Duration,
+    pub write: Duration,
+    /// Of all views that were ray cast.
+    pub brute_force: Duration,
+    pub memory_model_bytes: u64,
+    pub quality: Quality,
+}
+
+#[derive(Debug, Serialize)]
+pub struct Report {
+    views: usize,
+    #[serde(serialize_with = "json::seconds")]
+    seconds: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    seconds_per_view: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    load_seconds: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    write_seconds: Duration,
+    stages: Stages,
+    sources: Vec<SourceReport>,
+    baseline_m: f64,
+    focus_m: Number,
+    size: [u32; 2],
+    device: &'static str,
+    brute_force: bool,
+    holes_percent: f64,
+    memory_model_bytes: u64,
+    counters: Counters,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality: Option<QualityReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality_without_fill: Option<QualityReport>,
+    /// Time of ray casting all views over that of interpolating them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speedup: Option<f64>,
+}
+
+impl Report {
+    pub fn new(args: &Args, views: &OutputViews, count: usize, summary: &Summary, measured: &Measured) -> Report {
+        let seconds = if args.brute_force { measured.brute_force } else { summary.duration() };
+        let pixels = count as f64 * views.size.map(f64::from).iter().product::<f64>();
+        let [quality, quality_without_fill] = match measured.quality.reports() {
+            Some([filled, unfilled]) => [Some(filled), Some(unfilled)],
+            None => [None, None],
+        };
+        Report {
+            views: count,
+            seconds,
+            seconds_per_view: seconds / count.max(1) as u32,
+            load_seconds: measured.load,
+            write_seconds: measured.write,
+            stages: summary.stages,
+            sources: summary.sources.clone(),
+            baseline_m: views.baseline_m(),
+            focus_m: Number(views.focus_m),
+            size: views.size,
+            device: "cpu",
+            brute_force: args.brute_force,
+            holes_percent: 100.0 * summary.counters.hole_pixels as f64 / pixels,
+            memory_model_bytes: measured.memory_model_bytes,
+            counters: summary.counters,
+            quality,
+            quality_without_fill,
+            speedup: args.compare.then(|| measured.brute_force.as_secs_f64() / seconds.as_secs_f64()),
+        }
+    }
+
+    /// Durations and counts of the stages, one on each line.
+    pub fn stats(&self) -> Result<String> {
+        let mut lines = String::new();
+        for (title, values) in [("seconds", to_value(self.stages)), ("count", to_value(self.counters))] {
+            let values = values.map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+            for (name, value) in values.as_object().into_iter().flatten() {
+                let value =
+                    value.as_f64().filter(|_| title == "seconds").map_or(value.to_string(), |s| format!("{s:.3}"));
+                lines += &format!("{title}: {} {value}\n", name.replace('_', " "));
+            }
+        }
+        Ok(lines)
+    }
+
+    pub fn text(&self) -> String {
+        let [width, height] = self.size;
+        let sources = match self.sources.len() {
+            0 => String::new(),
+            count => format!(" from {count} source views"),
+        };
+        let mut text = format!(
+            "{} views of {width}x{height}{sources}, {:.3} m: {:.2} s, {:.1} ms each; up to {}\n",
+            self.views,
+            self.baseline_m,
+            self.seconds.as_secs_f64(),
+            1e3 * self.seconds_per_view.as_secs_f64(),
+            human_bytes(self.memory_model_bytes),
+        );
+        if !self.brute_force {
+            text += &format!(
+                "holes {:.3}%, {} pixels ray cast of {}\n",
+                self.holes_percent,
+                self.counters.traced_pixels,
+                self.views as u64 * u64::from(width) * u64::from(height)
+            );
+        }
+        for (name, quality) in [("", &self.quality), ("without filling holes: ", &self.quality_without_fill)] {
+            text += &quality.as_ref().map_or(String::new(), |quality| format!("{name}{}\n", quality.text()));
+        }
+        if let Some(speedup) = self.speedup {
+            text += &format!("{speedup:.1} times as fast as ray casting every view\n");
+        }
+        text.trim_end().to_owned()
+    }
+}

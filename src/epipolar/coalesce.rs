@@ -1,0 +1,43 @@
+//! Primitive coalescing (Epipolar 3.4.3): runs of lines that move together.
+//!
+//! A run is a block of 2^n neighbours of one surface, aligned to a multiple of its length, whose disparities differ by no more than the
+//! threshold: all get the middle of them, so that no column is wrong by more than half of the threshold. The blocks are the nodes of a
+//! pyramid of least and greatest disparities, found from the finest level up.
+
+use std::ops::Range;
+
+use super::lines::{COLUMN_BITS, Line};
+
+/// Levels of the pyramid above single pixels.
+const LEVELS: u32 = 6;
+/// Parts of a pixel in disparities.
+const DISPARITY_PARTS: f64 = 4096.0;
+
+/// Divides the lines of a scanline into runs, and gives the lines of each the same disparity. The threshold is in pixels over the baseline.
+pub fn coalesce(lines: &mut [Line], threshold: f64) -> Vec<Range<usize>> {
+    let threshold = (threshold * DISPARITY_PARTS) as u32;
+    let mut runs = Vec::with_capacity(lines.len());
+    let mut at = 0;
+    while at < lines.len() {
+        let column = lines[at].column >> COLUMN_BITS;
+        let mut length = 1;
+        let [mut least, mut most] = [lines[at].disparity; 2];
+        for level in 1..=LEVELS {
+            let longer = 1usize << level;
+            let is_aligned = column & (longer as i32 - 1) == 0;
+            let Some(block) = lines.get(at..at + longer).filter(|_| is_aligned && threshold > 0) else { break };
+            let is_joined = block[length - 1..longer - 1].iter().all(|line| line.joins_next);
+            let of_block = block[length..].iter().map(|line| line.disparity);
+            let (low, high) = of_block.fold((least, most), |(low, high), at| (low.min(at), high.max(at)));
+            if !is_joined || high.abs_diff(low) > threshold {
+                break;
+            }
+            (length, least, most) = (longer, low, high);
+        }
+        let middle = least + (most.abs_diff(least) / 2) as i32;
+        lines[at..at + length].iter_mut().for_each(|line| line.disparity = middle);
+        runs.push(at..at + length);
+        at += length;
+    }
+    runs
+}

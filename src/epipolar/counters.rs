@@ -1,0 +1,61 @@
+//! What the stages did.
+
+use serde::Serialize;
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Counters {
+    pub source_views: u64,
+    /// Of the source view with the most.
+    pub source_layers: u64,
+    /// Pixels of all layers of all source views.
+    pub source_pixels: u64,
+    /// Surfaces that lie so close behind another one that no view sees them.
+    pub offset_skipped: u64,
+    /// Surfaces behind a pixel that hides them from all views.
+    pub masked_pixels: u64,
+    pub lines: u64,
+    /// Lines that follow the one beside them.
+    pub coalesced_pixels: u64,
+    /// Pixels of output views that lines and the spans between them cover, once for each.
+    pub fragments: u64,
+    /// Fragments that were nearer than all before them.
+    pub depth_tests_won: u64,
+    /// Places along lines where highlights are computed.
+    pub splits: u64,
+    /// Pixels that nothing covers.
+    pub hole_pixels: u64,
+    /// Pixels that are ray cast in an output view: holes, mirrors and glass.
+    pub traced_pixels: u64,
+}
+
+impl Counters {
+    pub fn add(&mut self, other: &Counters) {
+        // Destructured so that a new field is not forgotten here.
+        let Counters {
+            source_views,
+            source_layers,
+            source_pixels,
+            offset_skipped,
+            masked_pixels,
+            lines,
+            coalesced_pixels,
+            fragments,
+            depth_tests_won,
+            splits,
+            hole_pixels,
+            traced_pixels,
+        } = other;
+        self.source_views += source_views;
+        self.source_layers = self.source_layers.max(*source_layers);
+        self.source_pixels += source_pixels;
+        self.offset_skipped += offset_skipped;
+        self.masked_pixels += masked_pixels;
+        self.lines += lines;
+        self.coalesced_pixels += coalesced_pixels;
+        self.fragments += fragments;
+        self.depth_tests_won += depth_tests_won;
+        self.splits += splits;
+        self.hole_pixels += hole_pixels;
+        self.traced_pixels += traced_pixels;
+    }
+}

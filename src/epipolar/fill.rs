@@ -1,0 +1,89 @@
+//! Pixels of output views that lines do not show: holes, mirrors and glass (Epipolar 7.1).
+
+use half::f16;
+use rayon::prelude::*;
+
+use super::interpolate::{Coverage, InterpolatedView};
+use super::views::OutputViews;
+use crate::error::Result;
+use crate::evaluate::RenderedImage;
+use crate::image::Plane;
+use crate::monitor::Monitor;
+use crate::scene::SceneAtTime;
+use crate::scene::capture::{PixelTracer, SamplePattern};
+
+/// Columns that share a list of objects in view.
+const TILE: usize = 16;
+
+/// What is done about holes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum HoleFilling {
+    /// They are ray cast.
+    #[default]
+    Trace,
+    /// They show the nearest pixel of their scanline that is covered. Alpha is 0.
+    Nearest,
+    /// They are black. Alpha is 0.
+    Blank,
+}
+
+/// Fills the pixels that lines do not show; answers the number that was ray cast. Mirrors and glass always are.
+pub fn fill(
+    view: &mut InterpolatedView,
+    (scene, samples): (&SceneAtTime, &SamplePattern),
+    (views, offset_m): (&OutputViews, f64),
+    filling: HoleFilling,
+    monitor: &dyn Monitor,
+) -> Result<u64> {
+    let from = views.viewpoint(offset_m);
+    let pixels = PixelTracer::new(scene, &from);
+    let width = views.size[0] as usize;
+    let traced = |(row, (color, coverage)): (usize, (&mut [[f16; 3]], &mut [Coverage]))| -> Result<u64> {
+        monitor.check()?;
+        let is_open = |coverage: Coverage| match coverage {
+            Coverage::Covered => false,
+            Coverage::Hole => filling == HoleFilling::Trace,
+            Coverage::Optical => true,
+        };
+        let mut count = 0;
+        for (tile, (color, coverage)) in color.chunks_mut(TILE).zip(coverage.chunks_mut(TILE)).enumerate() {
+            if !coverage.iter().any(|coverage| is_open(*coverage)) {
+                continue;
+            }
+            let left = (tile * TILE) as f64;
+            let candidates = pixels.in_view([left, row as f64], [left + color.len() as f64, row as f64 + 1.0]);
+            for (column, (color, coverage)) in color.iter_mut().zip(coverage).enumerate() {
+                if is_open(*coverage) {
+                    *color = pixels.color([left + column as f64, row as f64], samples, &candidates);
+                    *coverage = Coverage::Covered;
+                    count += 1;
+                }
+            }
+        }
+        if filling == HoleFilling::Nearest {
+            repeat_nearest(color, coverage);
+        }
+        Ok(count)
+    };
+    let colors = view.color.data_mut().par_chunks_mut(width);
+    let rows = colors.zip(view.coverage.data_mut().par_chunks_mut(width));
+    rows.enumerate().map(traced).sum()
+}
+
+fn repeat_nearest(color: &mut [[f16; 3]], coverage: &[Coverage]) {
+    let covered: Vec<usize> = (0..coverage.len()).filter(|&at| coverage[at] == Coverage::Covered).collect();
+    for at in (0..coverage.len()).filter(|&at| coverage[at] == Coverage::Hole) {
+        let after = covered.partition_point(|&other| other < at);
+        let beside = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|index| covered.get(index));
+        if let Some(&nearest) = beside.min_by_key(|&&other| other.abs_diff(at)) {
+            color[at] = color[nearest];
+        }
+    }
+}
+
+/// The picture of a view: alpha is 0 in what stayed open.
+pub fn picture(view: &InterpolatedView) -> Result<RenderedImage> {
+    let alpha = view.coverage.map(|coverage| f32::from(u8::from(*coverage == Coverage::Covered)));
+    let color: Plane<[f32; 3]> = view.color.map(|light| light.map(f16::to_f32));
+    Ok(RenderedImage { color, alpha })
+}

@@ -1,0 +1,100 @@
+//! Highlights along a line: piecewise linear between splits (Epipolar 3.5, 7.3).
+//!
+//! While the eye moves from the first view to the last, nothing else does. Splits stand at both ends, where the mirror direction of each
+//! light meets the line of eyes best, and then where the chord errs most, up to a limit.
+
+use glam::DVec3;
+
+use super::views::OutputViews;
+use crate::scene::shading::Gloss;
+
+/// Splits of a line at most, beside its ends, unless given.
+pub const DEFAULT_SPLITS: usize = 8;
+/// Radiance by which a chord may err: half of the smallest step of 8-bit codes.
+const LEAST_ERROR: f64 = 0.5 / 255.0 / 12.92;
+
+/// Radiance of highlights along the line of eyes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Highlight {
+    /// Places, 0 at the first view to 1 at the last, rising, and the radiance towards each.
+    splits: Vec<(f64, DVec3)>,
+}
+
+/// The line of eyes.
+#[derive(Debug, Clone, Copy)]
+pub struct EyeLine {
+    first: DVec3,
+    along: DVec3,
+}
+
+impl EyeLine {
+    pub fn new(views: &OutputViews) -> EyeLine {
+        let ends = [views.offsets_m.first(), views.offsets_m.last()];
+        let [first, last] = ends.map(|offset_m| views.eye(offset_m.copied().unwrap_or(0.0)));
+        EyeLine { first, along: last - first }
+    }
+
+    /// Where the angle between a direction from a point and the eye is least, 0 to 1.
+    ///
+    /// With `a` from the point to the first eye, `b` along the line and `r` the direction, the cosine r·(a + t b)/|a + t b| is stationary at
+    /// t = ((r·a)(a·b) − (r·b)|a|²) / ((r·b)(a·b) − (r·a)|b|²). (Listing 3.15 intersects two lines instead, which hardly ever meet.)
+    pub fn best_place(&self, point: DVec3, direction: DVec3) -> f64 {
+        let (a, b) = (self.first - point, self.along);
+        let cosine = |place: f64| (a + place * b).normalize_or_zero().dot(direction);
+        let (ra, rb, ab) = (direction.dot(a), direction.dot(b), a.dot(b));
+        let place = (ra * ab - rb * a.length_squared()) / (rb * ab - ra * b.length_squared());
+        let inside = Some(place).filter(|place| *place > 0.0 && *place < 1.0);
+        let ends = [0.0, 1.0].into_iter();
+        ends.chain(inside).max_by(|a, b| cosine(*a).total_cmp(&cosine(*b))).unwrap_or(0.0)
+    }
+
+    fn eye(&self, place: f64) -> DVec3 {
+        self.first + place * self.along
+    }
+}
+
+impl Highlight {
+    /// Of a surface, with at most `limit` splits between the ends.
+    pub fn new(gloss: &Gloss, eyes: &EyeLine, limit: usize) -> Highlight {
+        let at = |place: f64| (place, gloss.towards(eyes.eye(place)));
+        let mut splits = vec![at(0.0)];
+        if eyes.along == DVec3::ZERO {
+            return Highlight { splits };
+        }
+        let mut best: Vec<f64> = gloss.mirrored().map(|direction| eyes.best_place(gloss.point, direction)).collect();
+        best.retain(|place| *place > 0.0 && *place < 1.0);
+        best.sort_by(f64::total_cmp);
+        best.dedup();
+        best.truncate(limit);
+        splits.extend(best.iter().map(|&place| at(place)));
+        splits.push(at(1.0));
+        // The middles of all intervals, and by how much the chord errs there.
+        let probe = |pair: &[(f64, DVec3)]| {
+            let middle = at(0.5 * (pair[0].0 + pair[1].0));
+            (middle, (middle.1 - 0.5 * (pair[0].1 + pair[1].1)).abs().max_element())
+        };
+        while splits.len() < limit + 2 {
+            let worst = splits.windows(2).map(probe).enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+            match worst {
+                Some((before, (split, error))) if error > LEAST_ERROR => splits.insert(before + 1, split),
+                _ => break,
+            }
+        }
+        Highlight { splits }
+    }
+
+    /// Splits, ends among them.
+    pub fn splits(&self) -> usize {
+        self.splits.len()
+    }
+
+    /// Radiance at a place, 0 to 1.
+    pub fn at(&self, place: f64) -> DVec3 {
+        let after = self.splits.partition_point(|split| split.0 <= place);
+        match (after.checked_sub(1).map(|before| self.splits[before]), self.splits.get(after)) {
+            (Some((from, a)), Some(&(to, b))) => a.lerp(b, (place - from) / (to - from)),
+            (Some((_, a)), None) => a,
+            (None, first) => first.map_or(DVec3::ZERO, |first| first.1),
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Whole output views from the lines of source views (Epipolar 3.3.2).
+
+use std::ops::Range;
+
+use glam::DVec3;
+use half::f16;
+use rayon::prelude::*;
+
+use super::coalesce::coalesce;
+use super::counters::Counters;
+use super::highlights::{EyeLine, Highlight};
+use super::lines::{Line, LineSpace};
+use super::slice::{Slice, Winner};
+use super::source::{Light, SourcePixel, SourceView};
+use super::views::OutputViews;
+use crate::color::blend::{HalfKey, Sample};
+use crate::error::Result;
+use crate::image::Plane;
+use crate::monitor::Monitor;
+
+/// What a pixel of an output view got.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coverage {
+    Covered,
+    /// No line covers it.
+    Hole,
+    /// It shows a mirror or glass.
+    Optical,
+}
+
+/// An output view before its holes are filled.
+#[derive(Debug, Clone)]
+pub struct InterpolatedView {
+    /// Linear light; 0 where it is not covered.
+    pub color: Plane<[f16; 3]>,
+    pub coverage: Plane<Coverage>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InterpolateSettings {
+    /// Pixels by which disparities of coalesced lines may differ; 0 for none.
+    pub coalesce: f64,
+    /// Splits of a line at most, beside its ends.
+    pub splits: usize,
+}
+
+impl Default for InterpolateSettings {
+    fn default() -> Self {
+        InterpolateSettings { coalesce: 0.0, splits: super::highlights::DEFAULT_SPLITS }
+    }
+}
+
+/// Interpolates views between sources, which are in their order.
+#[derive(Debug)]
+pub struct Interpolator<'a> {
+    views: &'a OutputViews,
+    sources: &'a [SourceView],
+    settings: InterpolateSettings,
+    space: LineSpace,
+    eyes: EyeLine,
+}
+
+/// Pixels of a scanline of one view.
+type ViewRow = Vec<([f16; 3], Coverage)>;
+
+impl<'a> Interpolator<'a> {
+    pub fn new(views: &'a OutputViews, sources: &'a [SourceView], settings: InterpolateSettings) -> Interpolator<'a> {
+        let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
+        let space = LineSpace::new(views, &offsets_m);
+        Interpolator { views, sources, settings, space, eyes: EyeLine::new(views) }
+    }
+
+    /// Some of the views.
+    pub fn views(&self, range: Range<usize>, monitor: &dyn Monitor) -> Result<(Vec<InterpolatedView>, Counters)> {
+        let [width, height] = self.views.size;
+        let rows: Vec<(Vec<ViewRow>, Counters)> = (0..height as usize)
+            .into_par_iter()
+            .map(|row| {
+                monitor.check()?;
+                let of_row = self.row(row, range.clone());
+                monitor.advance(1);
+                Ok(of_row)
+            })
+            .collect::<Result<_>>()?;
+        let mut counters = Counters::default();
+        rows.iter().for_each(|(_, of_row)| counters.add(of_row));
+        let view = |at: usize| {
+            let (color, coverage) = rows.iter().flat_map(|(views, _)| views[at].iter().copied()).unzip();
+            let color = Plane::new(width, height, color)?;
+            Ok(InterpolatedView { color, coverage: Plane::new(width, height, coverage)? })
+        };
+        Ok(((0..range.len()).into_par_iter().map(view).collect::<Result<_>>()?, counters))
+    }
+
+    fn row(&self, row: usize, range: Range<usize>) -> (Vec<ViewRow>, Counters) {
+        let mut lines = self.space.lines(self.sources, row);
+        let runs = coalesce(&mut lines, self.settings.coalesce);
+        let mut counters = Counters {
+            lines: lines.len() as u64,
+            coalesced_pixels: (lines.len() - runs.len()) as u64,
+            ..Counters::default()
+        };
+        let shader = Shader::new(self, &lines, row);
+        counters.splits = shader.highlights.iter().flatten().map(|highlight| highlight.splits() as u64).sum();
+        let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
+        let mut rows = Vec::with_capacity(range.len());
+        for view in range {
+            let winners: Vec<Option<Winner>> = slice.view(view, &mut counters).collect();
+            let pixels: ViewRow = winners.into_iter().map(|winner| shader.pixel(winner, view)).collect();
+            counters.hole_pixels += pixels.iter().filter(|pixel| pixel.1 == Coverage::Hole).count() as u64;
+            rows.push(pixels);
+        }
+        (rows, counters)
+    }
+}
+
+/// Pixels in percent that two sources leave open in a view between them.
+pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64) -> f64 {
+    let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
+    let between = views.at(vec![offsets_m[0], offset_m, offsets_m[offsets_m.len() - 1]]);
+    let sources: Vec<SourceView> = sources.iter().map(|source| (*source).clone()).collect();
+    let space = LineSpace::new(&between, &offsets_m);
+    let holes = |row: usize| {
+        let lines = space.lines(&sources, row);
+        let mut slice = Slice::new(&space, &lines, views.size[0]);
+        slice.view(1, &mut Counters::default()).filter(Option::is_none).count() as u64
+    };
+    let holes: u64 = (0..views.size[1] as usize).into_par_iter().map(holes).sum();
+    100.0 * holes as f64 / views.size.map(f64::from).iter().product::<f64>()
+}
+
+/// Light of the lines of a scanline.
+struct Shader<'a> {
+    of: &'a Interpolator<'a>,
+    lines: &'a [Line],
+    row: usize,
+    /// By line.
+    highlights: Vec<Option<Highlight>>,
+}
+
+impl<'a> Shader<'a> {
+    fn new(of: &'a Interpolator<'a>, lines: &'a [Line], row: usize) -> Shader<'a> {
+        let highlight = |line: &Line| {
+            let source = &of.sources[usize::from(line.source)].rows[row];
+            match source.pixels[line.pixel as usize].light {
+                Light::Gloss(gloss) => {
+                    Some(Highlight::new(&source.gloss[gloss as usize], &of.eyes, of.settings.splits))
+                }
+                Light::Steady | Light::Traced => None,
+            }
+        };
+        // A scanline without gloss has no highlight.
+        let has_gloss = of.sources.iter().any(|source| !source.rows[row].gloss.is_empty());
+        let highlights = if has_gloss { lines.iter().map(highlight).collect() } else { Vec::new() };
+        Shader { of, lines, row, highlights }
+    }
+
+    fn source_pixel(&self, line: &Line) -> &SourcePixel {
+        &self.of.sources[usize::from(line.source)].rows[self.row].pixels[line.pixel as usize]
+    }
+
+    fn pixel(&self, winner: Option<Winner>, view: usize) -> ([f16; 3], Coverage) {
+        let Some(Winner { line: at, beside, weight }) = winner else { return ([f16::ZERO; 3], Coverage::Hole) };
+        let line = &self.lines[at as usize];
+        let pixel = self.source_pixel(line);
+        if line.is_first && self.of.space.place(usize::from(line.source), view) == 0 {
+            return (pixel.own, Coverage::Covered);
+        }
+        if pixel.light == Light::Traced {
+            return ([f16::ZERO; 3], Coverage::Optical);
+        }
+        let other = self.source_pixel(&self.lines[beside as usize]);
+        let steady = if weight == 0 || other.light == Light::Traced {
+            pixel.steady
+        } else {
+            blended(pixel.steady, other.steady, weight)
+        };
+        let highlight = |at: u32| self.highlight(at as usize, view);
+        match (highlight(at), highlight(beside)) {
+            (None, None) => (steady, Coverage::Covered),
+            (a, b) => {
+                let light = a.unwrap_or(DVec3::ZERO).lerp(b.unwrap_or(DVec3::ZERO), f64::from(weight) / 255.0);
+                let light = DVec3::from_array(steady.map(f16::to_f64)) + light;
+                (crate::scene::capture::halves(light), Coverage::Covered)
+            }
+        }
+    }
+
+    fn highlight(&self, line: usize, view: usize) -> Option<DVec3> {
+        let highlight = self.highlights.get(line)?.as_ref()?;
+        let offsets_m = &self.of.views.offsets_m;
+        let baseline_m = self.of.views.baseline_m();
+        Some(highlight.at(if baseline_m > 0.0 { (offsets_m[view] - offsets_m[0]) / baseline_m } else { 0.0 }))
+    }
+}
+
+fn blended(a: [f16; 3], b: [f16; 3], weight: u8) -> [f16; 3] {
+    let key = |half: f16| HalfKey::from_bits(half.to_bits());
+    std::array::from_fn(|channel| HalfKey::lerp(key(a[channel]), key(b[channel]), weight).to_half())
+}

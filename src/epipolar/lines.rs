@@ -1,0 +1,132 @@
+//! Pixels of source views as lines in epipolar space, in integers (Epipolar 3.3.2).
+//!
+//! A line has a column in its own view, in 1/256 of a pixel, and a disparity: the columns by which it moves from the first output view to
+//! the last, in 1/4096 of a pixel. In another view it is moved by a part of that, the view's place relative to the line's own in units of
+//! 2^-24 of the baseline. The CPU and devices compute columns and keys from these integers alone.
+
+use super::continuity::Continuity;
+use super::source::{SourcePixel, SourceView};
+use super::views::OutputViews;
+
+/// Parts of a pixel in columns.
+pub const COLUMN_BITS: u32 = 8;
+const DISPARITY_BITS: u32 = 12;
+const PLACE_BITS: u32 = 24;
+/// Columns that a line moves at most: more leaves every image.
+const MOST_COLUMNS: f64 = (1 << (30 - DISPARITY_BITS)) as f64;
+/// Baselines from the first view at which a source may stand.
+const MOST_PLACE: f64 = 64.0;
+/// Tangent of the steepest slant, from the scanline, of a surface that still fills pixels.
+const STEEPEST: f64 = 6.0;
+
+/// A line of a scanline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Line {
+    /// Column of the pixel's middle in its own view, 1/256 pixels.
+    pub column: i32,
+    /// 1/4096 pixels over the baseline.
+    pub disparity: i32,
+    /// Bits of the planar distance as a single float, which rise with it.
+    pub depth: u32,
+    /// The pixel, in [`super::source::SourceRow::pixels`] of its source.
+    pub pixel: u32,
+    pub source: u16,
+    /// Whether the next line shows the next pixel of the same surface.
+    pub joins_next: bool,
+    /// Whether it is of the first layer.
+    pub is_first: bool,
+}
+
+/// Places of sources and views along the baseline, and the bias of keys.
+#[derive(Debug, Clone)]
+pub struct LineSpace {
+    /// By source and view: how far the view stands to the right of the source, in 2^-24 of the baseline.
+    places: Vec<Vec<i32>>,
+    continuity: Continuity,
+    /// By source: 1/4096 pixels over the baseline of a surface at 1/1 m, and at the focus.
+    scale: f64,
+    at_infinity: f64,
+    /// Added to the key of a line that is seen a whole baseline beside its source.
+    bias: u32,
+}
+
+/// Columns, in 1/256 pixels, by which a line with this disparity has moved at a place: their product, rounded to nearest, halves up.
+///
+/// On devices the product is of two 32-bit limbs.
+pub fn moved(disparity: i32, place: i32) -> i32 {
+    const SHIFT: u32 = DISPARITY_BITS - COLUMN_BITS + PLACE_BITS;
+    ((i64::from(disparity) * i64::from(place) + (1 << (SHIFT - 1))) >> SHIFT) as i32
+}
+
+impl LineSpace {
+    /// Of the sources' places in metres, to the right of the middle of the views.
+    pub fn new(views: &OutputViews, source_offsets_m: &[f64]) -> LineSpace {
+        let baseline_m = views.baseline_m();
+        let place = |source_m: f64, view_m: f64| {
+            let place = if baseline_m > 0.0 { (view_m - source_m) / baseline_m } else { 0.0 };
+            (place.clamp(-MOST_PLACE, MOST_PLACE) * f64::from(1 << PLACE_BITS)).round() as i32
+        };
+        let places = source_offsets_m
+            .iter()
+            .map(|&source_m| views.offsets_m.iter().map(|&view_m| place(source_m, view_m)).collect())
+            .collect();
+        let columns = views.focal_pixels() * baseline_m;
+        // The farther a view is from the source, the more another source's sample of the same surface may differ in depth: by half a pixel
+        // times its slant.
+        let bias = (STEEPEST * 0.5 / views.focal_pixels()).min(0.5);
+        let units = f64::from(1 << DISPARITY_BITS);
+        LineSpace {
+            places,
+            continuity: Continuity::new(columns),
+            scale: columns * units,
+            at_infinity: columns / views.focus_m * units,
+            bias: (bias * f64::from(1 << 23)) as u32,
+        }
+    }
+
+    /// Place of a view relative to a source.
+    pub fn place(&self, source: usize, view: usize) -> i32 {
+        self.places[source][view]
+    }
+
+    pub fn continuity(&self) -> Continuity {
+        self.continuity
+    }
+
+    /// What a key is raised by at a place, as a part of the distance in units of 2^-23.
+    pub fn bias_at(&self, place: i32) -> u32 {
+        ((u64::from(self.bias) * u64::from(place.unsigned_abs())) >> PLACE_BITS) as u32
+    }
+
+    fn disparity(&self, depth_m: f32) -> i32 {
+        let most = MOST_COLUMNS * f64::from(1 << DISPARITY_BITS);
+        (self.at_infinity - self.scale / f64::from(depth_m)).clamp(-most, most).round() as i32
+    }
+
+    /// The lines of a scanline of all sources, in their order.
+    pub fn lines(&self, sources: &[SourceView], row: usize) -> Vec<Line> {
+        let mut lines = Vec::new();
+        for (source, view) in sources.iter().enumerate() {
+            let pixels = &view.rows[row].pixels;
+            let inverse = |at: usize| f64::from(pixels[at].depth_m).recip();
+            let is_next = |a: &SourcePixel, b: &SourcePixel| a.layer == b.layer && a.column + 1 == b.column;
+            for (at, pixel) in pixels.iter().enumerate() {
+                let joins_next = pixels.get(at + 1).is_some_and(|next| {
+                    let before = at.checked_sub(1).filter(|&before| is_next(&pixels[before], pixel)).map(inverse);
+                    let after = pixels.get(at + 2).filter(|after| is_next(next, after)).map(|_| inverse(at + 2));
+                    is_next(pixel, next) && self.continuity.joins(before, [inverse(at), inverse(at + 1)], after)
+                });
+                lines.push(Line {
+                    column: (pixel.column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
+                    disparity: self.disparity(pixel.depth_m),
+                    depth: pixel.depth_m.to_bits(),
+                    pixel: at as u32,
+                    source: source as u16,
+                    joins_next,
+                    is_first: pixel.layer == 0,
+                });
+            }
+        }
+        lines
+    }
+}

@@ -1,0 +1,31 @@
+//! Hundreds of views on a line, from few source views (Epipolar: de Quilletes).
+//!
+//! All cameras look in one direction, and the line that they stand on is parallel to their scanlines. A point of the scene is then on the
+//! same scanline of every view, and its column is a linear function of the camera's place: a line in epipolar space.
+//!
+//! Enters: a scene, and the output views. Leaves: their pictures, block by block. Stages, each in a file that bears its name:
+//!
+//! 1. [`views`]: the output views (3.1), with an off-axis window where they converge.
+//! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), by [`visibility`] (3.4.1, 3.4.2).
+//! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d in runs (3.4.3); [`slice`]: their winners in one
+//!    scanline of all output views (3.3.2); [`interpolate`]: whole views.
+//! 4. [`highlights`]: light that depends on the eye (3.5).
+//! 5. [`fill`]: pixels that no line covers.
+//!
+//! [`pipeline`] runs them all; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
+
+pub mod acquire;
+pub mod brute_force;
+pub mod coalesce;
+pub mod continuity;
+pub mod counters;
+pub mod fill;
+pub mod highlights;
+pub mod interpolate;
+pub mod lines;
+pub mod memory;
+pub mod pipeline;
+pub mod slice;
+pub mod source;
+pub mod views;
+pub mod visibility;

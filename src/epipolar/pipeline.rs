@@ -1,0 +1,113 @@
+//! All stages, from a scene to the pictures of its output views.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::acquire::{AcquireSettings, acquire};
+use super::counters::Counters;
+use super::fill::{HoleFilling, fill, picture};
+use super::interpolate::{InterpolateSettings, Interpolator};
+use super::source::SourceView;
+use super::views::OutputViews;
+use crate::error::Result;
+use crate::evaluate::RenderedImage;
+use crate::json;
+use crate::monitor::Monitor;
+use crate::scene::SceneAtTime;
+
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub acquire: AcquireSettings,
+    pub interpolate: InterpolateSettings,
+    pub holes: HoleFilling,
+    /// Output views that are interpolated at once; results do not depend on it.
+    pub views_at_once: usize,
+}
+
+/// Durations of the stages.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Stages {
+    #[serde(serialize_with = "json::seconds")]
+    pub acquire: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub interpolate: Duration,
+    #[serde(serialize_with = "json::seconds")]
+    pub fill: Duration,
+}
+
+/// A source view, in a report.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SourceReport {
+    /// Metres to the right of the middle of the output views.
+    pub offset_m: f64,
+    pub layers: u32,
+}
+
+#[derive(Debug, Clone, Default)]
+pub struct Summary {
+    pub stages: Stages,
+    pub counters: Counters,
+    pub sources: Vec<SourceReport>,
+}
+
+impl Summary {
+    /// Seconds of all stages.
+    pub fn duration(&self) -> Duration {
+        let Stages { acquire, interpolate, fill } = self.stages;
+        acquire + interpolate + fill
+    }
+}
+
+/// Steps that a run reports to its monitor.
+pub fn steps(views: &OutputViews, settings: &Settings) -> u64 {
+    u64::from(views.count()).div_ceil(settings.views_at_once.max(1) as u64) * u64::from(views.size[1])
+}
+
+/// Renders some of the output views of a scene, and gives each picture with its number, in order.
+pub fn interpolate(
+    scene: &SceneAtTime,
+    (views, range): (&OutputViews, Range<usize>),
+    settings: &Settings,
+    monitor: &dyn Monitor,
+    mut take: impl FnMut(usize, Picture) -> Result<()>,
+) -> Result<Summary> {
+    let begun = Instant::now();
+    let (sources, counters) = acquire(scene, views, &settings.acquire, monitor)?;
+    let report = |source: &SourceView| SourceReport { offset_m: source.offset_m, layers: source.layers };
+    let mut summary = Summary { counters, sources: sources.iter().map(report).collect(), ..Summary::default() };
+    summary.stages.acquire = begun.elapsed();
+    let interpolator = Interpolator::new(views, &sources, settings.interpolate);
+    let mut first = range.start;
+    while first < range.end {
+        let block = first..(first + settings.views_at_once.max(1)).min(range.end);
+        let begun = Instant::now();
+        let (mut interpolated, counted) = interpolator.views(block.clone(), monitor)?;
+        summary.counters.add(&Counters { lines: 0, coalesced_pixels: 0, splits: 0, ..counted });
+        if first == range.start {
+            let Counters { lines, coalesced_pixels, splits, .. } = counted;
+            summary.counters.add(&Counters { lines, coalesced_pixels, splits, ..Counters::default() });
+        }
+        summary.stages.interpolate += begun.elapsed();
+        for (view, of_view) in block.clone().zip(&mut interpolated) {
+            let unfilled = picture(of_view)?;
+            let begun = Instant::now();
+            let place = (views, views.offsets_m[view]);
+            let from = (scene, &settings.acquire.samples);
+            summary.counters.traced_pixels += fill(of_view, from, place, settings.holes, monitor)?;
+            summary.stages.fill += begun.elapsed();
+            take(view, Picture { filled: picture(of_view)?, unfilled })?;
+        }
+        first = block.end;
+    }
+    Ok(summary)
+}
+
+/// A picture of an output view.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    pub filled: RenderedImage,
+    /// Before holes were filled: alpha is 0 there.
+    pub unfilled: RenderedImage,
+}

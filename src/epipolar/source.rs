@@ -1,0 +1,65 @@
+//! Source views: what is visible from a place on the line, and what lies behind it.
+
+use half::f16;
+
+use crate::scene::shading::Gloss;
+
+/// Layers of a source view at most.
+pub const MAX_LAYERS: usize = 10;
+
+/// Where a pixel's light comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Light {
+    /// The same from every eye.
+    Steady,
+    /// With highlights: an index into [`SourceRow::gloss`].
+    Gloss(u32),
+    /// A mirror or glass: no line in epipolar space.
+    Traced,
+}
+
+/// A pixel of a layer with a surface, or with the background.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SourcePixel {
+    /// Column in the picture from this place; a widened window has some below 0, and beyond its width.
+    pub column: i32,
+    /// Planar distance in metres, above 0; `+inf` for the background.
+    pub depth_m: f32,
+    /// 0 for the nearest surface.
+    pub layer: u8,
+    pub light: Light,
+    /// Radiance in other views, without highlights.
+    pub steady: [f16; 3],
+    /// All light, as the picture from this place shows it: in the first layer, the mean over the pixel.
+    pub own: [f16; 3],
+}
+
+/// A scanline: its pixels by layer, then by column.
+#[derive(Debug, Clone, Default)]
+pub struct SourceRow {
+    pub pixels: Vec<SourcePixel>,
+    pub gloss: Vec<Gloss>,
+}
+
+#[derive(Debug, Clone)]
+pub struct SourceView {
+    /// Metres to the right of the middle of the output views.
+    pub offset_m: f64,
+    /// As many as output views have.
+    pub rows: Vec<SourceRow>,
+    /// With any pixel.
+    pub layers: u32,
+}
+
+impl SourceView {
+    pub fn pixel_count(&self) -> u64 {
+        self.rows.iter().map(|row| row.pixels.len() as u64).sum()
+    }
+}
+
+/// Sources by their place, each place once: their order in a list does not matter.
+pub fn in_order(mut sources: Vec<SourceView>) -> Vec<SourceView> {
+    sources.sort_by(|a, b| a.offset_m.total_cmp(&b.offset_m));
+    sources.dedup_by(|a, b| a.offset_m == b.offset_m);
+    sources
+}

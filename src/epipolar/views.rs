@@ -1,0 +1,189 @@
+//! Output views: cameras side by side on a line (Epipolar 3.1).
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::image::ImageProjection;
+use crate::math::Camera;
+use crate::math::camera::rotation;
+use crate::scene::capture::Viewpoint;
+
+/// Output views at most.
+pub const MAX_VIEWS: u32 = 4096;
+
+/// How output views are spread along their line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spread {
+    /// Evenly over so many metres.
+    Baseline(f64),
+    /// Evenly in the angle, in degrees, in which they stand around the focus, as the makers of displays have it.
+    Cone(f64),
+}
+
+/// Cameras with one orientation on a line along their right axis, view 0 at the left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputViews {
+    /// In the middle of the line.
+    camera: Camera,
+    pub size: [u32; 2],
+    /// Metres from the middle to the right, rising.
+    pub offsets_m: Vec<f64>,
+    /// Planar distance of the plane that does not move from view to view, `+inf` for cameras whose windows are in their middle.
+    pub focus_m: f64,
+}
+
+impl OutputViews {
+    /// `count` views around a camera whose aspect becomes that of the images. The focus is a planar distance in metres, above 0; `+inf`
+    /// for parallel views.
+    pub fn new(camera: Camera, size: [u32; 2], count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
+        if !(1..=MAX_VIEWS).contains(&count) {
+            return Err(Error::Usage(format!("{count} `views`: 1 to {MAX_VIEWS} were expected")));
+        }
+        if focus_m.is_nan() || focus_m <= 0.0 {
+            return Err(Error::Usage(format!("a `focus` of {focus_m} m: a distance above 0 was expected")));
+        }
+        // From -1/2 at the left to 1/2 at the right.
+        let place = |view: u32| if count == 1 { 0.0 } else { f64::from(view) / f64::from(count - 1) - 0.5 };
+        let offset: Box<dyn Fn(u32) -> f64> = match spread {
+            Spread::Baseline(metres) if metres.is_finite() && metres >= 0.0 => {
+                Box::new(move |view| metres * place(view))
+            }
+            Spread::Baseline(metres) => {
+                return Err(Error::Usage(format!("a `baseline` of {metres} m: 0 or more was expected")));
+            }
+            Spread::Cone(_) if !focus_m.is_finite() => {
+                return Err(Error::Usage("a view cone has its tip in the `focus`: name its distance".into()));
+            }
+            Spread::Cone(degrees) if degrees >= 0.0 && degrees < 180.0 => {
+                Box::new(move |view| focus_m * (degrees.to_radians() * place(view)).tan())
+            }
+            Spread::Cone(degrees) => {
+                return Err(Error::Usage(format!(
+                    "a view cone of {degrees} degrees: 0 to less than 180 were expected"
+                )));
+            }
+        };
+        let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
+        Ok(OutputViews { camera, size, offsets_m: (0..count).map(offset).collect(), focus_m })
+    }
+
+    /// The same camera at other places, rising.
+    #[must_use]
+    pub fn at(&self, offsets_m: Vec<f64>) -> OutputViews {
+        OutputViews { offsets_m, ..self.clone() }
+    }
+
+    pub fn count(&self) -> u32 {
+        self.offsets_m.len() as u32
+    }
+
+    /// Metres from the first view to the last.
+    pub fn baseline_m(&self) -> f64 {
+        match self.offsets_m[..] {
+            [first, .., last] => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// Pixels of a unit of the plane at distance 1, across.
+    pub fn focal_pixels(&self) -> f64 {
+        f64::from(self.size[0]) / (2.0 * self.camera.half()[0])
+    }
+
+    /// Columns by which a surface at a planar distance moves for each metre that the camera moves to the right.
+    pub fn columns_per_metre(&self, depth_m: f64) -> f64 {
+        self.focal_pixels() * (self.focus_m.recip() - depth_m.recip())
+    }
+
+    /// A camera at so many metres to the right of the middle.
+    pub fn camera(&self, offset_m: f64) -> Result<Camera> {
+        let [middle, down] = self.window_middle();
+        self.camera.moved_right(offset_m).off_axis([middle - offset_m / self.focus_m, down])
+    }
+
+    /// Its pixels.
+    pub fn viewpoint(&self, offset_m: f64) -> Viewpoint {
+        let [width, height] = self.size.map(f64::from);
+        let [half_width, half_height] = self.camera.half();
+        let [middle, down] = self.window_middle();
+        let (across, along) = (width / (2.0 * half_width), height / (2.0 * half_height));
+        let principal = [0.5 * width - (middle - offset_m / self.focus_m) * across, 0.5 * height - down * along];
+        Viewpoint {
+            position: self.eye(offset_m),
+            orientation: self.camera.orientation().and_then(rotation),
+            projection: ImageProjection::Pinhole {
+                size: self.size,
+                intrinsics: [across, along, principal[0], principal[1]],
+            },
+        }
+    }
+
+    pub fn eye(&self, offset_m: f64) -> DVec3 {
+        self.camera.eye() + offset_m * self.camera.axes()[1]
+    }
+
+    fn window_middle(&self) -> [f64; 2] {
+        let window = self.camera.window();
+        [window.u, window.v].map(|[from, to]| 0.5 * (from + to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Lens;
+
+    fn camera() -> Camera {
+        Camera::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 0.0), DVec3::Y, Lens::new(60.0)).unwrap()
+    }
+
+    fn views(count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
+        OutputViews::new(camera(), [40, 30], count, spread, focus_m)
+    }
+
+    #[test]
+    fn the_plane_of_focus_stands_still_and_others_move_by_their_columns() {
+        for focus_m in [2.0, f64::INFINITY] {
+            let views = views(5, Spread::Baseline(0.8), focus_m).unwrap();
+            assert_eq!(views.offsets_m, [-0.4, -0.2, 0.0, 0.2, 0.4]);
+            for depth_m in [0.5, 2.0, 7.0] {
+                let point = DVec3::new(1.1, 2.05, 3.0 - depth_m);
+                let column = |offset_m: f64| {
+                    let viewpoint = views.viewpoint(offset_m);
+                    let [column, _] = viewpoint.projection.position({
+                        let from_eye = point - viewpoint.position;
+                        [from_eye.x / depth_m, -from_eye.y / depth_m]
+                    });
+                    let camera = views.camera(offset_m).unwrap();
+                    let ([share, _], _) = camera.project(point - camera.eye()).unwrap();
+                    assert!((share * 40.0 - column).abs() < 1e-9);
+                    column
+                };
+                for &offset_m in &views.offsets_m {
+                    let moved = column(offset_m) - column(0.0);
+                    assert!((moved - offset_m * views.columns_per_metre(depth_m)).abs() < 1e-9, "{depth_m} {offset_m}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_cone_is_even_in_its_angle() {
+        let views = views(3, Spread::Cone(90.0), 2.0).unwrap();
+        assert!(views.offsets_m.iter().zip([-2.0, 0.0, 2.0]).all(|(a, b)| (a - b).abs() < 1e-9));
+        let one = super::tests::views(1, Spread::Baseline(3.0), 2.0).unwrap();
+        assert_eq!((one.offsets_m.as_slice(), one.baseline_m()), (&[0.0][..], 0.0));
+    }
+
+    #[test]
+    fn what_has_no_views_is_refused() {
+        let said = |count, spread, focus_m| views(count, spread, focus_m).unwrap_err().to_string();
+        assert!(said(0, Spread::Baseline(1.0), 1.0).contains("1 to 4096"));
+        assert!(said(4097, Spread::Baseline(1.0), 1.0).contains("4097"));
+        assert!(said(2, Spread::Baseline(-1.0), 1.0).contains("baseline"));
+        assert!(said(2, Spread::Baseline(f64::NAN), 1.0).contains("baseline"));
+        assert!(said(2, Spread::Baseline(1.0), 0.0).contains("focus"));
+        assert!(said(2, Spread::Cone(10.0), f64::INFINITY).contains("focus"));
+        assert!(said(2, Spread::Cone(180.0), 1.0).contains("180"));
+    }
+}

@@ -1,0 +1,88 @@
+//! What an output view may see behind a pixel of a source view (Epipolar 3.4.1, 3.4.2).
+
+use super::continuity::Continuity;
+
+/// How far output views reach to both sides of a source view.
+#[derive(Debug, Clone, Copy)]
+pub struct Reach {
+    /// Columns by which a surface at 1 m moves between the source and the views farthest to its left and right.
+    pub columns: [f64; 2],
+}
+
+/// Distance behind a surface within which no view sees anything past one of its pixels (Epipolar equation 3.1, after Lee et al.), `+inf`
+/// where that is everything.
+///
+/// Two pixels at the distance of the surface cast an umbra behind them where the eye moves by more than their width. The formula of the
+/// paper has a pole where the eye moves by exactly that, and is negative below: there nothing behind them is seen.
+pub fn hidden_m(depth_m: f64, focal_pixels: f64, baseline_m: f64) -> f64 {
+    let width_m = 2.0 * depth_m / focal_pixels;
+    if baseline_m <= width_m { f64::INFINITY } else { depth_m * width_m / (baseline_m - width_m) }
+}
+
+/// Whether an output view may see past each pixel of a layer, by the inverse distances of its pixels, 0 for the background; `None` where
+/// the layer has no pixel.
+///
+/// A view to the right shows what lies behind a pixel on a line between the pixel's own and the place that infinity has: if the pixels on
+/// that way are one surface, all of it is hidden. The surface is continuous where no edge lies between: counts of edges, summed from
+/// the left, are equal at both ends.
+pub fn sees_past(inverse: &[Option<f64>], continuity: Continuity, reach: Reach) -> Vec<bool> {
+    let of = |at: usize| inverse.get(at).copied().flatten();
+    // Edges to the left of each pixel.
+    let mut edges = Vec::with_capacity(inverse.len());
+    let mut count = 0u32;
+    for at in 0..inverse.len() {
+        if at > 0 {
+            let before = at.checked_sub(2).and_then(of);
+            let joined = of(at - 1).zip(of(at)).is_some_and(|(a, b)| continuity.joins(before, [a, b], of(at + 1)));
+            count += u32::from(!joined);
+        }
+        edges.push(count);
+    }
+    let is_open = |at: usize, end: i64| usize::try_from(end).ok().and_then(|end| edges.get(end)) != Some(&edges[at]);
+    let sees = |at: usize| match of(at) {
+        None => false,
+        Some(inverse) => {
+            let [left, right] =
+                reach.columns.map(|columns| if columns > 0.0 { (columns * inverse).ceil() as i64 + 1 } else { 0 });
+            is_open(at, at as i64 - left) || is_open(at, at as i64 + right)
+        }
+    };
+    (0..inverse.len()).map(sees).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_close_behind_is_hidden() {
+        // Pixels of 1 cm at 2 m, and a baseline of 1 m: similar triangles of 1 m and 2 cm.
+        assert!((hidden_m(2.0, 200.0, 1.0) - 2.0 * 0.02 / 0.98).abs() < 1e-12);
+        for baseline_m in [0.02, 0.01, 0.0] {
+            assert_eq!(hidden_m(2.0, 200.0, baseline_m), f64::INFINITY, "{baseline_m}");
+        }
+        let above = 0.02f64.next_up();
+        assert!(hidden_m(2.0, 200.0, above) > 1e13);
+    }
+
+    #[test]
+    fn one_surface_hides_everything_and_edges_show_what_is_behind() {
+        let continuity = Continuity::new(100.0);
+        let wall = vec![Some(0.5); 40];
+        let sees = |layer: &[Option<f64>], columns| sees_past(layer, continuity, Reach { columns });
+        // Beside the borders of the image anything may come into view.
+        let past = sees(&wall, [10.0, 0.0]);
+        assert!(past[..6].iter().all(|sees| *sees) && !past[6..].iter().any(|sees| *sees), "{past:?}");
+        assert!(!sees(&wall, [0.0; 2]).contains(&true));
+        let mut step = wall.clone();
+        step[20..].fill(Some(0.25));
+        let past = sees(&step, [0.0, 10.0]);
+        let behind: Vec<usize> = (0..30).filter(|&at| past[at]).collect();
+        // Those from which the way to infinity, 5 columns of the near wall and one for rounding, crosses the edge.
+        assert_eq!(behind, [14, 15, 16, 17, 18, 19]);
+        // A gap in the layer is an edge.
+        let mut gap = wall;
+        gap[20] = None;
+        assert!(!sees(&gap, [0.0, 10.0])[20] && sees(&gap, [0.0, 10.0])[19]);
+    }
+}
