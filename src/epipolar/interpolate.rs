@@ -1,5 +1,6 @@
 //! Whole output views from the lines of source views (Epipolar 3.3.2).
 
+use std::cell::OnceCell;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -101,7 +102,6 @@ impl<'a> Interpolator<'a> {
             ..Counters::default()
         };
         let shader = Shader::new(self, &lines, row);
-        counters.splits = shader.highlights.iter().flatten().map(|highlight| highlight.splits() as u64).sum();
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
@@ -110,6 +110,8 @@ impl<'a> Interpolator<'a> {
             counters.hole_pixels += pixels.iter().filter(|pixel| pixel.1 == Coverage::Hole).count() as u64;
             rows.push(pixels);
         }
+        let highlights = shader.highlights.iter().filter_map(OnceCell::get);
+        counters.splits = highlights.map(|highlight| highlight.splits() as u64).sum();
         (rows, counters)
     }
 }
@@ -134,24 +136,15 @@ struct Shader<'a> {
     of: &'a Interpolator<'a>,
     lines: &'a [Line],
     row: usize,
-    /// By line.
-    highlights: Vec<Option<Highlight>>,
+    /// By line, where one wins; empty in a scanline without gloss.
+    highlights: Vec<OnceCell<Highlight>>,
 }
 
 impl<'a> Shader<'a> {
     fn new(of: &'a Interpolator<'a>, lines: &'a [Line], row: usize) -> Shader<'a> {
-        let highlight = |line: &Line| {
-            let source = &of.sources[usize::from(line.source)].rows[row];
-            match source.pixels[line.pixel as usize].light {
-                Light::Gloss(gloss) => {
-                    Some(Highlight::new(&source.gloss[gloss as usize], &of.eyes, of.settings.splits))
-                }
-                Light::Steady | Light::Traced => None,
-            }
-        };
         // A scanline without gloss has no highlight.
         let has_gloss = of.sources.iter().any(|source| !source.rows[row].gloss.is_empty());
-        let highlights = if has_gloss { lines.iter().map(highlight).collect() } else { Vec::new() };
+        let highlights = vec![OnceCell::new(); if has_gloss { lines.len() } else { 0 }];
         Shader { of, lines, row, highlights }
     }
 
@@ -187,10 +180,14 @@ impl<'a> Shader<'a> {
     }
 
     fn highlight(&self, line: usize, view: usize) -> Option<DVec3> {
-        let highlight = self.highlights.get(line)?.as_ref()?;
+        let cell = self.highlights.get(line)?;
+        let Light::Gloss(gloss) = self.source_pixel(&self.lines[line]).light else { return None };
+        let source = &self.of.sources[usize::from(self.lines[line].source)].rows[self.row];
+        let of = || Highlight::new(&source.gloss[gloss as usize], &self.of.eyes, self.of.settings.splits);
         let offsets_m = &self.of.views.offsets_m;
         let baseline_m = self.of.views.baseline_m();
-        Some(highlight.at(if baseline_m > 0.0 { (offsets_m[view] - offsets_m[0]) / baseline_m } else { 0.0 }))
+        let place = if baseline_m > 0.0 { (offsets_m[view] - offsets_m[0]) / baseline_m } else { 0.0 };
+        Some(cell.get_or_init(of).at(place))
     }
 }
 

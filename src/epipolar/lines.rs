@@ -105,28 +105,36 @@ impl LineSpace {
 
     /// The lines of a scanline of all sources, in their order.
     pub fn lines(&self, sources: &[SourceView], row: usize) -> Vec<Line> {
-        let mut lines = Vec::new();
-        for (source, view) in sources.iter().enumerate() {
-            let pixels = &view.rows[row].pixels;
-            let inverse = |at: usize| f64::from(pixels[at].depth_m).recip();
-            let is_next = |a: &SourcePixel, b: &SourcePixel| a.layer == b.layer && a.column + 1 == b.column;
-            for (at, pixel) in pixels.iter().enumerate() {
-                let joins_next = pixels.get(at + 1).is_some_and(|next| {
-                    let before = at.checked_sub(1).filter(|&before| is_next(&pixels[before], pixel)).map(inverse);
-                    let after = pixels.get(at + 2).filter(|after| is_next(next, after)).map(|_| inverse(at + 2));
-                    is_next(pixel, next) && self.continuity.joins(before, [inverse(at), inverse(at + 1)], after)
-                });
-                lines.push(Line {
-                    column: (pixel.column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
-                    disparity: self.disparity(pixel.depth_m),
-                    depth: pixel.depth_m.to_bits(),
-                    pixel: at as u32,
-                    source: source as u16,
-                    joins_next,
-                    is_first: pixel.layer == 0,
-                });
-            }
+        let of = |(source, view): (usize, &SourceView)| self.lines_of(source as u16, &view.rows[row].pixels);
+        sources.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// The lines of a scanline of one source.
+    pub fn lines_of(&self, source: u16, pixels: &[SourcePixel]) -> Vec<Line> {
+        let inverse = |at: usize| f64::from(pixels[at].depth_m).recip();
+        let is_next = |a: &SourcePixel, b: &SourcePixel| a.layer == b.layer && a.column + 1 == b.column;
+        let line = |(at, pixel): (usize, &SourcePixel)| {
+            let joins_next = pixels.get(at + 1).is_some_and(|next| {
+                let before = at.checked_sub(1).filter(|&before| is_next(&pixels[before], pixel)).map(inverse);
+                let after = pixels.get(at + 2).filter(|after| is_next(next, after)).map(|_| inverse(at + 2));
+                is_next(pixel, next) && self.continuity.joins(before, [inverse(at), inverse(at + 1)], after)
+            });
+            let (pixel_index, is_first) = (at as u32, pixel.layer == 0);
+            Line { pixel: pixel_index, source, joins_next, is_first, ..self.line(pixel.column, pixel.depth_m) }
+        };
+        pixels.iter().enumerate().map(line).collect()
+    }
+
+    /// The line of a pixel behind the first layer, without neighbours.
+    pub fn line(&self, column: i32, depth_m: f32) -> Line {
+        Line {
+            column: (column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
+            disparity: self.disparity(depth_m),
+            depth: depth_m.to_bits(),
+            pixel: 0,
+            source: 0,
+            joins_next: false,
+            is_first: false,
         }
-        lines
     }
 }

@@ -37,19 +37,31 @@ impl<'a> Slice<'a> {
 
     /// The winners in a view, by column; `None` in holes.
     pub fn view(&mut self, view: usize, counters: &mut Counters) -> impl Iterator<Item = Option<Winner>> + '_ {
+        self.draw(view, counters);
+        (0..self.width).map(|column| self.winner(column))
+    }
+
+    /// Whether what was drawn of a view hides a line of its first source, which has no neighbours, in the pixel that it covers and in those beside it.
+    pub fn hides(&self, line: &Line, view: usize) -> bool {
+        let column = (line.column + moved(line.disparity, self.space.place(0, view))) >> COLUMN_BITS;
+        let beside = (column - 1).max(0)..(column + 2).min(self.width as i32);
+        beside.into_iter().all(|column| (self.keys[column as usize] >> 32) < u64::from(line.depth))
+    }
+
+    /// Draws all lines.
+    pub fn draw(&mut self, view: usize, counters: &mut Counters) {
         self.keys.fill(NOTHING);
         let mut at = 0;
         while let Some(first) = self.lines.get(at) {
             let source = first.source;
             let end = at + self.lines[at..].partition_point(|line| line.source == source);
-            self.draw(at..end, self.space.place(usize::from(source), view), counters);
+            self.draw_source(at..end, self.space.place(usize::from(source), view), counters);
             at = end;
         }
-        (0..self.width).map(|column| self.winner(column))
     }
 
     /// Draws the lines of one source.
-    fn draw(&mut self, lines: std::ops::Range<usize>, place: i32, counters: &mut Counters) {
+    fn draw_source(&mut self, lines: std::ops::Range<usize>, place: i32, counters: &mut Counters) {
         let bias = self.space.bias_at(place);
         let width = self.width as i32;
         for at in lines.clone() {

@@ -5,9 +5,10 @@ use std::ops::Range;
 use glam::DVec3;
 use half::f16;
 
-use super::{AcquireSettings, Culling, TILE};
-use crate::epipolar::continuity::Continuity;
+use super::{AcquireSettings, Culling, TEST_VIEWS, TILE};
 use crate::epipolar::counters::Counters;
+use crate::epipolar::lines::{Line, LineSpace};
+use crate::epipolar::slice::Slice;
 use crate::epipolar::source::{Light, SourcePixel, SourceRow};
 use crate::epipolar::visibility::{Reach, hidden_m, sees_past};
 use crate::mesh::Ray;
@@ -20,7 +21,10 @@ pub(super) struct RowAcquisition<'a> {
     pub layers: usize,
     pub focal_pixels: f64,
     pub baseline_m: f64,
-    pub continuity: Continuity,
+    /// Of an output view, in pixels.
+    pub width: u32,
+    /// Lines of this source in test views.
+    pub tests: LineSpace,
     pub reach: Reach,
 }
 
@@ -75,6 +79,9 @@ impl RowAcquisition<'_> {
             if layer + 1 == self.layers || !self.peel(&mut columns, counters) {
                 break;
             }
+            if self.settings.culling == Culling::Full {
+                self.drop_hidden(&mut columns, (first, &out), counters);
+            }
         }
         out
     }
@@ -92,9 +99,9 @@ impl RowAcquisition<'_> {
 
     /// Goes on to the next layer; whether it has any pixel.
     fn peel(&self, columns: &mut [Column], counters: &mut Counters) -> bool {
-        let masks = (self.settings.culling == Culling::Full).then(|| {
+        let masks = matches!(self.settings.culling, Culling::Full | Culling::Mask).then(|| {
             let inverse = |column: &Column| column.current.map(|hit| column.depth_m(hit).recip());
-            sees_past(&columns.iter().map(inverse).collect::<Vec<_>>(), self.continuity, self.reach)
+            sees_past(&columns.iter().map(inverse).collect::<Vec<_>>(), self.tests.continuity(), self.reach)
         });
         let mut is_any = false;
         for (at, column) in columns.iter_mut().enumerate() {
@@ -120,6 +127,23 @@ impl RowAcquisition<'_> {
             is_any |= column.current.is_some();
         }
         is_any
+    }
+
+    /// Drops the pixels of a layer that those of the layers before hide in all test views.
+    fn drop_hidden(&self, columns: &mut [Column], (first, layers): (i32, &SourceRow), counters: &mut Counters) {
+        let lines = self.tests.lines_of(0, &layers.pixels);
+        let line = |(at, column): (usize, &Column)| {
+            let depth_m = column.depth_m(column.current?) as f32;
+            Some((at, self.tests.line(first + at as i32, depth_m)))
+        };
+        let mut hidden: Vec<(usize, Line)> = columns.iter().enumerate().filter_map(line).collect();
+        let mut slice = Slice::new(&self.tests, &lines, self.width);
+        for view in 0..TEST_VIEWS {
+            slice.draw(view, &mut Counters::default());
+            hidden.retain(|(_, line)| slice.hides(line, view));
+        }
+        counters.masked_pixels += hidden.len() as u64;
+        hidden.iter().for_each(|(at, _)| columns[*at].current = None);
     }
 
     /// Adds the pixel of the current layer.
