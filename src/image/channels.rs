@@ -160,6 +160,17 @@ fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
     })
 }
 
+/// Index of the alpha channel beside a channel of red or gray, of the same layer.
+pub(crate) fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
+    let red = names.get(red)?;
+    let prefix = &red.name[..red.name.rfind('.').map_or(0, |dot| dot + 1)];
+    let is_alpha = |channel: &ChannelName| {
+        let own = channel.name.strip_prefix(prefix).filter(|_| channel.part == red.part);
+        own.is_some_and(|own| ["a", "alpha"].iter().any(|alpha| own.eq_ignore_ascii_case(alpha)))
+    };
+    names.iter().position(is_alpha)
+}
+
 pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<usize> {
     if let ChannelSelect::Named(wanted) = select {
         return find_named(names, wanted);
