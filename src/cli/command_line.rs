@@ -7,7 +7,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, man, pack, place,
-    quadtree, render, selftest, simplify, train_color,
+    quadtree, quilt, render, selftest, simplify, train_color,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -58,6 +58,8 @@ pub enum Command {
     Decode(decode::Args),
     /// Render light fields and simplified scenes, and compare pictures with references
     Render(Box<render::Args>),
+    /// Join rendered views to a quilt, the picture that light-field displays read
+    Quilt(quilt::Args),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),
     /// Compare two containers, datasets or image sequences

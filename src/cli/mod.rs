@@ -18,10 +18,12 @@ mod inspect;
 pub mod man;
 mod options;
 mod output;
+mod outputs;
 mod pack;
 mod place;
 mod progress;
 mod quadtree;
+mod quilt;
 mod render;
 mod selftest;
 mod simplify;
@@ -84,6 +86,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Render(args) => render::run(&args, global),
+        Command::Quilt(args) => quilt::run(&args, global),
         Command::Simplify(args) => simplify::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),

@@ -285,6 +285,20 @@ mod tests {
         find_depth(&names(all), &ChannelSelect::Auto)
     }
 
+    #[test]
+    fn alpha_is_that_of_the_layer_of_red() {
+        let alpha = |all: &[&str]| {
+            let names = names(all);
+            find_alpha(&names, find_color(&names, &ChannelSelect::Auto).unwrap()[0])
+        };
+        assert_eq!(alpha(&["A", "B", "G", "R"]), Some(0));
+        assert_eq!(alpha(&["B", "G", "R"]), None);
+        assert_eq!(alpha(&["x.A", "b", "g", "r", "a"]), Some(4));
+        assert_eq!(alpha(&["A", "rgba.A", "rgba.B", "rgba.G", "rgba.R"]), Some(1));
+        assert_eq!(alpha(&["other|A", "one|B", "one|G", "one|R"]), None);
+        assert_eq!(alpha(&["Y", "A"]), Some(1));
+    }
+
     fn color(all: &[&str], select: &str) -> Result<[usize; 3]> {
         let select = if select.is_empty() { ChannelSelect::Auto } else { ChannelSelect::Named(select.into()) };
         find_color(&names(all), &select)

@@ -93,7 +93,8 @@ impl QuiltLayout {
             let layouts = (1..=views.min(MOST_TILES)).map(|columns| [columns, views.div_ceil(columns)]);
             layouts.filter(|layout| layout[1] <= MOST_TILES)
         };
-        let whole = nearest(&mut all().filter(|layout| views % layout[0] == 0 && ratio(*layout) <= LONGEST_RATIO));
+        let whole =
+            nearest(&mut all().filter(|layout| views.is_multiple_of(layout[0]) && ratio(*layout) <= LONGEST_RATIO));
         let Some([columns, rows]) = whole.or_else(|| nearest(&mut all())) else {
             return Err(Error::Usage(format!("{views} views: 1 to {MOST_TILES} x {MOST_TILES} fit a quilt")));
         };
