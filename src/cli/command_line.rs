@@ -7,7 +7,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
-    pack, place, quadtree, render, selftest, simplify, train_color,
+    pack, place, quadtree, quilt, render, selftest, simplify, train_color,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -62,6 +62,8 @@ pub enum Command {
     Simplify(simplify::Args),
     /// Interpolate many views side by side, for light-field displays
     Interpolate(Box<interpolate::Args>),
+    /// Join rendered views to a quilt, the picture that light-field displays read
+    Quilt(quilt::Args),
     /// Compare two containers, datasets or image sequences
     Diff(diff::Args),
     /// Measure bytes, time and quality of settings on your own footage

@@ -19,10 +19,12 @@ mod interpolate;
 pub mod man;
 mod options;
 mod output;
+mod outputs;
 mod pack;
 mod place;
 mod progress;
 mod quadtree;
+mod quilt;
 mod render;
 mod selftest;
 mod simplify;
@@ -85,6 +87,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Render(args) => render::run(&args, global),
+        Command::Quilt(args) => quilt::run(&args, global),
         Command::Simplify(args) => simplify::run(&args, global),
         Command::Interpolate(args) => interpolate::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),

@@ -12,7 +12,7 @@ mod selection;
 mod sequence;
 mod side;
 
-pub use camera::{CameraArgs, parse_point};
+pub use camera::{CameraArgs, parse_aspect, parse_point};
 pub use choice::{Choices, one_of, word_of};
 pub use color::ColorArgs;
 pub use depth::{

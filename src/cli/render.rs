@@ -3,7 +3,6 @@
 mod args;
 mod light_field;
 mod options;
-mod outputs;
 mod pictures;
 mod quads;
 mod report;
@@ -15,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, device, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, device, outputs, refuse};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_path::TimedCamera;

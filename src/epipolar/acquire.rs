@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::continuity::Continuity;
 use super::counters::Counters;
-use super::lines::LineSpace;
 use super::source::{MAX_LAYERS, SourceRow, SourceView, in_order};
 use super::views::OutputViews;
 use crate::error::Result;
@@ -22,9 +22,6 @@ use row::RowAcquisition;
 
 /// Rows and columns of the squares that share a list of objects in view.
 const TILE: u32 = 16;
-
-/// Views along the line that tell which surfaces behind others are seen.
-const TEST_VIEWS: usize = 17;
 
 /// Where source views stand.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,12 +38,9 @@ pub enum Acquisition {
 /// What is left out of source views, since no output view shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Culling {
-    /// Surfaces too close behind others (3.4.1), those behind pixels that hide them (3.4.2), and those that layers before them hide from
-    /// test views along the line.
+    /// Surfaces too close behind others (3.4.1), and those behind pixels that hide them from all views (3.4.2).
     Full,
-    /// The first two.
-    Mask,
-    /// The first.
+    /// The former.
     DepthOffset,
     /// Nothing.
     Off,
@@ -145,13 +139,10 @@ impl SourceTracer<'_> {
         let focal = self.views.focal_pixels();
         let [first_m, last_m] =
             [self.views.offsets_m.first(), self.views.offsets_m.last()].map(|at| at.copied().unwrap_or(0.0));
-        let place = |at: usize| first_m + (last_m - first_m) * at as f64 / (TEST_VIEWS - 1) as f64;
-        let test_views = self.views.at((0..TEST_VIEWS).map(place).collect());
         let acquisition = RowAcquisition {
             pixels,
-            width: self.views.size[0],
-            tests: LineSpace::new(&test_views, &[offset_m]),
             settings: self.settings,
+            continuity: Continuity::new(focal * (last_m - first_m)),
             layers,
             focal_pixels: focal,
             baseline_m: last_m - first_m,

@@ -89,10 +89,6 @@ impl LineSpace {
         self.places[source][view]
     }
 
-    pub fn continuity(&self) -> Continuity {
-        self.continuity
-    }
-
     /// What a key is raised by at a place, as a part of the distance in units of 2^-23.
     pub fn bias_at(&self, place: i32) -> u32 {
         ((u64::from(self.bias) * u64::from(place.unsigned_abs())) >> PLACE_BITS) as u32
@@ -109,8 +105,7 @@ impl LineSpace {
         sources.iter().enumerate().flat_map(of).collect()
     }
 
-    /// The lines of a scanline of one source.
-    pub fn lines_of(&self, source: u16, pixels: &[SourcePixel]) -> Vec<Line> {
+    fn lines_of(&self, source: u16, pixels: &[SourcePixel]) -> Vec<Line> {
         let inverse = |at: usize| f64::from(pixels[at].depth_m).recip();
         let is_next = |a: &SourcePixel, b: &SourcePixel| a.layer == b.layer && a.column + 1 == b.column;
         let line = |(at, pixel): (usize, &SourcePixel)| {
@@ -119,22 +114,16 @@ impl LineSpace {
                 let after = pixels.get(at + 2).filter(|after| is_next(next, after)).map(|_| inverse(at + 2));
                 is_next(pixel, next) && self.continuity.joins(before, [inverse(at), inverse(at + 1)], after)
             });
-            let (pixel_index, is_first) = (at as u32, pixel.layer == 0);
-            Line { pixel: pixel_index, source, joins_next, is_first, ..self.line(pixel.column, pixel.depth_m) }
+            Line {
+                column: (pixel.column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
+                disparity: self.disparity(pixel.depth_m),
+                depth: pixel.depth_m.to_bits(),
+                pixel: at as u32,
+                source,
+                joins_next,
+                is_first: pixel.layer == 0,
+            }
         };
         pixels.iter().enumerate().map(line).collect()
-    }
-
-    /// The line of a pixel behind the first layer, without neighbours.
-    pub fn line(&self, column: i32, depth_m: f32) -> Line {
-        Line {
-            column: (column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
-            disparity: self.disparity(depth_m),
-            depth: depth_m.to_bits(),
-            pixel: 0,
-            source: 0,
-            joins_next: false,
-            is_first: false,
-        }
     }
 }

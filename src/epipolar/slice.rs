@@ -41,13 +41,6 @@ impl<'a> Slice<'a> {
         (0..self.width).map(|column| self.winner(column))
     }
 
-    /// Whether what was drawn of a view hides a line of its first source, which has no neighbours, in the pixel that it covers and in those beside it.
-    pub fn hides(&self, line: &Line, view: usize) -> bool {
-        let column = (line.column + moved(line.disparity, self.space.place(0, view))) >> COLUMN_BITS;
-        let beside = (column - 1).max(0)..(column + 2).min(self.width as i32);
-        beside.into_iter().all(|column| (self.keys[column as usize] >> 32) < u64::from(line.depth))
-    }
-
     /// Draws all lines.
     pub fn draw(&mut self, view: usize, counters: &mut Counters) {
         self.keys.fill(NOTHING);

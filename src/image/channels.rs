@@ -160,6 +160,17 @@ fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
     })
 }
 
+/// Index of the alpha channel beside a channel of red or gray, of the same layer.
+pub(crate) fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
+    let red = names.get(red)?;
+    let prefix = &red.name[..red.name.rfind('.').map_or(0, |dot| dot + 1)];
+    let is_alpha = |channel: &ChannelName| {
+        let own = channel.name.strip_prefix(prefix).filter(|_| channel.part == red.part);
+        own.is_some_and(|own| ["a", "alpha"].iter().any(|alpha| own.eq_ignore_ascii_case(alpha)))
+    };
+    names.iter().position(is_alpha)
+}
+
 pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<usize> {
     if let ChannelSelect::Named(wanted) = select {
         return find_named(names, wanted);
@@ -272,6 +283,20 @@ mod tests {
 
     fn depth(all: &[&str]) -> Result<usize> {
         find_depth(&names(all), &ChannelSelect::Auto)
+    }
+
+    #[test]
+    fn alpha_is_that_of_the_layer_of_red() {
+        let alpha = |all: &[&str]| {
+            let names = names(all);
+            find_alpha(&names, find_color(&names, &ChannelSelect::Auto).unwrap()[0])
+        };
+        assert_eq!(alpha(&["A", "B", "G", "R"]), Some(0));
+        assert_eq!(alpha(&["B", "G", "R"]), None);
+        assert_eq!(alpha(&["x.A", "b", "g", "r", "a"]), Some(4));
+        assert_eq!(alpha(&["A", "rgba.A", "rgba.B", "rgba.G", "rgba.R"]), Some(1));
+        assert_eq!(alpha(&["other|A", "one|B", "one|G", "one|R"]), None);
+        assert_eq!(alpha(&["Y", "A"]), Some(1));
     }
 
     fn color(all: &[&str], select: &str) -> Result<[usize; 3]> {

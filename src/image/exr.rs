@@ -20,7 +20,7 @@ use exr::prelude::{
 };
 use half::f16;
 
-use super::channels::{ChannelName, ChannelSelect, find_color, find_depth, find_named};
+use super::channels::{ChannelName, ChannelSelect, find_alpha, find_color, find_depth, find_named};
 use super::limits::ReadLimits;
 use super::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::error::{Error, Result};
@@ -38,6 +38,22 @@ const MAX_SIDE: usize = 1 << 24;
 /// Colour of a file, rounded to half floats to nearest, ties to even. A single luminance channel is read as gray.
 pub fn read_color(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<ColorPlane> {
     read_planes(path, limits, f16::ZERO, |names| find_color(names, select))
+}
+
+/// Colour as [`read_color`] finds it, with the alpha of its layer; alpha is 1 where the layer has none. Colour is multiplied by
+/// alpha already, as the format has it.
+pub fn read_rgba(path: &Path, limits: &ReadLimits) -> Result<Plane<[f16; 4]>> {
+    let mut has_alpha = false;
+    let mut plane = read_planes(path, limits, f16::ZERO, |names| {
+        let [red, green, blue] = find_color(names, &ChannelSelect::Auto)?;
+        let alpha = find_alpha(names, red);
+        has_alpha = alpha.is_some();
+        Ok([red, green, blue, alpha.unwrap_or(red)])
+    })?;
+    if !has_alpha {
+        plane.data_mut().iter_mut().for_each(|pixel| pixel[3] = f16::ONE);
+    }
+    Ok(plane)
 }
 
 /// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window.

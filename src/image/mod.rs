@@ -14,6 +14,8 @@ pub mod plane;
 #[cfg(feature = "encode")]
 pub mod png;
 pub mod projection;
+#[cfg(feature = "encode")]
+pub mod quilt;
 pub mod sequence;
 pub mod texel_map;
 pub mod transfer;

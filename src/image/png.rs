@@ -69,6 +69,14 @@ pub fn read_rgba16(path: &Path, limits: &ReadLimits) -> Result<Plane<[u16; 4]>> 
     Plane::new(width, height, image.into_rgba16().pixels().map(|pixel| pixel.0).collect())
 }
 
+/// Red, green, blue and alpha as 8-bit codes, those of 16 bits rounded to nearest. Gray is repeated in all three components;
+/// alpha is 255 where the file has none.
+pub fn read_rgba8(path: &Path, limits: &ReadLimits) -> Result<Plane<[u8; 4]>> {
+    let image = decode(path, limits)?;
+    let (width, height) = (image.width(), image.height());
+    Plane::new(width, height, image.into_rgba8().pixels().map(|pixel| pixel.0).collect())
+}
+
 /// Depth from a gray image of 8 or 16 bits: code × `scale` (metres per unit), so that code 0 is 0.0. What 0 means is
 /// up to the caller.
 pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthPlane> {
@@ -190,6 +198,7 @@ mod tests {
                 assert_eq!(read, codes.map(|pixel| pixel.map(|code| table.value(code))));
             }
             assert_eq!(read_size(&path, &limits).unwrap(), (width, height));
+            assert_eq!(read_rgba8(&path, &limits).unwrap(), codes.map(|&[r, g, b]| [r, g, b, 255]));
             assert!(read_depth(&path, 1.0, &limits).is_err(), "colour is not depth");
 
             let path = folder.path().join("d.png");
@@ -199,6 +208,8 @@ mod tests {
             assert_eq!(read, codes.map(|&code| (f64::from(code) * 0.001) as f32));
             let gray = read_color(&path, ColorSpace::LinearRec709, &limits).unwrap();
             assert_eq!(gray.get(0, 0), [f16::ZERO; 3]);
+            let rounded = codes.map(|&code| ((u32::from(code) + 128) / 257) as u8);
+            assert_eq!(read_rgba8(&path, &limits).unwrap(), rounded.map(|&code| [code, code, code, 255]));
         }
     }
 

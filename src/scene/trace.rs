@@ -39,28 +39,30 @@ pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     scene.trace(&ray, 0..scene.objects.len())
 }
 
-/// Light of a hit, by what it depends on.
+/// How the light of a surface changes from eye to eye.
 #[derive(Debug, Clone)]
-pub struct ShadedHit {
-    pub radiance: Radiance,
-    /// How its highlights look from other eyes.
-    pub gloss: Option<Gloss>,
-    /// Whether it is a mirror or glass: it looks different from everywhere.
-    pub is_optical: bool,
+pub enum EyeLight {
+    /// Not at all.
+    None,
+    Gloss(Gloss),
+    /// A mirror or glass: as only tracing tells.
+    Traced,
 }
 
 impl SceneAtTime {
     /// Light of a hit along a ray; of nothing, where there is none, the light of the sky.
-    pub fn shade(&self, ray: &Ray, hit: Option<&FirstHit>) -> ShadedHit {
-        let Some(hit) = hit else {
-            let steady = self.light.sky.radiance(ray.direction());
-            return ShadedHit { radiance: Radiance { steady, of_eye: DVec3::ZERO }, gloss: None, is_optical: false };
-        };
+    pub fn shade(&self, ray: &Ray, hit: Option<&FirstHit>) -> Radiance {
+        match hit {
+            Some(hit) => self.radiance(&self.surface(ray, hit), ray.direction(), Path::FIRST),
+            None => Radiance { steady: self.light.sky.radiance(ray.direction()), of_eye: DVec3::ZERO },
+        }
+    }
+
+    pub fn eye_light(&self, ray: &Ray, hit: &FirstHit) -> EyeLight {
         let surface = self.surface(ray, hit);
-        ShadedHit {
-            radiance: self.radiance(&surface, ray.direction(), Path::FIRST),
-            gloss: self.gloss(&surface),
-            is_optical: surface.optics != Optics::Opaque,
+        match surface.optics {
+            Optics::Opaque => self.gloss(&surface).map_or(EyeLight::None, EyeLight::Gloss),
+            Optics::Mirror { .. } | Optics::Glass { .. } => EyeLight::Traced,
         }
     }
 

@@ -35,6 +35,7 @@ mod place;
 mod properties;
 mod quadtree;
 mod quality;
+mod quilt;
 mod render;
 mod render_decode;
 mod render_quality;

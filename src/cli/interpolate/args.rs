@@ -138,8 +138,7 @@ const ACQUISITIONS: &Choices<Acquisition> = &[
 ];
 
 const CULLINGS: &Choices<Culling> = &[
-    ("full", Culling::Full, "Those that other surfaces hide from views along the line, and those of `mask`"),
-    ("mask", Culling::Mask, "Those behind pixels that hide them from all views, and those of `offset`"),
+    ("full", Culling::Full, "Those close behind others, and those behind pixels that hide them from all views"),
     ("offset", Culling::DepthOffset, "Those close behind others"),
     ("off", Culling::Off, "None"),
 ];

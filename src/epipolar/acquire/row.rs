@@ -5,15 +5,16 @@ use std::ops::Range;
 use glam::DVec3;
 use half::f16;
 
-use super::{AcquireSettings, Culling, TEST_VIEWS, TILE};
+use super::{AcquireSettings, Culling, TILE};
+use crate::epipolar::continuity::Continuity;
 use crate::epipolar::counters::Counters;
-use crate::epipolar::lines::{Line, LineSpace};
-use crate::epipolar::slice::Slice;
 use crate::epipolar::source::{Light, SourcePixel, SourceRow};
 use crate::epipolar::visibility::{Reach, hidden_m, sees_past};
 use crate::mesh::Ray;
 use crate::scene::FirstHit;
 use crate::scene::capture::{PixelTracer, halves};
+use crate::scene::shading::Radiance;
+use crate::scene::trace::EyeLight;
 
 pub(super) struct RowAcquisition<'a> {
     pub pixels: PixelTracer<'a>,
@@ -21,10 +22,7 @@ pub(super) struct RowAcquisition<'a> {
     pub layers: usize,
     pub focal_pixels: f64,
     pub baseline_m: f64,
-    /// Of an output view, in pixels.
-    pub width: u32,
-    /// Lines of this source in test views.
-    pub tests: LineSpace,
+    pub continuity: Continuity,
     pub reach: Reach,
 }
 
@@ -79,9 +77,6 @@ impl RowAcquisition<'_> {
             if layer + 1 == self.layers || !self.peel(&mut columns, counters) {
                 break;
             }
-            if self.settings.culling == Culling::Full {
-                self.drop_hidden(&mut columns, (first, &out), counters);
-            }
         }
         out
     }
@@ -99,9 +94,9 @@ impl RowAcquisition<'_> {
 
     /// Goes on to the next layer; whether it has any pixel.
     fn peel(&self, columns: &mut [Column], counters: &mut Counters) -> bool {
-        let masks = matches!(self.settings.culling, Culling::Full | Culling::Mask).then(|| {
+        let masks = (self.settings.culling == Culling::Full).then(|| {
             let inverse = |column: &Column| column.current.map(|hit| column.depth_m(hit).recip());
-            sees_past(&columns.iter().map(inverse).collect::<Vec<_>>(), self.tests.continuity(), self.reach)
+            sees_past(&columns.iter().map(inverse).collect::<Vec<_>>(), self.continuity, self.reach)
         });
         let mut is_any = false;
         for (at, column) in columns.iter_mut().enumerate() {
@@ -129,40 +124,21 @@ impl RowAcquisition<'_> {
         is_any
     }
 
-    /// Drops the pixels of a layer that those of the layers before hide in all test views.
-    fn drop_hidden(&self, columns: &mut [Column], (first, layers): (i32, &SourceRow), counters: &mut Counters) {
-        let lines = self.tests.lines_of(0, &layers.pixels);
-        let line = |(at, column): (usize, &Column)| {
-            let depth_m = column.depth_m(column.current?) as f32;
-            Some((at, self.tests.line(first + at as i32, depth_m)))
-        };
-        let mut hidden: Vec<(usize, Line)> = columns.iter().enumerate().filter_map(line).collect();
-        let mut slice = Slice::new(&self.tests, &lines, self.width);
-        for view in 0..TEST_VIEWS {
-            slice.draw(view, &mut Counters::default());
-            hidden.retain(|(_, line)| slice.hides(line, view));
-        }
-        counters.masked_pixels += hidden.len() as u64;
-        hidden.iter().for_each(|(at, _)| columns[*at].current = None);
-    }
-
     /// Adds the pixel of the current layer.
     fn shade(&self, column: &Column, (place, layer): ([i32; 2], usize), candidates: &[usize], out: &mut SourceRow) {
         let Some(hit) = column.current else { return };
-        let shaded = self.pixels.scene.shade(&column.ray, column.hits.get(hit));
-        let total = shaded.radiance.total();
-        let mut steady = halves(shaded.radiance.steady);
-        let mut own = halves(total);
-        if layer == 0 && !self.settings.samples.is_centre() {
-            [steady, own] = self.mean(place, candidates);
-        }
-        let light = match shaded.gloss {
-            _ if shaded.is_optical => Light::Traced,
-            Some(gloss) => {
+        let (scene, hit_surface) = (self.pixels.scene, column.hits.get(hit));
+        let [mut steady, own] = match layer {
+            0 => self.mean(place, candidates),
+            _ => sums(&scene.shade(&column.ray, hit_surface)).map(halves),
+        };
+        let light = match hit_surface.map(|hit| scene.eye_light(&column.ray, hit)) {
+            Some(EyeLight::Traced) => Light::Traced,
+            Some(EyeLight::Gloss(gloss)) => {
                 out.gloss.push(gloss);
                 Light::Gloss(out.gloss.len() as u32 - 1)
             }
-            None => {
+            Some(EyeLight::None) | None => {
                 steady = own;
                 Light::Steady
             }
@@ -174,14 +150,18 @@ impl RowAcquisition<'_> {
     /// Means over a pixel: of the light without highlights, and of all light, the same bits as those of a captured image.
     fn mean(&self, [column, row]: [i32; 2], candidates: &[usize]) -> [[f16; 3]; 2] {
         let points = &self.settings.samples.points;
-        let mut sums = [DVec3::ZERO; 2];
+        let mut total = [DVec3::ZERO; 2];
         for [x, y] in points {
             let ray = self.pixels.ray([f64::from(column) + x, f64::from(row) + y]);
             let hit = self.pixels.scene.first_hit(&ray, candidates.iter().copied());
-            let radiance = self.pixels.scene.shade(&ray, hit.as_ref()).radiance;
-            sums[0] += radiance.steady;
-            sums[1] += radiance.total();
+            let of_ray = sums(&self.pixels.scene.shade(&ray, hit.as_ref()));
+            (total[0], total[1]) = (total[0] + of_ray[0], total[1] + of_ray[1]);
         }
-        sums.map(|sum| halves(sum / points.len() as f64))
+        total.map(|sum| halves(sum / points.len() as f64))
     }
+}
+
+/// Light without highlights, and all light.
+fn sums(radiance: &Radiance) -> [DVec3; 2] {
+    [radiance.steady, radiance.total()]
 }

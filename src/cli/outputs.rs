@@ -1,4 +1,4 @@
-//! Checks that outputs of `render` are neither inputs nor each other.
+//! Checks that outputs of a command are neither inputs nor each other.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,248 @@
+//! `lightfold quilt VIEWS -o QUILT`: joins rendered views to a quilt for displays of Looking Glass.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use half::f16;
+use serde::Serialize;
+
+use crate::cli::options::{MemoryArgs, check_stdout, parse_aspect};
+use crate::cli::output::{self, human_bytes};
+use crate::cli::progress::Progress;
+use crate::cli::{ExitStatus, GlobalArgs, outputs, refuse};
+use crate::decode::FileFormat;
+use crate::error::{Error, Result};
+use crate::files::OutputFile;
+use crate::image::plane::Plane;
+use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
+use crate::image::sequence::{FrameRange, Sequence};
+use crate::image::{ReadLimits, exr, png};
+use crate::memory::Need;
+use crate::monitor::Monitor;
+use crate::ordered::try_map_ordered;
+use crate::report::coding_map::counted;
+
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  lightfold render film.lfold --camera row.json -o views/%04d.png --size 420x560\n  \
+    lightfold quilt views/%04d.png -o film.png\n  \
+    lightfold quilt views --quilt portrait --views 0-47 -o film_qs8x6a0.75.png\n  \
+    lightfold quilt light/%04d.exr --quilt 11x6 -o light.exr\n\n\
+    The view of the lowest number is the leftmost one and comes to the bottom left; views go right, then rows go up. The file's \
+    name gets columns, rows and the aspect ratio of a view: film.png becomes film_qs8x6a0.75.png. Views are not resampled; a note \
+    says which size a device expects."
+)]
+pub struct Args {
+    /// The views: a pattern such as views/%04d.png, or a folder; PNG files (16 bits are rounded to 8), or EXR files
+    #[arg(value_name = "VIEWS")]
+    pub input: String,
+    /// Picture to write, of the views' format; - writes a PNG file to standard output
+    #[arg(long, short, value_name = "QUILT")]
+    pub output: PathBuf,
+    /// Columns and rows such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2, 65 [default: the
+    /// device that the views fit, or a nearly square picture]
+    #[arg(long, value_name = "DEVICE|CxR")]
+    pub quilt: Option<QuiltLayout>,
+    /// Only the views of these numbers, such as 0-47
+    #[arg(long, value_name = "A-B")]
+    pub views: Option<FrameRange>,
+    /// Aspect ratio of a view as the display shows it, such as 16/9, for the file's name [default: width / height in pixels]
+    #[arg(long, value_name = "W/H", value_parser = parse_aspect)]
+    pub aspect: Option<f64>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+#[derive(Serialize)]
+struct Report {
+    views: u32,
+    columns: u32,
+    rows: u32,
+    aspect: f64,
+    size: [u32; 2],
+    view_size: [u32; 2],
+    path: String,
+    bytes: u64,
+    device: Option<&'static str>,
+    notes: Vec<String>,
+    seconds: f64,
+}
+
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    check_stdout(&args.output, args.json)?;
+    let start = Instant::now();
+    let views = Views::open(args)?;
+    let view_size = views.size()?;
+    let layout = match args.quilt {
+        Some(layout) => layout,
+        None => QuiltLayout::choose(views.count(), view_size)?,
+    };
+    let notes = layout.notes(views.count(), view_size)?;
+    let aspect = args.aspect.unwrap_or(f64::from(view_size[0]) / f64::from(view_size[1]));
+    let path = match args.output == Path::new("-") {
+        true => args.output.clone(),
+        false => quilt_path(&args.output, layout, aspect)?,
+    };
+    outputs::check(&[("-o", path.clone())], &views.paths.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    let at_once = views.at_once(layout, view_size, args)?;
+    let mut file = OutputFile::create(&path)?;
+    let progress = Progress::start(global, "joining views", views.count().into())?;
+    let limits = ReadLimits::default();
+    let bytes = match views.format {
+        FileFormat::Png => {
+            let quilt = Quilt::new(layout, view_size, [0, 0, 0, u8::MAX])?;
+            let picture = views.join(quilt, at_once, |path| png::read_rgba8(path, &limits), &progress)?;
+            let mut bytes = Vec::new();
+            png::encode_rgba8(&mut bytes, &picture)?;
+            bytes
+        }
+        FileFormat::Exr => {
+            let quilt = Quilt::new(layout, view_size, [f16::ZERO, f16::ZERO, f16::ZERO, f16::ONE])?;
+            let picture = views.join(quilt, at_once, |path| exr::read_rgba(path, &limits), &progress)?;
+            exr::rgba_bytes(&picture)?
+        }
+    };
+    progress.check()?;
+    file.write_all(&bytes).map_err(|error| output::name_output(Error::io(&path, error), &path))?;
+    file.commit()?;
+    drop(progress);
+    notes.iter().for_each(|note| global.note(note));
+    let report = Report {
+        views: views.count(),
+        columns: layout.columns,
+        rows: layout.rows,
+        aspect,
+        size: layout.picture_size(view_size)?,
+        view_size,
+        path: path.display().to_string(),
+        bytes: bytes.len() as u64,
+        device: layout.device(),
+        notes,
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    global.report(args.json, &report, || report.text())?;
+    Ok(ExitStatus::Passed)
+}
+
+/// Files of views, from left to right.
+struct Views {
+    paths: Vec<PathBuf>,
+    format: FileFormat,
+}
+
+impl Views {
+    fn open(args: &Args) -> Result<Views> {
+        let sequence = Sequence::find(&args.input, args.views)?;
+        let first = sequence.path(sequence.frames.first);
+        let is_exr = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+        let format = match first.as_path() {
+            path if png::is_png(path) => FileFormat::Png,
+            path if is_exr(path) => FileFormat::Exr,
+            path => return refuse(format!("{}: views are files ending in .png or .exr", path.display())),
+        };
+        let output = &args.output;
+        match (format, FileFormat::of(output), output == Path::new("-")) {
+            (FileFormat::Png, _, true) => {}
+            (FileFormat::Exr, _, true) => {
+                return refuse(
+                    "-o -: standard output takes PNG, and the views are EXR files; name a file ending in .exr",
+                );
+            }
+            (FileFormat::Png, Some(FileFormat::Png), _) | (FileFormat::Exr, Some(FileFormat::Exr), _) => {}
+            (FileFormat::Png, ..) => {
+                return refuse(format!("{}: the views are PNG files; name a quilt ending in .png", output.display()));
+            }
+            (FileFormat::Exr, ..) => {
+                return refuse(format!("{}: the views are EXR files; name a quilt ending in .exr", output.display()));
+            }
+        }
+        Ok(Views { paths: sequence.frames.iter().map(|view| sequence.path(view)).collect(), format })
+    }
+
+    fn count(&self) -> u32 {
+        self.paths.len() as u32
+    }
+
+    /// Width and height of every view, from the files' headers; an error where they differ.
+    fn size(&self) -> Result<[u32; 2]> {
+        let read_size = match self.format {
+            FileFormat::Png => png::read_size,
+            FileFormat::Exr => exr::read_size,
+        };
+        let limits = ReadLimits::default();
+        let sizes =
+            try_map_ordered(self.paths.iter().collect(), |path| read_size(path, &limits).map(<[u32; 2]>::from))?;
+        let (Some(first), Some(&size)) = (self.paths.first(), sizes.first()) else {
+            return refuse("a quilt of no view");
+        };
+        match self.paths.iter().zip(&sizes).find(|(_, other)| **other != size) {
+            None => Ok(size),
+            Some((path, other)) => Err(Error::invalid(format!(
+                "this view has {}x{} pixels, and {} has {}x{}; views of one size were expected",
+                other[0],
+                other[1],
+                first.display(),
+                size[0],
+                size[1]
+            ))
+            .in_file(path)),
+        }
+    }
+
+    /// Number of views that are read at once.
+    fn at_once(&self, layout: QuiltLayout, view_size: [u32; 2], args: &Args) -> Result<usize> {
+        let pixels = |size: [u32; 2]| u64::from(size[0]) * u64::from(size[1]);
+        let pixel_bytes = match self.format {
+            FileFormat::Png => size_of::<[u8; 4]>() as u64,
+            FileFormat::Exr => size_of::<[f16; 4]>() as u64,
+        };
+        let need = Need {
+            what: "joining views to a quilt",
+            // The picture, a copy that is filtered or split into channels, and the bytes of the file.
+            fixed: 3 * pixel_bytes * pixels(layout.picture_size(view_size)?),
+            // Samples as stored, of up to twice the bytes, the decoder's buffer of them, and the view.
+            each: 5 * pixel_bytes * pixels(view_size),
+            instead: "join fewer `views`",
+        };
+        args.memory.get().at_once(&need, rayon::current_num_threads())
+    }
+
+    fn join<T: Copy + Send>(
+        &self,
+        mut quilt: Quilt<T>,
+        at_once: usize,
+        read: impl Fn(&Path) -> Result<Plane<T>> + Sync + Send,
+        progress: &Progress,
+    ) -> Result<Plane<T>> {
+        let mut view = 0;
+        for paths in self.paths.chunks(at_once) {
+            progress.check()?;
+            let views = try_map_ordered(paths.iter().collect(), |path: &PathBuf| read(path))?;
+            for (pixels, path) in views.iter().zip(paths) {
+                quilt.put(view, pixels).map_err(|error| error.in_file(path))?;
+                view += 1;
+            }
+            progress.advance(views.len() as u64);
+        }
+        Ok(quilt.finish())
+    }
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let [[width, height], [view_width, view_height]] = [self.size, self.view_size];
+        let device = self.device.map(|name| format!(" for {name}")).unwrap_or_default();
+        format!(
+            "{}: {} of {view_width}x{view_height} pixels in {}x{} tiles{device}, {width}x{height} pixels, {}",
+            self.path,
+            counted(self.views.into(), "view"),
+            self.columns,
+            self.rows,
+            human_bytes(self.bytes)
+        )
+    }
+}
