@@ -1,30 +1,32 @@
 //! `lightfold interpolate SCENE`: many views side by side from few source views.
 
 mod args;
+mod outputs;
 mod quality;
 mod report;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::decode::FileFormat;
+use crate::epipolar::acquire::Acquisition;
 use crate::epipolar::brute_force;
+use crate::epipolar::captured::CapturedSources;
+use crate::epipolar::fill::Truth;
 use crate::epipolar::memory;
-use crate::epipolar::pipeline::{self, Picture, Summary, interpolate};
+use crate::epipolar::pipeline::{self, Picture, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::evaluate::RenderedImage;
-use crate::evaluate::rendered_image::HoleFill;
-use crate::files::OutputFolder;
-use crate::image::{Pattern, Plane, ToneMap, exr, png};
+use crate::evaluate::reference::Reference;
+use crate::image::Plane;
 use crate::memory::Need;
 use crate::monitor::Monitor;
-use crate::scene::capture::SamplePattern;
 use crate::scene::{Play, Scene, SceneAtTime};
 
 pub use args::Args;
+use outputs::Outputs;
 use quality::Quality;
 use report::{Measured, Report};
 
@@ -32,45 +34,54 @@ use report::{Measured, Report};
 const VIEWS_AT_ONCE: usize = 32;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    let views = args.output_views()?;
+    let loading = Instant::now();
+    let mut notes = Vec::new();
+    let input = Input::open(args, &mut notes)?;
+    let views = match &input {
+        Input::Scene(_) => args.views_of_scene()?,
+        Input::Captured(captured) => args.views_between(captured)?,
+    };
     let range = args.range()?;
-    let outputs = args.output.as_deref().map(|path| Outputs::open(path, range.len())).transpose()?;
-    let [sources, each] = memory::bytes(&views, args.acquire, args.max_sources as usize);
+    let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
+    notes.iter().for_each(|note| global.note(note));
+    let [sources, each] = match &input {
+        Input::Scene(_) => memory::bytes(&views, args.acquire, args.max_sources as usize),
+        Input::Captured(captured) => memory::bytes(&views, Acquisition::Hierarchical, captured.sources.len()),
+    };
     let need = Need { what: "interpolating", fixed: sources, each, instead: "smaller views" };
     let views_at_once = args.memory.get().at_once(&need, VIEWS_AT_ONCE.min(range.len()))?;
     let settings = args.settings(views_at_once)?;
-    let loading = Instant::now();
-    let (scene, notes) = Scene::open(&args.input, Play::First)?;
-    notes.iter().for_each(|note| global.note(note));
-    let scene = scene.at(f64::from(args.frame) / args.fps);
     let mut measured =
         Measured { load: loading.elapsed(), memory_model_bytes: need.bytes(views_at_once), ..Measured::default() };
     let casts = args.brute_force || args.compare;
-    let steps = if args.brute_force { 0 } else { pipeline::steps(&views, &settings) };
+    let steps = if args.brute_force { 0 } else { pipeline::steps(&views, range.len(), &settings) };
     let steps = steps + if casts { range.len() as u64 } else { 0 };
     let progress = Progress::start(global, "interpolating", steps)?;
-    let mut run = Run {
-        args,
-        scene: &scene,
-        views: &views,
-        samples: &settings.acquire.samples,
-        outputs,
-        measured: &mut measured,
+    let scene = match &input {
+        Input::Scene(scene) => Some(Truth { scene, samples: &settings.acquire.samples }),
+        Input::Captured(_) => None,
     };
-    let summary = if args.brute_force {
-        for view in range.clone() {
-            let picture = run.cast(view, &progress)?;
-            run.put(view, &opaque(&picture))?;
+    let mut run = Run { args, scene, views: &views, outputs, measured: &mut measured };
+    let summary = match &input {
+        Input::Scene(_) if args.brute_force => {
+            for view in range {
+                let picture = run.cast(view, &progress)?;
+                run.put(view, &opaque(&picture))?;
+            }
+            Summary::default()
         }
-        Summary::default()
-    } else {
-        interpolate(&scene, (&views, range.clone()), &settings, &progress, |view, picture| {
-            run.take(view, &picture, &progress)
-        })?
+        Input::Scene(scene) => {
+            let take = |view, picture: Picture| run.take(view, &picture, &progress);
+            interpolate(scene, (&views, range), &settings, &progress, take)?
+        }
+        Input::Captured(captured) => {
+            let take = |view, picture: Picture| run.take(view, &picture, &progress);
+            between((&captured.sources, None), (&views, range), &settings, &progress, take)?
+        }
     };
-    run.commit()?;
+    let quilt = run.commit()?;
     drop(progress);
-    let report = Report::new(args, &views, range.len(), &summary, &measured);
+    let report = Report::new(args, &views, &summary, &measured).with_quilt(quilt);
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;
@@ -81,12 +92,32 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
+/// What source views come from.
+enum Input {
+    Scene(SceneAtTime),
+    Captured(CapturedSources),
+}
+
+impl Input {
+    fn open(args: &Args, notes: &mut Vec<String>) -> Result<Input> {
+        if !args.probe.is_empty() {
+            let path = Path::new(&args.input);
+            let mut reference = Reference::open(path)?;
+            let captured = CapturedSources::read(&mut reference, &args.probe, args.face, args.frame);
+            return captured.map(Input::Captured).map_err(|error| error.in_file(path));
+        }
+        let (scene, of_scene) = Scene::open(&args.input, Play::First)?;
+        notes.extend(of_scene);
+        Ok(Input::Scene(scene.at(f64::from(args.frame) / args.fps)))
+    }
+}
+
 /// Takes the pictures of a run.
 struct Run<'a> {
     args: &'a Args,
-    scene: &'a SceneAtTime,
+    /// None of captured images.
+    scene: Option<Truth<'a>>,
     views: &'a OutputViews,
-    samples: &'a SamplePattern,
     outputs: Option<Outputs>,
     measured: &'a mut Measured,
 }
@@ -104,7 +135,8 @@ impl Run<'_> {
     fn cast(&mut self, view: usize, progress: &Progress) -> Result<Plane<[half::f16; 3]>> {
         let begun = Instant::now();
         let place = (self.views, self.views.offsets_m[view]);
-        let color = brute_force::render(self.scene, place, self.samples, progress)?;
+        let Some(Truth { scene, samples }) = self.scene else { return refuse("captured images cannot be ray cast") };
+        let color = brute_force::render(scene, place, samples, progress)?;
         self.measured.brute_force += begun.elapsed();
         progress.advance(1);
         Ok(color)
@@ -119,8 +151,9 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn commit(&mut self) -> Result<()> {
-        self.outputs.take().map_or(Ok(()), |outputs| outputs.folder.commit())
+    /// Answers the file of a quilt.
+    fn commit(&mut self) -> Result<Option<PathBuf>> {
+        self.outputs.take().map_or(Ok(None), Outputs::commit)
     }
 }
 
@@ -128,40 +161,6 @@ fn opaque(color: &Plane<[half::f16; 3]>) -> RenderedImage {
     RenderedImage {
         color: color.map(|light| light.map(half::f16::to_f32)),
         alpha: Plane::filled(color.width(), color.height(), 1.0),
-    }
-}
-
-/// Files of the pictures.
-struct Outputs {
-    pattern: Pattern,
-    format: FileFormat,
-    folder: OutputFolder,
-}
-
-impl Outputs {
-    fn open(path: &Path, count: usize) -> Result<Outputs> {
-        let Some(format) = FileFormat::of(path) else {
-            return refuse(format!("{}: file names ending in .png or .exr were expected", path.display()));
-        };
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let pattern = Pattern::parse(&name).map_err(|error| error.in_file(path))?;
-        if !pattern.has_field() && count != 1 {
-            return refuse(format!(
-                "{}: one file, and {count} views; name a pattern such as views/%04d.png",
-                path.display()
-            ));
-        }
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Ok(Outputs { pattern, format, folder: OutputFolder::create(folder)? })
-    }
-
-    fn put(&mut self, view: usize, picture: &RenderedImage) -> Result<()> {
-        let path = self.folder.work_path().join(self.pattern.path(view as u32));
-        let written = match self.format {
-            FileFormat::Png => png::write_rgba8(&path, &picture.rgba_codes(ToneMap::default())),
-            FileFormat::Exr => exr::write_rgba(&path, &picture.rgba_light(HoleFill::Blank)),
-        };
-        written.map_err(|error: Error| self.folder.present(error))
     }
 }
 

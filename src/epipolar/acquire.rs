@@ -145,7 +145,7 @@ impl SourceTracer<'_> {
             continuity: Continuity::new(focal * (last_m - first_m)),
             layers,
             focal_pixels: focal,
-            baseline_m: last_m - first_m,
+            reach_m: (offset_m - first_m).max(last_m - offset_m),
             reach: super::visibility::Reach { columns: [(offset_m - first_m) * focal, (last_m - offset_m) * focal] },
         };
         let height = self.views.size[1];

@@ -41,3 +41,40 @@ pub fn coalesce(lines: &mut [Line], threshold: f64) -> Vec<Range<usize>> {
     }
     runs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(disparities: &[i32]) -> Vec<Line> {
+        let line = |(at, &disparity): (usize, &i32)| Line {
+            column: ((at as i32) << COLUMN_BITS) + 128,
+            disparity,
+            depth: 1,
+            pixel: at as u32,
+            source: 0,
+            joins_next: at + 1 < disparities.len(),
+            is_first: true,
+        };
+        disparities.iter().enumerate().map(line).collect()
+    }
+
+    #[test]
+    fn runs_are_aligned_blocks_within_the_threshold() {
+        let mut disparities = vec![4096; 16];
+        disparities[11] += 5000;
+        let mut coalesced = lines(&disparities);
+        let runs = coalesce(&mut coalesced, 1.0);
+        assert_eq!(runs, [0..8, 8..10, 10..11, 11..12, 12..16]);
+        assert_eq!(coalesced, lines(&disparities));
+        // With a larger threshold all are one, in the middle of them.
+        assert_eq!(coalesce(&mut coalesced, 2.0), [0..16]);
+        assert!(coalesced.iter().all(|line| line.disparity == 4096 + 2500));
+        // Without one, and across an edge, none are.
+        let mut alone = lines(&disparities);
+        assert_eq!(coalesce(&mut alone, 0.0).len(), 16);
+        let mut parted = lines(&[0; 4]);
+        parted[0].joins_next = false;
+        assert_eq!(coalesce(&mut parted, 9.0), [0..1, 1..2, 2..4]);
+    }
+}

@@ -15,6 +15,13 @@ use crate::scene::capture::{PixelTracer, SamplePattern};
 /// Columns that share a list of objects in view.
 const TILE: usize = 16;
 
+/// The scene that pixels are ray cast in.
+#[derive(Debug, Clone, Copy)]
+pub struct Truth<'a> {
+    pub scene: &'a SceneAtTime,
+    pub samples: &'a SamplePattern,
+}
+
 /// What is done about holes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum HoleFilling {
@@ -27,34 +34,32 @@ pub enum HoleFilling {
     Blank,
 }
 
-/// Fills the pixels that lines do not show; answers the number that was ray cast. Mirrors and glass always are.
+/// Fills the pixels that lines do not show; answers the number that was ray cast. Mirrors and glass always are, where the scene is known.
 pub fn fill(
     view: &mut InterpolatedView,
-    (scene, samples): (&SceneAtTime, &SamplePattern),
+    truth: Option<Truth<'_>>,
     (views, offset_m): (&OutputViews, f64),
     filling: HoleFilling,
     monitor: &dyn Monitor,
 ) -> Result<u64> {
     let from = views.viewpoint(offset_m);
-    let pixels = PixelTracer::new(scene, &from);
     let width = views.size[0] as usize;
-    let traced = |(row, (color, coverage)): (usize, (&mut [[f16; 3]], &mut [Coverage]))| -> Result<u64> {
+    let is_open = |coverage: Coverage| match coverage {
+        Coverage::Covered => false,
+        Coverage::Hole => filling == HoleFilling::Trace,
+        Coverage::Optical => true,
+    };
+    let fill_row = |(row, (color, coverage)): (usize, (&mut [[f16; 3]], &mut [Coverage]))| -> Result<u64> {
         monitor.check()?;
-        let is_open = |coverage: Coverage| match coverage {
-            Coverage::Covered => false,
-            Coverage::Hole => filling == HoleFilling::Trace,
-            Coverage::Optical => true,
-        };
         let mut count = 0;
         for (tile, (color, coverage)) in color.chunks_mut(TILE).zip(coverage.chunks_mut(TILE)).enumerate() {
-            if !coverage.iter().any(|coverage| is_open(*coverage)) {
-                continue;
-            }
-            let left = (tile * TILE) as f64;
-            let candidates = pixels.in_view([left, row as f64], [left + color.len() as f64, row as f64 + 1.0]);
+            let Some(truth) = truth.filter(|_| coverage.iter().any(|coverage| is_open(*coverage))) else { continue };
+            let pixels = PixelTracer::new(truth.scene, &from);
+            let corner = [(tile * TILE) as f64, row as f64];
+            let candidates = pixels.in_view(corner, [corner[0] + color.len() as f64, corner[1] + 1.0]);
             for (column, (color, coverage)) in color.iter_mut().zip(coverage).enumerate() {
                 if is_open(*coverage) {
-                    *color = pixels.color([left + column as f64, row as f64], samples, &candidates);
+                    *color = pixels.color([corner[0] + column as f64, corner[1]], truth.samples, &candidates);
                     *coverage = Coverage::Covered;
                     count += 1;
                 }
@@ -67,7 +72,7 @@ pub fn fill(
     };
     let colors = view.color.data_mut().par_chunks_mut(width);
     let rows = colors.zip(view.coverage.data_mut().par_chunks_mut(width));
-    rows.enumerate().map(traced).sum()
+    rows.enumerate().map(fill_row).sum()
 }
 
 fn repeat_nearest(color: &mut [[f16; 3]], coverage: &[Coverage]) {

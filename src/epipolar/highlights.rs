@@ -98,3 +98,37 @@ impl Highlight {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_place_is_where_the_direction_meets_the_line_best() {
+        let eyes = EyeLine { first: DVec3::new(-1.0, 0.0, 0.0), along: DVec3::X * 2.0 };
+        let point = DVec3::new(0.2, -0.3, -2.0);
+        for direction in
+            [DVec3::new(0.1, 0.2, 1.0), DVec3::new(-0.3, -0.1, 1.0), DVec3::new(2.0, 0.0, 1.0), DVec3::X, DVec3::NEG_Z]
+        {
+            let direction = direction.normalize();
+            let cosine = |place: f64| (eyes.eye(place) - point).normalize().dot(direction);
+            let best = eyes.best_place(point, direction);
+            let searched = (0..=1000).map(|at| cosine(f64::from(at) / 1000.0)).fold(f64::NEG_INFINITY, f64::max);
+            assert!((0.0..=1.0).contains(&best) && cosine(best) >= searched - 1e-9, "{direction}: {best}");
+        }
+        // Eyes in one place, and a point at the first of them.
+        let still = EyeLine { along: DVec3::ZERO, ..eyes };
+        assert!((0.0..=1.0).contains(&still.best_place(point, DVec3::Z)));
+        assert!((0.0..=1.0).contains(&eyes.best_place(eyes.first, DVec3::Z)));
+    }
+
+    #[test]
+    fn highlights_are_linear_between_splits() {
+        let highlight = Highlight { splits: vec![(0.0, DVec3::ZERO), (0.25, DVec3::ONE), (1.0, DVec3::splat(4.0))] };
+        assert_eq!(highlight.at(0.0), DVec3::ZERO);
+        assert_eq!(highlight.at(0.125), DVec3::splat(0.5));
+        assert_eq!((highlight.at(0.25), highlight.at(0.5)), (DVec3::ONE, DVec3::splat(2.0)));
+        assert_eq!((highlight.at(1.0), highlight.at(2.0)), (DVec3::splat(4.0), DVec3::splat(4.0)));
+        assert_eq!(Highlight::default().at(0.5), DVec3::ZERO);
+    }
+}

@@ -17,7 +17,7 @@ const MOST_COLUMNS: f64 = (1 << (30 - DISPARITY_BITS)) as f64;
 /// Baselines from the first view at which a source may stand.
 const MOST_PLACE: f64 = 64.0;
 /// Tangent of the steepest slant, from the scanline, of a surface that still fills pixels.
-const STEEPEST: f64 = 6.0;
+pub const STEEPEST: f64 = 6.0;
 
 /// A line of a scanline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

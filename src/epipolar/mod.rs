@@ -3,10 +3,11 @@
 //! All cameras look in one direction, and the line that they stand on is parallel to their scanlines. A point of the scene is then on the
 //! same scanline of every view, and its column is a linear function of the camera's place: a line in epipolar space.
 //!
-//! Enters: a scene, and the output views. Leaves: their pictures, block by block. Stages, each in a file that bears its name:
+//! Enters: a scene, or captured images with depth, and the output views. Leaves: their pictures, block by block. Stages, each in a file that bears its name:
 //!
 //! 1. [`views`]: the output views (3.1), with an off-axis window where they converge.
-//! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), by [`visibility`] (3.4.1, 3.4.2).
+//! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), by [`visibility`] (3.4.1, 3.4.2); [`captured`] reads them
+//!    from images.
 //! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d in runs (3.4.3); [`slice`]: their winners in one
 //!    scanline of all output views (3.3.2); [`interpolate`]: whole views.
 //! 4. [`highlights`]: light that depends on the eye (3.5).
@@ -16,6 +17,7 @@
 
 pub mod acquire;
 pub mod brute_force;
+pub mod captured;
 pub mod coalesce;
 pub mod continuity;
 pub mod counters;

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::acquire::{AcquireSettings, acquire};
 use super::counters::Counters;
-use super::fill::{HoleFilling, fill, picture};
+use super::fill::{HoleFilling, Truth, fill, picture};
 use super::interpolate::{InterpolateSettings, Interpolator};
 use super::source::SourceView;
 use super::views::OutputViews;
@@ -61,8 +61,8 @@ impl Summary {
 }
 
 /// Steps that a run reports to its monitor.
-pub fn steps(views: &OutputViews, settings: &Settings) -> u64 {
-    u64::from(views.count()).div_ceil(settings.views_at_once.max(1) as u64) * u64::from(views.size[1])
+pub fn steps(views: &OutputViews, count: usize, settings: &Settings) -> u64 {
+    (count as u64).div_ceil(settings.views_at_once.max(1) as u64) * u64::from(views.size[1])
 }
 
 /// Renders some of the output views of a scene, and gives each picture with its number, in order.
@@ -71,31 +71,44 @@ pub fn interpolate(
     (views, range): (&OutputViews, Range<usize>),
     settings: &Settings,
     monitor: &dyn Monitor,
-    mut take: impl FnMut(usize, Picture) -> Result<()>,
+    take: impl FnMut(usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
     let begun = Instant::now();
     let (sources, counters) = acquire(scene, views, &settings.acquire, monitor)?;
+    let acquired = begun.elapsed();
+    let truth = Some(Truth { scene, samples: &settings.acquire.samples });
+    let mut summary = between((&sources, truth), (views, range), settings, monitor, take)?;
+    summary.counters.add(&counters);
+    summary.stages.acquire = acquired;
+    Ok(summary)
+}
+
+/// Renders some of the output views between source views, which are in their order.
+pub fn between(
+    (sources, truth): (&[SourceView], Option<Truth<'_>>),
+    (views, range): (&OutputViews, Range<usize>),
+    settings: &Settings,
+    monitor: &dyn Monitor,
+    mut take: impl FnMut(usize, Picture) -> Result<()>,
+) -> Result<Summary> {
     let report = |source: &SourceView| SourceReport { offset_m: source.offset_m, layers: source.layers };
-    let mut summary = Summary { counters, sources: sources.iter().map(report).collect(), ..Summary::default() };
-    summary.stages.acquire = begun.elapsed();
-    let interpolator = Interpolator::new(views, &sources, settings.interpolate);
+    let mut summary = Summary { sources: sources.iter().map(report).collect(), ..Summary::default() };
+    let interpolator = Interpolator::new(views, sources, settings.interpolate);
     let mut first = range.start;
     while first < range.end {
         let block = first..(first + settings.views_at_once.max(1)).min(range.end);
         let begun = Instant::now();
         let (mut interpolated, counted) = interpolator.views(block.clone(), monitor)?;
-        summary.counters.add(&Counters { lines: 0, coalesced_pixels: 0, splits: 0, ..counted });
-        if first == range.start {
-            let Counters { lines, coalesced_pixels, splits, .. } = counted;
-            summary.counters.add(&Counters { lines, coalesced_pixels, splits, ..Counters::default() });
-        }
+        // Lines are the same for all blocks.
+        let lines = if first == range.start { counted.lines } else { 0 };
+        let coalesced_pixels = if first == range.start { counted.coalesced_pixels } else { 0 };
+        summary.counters.add(&Counters { lines, coalesced_pixels, ..counted });
         summary.stages.interpolate += begun.elapsed();
         for (view, of_view) in block.clone().zip(&mut interpolated) {
             let unfilled = picture(of_view)?;
             let begun = Instant::now();
             let place = (views, views.offsets_m[view]);
-            let from = (scene, &settings.acquire.samples);
-            summary.counters.traced_pixels += fill(of_view, from, place, settings.holes, monitor)?;
+            summary.counters.traced_pixels += fill(of_view, truth, place, settings.holes, monitor)?;
             summary.stages.fill += begun.elapsed();
             take(view, Picture { filled: picture(of_view)?, unfilled })?;
         }

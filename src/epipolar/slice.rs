@@ -109,3 +109,148 @@ impl<'a> Slice<'a> {
         Some(Winner { line: at as u32, beside, weight })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use half::f16;
+
+    use super::*;
+    use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
+    use crate::epipolar::views::{OutputViews, Spread};
+    use crate::math::{Camera, Lens};
+
+    const WIDTH: u32 = 64;
+
+    fn views(count: u32, baseline_m: f64, focus_m: f64) -> OutputViews {
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(60.0)).unwrap();
+        OutputViews::new(
+            camera.with_aspect(f64::from(WIDTH) / 48.0),
+            [WIDTH, 48],
+            count,
+            Spread::Baseline(baseline_m),
+            focus_m,
+        )
+        .unwrap()
+    }
+
+    fn pixel(column: i32, depth_m: f32, layer: u8) -> SourcePixel {
+        let light = [f16::from_f32(depth_m); 3];
+        SourcePixel { column, depth_m, layer, light: Light::Steady, steady: light, own: light }
+    }
+
+    fn source(offset_m: f64, pixels: Vec<SourcePixel>) -> SourceView {
+        SourceView { offset_m, rows: vec![SourceRow { pixels, gloss: Vec::new() }], layers: 1 }
+    }
+
+    /// The winners of each view.
+    fn winners(views: &OutputViews, sources: &[SourceView]) -> (Vec<Line>, Vec<Vec<Option<Winner>>>, Counters) {
+        let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
+        let space = LineSpace::new(views, &offsets_m);
+        let lines = space.lines(sources, 0);
+        let mut counters = Counters::default();
+        let mut slice = Slice::new(&space, &lines, WIDTH);
+        let all = (0..views.offsets_m.len()).map(|view| slice.view(view, &mut counters).collect()).collect();
+        (lines, all, counters)
+    }
+
+    #[test]
+    fn a_plane_covers_every_pixel_of_every_view_once() {
+        for (count, focus_m) in [(1, f64::INFINITY), (2, f64::INFINITY), (33, 2.0), (400, 7.0)] {
+            for depth_m in [0.3f32, 1.0, 1.7, 55.0, 1e6, f32::INFINITY] {
+                let views = views(count, 0.2, focus_m);
+                // Wide enough for all views.
+                let plane = (-600..600).map(|column| pixel(column, depth_m, 0)).collect();
+                let (lines, all, counters) = winners(&views, &[source(0.0, plane)]);
+                for (view, winners) in all.iter().enumerate() {
+                    for (column, winner) in winners.iter().enumerate() {
+                        let line = &lines[winner.unwrap().line as usize];
+                        let moved = views.offsets_m[view] * views.columns_per_metre(f64::from(depth_m));
+                        let expected = column as f64 + 0.5 - moved;
+                        let from = f64::from(line.column) / 256.0;
+                        assert!(
+                            (from - expected).abs() <= 0.5 + 1.0 / 256.0,
+                            "{depth_m} {view} {column}: {from} {expected}"
+                        );
+                    }
+                }
+                // Nothing is covered twice.
+                assert_eq!(counters.fragments, u64::from(WIDTH * count), "{depth_m} {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn columns_are_within_a_256th_of_a_pixel_of_exact_ones() {
+        let views = views(4096, 1.5, f64::INFINITY);
+        let space = LineSpace::new(&views, &[-0.4]);
+        for depth_m in [0.35f32, 0.9, 3.3, 171.0] {
+            let lines = space.lines(&[source(-0.4, vec![pixel(20, depth_m, 0)])], 0);
+            for (view, offset_m) in views.offsets_m.iter().enumerate() {
+                let found = f64::from(lines[0].column + moved(lines[0].disparity, space.place(0, view))) / 256.0;
+                let exact = 20.5 + (offset_m + 0.4) * views.columns_per_metre(f64::from(depth_m));
+                assert!((found - exact).abs() < 1.0 / 256.0, "{depth_m} {view}: {found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fence_hides_its_own_columns_and_shows_the_wall_between() {
+        // Posts of two pixels at 1 m before a wall at 4 m, as the first view sees them and with what is behind.
+        let views = views(9, 0.4, f64::INFINITY);
+        let is_post = |column: i32| column.rem_euclid(8) < 2;
+        let mut pixels: Vec<SourcePixel> =
+            (0..WIDTH as i32).map(|column| pixel(column, if is_post(column) { 1.0 } else { 4.0 }, 0)).collect();
+        pixels.extend((0..WIDTH as i32).filter(|&column| is_post(column)).map(|column| pixel(column, 4.0, 1)));
+        let (lines, all, _) = winners(&views, &[source(-0.2, pixels.clone())]);
+        let depth = |winner: &Winner| f32::from_bits(lines[winner.line as usize].depth);
+        for (view, winners) in all.iter().enumerate() {
+            let moved = (0.2 + views.offsets_m[view]) * views.columns_per_metre(1.0);
+            // Posts that leave the image at the left have no others that follow at the right.
+            for (column, winner) in winners.iter().enumerate().take(WIDTH as usize - 28) {
+                let at = (column as f64 + 0.5 - moved).floor() as i32;
+                let expected = if is_post(at) { 1.0 } else { 4.0 };
+                assert_eq!(winner.as_ref().map(depth), Some(expected), "view {view}, column {column}");
+            }
+        }
+        // Without the second layer, what was behind the posts is missing.
+        let first: Vec<SourcePixel> = pixels.into_iter().filter(|pixel| pixel.layer == 0).collect();
+        let holes = winners(&views, &[source(-0.2, first)]).1[8][..32].iter().filter(|winner| winner.is_none()).count();
+        assert!(holes >= 4, "{holes}");
+    }
+
+    #[test]
+    fn sources_show_themselves_in_their_own_view_and_nearer_ones_win_elsewhere() {
+        let views = views(5, 0.2, f64::INFINITY);
+        let plane = |depth_m: f32| (-40..100).map(|column| pixel(column, depth_m, 0)).collect::<Vec<_>>();
+        // The second one is a little nearer.
+        let sources = [source(-0.1, plane(2.0)), source(0.1, plane(1.999))];
+        let (lines, all, _) = winners(&views, &sources);
+        let source_of = |view: usize| {
+            let first = lines[all[view][20].unwrap().line as usize].source;
+            assert!(all[view].iter().all(|winner| lines[winner.unwrap().line as usize].source == first));
+            first
+        };
+        assert_eq!([0, 1, 3, 4].map(source_of), [0, 0, 1, 1]);
+        // In its own view a line is not blended with others.
+        assert!(all[0].iter().flatten().all(|winner| winner.weight == 0));
+    }
+
+    #[test]
+    fn stretched_surfaces_have_no_pinholes_and_edges_grow_no_skirts() {
+        // A slanted plane, which the last view sees three times as wide as the first.
+        let views = views(3, 0.5, f64::INFINITY);
+        let slanted = |column: i32| (1.0 / (2.0 - f64::from(column) * 0.06)) as f32;
+        let pixels: Vec<SourcePixel> = (0..30).map(|column| pixel(column, slanted(column), 0)).collect();
+        let (_, all, _) = winners(&views, &[source(-0.25, pixels)]);
+        let covered: Vec<usize> = (0..WIDTH as usize).filter(|&column| all[2][column].is_some()).collect();
+        let (first, last) = (covered[0], covered[covered.len() - 1]);
+        assert_eq!(covered, (first..=last).collect::<Vec<_>>());
+        // Two surfaces part, and nothing is between them.
+        let step = (0..40).map(|column| pixel(column, if column < 30 { 1.0 } else { 4.0 }, 0)).collect();
+        let (_, all, _) = winners(&views, &[source(-0.25, step)]);
+        let holes = all[2][..30].iter().filter(|winner| winner.is_none()).count();
+        let parted = 0.5 * (views.columns_per_metre(4.0) - views.columns_per_metre(1.0));
+        assert!(holes.abs_diff(parted as usize) <= 1, "{holes} {parted}");
+    }
+}

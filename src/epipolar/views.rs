@@ -33,7 +33,7 @@ pub struct OutputViews {
 }
 
 impl OutputViews {
-    /// `count` views around a camera whose aspect becomes that of the images. The focus is a planar distance in metres, above 0; `+inf`
+    /// `count` views around a camera, whose aspect is that of the images where pixels are square. The focus is a planar distance in metres, above 0; `+inf`
     /// for parallel views.
     pub fn new(camera: Camera, size: [u32; 2], count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
         if !(1..=MAX_VIEWS).contains(&count) {
@@ -54,7 +54,7 @@ impl OutputViews {
             Spread::Cone(_) if !focus_m.is_finite() => {
                 return Err(Error::Usage("a view cone has its tip in the `focus`: name its distance".into()));
             }
-            Spread::Cone(degrees) if degrees >= 0.0 && degrees < 180.0 => {
+            Spread::Cone(degrees) if (0.0..180.0).contains(&degrees) => {
                 Box::new(move |view| focus_m * (degrees.to_radians() * place(view)).tan())
             }
             Spread::Cone(degrees) => {
@@ -63,7 +63,6 @@ impl OutputViews {
                 )));
             }
         };
-        let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
         Ok(OutputViews { camera, size, offsets_m: (0..count).map(offset).collect(), focus_m })
     }
 
@@ -138,7 +137,7 @@ mod tests {
     }
 
     fn views(count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
-        OutputViews::new(camera(), [40, 30], count, spread, focus_m)
+        OutputViews::new(camera().with_aspect(4.0 / 3.0), [40, 30], count, spread, focus_m)
     }
 
     #[test]

@@ -12,34 +12,41 @@ pub struct Reach {
 /// Distance behind a surface within which no view sees anything past one of its pixels (Epipolar equation 3.1, after Lee et al.), `+inf`
 /// where that is everything.
 ///
-/// Two pixels at the distance of the surface cast an umbra behind them where the eye moves by more than their width. The formula of the
-/// paper has a pole where the eye moves by exactly that, and is negative below: there nothing behind them is seen.
-pub fn hidden_m(depth_m: f64, focal_pixels: f64, baseline_m: f64) -> f64 {
-    let width_m = 2.0 * depth_m / focal_pixels;
+/// Pixels at the distance of the surface cast an umbra behind them where the eye moves by more than their width, here a tangent: that of two
+/// pixels within a surface. Seen from `reach_m` to the side, a point δ behind their middle has moved by reach δ/(d + δ) across them. The
+/// paper takes half of the baseline for the reach, which is right for a source in the middle; for one at an end it is the whole. Its
+/// formula has a pole where the eye moves by exactly the width, and is negative below: there nothing behind the pixels is seen.
+pub fn hidden_m(depth_m: f64, width: f64, reach_m: f64) -> f64 {
+    let (width_m, baseline_m) = (depth_m * width, 2.0 * reach_m);
     if baseline_m <= width_m { f64::INFINITY } else { depth_m * width_m / (baseline_m - width_m) }
 }
 
+/// Whether each pixel of a layer and the next one show one surface, by inverse distances as for [`sees_past`].
+pub fn joined(inverse: &[Option<f64>], continuity: Continuity) -> Vec<bool> {
+    let of = |at: usize| inverse.get(at).copied().flatten();
+    let joins = |at: usize| {
+        let before = at.checked_sub(1).and_then(of);
+        of(at).zip(of(at + 1)).is_some_and(|(a, b)| continuity.joins(before, [a, b], of(at + 2)))
+    };
+    (0..inverse.len()).map(joins).collect()
+}
+
 /// Whether an output view may see past each pixel of a layer, by the inverse distances of its pixels, 0 for the background; `None` where
-/// the layer has no pixel.
+/// the layer has no pixel; and by [`joined`].
 ///
 /// A view to the right shows what lies behind a pixel on a line between the pixel's own and the place that infinity has: if the pixels on
 /// that way are one surface, all of it is hidden. The surface is continuous where no edge lies between: counts of edges, summed from
 /// the left, are equal at both ends.
-pub fn sees_past(inverse: &[Option<f64>], continuity: Continuity, reach: Reach) -> Vec<bool> {
-    let of = |at: usize| inverse.get(at).copied().flatten();
+pub fn sees_past(inverse: &[Option<f64>], joined: &[bool], reach: Reach) -> Vec<bool> {
     // Edges to the left of each pixel.
     let mut edges = Vec::with_capacity(inverse.len());
     let mut count = 0u32;
     for at in 0..inverse.len() {
-        if at > 0 {
-            let before = at.checked_sub(2).and_then(of);
-            let joined = of(at - 1).zip(of(at)).is_some_and(|(a, b)| continuity.joins(before, [a, b], of(at + 1)));
-            count += u32::from(!joined);
-        }
+        count += u32::from(at > 0 && !joined[at - 1]);
         edges.push(count);
     }
     let is_open = |at: usize, end: i64| usize::try_from(end).ok().and_then(|end| edges.get(end)) != Some(&edges[at]);
-    let sees = |at: usize| match of(at) {
+    let sees = |at: usize| match inverse[at] {
         None => false,
         Some(inverse) => {
             let [left, right] =
@@ -56,20 +63,20 @@ mod tests {
 
     #[test]
     fn what_is_close_behind_is_hidden() {
-        // Pixels of 1 cm at 2 m, and a baseline of 1 m: similar triangles of 1 m and 2 cm.
-        assert!((hidden_m(2.0, 200.0, 1.0) - 2.0 * 0.02 / 0.98).abs() < 1e-12);
-        for baseline_m in [0.02, 0.01, 0.0] {
-            assert_eq!(hidden_m(2.0, 200.0, baseline_m), f64::INFINITY, "{baseline_m}");
+        // Pixels of 1 cm at 2 m, and half a metre to each side: similar triangles of 1 m and 2 cm.
+        assert!((hidden_m(2.0, 0.01, 0.5) - 2.0 * 0.02 / 0.98).abs() < 1e-12);
+        for reach_m in [0.01, 0.005, 0.0] {
+            assert_eq!(hidden_m(2.0, 0.01, reach_m), f64::INFINITY, "{reach_m}");
         }
-        let above = 0.02f64.next_up();
-        assert!(hidden_m(2.0, 200.0, above) > 1e13);
+        let above = 0.01f64.next_up();
+        assert!(hidden_m(2.0, 0.01, above) > 1e13);
     }
 
     #[test]
     fn one_surface_hides_everything_and_edges_show_what_is_behind() {
         let continuity = Continuity::new(100.0);
         let wall = vec![Some(0.5); 40];
-        let sees = |layer: &[Option<f64>], columns| sees_past(layer, continuity, Reach { columns });
+        let sees = |layer: &[Option<f64>], columns| sees_past(layer, &joined(layer, continuity), Reach { columns });
         // Beside the borders of the image anything may come into view.
         let past = sees(&wall, [10.0, 0.0]);
         assert!(past[..6].iter().all(|sees| *sees) && !past[6..].iter().any(|sees| *sees), "{past:?}");

@@ -24,12 +24,23 @@ pub enum Family {
     Scene,
     Render,
     Simplification,
+    Interpolation,
 }
 
 impl Family {
     /// In the order of the numbers.
-    pub const NAMES: [&str; 9] =
-        ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene", "render", "simplification"];
+    pub const NAMES: [&str; 10] = [
+        "quantisation",
+        "temporal",
+        "fits",
+        "blocks",
+        "colour",
+        "geometry",
+        "scene",
+        "render",
+        "simplification",
+        "interpolation",
+    ];
 
     pub fn name(self) -> &'static str {
         Family::NAMES[self as usize]

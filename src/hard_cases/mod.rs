@@ -13,6 +13,7 @@ pub mod device;
 mod fits;
 mod geometry;
 mod hidden;
+mod interpolate;
 mod paths;
 mod pictures;
 mod quantisation;
@@ -36,7 +37,7 @@ pub use clip::Clip;
 pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, notes};
 
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 11] = [
+    let families: [fn() -> Vec<HardCase>; 12] = [
         quantisation::cases,
         temporal::cases,
         fits::cases,
@@ -48,6 +49,7 @@ pub fn table() -> Vec<HardCase> {
         hidden::cases,
         seurat::cases,
         simplify::cases,
+        interpolate::cases,
     ];
     families.into_iter().flat_map(|cases| cases()).collect()
 }

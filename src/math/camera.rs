@@ -192,6 +192,13 @@ impl Camera {
         Camera { eye: self.eye + by_m, ..self }
     }
 
+    /// The camera whose pictures are mirrored, left to right.
+    #[must_use]
+    pub fn mirrored(self) -> Camera {
+        let [forward, right, down] = self.axes;
+        Camera { axes: [forward, -right, down], middle: [-self.middle[0], self.middle[1]], ..self }
+    }
+
     pub fn frustum(&self) -> Frustum {
         Frustum::new(self.eye, self.axes, self.window(), self.depth_m)
     }

@@ -23,6 +23,8 @@ mod house;
 mod imports;
 mod input;
 mod inspect;
+mod interpolate;
+mod interpolate_quality;
 mod interrupted;
 mod keep_going;
 mod library;

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::cli::capture::parse_size;
-use crate::cli::options::{Choices, MemoryArgs, one_of, parse_not_negative, parse_point, parse_positive};
+use crate::cli::options::{Choices, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive};
 use crate::cli::refuse;
 use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling};
+use crate::epipolar::captured::CapturedSources;
 use crate::epipolar::fill::HoleFilling;
 use crate::epipolar::highlights::DEFAULT_SPLITS;
 use crate::epipolar::interpolate::InterpolateSettings;
@@ -15,17 +16,23 @@ use crate::epipolar::pipeline::Settings;
 use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::error::Result;
+use crate::image::Face;
+use crate::image::quilt::QuiltLayout;
 use crate::math::{Camera, Lens};
-use crate::scene::capture::{MAX_SAMPLES, SamplePattern};
+use crate::scene::capture::{MAX_FACE_SIZE, MAX_SAMPLES, SamplePattern};
+
+const DEFAULT_SIZE: u32 = 512;
 
 #[derive(Debug, clap::Args)]
 #[command(
-    group(clap::ArgGroup::new("spread").required(true).args(["baseline", "view_cone"])),
+    group(clap::ArgGroup::new("spread").args(["baseline", "view_cone"])),
+    group(clap::ArgGroup::new("from").required(true).args(["eye", "probe"])),
     group(clap::ArgGroup::new("to").required(true).args(["output", "null"])),
     after_help = "Examples:\n  \
-    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --size 420x560 -o views/%04d.png\n  \
-    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 66 --view-cone 35 --focus 3.6 --size 372x682 -o views/%04d.png\n  \
+    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --size 420x560 -o quilt.png\n  \
+    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 66 --view-cone 35 --focus 3.6 --quilt go -o go.png\n  \
     lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 100 --baseline 0.5 --size 480x270 --null --compare --json\n  \
+    lightfold interpolate footage/lightfield.json --probe 01,02 --face pz --views 48 -o quilt.png\n  \
     lightfold interpolate interior --eye 0,1.5,0 --look-at 2,1.5,0 --views 100 --baseline 0.5 --brute-force --null --json\n  \
     lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --view-range 24-47 -o views/%04d.png\n\n\
     Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
@@ -36,25 +43,31 @@ use crate::scene::capture::{MAX_SAMPLES, SamplePattern};
     pictures in write_seconds."
 )]
 pub struct Args {
-    /// A file (glTF, GLB, OBJ) or a built-in scene
-    #[arg(value_name = "SCENE")]
+    /// A scene: a file (glTF, GLB, OBJ) or a built-in one; with --probe a dataset or a container
+    #[arg(value_name = "INPUT")]
     pub input: String,
     /// Middle of the line of cameras, in metres
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
-    pub eye: DVec3,
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "look_at")]
+    pub eye: Option<DVec3>,
     /// Point that the camera in the middle looks at, in metres
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
-    pub look_at: DVec3,
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<DVec3>,
+    /// Probes side by side whose images are the source views, such as 01,02
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub probe: Vec<String>,
+    /// Face of the probes that looks across their line: px nx py ny pz nz, or view
+    #[arg(long, value_name = "FACE", value_parser = parse_face, default_value = "view", requires = "probe")]
+    pub face: Face,
     /// Up direction [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub up: Option<DVec3>,
     /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_positive)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_positive, conflicts_with = "probe")]
     pub fov: f64,
     /// Number of output views
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
     pub views: u32,
-    /// Metres from the first view to the last, in even steps
+    /// Metres from the first view to the last, in even steps [default: the distance of the probes]
     #[arg(long, value_name = "M", value_parser = parse_not_negative)]
     pub baseline: Option<f64>,
     /// Degrees from the first view to the last, in even angles around the focus
@@ -63,9 +76,13 @@ pub struct Args {
     /// Distance in metres of the plane that does not move from view to view [default: infinity]
     #[arg(long, value_name = "M", value_parser = parse_positive)]
     pub focus: Option<f64>,
-    /// Height, or width and height of a view in pixels
-    #[arg(long, value_name = "N|WxH", value_parser = parse_size, default_value = "512")]
-    pub size: (u32, Option<u32>),
+    /// Width and height of a view in pixels, or one side of a square one [default: that of the quilt's device, else 512]
+    #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "probe")]
+    pub size: Option<(u32, Option<u32>)>,
+    /// Columns and rows of a quilt such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2, 65
+    /// [default: the device that the views fit, or a nearly square picture]
+    #[arg(long, value_name = "DEVICE|CxR")]
+    pub quilt: Option<QuiltLayout>,
     /// Colour samples per pixel: on a grid if a square number, else Hammersley points
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub samples: u32,
@@ -96,22 +113,22 @@ pub struct Args {
     /// Most places between the first view and the last where highlights are computed
     #[arg(long, value_name = "N", default_value_t = DEFAULT_SPLITS as u32, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub splits: u32,
-    /// What fills pixels that no source shows
-    #[arg(long, value_parser = one_of(HOLES), default_value = "trace")]
-    pub holes: HoleFilling,
+    /// What fills pixels that no source shows [default: trace; with --probe nearest]
+    #[arg(long, value_parser = one_of(HOLES))]
+    pub holes: Option<HoleFilling>,
     /// Only these views, such as 24-47
     #[arg(long, value_name = "A-B", value_parser = parse_range)]
     pub view_range: Option<(u32, u32)>,
     /// Ray cast every view: the truth, and what interpolation saves
-    #[arg(long, conflicts_with = "compare")]
+    #[arg(long, conflicts_with_all = ["compare", "probe"])]
     pub brute_force: bool,
     /// Ray cast every view, too, and compare the pictures
-    #[arg(long)]
+    #[arg(long, conflicts_with = "probe")]
     pub compare: bool,
     /// Table of the figures of each view, as CSV
     #[arg(long, value_name = "FILE.csv", requires = "compare")]
     pub csv: Option<PathBuf>,
-    /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file for one view
+    /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file: a quilt, whose name gets columns, rows and aspect
     #[arg(long, short, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Render without writing
@@ -156,14 +173,40 @@ fn parse_range(text: &str) -> std::result::Result<(u32, u32), String> {
 }
 
 impl Args {
-    pub(super) fn output_views(&self) -> Result<OutputViews> {
-        let camera = Camera::look_at(self.eye, self.look_at, self.up.unwrap_or(DVec3::Y), Lens::new(self.fov))?;
-        let size = match self.size {
-            (width, Some(height)) => [width, height],
-            (side, None) => [side; 2],
+    /// Output views of a scene.
+    pub(super) fn views_of_scene(&self) -> Result<OutputViews> {
+        let (Some(eye), Some(look_at)) = (self.eye, self.look_at) else { return refuse("name --eye and --look-at") };
+        let Some(spread) = self.spread() else {
+            return refuse("name the --baseline, the metres from the first view to the last, or a --view-cone");
         };
-        let spread = self.view_cone.map_or(Spread::Baseline(self.baseline.unwrap_or(0.0)), Spread::Cone);
+        let camera = Camera::look_at(eye, look_at, self.up.unwrap_or(DVec3::Y), Lens::new(self.fov))?;
+        let size = match self.size {
+            Some((width, Some(height))) => [width, height],
+            Some((side, None)) => [side; 2],
+            None => self.quilt.and_then(QuiltLayout::view_size).unwrap_or([DEFAULT_SIZE; 2]),
+        };
+        if size.iter().any(|&side| side > MAX_FACE_SIZE) {
+            return refuse(format!(
+                "--size {}x{}: up to {MAX_FACE_SIZE} pixels a side were expected",
+                size[0], size[1]
+            ));
+        }
+        let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
+        self.views(camera, size, spread)
+    }
+
+    /// Output views between captured images.
+    pub(super) fn views_between(&self, captured: &CapturedSources) -> Result<OutputViews> {
+        let spread = self.spread().unwrap_or(Spread::Baseline(captured.length_m));
+        self.views(captured.camera, captured.size, spread)
+    }
+
+    fn views(&self, camera: Camera, size: [u32; 2], spread: Spread) -> Result<OutputViews> {
         OutputViews::new(camera, size, self.views, spread, self.focus.unwrap_or(f64::INFINITY))
+    }
+
+    fn spread(&self) -> Option<Spread> {
+        self.view_cone.map(Spread::Cone).or(self.baseline.map(Spread::Baseline))
     }
 
     /// The views to render.
@@ -187,6 +230,11 @@ impl Args {
             ..AcquireSettings::new(SamplePattern::new(self.samples)?)
         };
         let interpolate = InterpolateSettings { coalesce: self.coalesce, splits: self.splits as usize };
-        Ok(Settings { acquire, interpolate, holes: self.holes, views_at_once })
+        let usual = if self.probe.is_empty() { HoleFilling::Trace } else { HoleFilling::Nearest };
+        let holes = self.holes.unwrap_or(usual);
+        if holes == HoleFilling::Trace && !self.probe.is_empty() {
+            return refuse("--holes trace: images cannot be ray cast; choose nearest or blank");
+        }
+        Ok(Settings { acquire, interpolate, holes, views_at_once })
     }
 }

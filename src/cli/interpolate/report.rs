@@ -1,5 +1,6 @@
 //! What `interpolate` reports.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
@@ -53,10 +54,14 @@ pub struct Report {
     /// Time of ray casting all views over that of interpolating them.
     #[serde(skip_serializing_if = "Option::is_none")]
     speedup: Option<f64>,
+    /// The quilt that was written: its name has columns, rows and aspect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quilt: Option<PathBuf>,
 }
 
 impl Report {
-    pub fn new(args: &Args, views: &OutputViews, count: usize, summary: &Summary, measured: &Measured) -> Report {
+    pub fn new(args: &Args, views: &OutputViews, summary: &Summary, measured: &Measured) -> Report {
+        let count = args.view_range.map_or(views.count(), |(first, last)| last - first + 1) as usize;
         let seconds = if args.brute_force { measured.brute_force } else { summary.duration() };
         let pixels = count as f64 * views.size.map(f64::from).iter().product::<f64>();
         let [quality, quality_without_fill] = match measured.quality.reports() {
@@ -81,8 +86,13 @@ impl Report {
             counters: summary.counters,
             quality,
             quality_without_fill,
+            quilt: None,
             speedup: args.compare.then(|| measured.brute_force.as_secs_f64() / seconds.as_secs_f64()),
         }
+    }
+
+    pub fn with_quilt(self, quilt: Option<PathBuf>) -> Report {
+        Report { quilt, ..self }
     }
 
     /// Durations and counts of the stages, one on each line.
@@ -126,6 +136,9 @@ impl Report {
         }
         if let Some(speedup) = self.speedup {
             text += &format!("{speedup:.1} times as fast as ray casting every view\n");
+        }
+        if let Some(path) = &self.quilt {
+            text += &format!("{}\n", path.display());
         }
         text.trim_end().to_owned()
     }

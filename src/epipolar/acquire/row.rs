@@ -8,12 +8,12 @@ use half::f16;
 use super::{AcquireSettings, Culling, TILE};
 use crate::epipolar::continuity::Continuity;
 use crate::epipolar::counters::Counters;
+use crate::epipolar::lines::STEEPEST;
 use crate::epipolar::source::{Light, SourcePixel, SourceRow};
-use crate::epipolar::visibility::{Reach, hidden_m, sees_past};
+use crate::epipolar::visibility::{Reach, hidden_m, joined, sees_past};
 use crate::mesh::Ray;
 use crate::scene::FirstHit;
 use crate::scene::capture::{PixelTracer, halves};
-use crate::scene::shading::Radiance;
 use crate::scene::trace::EyeLight;
 
 pub(super) struct RowAcquisition<'a> {
@@ -21,7 +21,8 @@ pub(super) struct RowAcquisition<'a> {
     pub settings: &'a AcquireSettings,
     pub layers: usize,
     pub focal_pixels: f64,
-    pub baseline_m: f64,
+    /// Metres from the source to the farthest output view.
+    pub reach_m: f64,
     pub continuity: Continuity,
     pub reach: Reach,
 }
@@ -94,9 +95,11 @@ impl RowAcquisition<'_> {
 
     /// Goes on to the next layer; whether it has any pixel.
     fn peel(&self, columns: &mut [Column], counters: &mut Counters) -> bool {
+        let inverse = |column: &Column| column.current.map(|hit| column.depth_m(hit).recip());
+        let joined = joined(&columns.iter().map(inverse).collect::<Vec<_>>(), self.continuity);
         let masks = (self.settings.culling == Culling::Full).then(|| {
-            let inverse = |column: &Column| column.current.map(|hit| column.depth_m(hit).recip());
-            sees_past(&columns.iter().map(inverse).collect::<Vec<_>>(), self.continuity, self.reach)
+            let inverse: Vec<_> = columns.iter().map(inverse).collect();
+            sees_past(&inverse, &joined, self.reach)
         });
         let mut is_any = false;
         for (at, column) in columns.iter_mut().enumerate() {
@@ -112,7 +115,11 @@ impl RowAcquisition<'_> {
             let depth_m = column.depth_m(hit);
             let hidden_m = match self.settings.culling {
                 Culling::Off => 0.0,
-                _ => hidden_m(depth_m, self.focal_pixels, self.baseline_m),
+                // The pixels beside it are of its surface, or it is alone.
+                _ => {
+                    let is_inside = at > 0 && joined[at - 1] && joined[at];
+                    hidden_m(depth_m, if is_inside { 2.0 } else { 1.0 } / self.focal_pixels, self.reach_m)
+                }
             };
             let visible_m = depth_m + hidden_m;
             let next = (hit + 1..column.hits.len()).find(|&next| column.depth_m(next) > visible_m);
@@ -128,40 +135,67 @@ impl RowAcquisition<'_> {
     fn shade(&self, column: &Column, (place, layer): ([i32; 2], usize), candidates: &[usize], out: &mut SourceRow) {
         let Some(hit) = column.current else { return };
         let (scene, hit_surface) = (self.pixels.scene, column.hits.get(hit));
-        let [mut steady, own] = match layer {
-            0 => self.mean(place, candidates),
-            _ => sums(&scene.shade(&column.ray, hit_surface)).map(halves),
+        let depth_m = column.depth_m(hit);
+        let PixelLight { steady, total, own } = match layer {
+            0 => self.mean(place, depth_m, candidates),
+            _ => {
+                let radiance = scene.shade(&column.ray, hit_surface);
+                let [steady, total] = [radiance.steady, radiance.total()].map(halves);
+                PixelLight { steady, total, own: total }
+            }
         };
-        let light = match hit_surface.map(|hit| scene.eye_light(&column.ray, hit)) {
-            Some(EyeLight::Traced) => Light::Traced,
+        let (light, steady) = match hit_surface.map(|hit| scene.eye_light(&column.ray, hit)) {
+            Some(EyeLight::Traced) => (Light::Traced, total),
             Some(EyeLight::Gloss(gloss)) => {
                 out.gloss.push(gloss);
-                Light::Gloss(out.gloss.len() as u32 - 1)
+                (Light::Gloss(out.gloss.len() as u32 - 1), steady)
             }
-            Some(EyeLight::None) | None => {
-                steady = own;
-                Light::Steady
-            }
+            Some(EyeLight::None) | None => (Light::Steady, total),
         };
-        let depth_m = (column.depth_m(hit) as f32).max(f32::MIN_POSITIVE);
+        let depth_m = (depth_m as f32).max(f32::MIN_POSITIVE);
         out.pixels.push(SourcePixel { column: place[0], depth_m, layer: layer as u8, light, steady, own });
     }
 
-    /// Means over a pixel: of the light without highlights, and of all light, the same bits as those of a captured image.
-    fn mean(&self, [column, row]: [i32; 2], candidates: &[usize]) -> [[f16; 3]; 2] {
+    /// Means over a pixel.
+    ///
+    /// What moves to other views is the light of the samples that lie not before the surface of the middle: a near surface keeps the soft
+    /// edge that it has, and a far one does not take the light of what is before it along, which would stay behind as a ghost. Its own view
+    /// shows all. (At the fence of the built-in courtyard: 22.9 dB and an SSIM of 0.948 in this way, 22.6 and 0.931 with all samples, 21.0
+    /// and 0.932 with those of the surface of the middle alone.)
+    fn mean(&self, [column, row]: [i32; 2], depth_m: f64, candidates: &[usize]) -> PixelLight {
         let points = &self.settings.samples.points;
-        let mut total = [DVec3::ZERO; 2];
+        let mut sums = [DVec3::ZERO; 3];
+        let mut agreeing = 0;
         for [x, y] in points {
-            let ray = self.pixels.ray([f64::from(column) + x, f64::from(row) + y]);
+            let at = [f64::from(column) + x, f64::from(row) + y];
+            let ray = self.pixels.ray(at);
             let hit = self.pixels.scene.first_hit(&ray, candidates.iter().copied());
-            let of_ray = sums(&self.pixels.scene.shade(&ray, hit.as_ref()));
-            (total[0], total[1]) = (total[0] + of_ray[0], total[1] + of_ray[1]);
+            let radiance = self.pixels.scene.shade(&ray, hit.as_ref());
+            sums[2] += radiance.total();
+            let planar = self.pixels.from.projection.unproject(at).length().recip();
+            let sample_m = hit.map_or(f64::INFINITY, |hit| hit.distance * planar);
+            // Not before the surface of the middle; also where both are infinite.
+            if sample_m == depth_m || sample_m / depth_m - 1.0 >= -STEEPEST / self.focal_pixels {
+                sums[0] += radiance.steady;
+                sums[1] += radiance.total();
+                agreeing += 1;
+            }
         }
-        total.map(|sum| halves(sum / points.len() as f64))
+        let own = halves(sums[2] / points.len() as f64);
+        let [steady, total] = match agreeing {
+            0 => [own; 2],
+            count => [sums[0], sums[1]].map(|sum| halves(sum / f64::from(count))),
+        };
+        PixelLight { steady, total, own }
     }
 }
 
-/// Light without highlights, and all light.
-fn sums(radiance: &Radiance) -> [DVec3; 2] {
-    [radiance.steady, radiance.total()]
+/// Light of a pixel.
+struct PixelLight {
+    /// Of its surface, without highlights.
+    steady: [f16; 3],
+    /// Of its surface.
+    total: [f16; 3],
+    /// Of all that it shows.
+    own: [f16; 3],
 }

@@ -1,0 +1,271 @@
+//! `lightfold interpolate`: what each stage is for, files and refusals.
+
+use std::path::Path;
+
+use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquire};
+use lightfold::epipolar::brute_force;
+use lightfold::epipolar::fill::HoleFilling;
+use lightfold::epipolar::interpolate::{InterpolateSettings, Interpolator};
+use lightfold::epipolar::pipeline::{Settings, Summary, interpolate};
+use lightfold::epipolar::source::in_order;
+use lightfold::epipolar::views::{OutputViews, Spread};
+use lightfold::evaluate::reference::Truth;
+use lightfold::evaluate::similarity::Similarity;
+use lightfold::evaluate::{RenderedImage, TimedCamera};
+use lightfold::image::{Plane, ReadLimits, ToneMap, exr, png};
+use lightfold::math::{Camera, Lens};
+use lightfold::monitor::Silent;
+use lightfold::scene::capture::SamplePattern;
+use lightfold::scene::{Play, Scene, SceneAtTime};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::commands::{fine, refused};
+
+const VIEWS: u32 = 7;
+
+fn scene(name: &str) -> SceneAtTime {
+    Scene::open(name, Play::First).unwrap().0.at(0.0)
+}
+
+fn views(count: u32, spread: Spread, focus_m: f64) -> OutputViews {
+    looking([[0.0, 1.5, 0.2], [2.0, 1.3, 0.0]], count, spread, focus_m)
+}
+
+/// From a point at another one.
+fn looking([eye, target]: [[f64; 3]; 2], count: u32, spread: Spread, focus_m: f64) -> OutputViews {
+    let camera = Camera::look_at(eye.into(), target.into(), [0.0, 1.0, 0.0].into(), Lens::new(60.0)).unwrap();
+    OutputViews::new(camera.with_aspect(1.4), [112, 80], count, spread, focus_m).unwrap()
+}
+
+/// At the fence of the courtyard.
+const FENCE: [[f64; 3]; 2] = [[-1.5, 1.4, -1.5], [-1.3, 1.2, 4.0]];
+
+fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = Settings {
+        acquire: AcquireSettings::new(SamplePattern::new(4).unwrap()),
+        interpolate: InterpolateSettings::default(),
+        holes: HoleFilling::Trace,
+        views_at_once: 3,
+    };
+    change(&mut settings);
+    settings
+}
+
+struct Run {
+    filled: Vec<RenderedImage>,
+    unfilled: Vec<RenderedImage>,
+    summary: Summary,
+}
+
+fn run(scene: &SceneAtTime, views: &OutputViews, settings: &Settings) -> Run {
+    let (mut filled, mut unfilled) = (Vec::new(), Vec::new());
+    let count = views.count() as usize;
+    let summary = interpolate(scene, (views, 0..count), settings, &Silent, |view, picture| {
+        assert_eq!(view, filled.len());
+        filled.push(picture.filled);
+        unfilled.push(picture.unfilled);
+        Ok(())
+    });
+    Run { filled, unfilled, summary: summary.unwrap() }
+}
+
+/// PSNR in dB over all views.
+fn psnr_db(scene: &SceneAtTime, views: &OutputViews, pictures: &[RenderedImage]) -> f64 {
+    let samples = SamplePattern::new(4).unwrap();
+    let mut sum = Similarity::empty();
+    for (picture, &offset_m) in pictures.iter().zip(&views.offsets_m) {
+        let color = brute_force::render(scene, (views, offset_m), &samples, &Silent).unwrap();
+        let truth = Truth { color, material: None };
+        sum.merge(&Similarity::of(picture, &truth, ToneMap::default()).unwrap()).unwrap();
+    }
+    sum.all.psnr_db()
+}
+
+#[test]
+fn views_are_close_to_ray_casting_and_every_stage_is_needed() {
+    let (scene, views) = (scene("courtyard"), looking(FENCE, VIEWS, Spread::Baseline(1.0), f64::INFINITY));
+    let of = |change: fn(&mut Settings)| run(&scene, &views, &settings(change));
+    let whole = of(|_| {});
+    let whole_db = psnr_db(&scene, &views, &whole.filled);
+    assert!(whole_db > 22.0, "{whole_db}");
+    // Filled by nothing.
+    let blank = of(|settings| settings.holes = HoleFilling::Blank);
+    assert_eq!(blank.filled, blank.unfilled);
+    // The nearest surfaces alone leave holes.
+    let first = of(|settings| {
+        settings.acquire.layers = 1;
+        settings.acquire.acquisition = Acquisition::Center;
+    });
+    let layered = of(|settings| settings.acquire.acquisition = Acquisition::Center);
+    let [first, layered] = [&first, &layered].map(|run| run.summary.counters.hole_pixels);
+    assert!(first > 2 * layered.max(20), "{first} {layered}");
+    // Without a second source the ends are worse.
+    let one = of(|settings| settings.acquire.acquisition = Acquisition::Center);
+    let [one, two] = [&one, &whole].map(|run| psnr_db(&scene, &views, &run.unfilled));
+    assert!(two > one, "{two} {one}");
+}
+
+#[test]
+fn source_views_come_out_as_they_went_in() {
+    let samples = SamplePattern::new(4).unwrap();
+    for name in ["interior", "mirrors", "courtyard"] {
+        for focus_m in [f64::INFINITY, 2.5] {
+            let (scene, views) = (scene(name), views(VIEWS, Spread::Baseline(0.6), focus_m));
+            let pictures = run(&scene, &views, &settings(|_| {})).filled;
+            for view in [0, VIEWS as usize - 1] {
+                let truth = brute_force::render(&scene, (&views, views.offsets_m[view]), &samples, &Silent).unwrap();
+                let light: Plane<[f32; 3]> = truth.map(|light| light.map(|light| light.to_f32()));
+                assert_eq!(pictures[view].color, light, "{name}, view {view}");
+            }
+        }
+    }
+}
+
+#[test]
+fn short_cuts_and_blocks_and_threads_do_not_change_the_picture() {
+    let (scene, views) = (scene("interior"), views(VIEWS, Spread::Cone(20.0), 2.0));
+    let plain = run(&scene, &views, &settings(|_| {})).filled;
+    let at_once = run(&scene, &views, &settings(|settings| settings.views_at_once = 100)).filled;
+    assert_eq!(plain, at_once);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    assert_eq!(plain, pool.install(|| run(&scene, &views, &settings(|_| {})).filled));
+    // What no view shows may be there: the rule of masks is of pixels, and edges of surfaces lie between them.
+    let all = run(&scene, &views, &settings(|settings| settings.acquire.culling = Culling::Off)).filled;
+    let pixels = |pictures: &[RenderedImage]| {
+        pictures.iter().flat_map(|picture| picture.color.data().to_vec()).collect::<Vec<_>>()
+    };
+    let (plain, all) = (pixels(&plain), pixels(&all));
+    let changed = plain.iter().zip(&all).filter(|(a, b)| a != b).count();
+    assert!(changed as f64 <= 1e-3 * plain.len() as f64, "{changed} of {}", plain.len());
+}
+
+#[test]
+fn the_order_of_sources_does_not_matter_and_doubled_ones_are_one() {
+    let (scene, views) = (scene("interior"), views(VIEWS, Spread::Baseline(0.4), f64::INFINITY));
+    let (sources, _) = acquire(&scene, &views, &settings(|_| {}).acquire, &Silent).unwrap();
+    let of = |sources: Vec<lightfold::epipolar::source::SourceView>| {
+        let sources = in_order(sources);
+        let interpolator = Interpolator::new(&views, &sources, InterpolateSettings::default());
+        let found = interpolator.views(0..VIEWS as usize, &Silent).unwrap();
+        found.0.iter().map(|view| view.color.clone()).collect::<Vec<_>>()
+    };
+    let reversed = sources.iter().rev().cloned().collect();
+    let doubled = [sources.clone(), sources.clone()].concat();
+    let plain = of(sources);
+    assert!(plain == of(reversed) && plain == of(doubled));
+}
+
+#[test]
+fn highlights_are_right_where_they_are_brightest() {
+    let (scene, views) = (scene("interior"), views(9, Spread::Baseline(0.8), f64::INFINITY));
+    let with = |splits: usize| {
+        let run = run(&scene, &views, &settings(|settings| settings.interpolate.splits = splits));
+        (psnr_db(&scene, &views, &run.filled), run.summary.counters.splits)
+    };
+    let (plain_db, plain) = with(0);
+    let (few_db, few) = with(8);
+    let (many_db, many) = with(64);
+    assert!(plain < few && few <= many, "{plain} {few} {many}");
+    assert!(few_db > many_db - 0.3 && few_db >= plain_db, "{plain_db} {few_db} {many_db}");
+}
+
+#[test]
+fn matt_scenes_and_empty_ones_cost_nothing_more() {
+    let empty = SceneAtTime::new(Vec::new(), lightfold::scene::Light::default());
+    let views = views(5, Spread::Baseline(0.5), 2.0);
+    let found = run(&empty, &views, &settings(|_| {}));
+    let counters = found.summary.counters;
+    assert_eq!((counters.source_layers, counters.splits, counters.hole_pixels, counters.traced_pixels), (1, 0, 0, 0));
+    assert!(found.filled.iter().all(|picture| picture.alpha.data().iter().all(|alpha| *alpha == 1.0)));
+    // Views in one place have one source.
+    let still = views_in_one_place();
+    let scene = scene("interior");
+    let found = run(&scene, &still, &settings(|_| {}));
+    assert_eq!(found.summary.counters.source_views, 1);
+    assert!(found.filled.iter().all(|picture| *picture == found.filled[0]));
+}
+
+fn views_in_one_place() -> OutputViews {
+    views(3, Spread::Baseline(0.0), f64::INFINITY)
+}
+
+const LINE: &str = "interpolate interior --eye 0,1.5,0 --look-at 2,1.4,0 --size 24x32 --samples 1";
+
+fn report(line: &str, folder: &Path) -> Value {
+    serde_json::from_slice(&fine(line, folder).stdout).unwrap()
+}
+
+#[test]
+fn quilts_have_the_bytes_of_their_halves_joined() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let said = report(&format!("{LINE} --views 12 --baseline 0.3 --quilt 4x3 -o q.png --json"), at);
+    assert!(said["quilt"].as_str().unwrap().ends_with("q_qs4x3a0.75.png"), "{said}");
+    for half in ["0-5", "6-11"] {
+        fine(&format!("{LINE} --views 12 --baseline 0.3 --view-range {half} -o v/%04d.png"), at);
+    }
+    fine("quilt v/%04d.png --quilt 4x3 -o joined.png", at);
+    let bytes = |name: &str| std::fs::read(at.join(name)).unwrap();
+    assert_eq!(bytes("q_qs4x3a0.75.png"), bytes("joined_qs4x3a0.75.png"));
+    // The same on another number of threads.
+    fine(&format!("{LINE} --views 12 --baseline 0.3 --quilt 4x3 -o one.png --threads 1"), at);
+    assert_eq!(bytes("q_qs4x3a0.75.png"), bytes("one_qs4x3a0.75.png"));
+    let picture = png::read_rgba8(&at.join("q_qs4x3a0.75.png"), &ReadLimits::default()).unwrap();
+    assert_eq!((picture.width(), picture.height()), (96, 96));
+    fine(&format!("{LINE} --views 2 --baseline 0.3 -o v/%02d.exr"), at);
+    assert!(exr::read_rgba(&at.join("v/01.exr"), &ReadLimits::default()).is_ok());
+}
+
+#[test]
+fn a_comparison_has_all_figures() {
+    let folder = TempDir::new().unwrap();
+    let said = report(
+        &format!("{LINE} --views 5 --view-cone 20 --focus 2 --null --compare --csv v.csv --json"),
+        folder.path(),
+    );
+    for key in ["psnr_db", "ssim", "psnr_hvs_m_db", "mse"] {
+        for group in ["quality", "quality_without_fill"] {
+            let figure = &said[group][key];
+            assert!(figure["min"].as_f64() <= figure["mean"].as_f64(), "{group} {key}: {said}");
+        }
+    }
+    assert!(said["speedup"].as_f64().unwrap() > 0.0 && said["counters"]["source_views"] == 2, "{said}");
+    let table = std::fs::read_to_string(folder.path().join("v.csv")).unwrap();
+    assert_eq!(table.lines().count(), 6);
+    let cast = report(&format!("{LINE} --views 2 --baseline 0.1 --null --brute-force --json"), folder.path());
+    assert_eq!((&cast["brute_force"], cast["counters"]["lines"].as_u64()), (&Value::Bool(true), Some(0)));
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_and_leaves_nothing() {
+    let folder = TempDir::new().unwrap();
+    let says = |more: &str, words: &str| {
+        let said = refused(&format!("{LINE} {more}"), folder.path());
+        assert!(said.contains(words), "{more}: {said}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{more}");
+    };
+    says("--views 4 --baseline 0.3 --view-range 2-4 --null", "views 0 to 3");
+    says("--views 4 --baseline 0.3 --view-range 1-2 -o q.png", "lightfold quilt");
+    says("--views 4 --baseline 0.3 --quilt 1x2 -o q.png", "4 views");
+    says("--views 4 --baseline 0.3 -o q_qs3x3a0.75.png --quilt 2x2", "3x3");
+    says("--views 4 --baseline 0.3 -o views", ".png or .exr");
+    says("--views 4 --baseline 0.3 --quilt 2x2 -o v.%04d.png", "--quilt");
+    says("--views 4 --baseline 0.3 --memory 1k --null", "memory");
+    says("--views 4 --baseline 0.3 --up 2,-0.1,0 --null", "up direction");
+    says("--views 4 --view-cone 180 --focus 1 --null", "180");
+    refused(&format!("{LINE} --views 0 --baseline 0.3 --null"), folder.path());
+}
+
+/// The cameras that `capture` would look through are those of the views.
+#[test]
+fn cameras_of_views_see_what_views_see() {
+    let views = views(3, Spread::Baseline(0.5), 1.5);
+    for &offset_m in &views.offsets_m {
+        let timed = TimedCamera { camera: views.camera(offset_m).unwrap(), frames: None };
+        let from = views.viewpoint(offset_m);
+        let direction = from.turned(from.projection.unproject([10.5, 7.5])).normalize();
+        let expected = timed.camera.direction([10.5 / 112.0, 7.5 / 80.0]);
+        assert!((direction - expected).length() < 1e-12, "{direction} {expected}");
+    }
+}
