@@ -8,10 +8,10 @@ pub(crate) mod tests;
 pub mod view;
 pub mod write;
 
-pub use pixels::{PixelTracer, halves};
+pub use pixels::{PixelTracer, Viewpoint, halves};
 pub use plan::{CapturePlan, FrameRequest, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
-pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, Viewpoint, capture_view};
+pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, capture_view};
 pub use write::{CaptureReport, CaptureSummary, ExistingImages};
 
 /// Default samples of a pixel's colour.

@@ -29,12 +29,15 @@ const DEFAULT_SIZE: u32 = 512;
     group(clap::ArgGroup::new("from").required(true).args(["eye", "probe"])),
     group(clap::ArgGroup::new("to").required(true).args(["output", "null"])),
     after_help = "Examples:\n  \
-    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --size 420x560 -o quilt.png\n  \
-    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 66 --view-cone 35 --focus 3.6 --quilt go -o go.png\n  \
-    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 100 --baseline 0.5 --size 480x270 --null --compare --json\n  \
-    lightfold interpolate footage/lightfield.json --probe 01,02 --face pz --views 48 -o quilt.png\n  \
-    lightfold interpolate interior --eye 0,1.5,0 --look-at 2,1.5,0 --views 100 --baseline 0.5 --brute-force --null --json\n  \
-    lightfold interpolate scene.glb --eye 0,1.6,3 --look-at 0,1.5,0 --views 48 --baseline 0.5 --view-range 24-47 -o views/%04d.png\n\n\
+    lightfold interpolate a.glb --eye 0,1,3 --look-at 0,1,0 --views 48 --baseline 0.5 -o q.png\n  \
+    lightfold interpolate a.glb --eye 0,1,3 --look-at 0,1,0 --views 66 --view-cone 35 --focus 3 \\\n      \
+    --quilt go -o go.png\n  \
+    lightfold interpolate footage --probe 01,02 --face pz --views 48 -o q.png\n  \
+    lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 9 --baseline 0.3 -o %02d.exr\n  \
+    lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 9 --baseline 0.3 \\\n      \
+    --view-range 0-4 -o v/%04d.png\n  \
+    lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 100 --baseline 0.3 \\\n      \
+    --null --compare --json\n\n\
     Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
     behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
     at infinity do. `render --views` counts probes, `interpolate --views` output views.\n\n\

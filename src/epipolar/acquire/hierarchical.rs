@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use super::SourceTracer;
+use super::tracer::SourceTracer;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::interpolate::hole_percent;
 use crate::epipolar::source::SourceView;

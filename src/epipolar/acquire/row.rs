@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use half::f16;
 
-use super::{AcquireSettings, Culling, TILE};
+use super::settings::{AcquireSettings, Culling, TILE};
 use crate::epipolar::continuity::Continuity;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::lines::STEEPEST;

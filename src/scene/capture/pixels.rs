@@ -2,13 +2,22 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use half::f16;
 
 use super::samples::SamplePattern;
-use super::view::Viewpoint;
+use crate::image::ImageProjection;
 use crate::mesh::{AxisBox, Ray};
 use crate::scene::{Hit, SceneAtTime};
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewpoint {
+    pub position: DVec3,
+    /// From the probe's axes to the world's.
+    pub orientation: Option<DQuat>,
+    /// In the probe's axes.
+    pub projection: ImageProjection,
+}
 
 type BoxTest = Box<dyn Fn(&AxisBox) -> bool>;
 

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
+use super::pixels::Viewpoint;
 use super::samples::SamplePattern;
-use super::view::{MAX_FACE_SIZE, Pass, Viewpoint};
+use super::view::{MAX_FACE_SIZE, Pass};
 use crate::dataset::cameras::CameraSet;
 use crate::dataset::manifest::{
     ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe, intrinsics_of,

@@ -3,15 +3,14 @@
 //! one sample, all are of the same ray. Rays have length 1; planar depth is distance over
 //! [`ImageProjection::ray_length_factor`].
 
-use glam::{DQuat, DVec3};
 use half::f16;
 use rayon::prelude::*;
 
-use super::pixels::{PixelTracer, halves};
+use super::pixels::{PixelTracer, Viewpoint, halves};
 use super::samples::SamplePattern;
 use crate::error::{Error, Result};
+use crate::image::DepthKind;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
-use crate::image::{DepthKind, ImageProjection};
 use crate::monitor::Monitor;
 use crate::scene::{Hit, OPAQUE, SceneAtTime};
 
@@ -45,15 +44,6 @@ impl Pass {
             Pass::Material => "material",
         }
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Viewpoint {
-    pub position: DVec3,
-    /// From the probe's axes to the world's.
-    pub orientation: Option<DQuat>,
-    /// In the probe's axes.
-    pub projection: ImageProjection,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -218,8 +208,10 @@ impl ImageCapture<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
-    use crate::image::Face;
+    use crate::image::{Face, ImageProjection};
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene, trace};
 
