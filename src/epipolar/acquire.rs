@@ -1,7 +1,8 @@
 //! Source views of a scene (Epipolar 3.3.1).
 //!
 //! A source view has layers: the nearest surfaces, and those behind them that an output view may see. All hits of a pixel's ray are found
-//! at once (Epipolar 7.4), which are the layers of depth peeling, and those are left out that no output view sees.
+//! at once (Epipolar 7.4), which are the layers of depth peeling, and those are left out that no output view sees. Of hits at one distance
+//! one is a layer: listing 3.2 of the thesis asks for a depth that is not less than that of the last layer, which finds that layer again.
 
 mod hierarchical;
 mod row;

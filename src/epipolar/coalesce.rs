@@ -3,6 +3,9 @@
 //! A run is a block of 2^n neighbours of one surface, aligned to a multiple of its length, whose disparities differ by no more than the
 //! threshold: all get the middle of them, so that no column is wrong by more than half of the threshold. The blocks are the nodes of a
 //! pyramid of least and greatest disparities, found from the finest level up.
+//!
+//! Listings 3.12 and 3.13 of the thesis compare depths, where the error in columns depends on the distance, too; mark what ends a run by a depth of 1, which a
+//! pixel may have; and look up the node of the image's width, not of the pixel's column.
 
 use std::ops::Range;
 

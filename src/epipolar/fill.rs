@@ -28,7 +28,7 @@ pub enum HoleFilling {
     /// They are ray cast.
     #[default]
     Trace,
-    /// They show the nearest pixel of their scanline that is covered. Alpha is 0.
+    /// They show the nearest pixel of their scanline that is covered.
     Nearest,
     /// They are black. Alpha is 0.
     Blank,
@@ -75,13 +75,14 @@ pub fn fill(
     rows.enumerate().map(fill_row).sum()
 }
 
-fn repeat_nearest(color: &mut [[f16; 3]], coverage: &[Coverage]) {
+fn repeat_nearest(color: &mut [[f16; 3]], coverage: &mut [Coverage]) {
     let covered: Vec<usize> = (0..coverage.len()).filter(|&at| coverage[at] == Coverage::Covered).collect();
-    for at in (0..coverage.len()).filter(|&at| coverage[at] == Coverage::Hole) {
+    let holes: Vec<usize> = (0..coverage.len()).filter(|&at| coverage[at] == Coverage::Hole).collect();
+    for at in holes {
         let after = covered.partition_point(|&other| other < at);
         let beside = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|index| covered.get(index));
         if let Some(&nearest) = beside.min_by_key(|&&other| other.abs_diff(at)) {
-            color[at] = color[nearest];
+            (color[at], coverage[at]) = (color[nearest], Coverage::Covered);
         }
     }
 }

@@ -2,6 +2,10 @@
 //!
 //! While the eye moves from the first view to the last, nothing else does. Splits stand at both ends, where the mirror direction of each
 //! light meets the line of eyes best, and then where the chord errs most, up to a limit.
+//!
+//! Listing 3.16 of the thesis divides by 0 where the best place is the first view, and with one split; listing 3.17 takes the line of eyes
+//! from right to left, and the left point of a quad for its right one. Light itself is that of the scene, not that of listing 3.14 and
+//! equation 3.4, which lack the exponent.
 
 use glam::DVec3;
 

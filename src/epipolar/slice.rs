@@ -4,6 +4,9 @@
 //! in; where the next line shows the same surface and has parted from it, both cover the pixels between them. Of all that cover a pixel
 //! the one with the least key wins: a line of the first layer in the view of its own source, else the nearest, with a bias by the
 //! distance from the source; then the first in the order of lines.
+//!
+//! Listing 3.7 of the thesis replaces what a pixel shows and never puts anything where nothing was. In listing 3.9 the right end of a quad
+//! moves the other way than its left end (appendix B.4 has the sign right), and its loop over splits runs one too far.
 
 use super::counters::Counters;
 use super::lines::{COLUMN_BITS, Line, LineSpace, moved};

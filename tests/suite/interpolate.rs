@@ -269,3 +269,35 @@ fn cameras_of_views_see_what_views_see() {
         assert!((direction - expected).length() < 1e-12, "{direction} {expected}");
     }
 }
+
+#[test]
+fn captured_images_are_source_views_and_come_out_as_they_were() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fine(
+        "capture interior --position=-0.2,1.5,0 --position=0.2,1.5,0 --position=0.2,1.6,0.3 --size 32 --samples 1 --frames 0 -o room",
+        at,
+    );
+    fine("interpolate room --probe 00,01 --face nz --views 5 --holes blank -o v/%02d.exr", at);
+    let view = |number: u32| exr::read_rgba(&at.join(format!("v/{number:02}.exr")), &ReadLimits::default()).unwrap();
+    // Looking along -Z, +X is to the right. Faces of cubes are stored mirrored.
+    for (number, probe) in [(0, "00"), (4, "01")] {
+        let path = at.join(format!("room/probe_{probe}/face_nz/color.0000.exr"));
+        let face = exr::read_rgba(&path, &ReadLimits::default()).unwrap();
+        let mirrored = Plane::from_fn(32, 32, |x, y| face.get(31 - x, y));
+        assert_eq!(view(number), mirrored, "view {number}");
+    }
+    // A container has the same views, by its own codes.
+    fine("encode room -o room.lfold --max-error 0 -q", at);
+    fine("interpolate room.lfold --probe 01,00 --face nz --views 5 -o q.png", at);
+    let says = |more: &str, words: &str| {
+        let said = refused(&format!("interpolate room --views 5 --null {more}"), at);
+        assert!(said.contains(words), "{more}: {said}");
+    };
+    says("--probe 00,02 --face nz", "off the line");
+    says("--probe 00,01 --face px", "off the line");
+    says("--probe 00,07 --face nz", "the probes are 00, 01, 02");
+    says("--probe 00,01 --face nz --holes trace", "ray cast");
+    says("--probe 00,01 --face nz --compare", "--probe");
+    says("", "--eye");
+}

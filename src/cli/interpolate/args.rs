@@ -165,7 +165,7 @@ const CULLINGS: &Choices<Culling> = &[
 
 const HOLES: &Choices<HoleFilling> = &[
     ("trace", HoleFilling::Trace, "Ray casting"),
-    ("nearest", HoleFilling::Nearest, "The nearest pixel of the scanline; alpha is 0"),
+    ("nearest", HoleFilling::Nearest, "The nearest pixel of the scanline"),
     ("blank", HoleFilling::Blank, "Nothing: alpha is 0"),
 ];
 
