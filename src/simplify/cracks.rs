@@ -68,8 +68,9 @@ pub fn close_in_image(
                 let surface = TileChoice::NearestTo(along.length());
                 let is_closed = close((&ray, surface, reach), placed, scene);
                 closed.cracks += u64::from(is_closed && reach == 0);
-            } else if reach == 0 {
-                closed.translucent += u64::from(close((&ray, TileChoice::First, reach), placed, scene));
+            } else {
+                let is_closed = close((&ray, TileChoice::First, reach), placed, scene);
+                closed.translucent += u64::from(is_closed && reach == 0);
             }
         }
     }
