@@ -21,6 +21,7 @@ mod options;
 mod output;
 mod outputs;
 mod pack;
+mod picture_files;
 mod place;
 mod progress;
 mod quadtree;

@@ -53,6 +53,21 @@ pub fn write_file(path: &Path, text: &str) -> Result<()> {
     file.commit()
 }
 
+/// Durations and counts of stages, one on each line: "seconds: merge 1.234", "count: points 7".
+pub fn stage_lines(seconds: &impl Serialize, counts: &impl Serialize) -> Result<String> {
+    let to_value = |error: serde_json::Error| Error::invalid(format!("JSON: {error}"));
+    let [seconds, counts] =
+        [serde_json::to_value(seconds), serde_json::to_value(counts)].map(|of| of.map_err(to_value));
+    let mut lines = String::new();
+    for (title, values) in [("seconds", seconds?), ("count", counts?)] {
+        for (name, value) in values.as_object().into_iter().flatten() {
+            let value = value.as_f64().filter(|_| title == "seconds").map_or(value.to_string(), |s| format!("{s:.3}"));
+            lines += &format!("{title}: {} {value}\n", name.replace('_', " "));
+        }
+    }
+    Ok(lines)
+}
+
 /// A size with a decimal unit, as `1.25 MB`.
 pub fn human_bytes(bytes: u64) -> String {
     if bytes < 1000 {

@@ -136,10 +136,8 @@ impl Args {
     fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {
         let mut outputs: Vec<outputs::Output> = Vec::new();
         let names = || jobs.iter().flat_map(|job| &job.names);
-        if let Some(output) = &self.output {
-            for name in names() {
-                outputs.extend(pictures.files_of(name, output)?.into_iter().map(|file| ("-o", file)));
-            }
+        for name in names() {
+            outputs.extend(pictures.files_of(name)?.into_iter().map(|file| ("-o", file)));
         }
         if let Some(folder) = &self.truth.error_map {
             outputs.extend(names().map(|name| ("--error-map", folder.join(name.png()))));

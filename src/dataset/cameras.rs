@@ -10,7 +10,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, pose_fault};
+use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, intrinsics_of, pose_fault};
 use crate::error::{Error, Result};
 use crate::json;
 
@@ -41,6 +41,9 @@ pub struct PlacedCamera {
     /// Vertical field of view in degrees, for perspective captures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_y_deg: Option<f64>,
+    /// Middle of its image beside the viewing axis, in widths to the right and heights down, for perspective captures; none when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shift: Option<[f64; 2]>,
     /// First and last frame to capture; all when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
@@ -55,6 +58,13 @@ pub struct PlacedCamera {
 impl PlacedCamera {
     pub fn at(position: [f64; 3]) -> PlacedCamera {
         PlacedCamera { position, ..PlacedCamera::default() }
+    }
+
+    /// fx, fy, cx, cy in pixels of an image with a vertical field of view in degrees.
+    pub fn intrinsics(&self, fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
+        let [fx, fy, cx, cy] = intrinsics_of(fov_y_deg, size);
+        let [right, down] = self.shift.unwrap_or_default();
+        [fx, fy, cx - right * f64::from(size[0]), cy - down * f64::from(size[1])]
     }
 }
 
@@ -96,7 +106,7 @@ impl CameraSet {
             ));
         }
         if value.get("lightfield").is_some() {
-            return Ok(Self::of_probes(&Manifest::from_json(text)?.probes));
+            return Self::of_manifest(&Manifest::from_json(text)?);
         }
         let set: CameraSet = serde_json::from_value(value)
             .map_err(|error| Error::invalid(format!("this is not a file of cameras: {error}")))?;
@@ -104,15 +114,24 @@ impl CameraSet {
         Ok(set)
     }
 
-    fn of_probes(probes: &[Probe]) -> CameraSet {
-        let camera = |probe: &Probe| PlacedCamera {
-            name: Some(probe.name.clone()),
-            orientation: probe.orientation,
-            fov_y_deg: probe.fov_y_deg,
-            frames: probe.frames,
-            ..PlacedCamera::at(probe.position)
+    fn of_manifest(manifest: &Manifest) -> Result<CameraSet> {
+        let camera = |probe: &Probe| {
+            let (fov_y_deg, shift) = match probe.intrinsics {
+                None => (probe.fov_y_deg, None),
+                Some(intrinsics) => lens_of(intrinsics, manifest.size)
+                    .map(|(fov_y_deg, shift)| (Some(fov_y_deg), Some(shift)))
+                    .map_err(|error| error.context(format!("probe {}", probe.name)))?,
+            };
+            Ok(PlacedCamera {
+                name: Some(probe.name.clone()),
+                orientation: probe.orientation,
+                fov_y_deg,
+                shift,
+                frames: probe.frames,
+                ..PlacedCamera::at(probe.position)
+            })
         };
-        Self::new(probes.iter().map(camera).collect())
+        Ok(Self::new(manifest.probes.iter().map(camera).collect::<Result<_>>()?))
     }
 
     pub fn to_json(&self) -> Result<String> {
@@ -143,6 +162,9 @@ impl CameraSet {
             if let Some(fault) = pose_fault(&name, camera.position, camera.orientation, camera.fov_y_deg) {
                 return wrong(fault);
             }
+            if camera.shift.is_some_and(|shift| shift.iter().any(|at| !at.is_finite())) {
+                return wrong("\"shift\" must be two finite numbers");
+            }
             if !names.insert(name) {
                 return wrong("there is another camera of this name");
             }
@@ -152,6 +174,17 @@ impl CameraSet {
         }
         Ok(())
     }
+}
+
+/// Vertical field of view in degrees and shift of images with these fx, fy, cx, cy in pixels.
+fn lens_of([fx, fy, cx, cy]: [f64; 4], size: [u32; 2]) -> Result<(f64, [f64; 2])> {
+    if (fx - fy).abs() > 1e-6 * fy {
+        return Err(Error::invalid(
+            "its \"intrinsics\" have pixels that are not square, which cameras to capture cannot have",
+        ));
+    }
+    let [width, height] = size.map(f64::from);
+    Ok((2.0 * (0.5 * height / fy).atan().to_degrees(), [0.5 - cx / width, 0.5 - cy / height]))
 }
 
 #[cfg(test)]
@@ -179,6 +212,24 @@ mod tests {
     }
 
     #[test]
+    fn shifted_images_of_a_manifest_stay_shifted() {
+        let manifest = |intrinsics: &str| {
+            format!(
+                r#"{{"lightfield": 1, "name": "a", "fps": 24, "frames": [0, 0], "projection": "perspective", "size": [40, 20],
+                "files": {{"depth": "{{probe}}.%04d.exr"}},
+                "probes": [{{"name": "a", "position": [1, 2, 3], "intrinsics": {intrinsics}}}]}}"#
+            )
+        };
+        let set = CameraSet::from_json(manifest("[30, 30, 24, 9]").as_bytes()).unwrap();
+        let camera = &set.cameras[0];
+        assert_eq!(camera.shift, Some([0.5 - 24.0 / 40.0, 0.5 - 9.0 / 20.0]));
+        let found = camera.intrinsics(camera.fov_y_deg.unwrap(), [80, 40]);
+        assert!(found.iter().zip([60.0, 60.0, 48.0, 18.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+        let error = CameraSet::from_json(manifest("[30, 31, 24, 9]").as_bytes()).unwrap_err().to_string();
+        assert!(error.contains("probe a") && error.contains("not square"), "{error}");
+    }
+
+    #[test]
     fn a_byte_order_mark_is_no_part_of_the_text() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cameras.json");
@@ -201,6 +252,7 @@ mod tests {
             (r#"{"position": [0, 0, 0], "name": "01"}, {"position": [0, 0, 0]}"#, "another camera"),
             (r#"{"position": [0, 0, 0], "orientation": [0, 0, 0, 2]}"#, "quaternion"),
             (r#"{"position": [0, 0, 0], "fov_y_deg": 180}"#, "fov_y_deg"),
+            (r#"{"position": [0, 0, 0], "shift": [0, 1e999]}"#, "JSON"),
             (r#"{"position": [0, 0, 0], "frames": [2, 1]}"#, "frames"),
             (r#"{"position": [0, 0, 0], "colour": 1}"#, "colour"),
         ] {

@@ -4,6 +4,7 @@
 //! at once (Epipolar 7.4), which are the layers of depth peeling, and those are left out that no output view sees. Of hits at one distance
 //! one is a layer: listing 3.2 of the thesis asks for a depth that is not less than that of the last layer, which finds that layer again.
 
+mod erosion;
 mod hierarchical;
 mod row;
 mod settings;
@@ -15,7 +16,8 @@ use super::views::OutputViews;
 use crate::error::Result;
 use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
-pub use settings::{AcquireSettings, Acquisition, Culling};
+pub use hierarchical::hierarchical;
+pub use settings::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
 use tracer::SourceTracer;
 
 /// The source views of a scene, by their places.
@@ -26,17 +28,18 @@ pub fn acquire(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<SourceView>, Counters)> {
     let tracer = SourceTracer { scene, views, settings, monitor };
-    let first_m = views.offsets_m.first().copied().unwrap_or(0.0);
-    let ends = [first_m, first_m + views.baseline_m()];
+    let ends_m = views.ends_m();
     let (sources, mut counters) = match settings.acquisition {
         // Views in one place have one source.
-        _ if ends[0] == ends[1] => tracer.views([ends[0]].into_iter(), settings.layers)?,
+        _ if ends_m[0] == ends_m[1] => tracer.views(ends_m[..1].iter().copied(), settings.layers)?,
         Acquisition::Center => {
             let (source, counters) = tracer.center()?;
             (vec![source], counters)
         }
-        Acquisition::Dual => tracer.views(ends.into_iter(), settings.layers)?,
-        Acquisition::Hierarchical => hierarchical::acquire(&tracer, ends)?,
+        Acquisition::Dual => tracer.views(ends_m.into_iter(), settings.layers)?,
+        Acquisition::Hierarchical => {
+            hierarchical(views, &settings.hierarchy, |offset_m| tracer.whole_view(offset_m, 1))?
+        }
     };
     let sources = in_order(sources);
     counters.source_views = sources.len() as u64;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::source::{Light, SourcePixel, SourceRow, SourceView, in_order};
+use super::source::{SourceView, in_order};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::{Reference, ReferenceImage};
 use crate::image::Face;
@@ -43,8 +43,7 @@ impl CapturedSources {
         }
         let mut sources = Vec::new();
         for (&image, eye) in images.iter().zip(&eyes) {
-            let rows = rows(reference, image, frame)?;
-            sources.push(SourceView { offset_m: (*eye - middle).dot(right), rows, layers: 1 });
+            sources.push(source(reference, (image, frame), (*eye - middle).dot(right))?);
         }
         Ok(CapturedSources {
             camera: camera.moved(middle - eyes[0]),
@@ -99,7 +98,8 @@ fn check(image: &ReferenceImage, (camera, size): (&Camera, [u32; 2]), from_middl
     }
 }
 
-fn rows(reference: &mut Reference, image: usize, frame: u32) -> Result<Vec<SourceRow>> {
+/// The image of a probe that stands so many metres to the right of the middle.
+fn source(reference: &mut Reference, (image, frame): (usize, u32), offset_m: f64) -> Result<SourceView> {
     let (camera, [width, height]) = (reference.images[image].camera, reference.images[image].size);
     let truth = reference.truth(image, frame)?;
     let distances = reference.distance_m(image, frame)?.ok_or_else(|| {
@@ -112,14 +112,10 @@ fn rows(reference: &mut Reference, image: usize, frame: u32) -> Result<Vec<Sourc
     })?;
     let mirrored = is_mirrored(&camera);
     let forward = camera.axes()[0];
-    let pixel = |row: u32, column: u32| {
+    Ok(SourceView::of_image(offset_m, [width, height], |column, row| {
         let stored = if mirrored { width - 1 - column } else { column };
         let at = [(f64::from(stored) + 0.5) / f64::from(width), (f64::from(row) + 0.5) / f64::from(height)];
         let planar = f64::from(distances.get(stored, row)) * camera.direction(at).dot(forward);
-        let light = truth.color.get(stored, row);
-        let depth_m = (planar as f32).max(f32::MIN_POSITIVE);
-        SourcePixel { column: column as i32, depth_m, layer: 0, light: Light::Steady, steady: light, own: light }
-    };
-    let row = |row: u32| SourceRow { pixels: (0..width).map(|column| pixel(row, column)).collect(), gloss: Vec::new() };
-    Ok((0..height).map(row).collect())
+        Some((planar as f32, truth.color.get(stored, row)))
+    }))
 }

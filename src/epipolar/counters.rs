@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::source::MAX_LAYERS;
+
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     pub source_views: u64,
@@ -26,6 +28,8 @@ pub struct Counters {
     pub hole_pixels: u64,
     /// Pixels that are ray cast in an output view: holes, mirrors and glass.
     pub traced_pixels: u64,
+    /// Pixels of output views that show each layer of a source.
+    pub pixels_by_layer: [u64; MAX_LAYERS],
 }
 
 impl Counters {
@@ -44,6 +48,7 @@ impl Counters {
             splits,
             hole_pixels,
             traced_pixels,
+            pixels_by_layer,
         } = other;
         self.source_views += source_views;
         self.source_layers = self.source_layers.max(*source_layers);
@@ -57,5 +62,6 @@ impl Counters {
         self.splits += splits;
         self.hole_pixels += hole_pixels;
         self.traced_pixels += traced_pixels;
+        self.pixels_by_layer.iter_mut().zip(pixels_by_layer).for_each(|(sum, count)| *sum += count);
     }
 }

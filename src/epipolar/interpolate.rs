@@ -7,7 +7,7 @@ use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::coalesce::coalesce;
+use super::coalesce::{Coalescing, coalesce};
 use super::counters::Counters;
 use super::highlights::{EyeLine, Highlight};
 use super::lines::{Line, LineSpace};
@@ -39,15 +39,14 @@ pub struct InterpolatedView {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InterpolateSettings {
-    /// Pixels by which disparities of coalesced lines may differ; 0 for none.
-    pub coalesce: f64,
+    pub coalesce: Coalescing,
     /// Splits of a line at most, beside its ends.
     pub splits: usize,
 }
 
 impl Default for InterpolateSettings {
     fn default() -> Self {
-        InterpolateSettings { coalesce: 0.0, splits: super::highlights::DEFAULT_SPLITS }
+        InterpolateSettings { coalesce: Coalescing::Off, splits: super::highlights::DEFAULT_SPLITS }
     }
 }
 
@@ -106,6 +105,10 @@ impl<'a> Interpolator<'a> {
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
             let winners: Vec<Option<Winner>> = slice.view(view, &mut counters).collect();
+            for winner in winners.iter().flatten() {
+                let layer = shader.source_pixel(&lines[winner.line as usize]).layer;
+                counters.pixels_by_layer[usize::from(layer)] += 1;
+            }
             let pixels: ViewRow = winners.into_iter().map(|winner| shader.pixel(winner, view)).collect();
             counters.hole_pixels += pixels.iter().filter(|pixel| pixel.1 == Coverage::Hole).count() as u64;
             rows.push(pixels);
@@ -120,10 +123,9 @@ impl<'a> Interpolator<'a> {
 pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64) -> f64 {
     let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
     let between = views.at(vec![offsets_m[0], offset_m, offsets_m[offsets_m.len() - 1]]);
-    let sources: Vec<SourceView> = sources.iter().map(|source| (*source).clone()).collect();
     let space = LineSpace::new(&between, &offsets_m);
     let holes = |row: usize| {
-        let lines = space.lines(&sources, row);
+        let lines = space.lines(sources.iter().copied(), row);
         let mut slice = Slice::new(&space, &lines, views.size[0]);
         slice.view(1, &mut Counters::default()).filter(Option::is_none).count() as u64
     };

@@ -100,9 +100,9 @@ impl LineSpace {
     }
 
     /// The lines of a scanline of all sources, in their order.
-    pub fn lines(&self, sources: &[SourceView], row: usize) -> Vec<Line> {
+    pub fn lines<'s>(&self, sources: impl IntoIterator<Item = &'s SourceView>, row: usize) -> Vec<Line> {
         let of = |(source, view): (usize, &SourceView)| self.lines_of(source as u16, &view.rows[row].pixels);
-        sources.iter().enumerate().flat_map(of).collect()
+        sources.into_iter().enumerate().flat_map(of).collect()
     }
 
     fn lines_of(&self, source: u16, pixels: &[SourcePixel]) -> Vec<Line> {

@@ -13,7 +13,7 @@
 //! 4. [`highlights`]: light that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.
 //!
-//! [`pipeline`] runs them all; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
+//! [`layers`] decides between the frames of a sequence how many layers are acquired (3.4.4). [`pipeline`] runs all stages; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
 
 pub mod acquire;
 pub mod brute_force;
@@ -24,6 +24,7 @@ pub mod counters;
 pub mod fill;
 pub mod highlights;
 pub mod interpolate;
+pub mod layers;
 pub mod lines;
 pub mod memory;
 pub mod pipeline;

@@ -24,6 +24,8 @@ pub struct Settings {
     pub holes: HoleFilling,
     /// Output views that are interpolated at once; results do not depend on it.
     pub views_at_once: usize,
+    /// Whether pictures come before their holes are filled, too.
+    pub keeps_unfilled: bool,
 }
 
 /// Durations of the stages.
@@ -53,6 +55,18 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Adds a run over other views or another frame. Sources stay those of the first.
+    pub fn add(&mut self, other: Summary) {
+        let Stages { acquire, interpolate, fill } = other.stages;
+        self.stages.acquire += acquire;
+        self.stages.interpolate += interpolate;
+        self.stages.fill += fill;
+        self.counters.add(&other.counters);
+        if self.sources.is_empty() {
+            self.sources = other.sources;
+        }
+    }
+
     /// Seconds of all stages.
     pub fn duration(&self) -> Duration {
         let Stages { acquire, interpolate, fill } = self.stages;
@@ -105,7 +119,7 @@ pub fn between(
         summary.counters.add(&Counters { lines, coalesced_pixels, ..counted });
         summary.stages.interpolate += begun.elapsed();
         for (view, of_view) in block.clone().zip(&mut interpolated) {
-            let unfilled = picture(of_view)?;
+            let unfilled = settings.keeps_unfilled.then(|| picture(of_view)).transpose()?;
             let begun = Instant::now();
             let place = (views, views.offsets_m[view]);
             summary.counters.traced_pixels += fill(of_view, truth, place, settings.holes, monitor)?;
@@ -121,6 +135,6 @@ pub fn between(
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub filled: RenderedImage,
-    /// Before holes were filled: alpha is 0 there.
-    pub unfilled: RenderedImage,
+    /// Before holes were filled: alpha is 0 there; `None` unless it is kept.
+    pub unfilled: Option<RenderedImage>,
 }

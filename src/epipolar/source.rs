@@ -52,6 +52,25 @@ pub struct SourceView {
 }
 
 impl SourceView {
+    /// An image as a source view, by columns and rows: light, and planar distances in metres; `None` where nothing is known.
+    pub fn of_image(
+        offset_m: f64,
+        [width, height]: [u32; 2],
+        pixel: impl Fn(u32, u32) -> Option<(f32, [f16; 3])>,
+    ) -> SourceView {
+        let pixel = |column: u32, row: u32| {
+            let (depth_m, light) = pixel(column, row)?;
+            let depth_m = depth_m.max(f32::MIN_POSITIVE);
+            let (steady, own) = (light, light);
+            Some(SourcePixel { column: column as i32, depth_m, layer: 0, light: Light::Steady, steady, own })
+        };
+        let row = |row: u32| {
+            let pixels = (0..width).filter_map(|column| pixel(column, row)).collect();
+            SourceRow { pixels, gloss: Vec::new() }
+        };
+        SourceView { offset_m, rows: (0..height).map(row).collect(), layers: 1 }
+    }
+
     pub fn pixel_count(&self) -> u64 {
         self.rows.iter().map(|row| row.pixels.len() as u64).sum()
     }

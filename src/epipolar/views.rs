@@ -78,10 +78,21 @@ impl OutputViews {
 
     /// Metres from the first view to the last.
     pub fn baseline_m(&self) -> f64 {
-        match self.offsets_m[..] {
-            [first, .., last] => last - first,
-            _ => 0.0,
-        }
+        let [first_m, last_m] = self.ends_m();
+        last_m - first_m
+    }
+
+    /// Places of the first view and the last.
+    pub fn ends_m(&self) -> [f64; 2] {
+        [self.offsets_m.first(), self.offsets_m.last()].map(|at| at.copied().unwrap_or(0.0))
+    }
+
+    /// The same views so many metres higher. The plane of focus does not move.
+    pub fn raised(&self, up_m: f64) -> Result<OutputViews> {
+        let [middle, down] = self.window_middle();
+        let raised = self.camera.moved(-up_m * self.camera.axes()[2]);
+        let camera = raised.off_axis([middle, down + up_m / self.focus_m])?;
+        Ok(OutputViews { camera, ..self.clone() })
     }
 
     /// Pixels of a unit of the plane at distance 1, across.
@@ -162,6 +173,29 @@ mod tests {
                     let moved = column(offset_m) - column(0.0);
                     assert!((moved - offset_m * views.columns_per_metre(depth_m)).abs() < 1e-9, "{depth_m} {offset_m}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn raised_views_see_the_plane_of_focus_in_its_place() {
+        for focus_m in [2.0, f64::INFINITY] {
+            let views = views(3, Spread::Baseline(0.8), focus_m).unwrap();
+            let raised = views.raised(0.25).unwrap();
+            assert_eq!(raised.eye(0.4), views.eye(0.4) + DVec3::Y * 0.25);
+            for depth_m in [0.5, 2.0, 7.0] {
+                let point = DVec3::new(1.1, 2.05, 3.0 - depth_m);
+                let row = |views: &OutputViews| {
+                    let camera = views.camera(0.4).unwrap();
+                    camera.project(point - camera.eye()).unwrap().0[1] * 30.0
+                };
+                // As a camera that moves to the right sees it move to the left.
+                let moved = -0.25 * views.columns_per_metre(depth_m);
+                assert!((row(&raised) - row(&views) - moved).abs() < 1e-9, "{focus_m} {depth_m}");
+                let viewpoint = raised.viewpoint(0.4);
+                let from_eye = point - viewpoint.position;
+                let [_, of_viewpoint] = viewpoint.projection.position([from_eye.x / depth_m, -from_eye.y / depth_m]);
+                assert!((of_viewpoint - row(&raised)).abs() < 1e-9);
             }
         }
     }

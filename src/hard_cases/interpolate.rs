@@ -272,6 +272,7 @@ fn settings() -> Result<Settings> {
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Trace,
         views_at_once: 4,
+        keeps_unfilled: true,
     })
 }
 

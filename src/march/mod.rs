@@ -28,7 +28,7 @@ pub use intersect::intersect_from;
 pub use playback::frames::{PictureOptions, Renderer, Stage};
 pub use pyramid::{DepthPyramid, LEAST_M, Level, Pyramids, ViewPyramids};
 pub use ray::{Ray, Steps, StepsFrom};
-pub use render::Rendered;
+pub use render::{Rendered, distances_m};
 pub use settings::{Acceleration, RenderSettings, SpecularMode};
 pub(crate) use shading::PrimaryHit;
 pub use shading::{HOLE_DIFFERENCE, RayResult, background, light_of, surface};

@@ -43,6 +43,28 @@ pub fn render(
     })
 }
 
+/// Distance in metres along the ray through the middle of each pixel, `+inf` where it meets nothing. The monitor is checked.
+pub fn distances_m(
+    views: &ActiveViews<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    monitor: &dyn Monitor,
+) -> Result<Plane<f32>> {
+    let scene = PacketScene::new(views, ClipPlanes::of(camera));
+    let settings = RenderSettings { samples: 1, specular: SpecularMode::None, ..settings.clone() };
+    let picture = Picture::new(views, camera, &settings, monitor)?;
+    let [width, height] = settings.size;
+    let row = |y: usize| -> Result<Vec<f32>> {
+        monitor.check()?;
+        let directions: Vec<Vec3> = (0..width as usize).map(|x| picture.direction([x, y])).collect();
+        let (mut row, mut counters) = (scene.row(&settings), Counters::default());
+        let hits = directions.chunks(4).flat_map(|four| row.hits(four, &mut counters).into_iter().take(four.len()));
+        Ok(hits.map(|hit| hit.distance_m.unwrap_or(f32::INFINITY)).collect())
+    };
+    let rows: Vec<Vec<f32>> = (0..height as usize).into_par_iter().map(row).collect::<Result<_>>()?;
+    Plane::new(width, height, rows.concat())
+}
+
 /// Renders ray by ray, in the plainest form: the reference for [`render`].
 pub fn render_plainly(
     views: &ActiveViews<'_>,

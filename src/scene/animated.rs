@@ -41,6 +41,17 @@ impl Scene {
         Ok((Scene::Model(Box::new(model)), notes))
     }
 
+    /// The scene with each triangle divided in four, so many times; a built-in scene has none.
+    pub fn subdivided(self, times: u32) -> Result<Scene> {
+        match self {
+            Scene::Model(model) => Ok(Scene::Model(Box::new(model.subdivided(times)?))),
+            Scene::Procedural(_) if times > 0 => {
+                Err(Error::Usage("`subdivide` divides triangles, and a built-in scene has none: name a file".into()))
+            }
+            Scene::Procedural(_) => Ok(self),
+        }
+    }
+
     /// The same time gives the same bits.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         match self {

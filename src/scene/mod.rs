@@ -32,7 +32,7 @@ pub use model::{Model, Play};
 pub use object::{CastsShadow, Object};
 pub use primitive::{Fence, Quad, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
-pub use raycast::{FirstHit, HitSurface, SceneAtTime};
+pub use raycast::{FirstHit, HitSurface, LightRays, SceneAtTime};
 pub use shading::OPAQUE;
 pub use summary::{AnimationSummary, SceneBounds, SceneSummary};
 pub use trace::{Hit, trace};

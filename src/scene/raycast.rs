@@ -17,11 +17,27 @@ fn lift_m(size: f64) -> f64 {
     if size < 1.0 { 1e-6 * size } else { f64::max(1e-6, 1e-8 * size) }
 }
 
+/// Which rays light costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LightRays {
+    /// Whether suns and lamps cast shadows.
+    pub shadows: bool,
+    /// Rays that measure how open the surroundings of a point are to ambient light; 0 for none, where all are.
+    pub occlusion: u32,
+}
+
+impl Default for LightRays {
+    fn default() -> Self {
+        LightRays { shadows: true, occlusion: 0 }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct SceneAtTime {
     pub objects: Vec<Object>,
     pub meshes: Vec<Arc<SceneMesh>>,
     pub light: Light,
+    pub light_rays: LightRays,
     /// One for each sun.
     pub(super) shadows: Vec<ShadowGrid>,
     /// The smallest box around the boxes of all objects and meshes; `None` for an empty scene.
@@ -64,7 +80,21 @@ impl SceneAtTime {
         let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = boxes.reduce(AxisBox::join);
         let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length().min(f64::MAX));
-        SceneAtTime { objects, meshes, light, shadows, bounds, size, lift: lift_m(size) }
+        SceneAtTime {
+            objects,
+            meshes,
+            light,
+            light_rays: LightRays::default(),
+            shadows,
+            bounds,
+            size,
+            lift: lift_m(size),
+        }
+    }
+
+    #[must_use]
+    pub fn with_light_rays(self, light_rays: LightRays) -> SceneAtTime {
+        SceneAtTime { light_rays, ..self }
     }
 
     /// Whether no surface lies between two points, both of which may be on a surface: hits within the offset of ray
@@ -86,6 +116,11 @@ impl SceneAtTime {
                 && object.shape.intersect(&ray, ends[0]).is_some_and(|hit| hit.distance < ends[1])
         });
         !hidden && !self.meshes.iter().any(|mesh| mesh.occluded(&ray, ends[0]..ends[1]))
+    }
+
+    /// Metres within which surfaces occlude ambient light: a tenth of the scene's diagonal.
+    pub(super) fn occlusion_reach(&self) -> f64 {
+        0.1 * self.size
     }
 
     /// Square metres around a lamp within which it becomes no brighter: 10 cm, less in scenes of less than a metre.

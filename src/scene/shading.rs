@@ -5,6 +5,7 @@
 //! there are no caustics: light behind glass is bent, so a straight shadow would be darker than the truth nearly
 //! everywhere.
 
+mod occlusion;
 #[cfg(test)]
 mod tests;
 
@@ -166,7 +167,8 @@ impl SceneAtTime {
     /// light is uniform, so a lobe reflects as much of it as a matt surface.
     fn arriving(&self, surface: &Surface, direction: DVec3) -> Reflected {
         let sky = self.light.sky.ambient;
-        let mut light = self.direct_upon(surface, direction, ambient(sky, surface.normal));
+        let open = occlusion::open_part(self, surface);
+        let mut light = self.direct_upon(surface, direction, ambient(sky, surface.normal) * open);
         if !surface.phong.is_matt() {
             light.gloss += ambient(sky, reflect(direction, surface.normal));
         }
@@ -193,7 +195,7 @@ impl SceneAtTime {
             let facing = surface.normal.dot(sun.direction);
             // Interpolated normals may face a light that is behind the surface.
             let lit = facing > 0.0 && surface.side.dot(sun.direction) > 0.0;
-            if lit && !self.in_sun_shadow(sun.direction, shadows, above) {
+            if lit && !(self.light_rays.shadows && self.in_sun_shadow(sun.direction, shadows, above)) {
                 add(facing * sun.radiance, sun.direction);
             }
         }
@@ -218,7 +220,8 @@ impl SceneAtTime {
         let distance = squared.sqrt();
         let towards = to_lamp / distance;
         let strength = lamp.cone.map_or(1.0, |cone| cone.strength(-towards));
-        if strength <= 0.0 || self.light_stopped(&Ray::from_unit(point, towards), distance) {
+        let is_shadowed = || self.light_rays.shadows && self.light_stopped(&Ray::from_unit(point, towards), distance);
+        if strength <= 0.0 || is_shadowed() {
             return None;
         }
         let [one, other] = lamp.window.factors(squared, reach);

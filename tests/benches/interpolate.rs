@@ -81,6 +81,7 @@ fn settings() -> Result<Settings> {
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Trace,
         views_at_once: 32,
+        keeps_unfilled: true,
     })
 }
 

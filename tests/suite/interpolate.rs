@@ -47,6 +47,7 @@ fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Trace,
         views_at_once: 3,
+        keeps_unfilled: true,
     };
     change(&mut settings);
     settings
@@ -64,7 +65,7 @@ fn run(scene: &SceneAtTime, views: &OutputViews, settings: &Settings) -> Run {
     let summary = interpolate(scene, (views, 0..count), settings, &Silent, |view, picture| {
         assert_eq!(view, filled.len());
         filled.push(picture.filled);
-        unfilled.push(picture.unfilled);
+        unfilled.push(picture.unfilled.unwrap());
         Ok(())
     });
     Run { filled, unfilled, summary: summary.unwrap() }

@@ -46,6 +46,7 @@ fn row(kind: DemoKind, (name, acquisition): (&str, Acquisition)) -> Row {
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Blank,
         views_at_once: 9,
+        keeps_unfilled: true,
     };
     let mut sum = Similarity::empty();
     let summary = interpolate(&scene, (&views, 0..9), &settings, &Silent, |view, picture| {

@@ -1,23 +1,28 @@
 //! Arguments of `interpolate`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use glam::DVec3;
 
 use crate::cli::capture::parse_size;
-use crate::cli::options::{Choices, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive};
+use crate::cli::options::{
+    Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive,
+};
 use crate::cli::refuse;
-use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling};
+use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
 use crate::epipolar::captured::CapturedSources;
+use crate::epipolar::coalesce::Coalescing;
 use crate::epipolar::fill::HoleFilling;
 use crate::epipolar::highlights::DEFAULT_SPLITS;
 use crate::epipolar::interpolate::InterpolateSettings;
+use crate::epipolar::layers::LayerReduction;
 use crate::epipolar::pipeline::Settings;
 use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::error::Result;
-use crate::image::Face;
 use crate::image::quilt::QuiltLayout;
+use crate::image::{Face, FrameRange};
 use crate::math::{Camera, Lens};
 use crate::scene::capture::{MAX_FACE_SIZE, MAX_SAMPLES, SamplePattern};
 
@@ -33,6 +38,9 @@ const DEFAULT_SIZE: u32 = 512;
     lightfold interpolate a.glb --eye 0,1,3 --look-at 0,1,0 --views 66 --view-cone 35 --focus 3 \\\n      \
     --quilt go -o go.png\n  \
     lightfold interpolate footage --probe 01,02 --face pz --views 48 -o q.png\n  \
+    lightfold interpolate film.lfold --eye 0,1,3 --look-at 0,1,0 --views 48 --baseline 0.3 -o q.png\n  \
+    lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 45 --baseline 0.3 \\\n      \
+    --frames 0-23 -o q.%04d.png\n  \
     lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 9 --baseline 0.3 -o %02d.exr\n  \
     lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 9 --baseline 0.3 \\\n      \
     --view-range 0-4 -o v/%04d.png\n  \
@@ -40,13 +48,14 @@ const DEFAULT_SIZE: u32 = 512;
     --null --compare --json\n\n\
     Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
     behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
-    at infinity do. `render --views` counts probes, `interpolate --views` output views.\n\n\
-    Mirrors and glass are ray cast in every view; so are holes, unless --holes says otherwise.\n\n\
+    at infinity do. --rows stacks such lines. `render --views` counts probes, `interpolate --views` output views.\n\n\
+    Mirrors and glass of a scene are ray cast in every view; so are holes, unless --holes says otherwise. The source views of a container \
+    are rendered from it.\n\n\
     --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
     pictures in write_seconds."
 )]
 pub struct Args {
-    /// A scene: a file (glTF, GLB, OBJ) or a built-in one; with --probe a dataset or a container
+    /// A scene: a file (glTF, GLB, OBJ) or a built-in one; a container; with --probe a dataset or a container
     #[arg(value_name = "INPUT")]
     pub input: String,
     /// Middle of the line of cameras, in metres
@@ -76,6 +85,12 @@ pub struct Args {
     /// Degrees from the first view to the last, in even angles around the focus
     #[arg(long, value_name = "DEGREES", value_parser = parse_not_negative, requires = "focus")]
     pub view_cone: Option<f64>,
+    /// Rows of views; views are numbered row by row, from the lowest
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "baseline_y", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub rows: u32,
+    /// Metres from the lowest row to the highest, in even steps
+    #[arg(long, value_name = "M", requires = "rows", value_parser = parse_not_negative)]
+    pub baseline_y: Option<f64>,
     /// Distance in metres of the plane that does not move from view to view [default: infinity]
     #[arg(long, value_name = "M", value_parser = parse_positive)]
     pub focus: Option<f64>,
@@ -89,10 +104,9 @@ pub struct Args {
     /// Colour samples per pixel: on a grid if a square number, else Hammersley points
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub samples: u32,
-    /// The frame of an animated scene
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub frame: u32,
-    /// Frames per second
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Frames per second of a scene
     #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_positive)]
     pub fps: f64,
     /// Places of source views
@@ -107,16 +121,40 @@ pub struct Args {
     /// Missing pixels in percent above which a hierarchical acquisition adds a source
     #[arg(long, value_name = "PERCENT", default_value_t = 0.5, value_parser = parse_not_negative)]
     pub hole_threshold: f64,
+    /// What a hierarchical acquisition judges missing pixels by
+    #[arg(long, value_parser = one_of(STOPS), default_value = "holes")]
+    pub stop: StoppingRule,
+    /// Where a hierarchical acquisition places the next source between two
+    #[arg(long, value_parser = one_of(PLACEMENTS), default_value = "midpoint")]
+    pub source_placement: SourcePlacement,
+    /// Milliseconds after which a hierarchical acquisition begins no source: results depend on the clock
+    #[arg(long, value_name = "MS", value_parser = parse_not_negative)]
+    pub source_ms: Option<f64>,
     /// Most sources of a hierarchical acquisition
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_VIEWS)))]
     pub max_sources: u32,
     /// Pixels between the first view and the last by which neighbours may differ that move together; 0 for none
     #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = parse_not_negative)]
     pub coalesce: f64,
+    /// Metres by which distances of neighbours may differ that move together; their error in pixels has no bound
+    #[arg(long, value_name = "M", value_parser = parse_not_negative, conflicts_with = "coalesce")]
+    pub coalesce_depth: Option<f64>,
+    /// Between frames leave out the last layer where fewer percent of pixels show it than LEAST, add one above MOST
+    #[arg(long, value_name = "LEAST,MOST", value_parser = parse_reduction)]
+    pub reduce_layers: Option<LayerReduction>,
+    /// Rays of ambient occlusion from each shaded point; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub ao_rays: u32,
+    /// Whether suns and lamps cast shadows
+    #[arg(long, value_parser = one_of(SHADOWS), default_value = "rays")]
+    pub shadows: bool,
+    /// How often each triangle of a scene is divided in four
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub subdivide: u32,
     /// Most places between the first view and the last where highlights are computed
     #[arg(long, value_name = "N", default_value_t = DEFAULT_SPLITS as u32, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub splits: u32,
-    /// What fills pixels that no source shows [default: trace; with --probe nearest]
+    /// What fills pixels that no source shows [default: of scenes trace, else nearest]
     #[arg(long, value_parser = one_of(HOLES))]
     pub holes: Option<HoleFilling>,
     /// Only these views, such as 24-47
@@ -131,7 +169,11 @@ pub struct Args {
     /// Table of the figures of each view, as CSV
     #[arg(long, value_name = "FILE.csv", requires = "compare")]
     pub csv: Option<PathBuf>,
-    /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file: a quilt, whose name gets columns, rows and aspect
+    /// Cameras of all views, for `capture --cameras`
+    #[arg(long, value_name = "FILE.json")]
+    pub cameras_out: Option<PathBuf>,
+    /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file: a quilt, whose name gets columns, rows and aspect.
+    /// With --frames the number is the frame: %V/v.%04d.png for views, q.%04d.png for quilts
     #[arg(long, short, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Render without writing
@@ -157,6 +199,18 @@ const ACQUISITIONS: &Choices<Acquisition> = &[
     ),
 ];
 
+const STOPS: &Choices<StoppingRule> = &[
+    ("holes", StoppingRule::Holes, "Pixels that nothing covers in a view between two sources"),
+    ("erosion", StoppingRule::Erosion, "Edges of the sources, without interpolation"),
+];
+
+const PLACEMENTS: &Choices<SourcePlacement> = &[
+    ("midpoint", SourcePlacement::Midpoint, "In the middle"),
+    ("clusters", SourcePlacement::Clusters, "Where most pixels are missing"),
+];
+
+const SHADOWS: &Choices<bool> = &[("rays", true, "By rays"), ("none", false, "No")];
+
 const CULLINGS: &Choices<Culling> = &[
     ("full", Culling::Full, "Those close behind others, and those behind pixels that hide them from all views"),
     ("offset", Culling::DepthOffset, "Those close behind others"),
@@ -175,9 +229,55 @@ fn parse_range(text: &str) -> std::result::Result<(u32, u32), String> {
     range.ok_or_else(|| format!("'{text}' is no range of views such as 24-47"))
 }
 
+fn parse_reduction(text: &str) -> std::result::Result<LayerReduction, String> {
+    let percent = |text: &str| text.trim().parse::<f64>().ok().filter(|percent| (0.0..=100.0).contains(percent));
+    let both = text.split_once(',').and_then(|(least, most)| percent(least).zip(percent(most)));
+    let reduction = both.filter(|(least, most)| least <= most);
+    let (least_percent, most_percent) =
+        reduction.ok_or_else(|| format!("'{text}': two percentages such as 0.1,1 were expected"))?;
+    Ok(LayerReduction { least_percent, most_percent })
+}
+
 impl Args {
-    /// Output views of a scene.
-    pub(super) fn views_of_scene(&self) -> Result<OutputViews> {
+    /// Refuses options that this input has not.
+    pub(super) fn check(&self) -> Result<()> {
+        let total = u64::from(self.views) * u64::from(self.rows);
+        if total > u64::from(MAX_VIEWS) {
+            return refuse(format!(
+                "--views {} and --rows {}: {total} views, where {MAX_VIEWS} are the most",
+                self.views, self.rows
+            ));
+        }
+        if !self.probe.is_empty() && self.rows > 1 {
+            return refuse("--rows is for scenes and containers: images of probes on a line show one row");
+        }
+        Ok(())
+    }
+
+    /// The views of each row, the lowest first.
+    pub(super) fn rows_of(&self, views: &OutputViews) -> Result<Vec<OutputViews>> {
+        let height_m = self.baseline_y.unwrap_or(0.0);
+        let up_m =
+            |row: u32| if self.rows == 1 { 0.0 } else { height_m * (f64::from(row) / f64::from(self.rows - 1) - 0.5) };
+        (0..self.rows).map(|row| views.raised(up_m(row))).collect()
+    }
+
+    pub(super) fn frame_range(&self) -> FrameRange {
+        self.frames.frames.unwrap_or(FrameRange { first: 0, last: 0 })
+    }
+
+    pub(super) fn hierarchy(&self) -> Hierarchy {
+        Hierarchy {
+            stop: self.stop,
+            placement: self.source_placement,
+            hole_threshold_percent: self.hole_threshold,
+            max_sources: self.max_sources as usize,
+            time: self.source_ms.map(|ms| Duration::from_secs_f64(1e-3 * ms)),
+        }
+    }
+
+    /// Output views of a scene or a container.
+    pub(super) fn views_from_eye(&self) -> Result<OutputViews> {
         let (Some(eye), Some(look_at)) = (self.eye, self.look_at) else { return refuse("name --eye and --look-at") };
         let Some(spread) = self.spread() else {
             return refuse("name the --baseline, the metres from the first view to the last, or a --view-cone");
@@ -214,30 +314,33 @@ impl Args {
 
     /// The views to render.
     pub(super) fn range(&self) -> Result<std::ops::Range<usize>> {
+        let all = self.views * self.rows;
         match self.view_range {
-            None => Ok(0..self.views as usize),
-            Some((first, last)) if last < self.views => Ok(first as usize..last as usize + 1),
-            Some((first, last)) => {
-                refuse(format!("--view-range {first}-{last}: there are views 0 to {}", self.views - 1))
-            }
+            None => Ok(0..all as usize),
+            Some((first, last)) if last < all => Ok(first as usize..last as usize + 1),
+            Some((first, last)) => refuse(format!("--view-range {first}-{last}: there are views 0 to {}", all - 1)),
         }
     }
 
-    pub(super) fn settings(&self, views_at_once: usize) -> Result<Settings> {
+    pub(super) fn settings(&self, views_at_once: usize, has_scene: bool) -> Result<Settings> {
         let acquire = AcquireSettings {
             acquisition: self.acquire,
             layers: self.layers as usize,
             culling: self.culling,
-            hole_threshold_percent: self.hole_threshold,
-            max_sources: self.max_sources as usize,
+            hierarchy: self.hierarchy(),
             ..AcquireSettings::new(SamplePattern::new(self.samples)?)
         };
-        let interpolate = InterpolateSettings { coalesce: self.coalesce, splits: self.splits as usize };
-        let usual = if self.probe.is_empty() { HoleFilling::Trace } else { HoleFilling::Nearest };
+        let coalesce = match self.coalesce_depth {
+            Some(metres) => Coalescing::Depth(metres),
+            None if self.coalesce > 0.0 => Coalescing::Disparity(self.coalesce),
+            None => Coalescing::Off,
+        };
+        let interpolate = InterpolateSettings { coalesce, splits: self.splits as usize };
+        let usual = if has_scene { HoleFilling::Trace } else { HoleFilling::Nearest };
         let holes = self.holes.unwrap_or(usual);
-        if holes == HoleFilling::Trace && !self.probe.is_empty() {
+        if holes == HoleFilling::Trace && !has_scene {
             return refuse("--holes trace: images cannot be ray cast; choose nearest or blank");
         }
-        Ok(Settings { acquire, interpolate, holes, views_at_once })
+        Ok(Settings { acquire, interpolate, holes, views_at_once, keeps_unfilled: self.compare })
     }
 }

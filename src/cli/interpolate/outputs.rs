@@ -1,47 +1,76 @@
-//! Files of interpolated views: a sequence, or a quilt.
+//! Files of interpolated views: a sequence, or quilts.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use half::f16;
 
 use super::args::Args;
+use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::refuse;
 use crate::decode::FileFormat;
 use crate::epipolar::views::OutputViews;
 use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::rendered_image::HoleFill;
-use crate::files::{OutputFile, OutputFolder};
 use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
 use crate::image::{Pattern, ToneMap, exr, png};
 
-pub(super) enum Outputs {
-    Sequence { pattern: Pattern, format: FileFormat, folder: OutputFolder },
-    Quilt { tiles: Tiles, path: PathBuf, file: OutputFile },
+pub(super) struct Outputs {
+    files: PictureFiles,
+    coding: PictureCoding,
+    kind: Kind,
+    /// Whether numbers of files are those of frames.
+    by_frame: bool,
 }
 
-/// A quilt of either format.
-pub(super) enum Tiles {
+enum Kind {
+    Views,
+    /// One for each frame, of so many views; that of the current frame.
+    Quilts {
+        layout: QuiltLayout,
+        views: usize,
+        tiles: Option<Tiles>,
+    },
+}
+
+/// A quilt of either format, and how many views it has.
+struct Tiles {
+    pixels: Pixels,
+    count: usize,
+}
+
+enum Pixels {
     Png(Quilt<[u8; 4]>),
     Exr(Quilt<[f16; 4]>),
 }
 
 impl Outputs {
-    /// A pattern takes a sequence, and a file one view, or all of them as a quilt. Notes say what a display expects.
+    /// A pattern takes a sequence; a file one view, or all of them as a quilt. With frames the field is the frame, and `%V` the view.
+    /// Notes say what a display expects.
     pub fn open(path: &Path, args: &Args, views: &OutputViews, notes: &mut Vec<String>) -> Result<Outputs> {
         let Some(format) = FileFormat::of(path) else {
             return refuse(format!("{}: file names ending in .png or .exr were expected", path.display()));
         };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let pattern = Pattern::parse(&name).map_err(|error| error.in_file(path))?;
-        let count = args.range()?.len();
-        if pattern.has_field() || count == 1 && args.quilt.is_none() {
+        let pattern = Pattern::parse(&name.replace(WORD_FIELD, "")).map_err(|error| error.in_file(path))?;
+        let (count, by_word) = (args.range()?.len(), has_word(path));
+        let by_frame = by_word || args.frames.frames.is_some();
+        let coding = PictureCoding { tone: ToneMap::default(), holes: HoleFill::Blank };
+        if args.frame_range().count() > 1 && !pattern.has_field() {
+            return refuse(format!(
+                "{}: one name, and several frames; name a pattern such as q.%04d.png for quilts, or %V/v.%04d.png for views",
+                path.display()
+            ));
+        }
+        let is_sequence = by_word || count == 1 && args.quilt.is_none() || pattern.has_field() && !by_frame;
+        if is_sequence {
             if args.quilt.is_some() {
-                return refuse(format!("{}: a quilt is one file; leave out the field, or --quilt", path.display()));
+                return refuse(format!(
+                    "{}: a quilt has all views in one file; leave out the field of views, or --quilt",
+                    path.display()
+                ));
             }
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            return Ok(Outputs::Sequence { pattern, format, folder: OutputFolder::create(folder)? });
+            return Ok(Outputs { files: PictureFiles::create(path, format)?, coding, kind: Kind::Views, by_frame });
         }
         if args.view_range.is_some() {
             return refuse(format!(
@@ -50,52 +79,79 @@ impl Outputs {
                 path.display()
             ));
         }
+        let all = count as u32;
         let layout = match args.quilt {
             Some(layout) => layout,
-            None => QuiltLayout::choose(views.count(), views.size)?,
+            None if args.rows > 1 => QuiltLayout { columns: args.views, rows: args.rows, size: None },
+            None => QuiltLayout::choose(all, views.size)?,
         };
-        notes.extend(layout.notes(views.count(), views.size)?);
+        notes.extend(layout.notes(all, views.size)?);
         let path = quilt_path(path, layout, f64::from(views.size[0]) / f64::from(views.size[1]))?;
-        let tiles = match format {
-            FileFormat::Png => Tiles::Png(Quilt::new(layout, views.size, [0, 0, 0, u8::MAX])?),
-            FileFormat::Exr => Tiles::Exr(Quilt::new(layout, views.size, [f16::ZERO, f16::ZERO, f16::ZERO, f16::ONE])?),
-        };
-        let file = OutputFile::create(&path)?;
-        Ok(Outputs::Quilt { tiles, path, file })
+        let kind = Kind::Quilts { layout, views: count, tiles: None };
+        Ok(Outputs { files: PictureFiles::create(&path, format)?, coding, kind, by_frame: true })
     }
 
-    pub fn put(&mut self, view: usize, picture: &RenderedImage) -> Result<()> {
-        let (codes, light) = (|| picture.rgba_codes(ToneMap::default()), || picture.rgba_light(HoleFill::Blank));
-        match self {
-            Outputs::Sequence { pattern, format, folder } => {
-                let path = folder.work_path().join(pattern.path(view as u32));
-                let written = match format {
-                    FileFormat::Png => png::write_rgba8(&path, &codes()),
-                    FileFormat::Exr => exr::write_rgba(&path, &light()),
-                };
-                written.map_err(|error: Error| folder.present(error))
+    /// How codes follow from light.
+    pub fn set_tone(&mut self, tone: ToneMap) {
+        self.coding.tone = tone;
+    }
+
+    pub fn put(&mut self, (frame, view): (u32, usize), picture: &RenderedImage) -> Result<()> {
+        match &mut self.kind {
+            Kind::Views => {
+                let number = if self.by_frame { frame } else { view as u32 };
+                self.files.write((&format!("{view:04}"), number), picture, self.coding).map(|_| ())
             }
-            Outputs::Quilt { tiles: Tiles::Png(quilt), .. } => quilt.put(view as u32, &codes()),
-            Outputs::Quilt { tiles: Tiles::Exr(quilt), .. } => quilt.put(view as u32, &light()),
+            Kind::Quilts { layout, views, tiles } => {
+                let size = [picture.color.width(), picture.color.height()];
+                let quilt = match tiles {
+                    Some(quilt) => quilt,
+                    None => tiles.insert(Tiles::new(*layout, size, self.files.format)?),
+                };
+                quilt.put(view as u32, picture, self.coding)?;
+                match tiles.take_if(|quilt| quilt.count == *views) {
+                    None => Ok(()),
+                    Some(quilt) => self.files.write_by("", frame, |path| quilt.write(path)).map(|_| ()),
+                }
+            }
         }
     }
 
-    /// Whole, or not at all. Answers the file of a quilt.
-    pub fn commit(self) -> Result<Option<PathBuf>> {
-        match self {
-            Outputs::Sequence { folder, .. } => folder.commit().map(|()| None),
-            Outputs::Quilt { tiles, path, mut file } => {
-                let bytes = match tiles {
-                    Tiles::Png(quilt) => {
-                        let mut bytes = Vec::new();
-                        png::encode_rgba8(&mut bytes, &quilt.finish())?;
-                        bytes
-                    }
-                    Tiles::Exr(quilt) => exr::rgba_bytes(&quilt.finish())?,
-                };
-                file.write_all(&bytes).map_err(|error| Error::io(&path, error))?;
-                file.commit()?;
-                Ok(Some(path))
+    /// Whole, or not at all. Answers the quilts: a file, or a pattern.
+    pub fn commit(self, frame: Option<u32>) -> Result<Option<PathBuf>> {
+        let quilt = match (&self.kind, frame) {
+            (Kind::Quilts { .. }, Some(frame)) => Some(self.files.path("", frame)?),
+            (Kind::Quilts { .. }, None) => Some(self.files.pattern()),
+            (Kind::Views, _) => None,
+        };
+        self.files.commit()?;
+        Ok(quilt)
+    }
+}
+
+impl Tiles {
+    fn new(layout: QuiltLayout, size: [u32; 2], format: FileFormat) -> Result<Tiles> {
+        let pixels = match format {
+            FileFormat::Png => Pixels::Png(Quilt::new(layout, size, [0, 0, 0, u8::MAX])?),
+            FileFormat::Exr => Pixels::Exr(Quilt::new(layout, size, [f16::ZERO, f16::ZERO, f16::ZERO, f16::ONE])?),
+        };
+        Ok(Tiles { pixels, count: 0 })
+    }
+
+    fn put(&mut self, view: u32, picture: &RenderedImage, coding: PictureCoding) -> Result<()> {
+        self.count += 1;
+        match &mut self.pixels {
+            Pixels::Png(quilt) => quilt.put(view, &picture.rgba_codes(coding.tone)),
+            Pixels::Exr(quilt) => quilt.put(view, &picture.rgba_light(coding.holes)),
+        }
+    }
+
+    fn write(self, path: &Path) -> Result<()> {
+        match self.pixels {
+            Pixels::Png(quilt) => png::write_rgba8(path, &quilt.finish()),
+            Pixels::Exr(quilt) => {
+                let bytes = exr::rgba_bytes(&quilt.finish())?;
+                std::fs::write(path, bytes).map_err(|error| Error::io(path, error))
             }
         }
     }

@@ -1,15 +1,12 @@
 //! Pictures of interpolated views beside those that are ray cast.
 
-use std::path::Path;
-
 use half::f16;
 use serde::Serialize;
 
 use crate::epipolar::pipeline::Picture;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::evaluate::reference::Truth;
 use crate::evaluate::similarity::Similarity;
-use crate::files::OutputFile;
 use crate::image::{Plane, ToneMap};
 use crate::json::Number;
 
@@ -19,17 +16,16 @@ pub struct Quality {
     rows: Vec<Row>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 struct Row {
+    frame: u32,
     view: usize,
-    #[serde(flatten)]
     filled: Figures,
-    #[serde(skip)]
     unfilled: Figures,
     holes_percent: f64,
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy)]
 struct Figures {
     psnr_db: f64,
     ssim: f64,
@@ -79,11 +75,13 @@ pub struct QualityReport {
 }
 
 impl Quality {
-    pub fn add(&mut self, view: usize, picture: &Picture, color: Plane<[f16; 3]>) -> Result<()> {
+    pub fn add(&mut self, (frame, view): (u32, usize), picture: &Picture, color: Plane<[f16; 3]>) -> Result<()> {
         let truth = Truth { color, material: None };
         let of = |image| Similarity::of(image, &truth, ToneMap::default());
-        let (filled, unfilled) = (of(&picture.filled)?, of(&picture.unfilled)?);
+        let unfilled = picture.unfilled.as_ref().unwrap_or(&picture.filled);
+        let (filled, unfilled) = (of(&picture.filled)?, of(unfilled)?);
         self.rows.push(Row {
+            frame,
             view,
             filled: Figures::of(&filled),
             unfilled: Figures::of(&unfilled),
@@ -106,19 +104,19 @@ impl Quality {
         (!self.rows.is_empty()).then(|| [report(|row| row.filled), report(|row| row.unfilled)])
     }
 
-    pub fn write_csv(&self, path: &Path) -> Result<()> {
-        let mut file = OutputFile::create(path)?;
-        let mut text =
-            String::from("view,psnr_db,ssim,psnr_hvs_m_db,mse,holes_percent,psnr_db_without_fill,ssim_without_fill\n");
+    /// A row for each view.
+    pub fn csv(&self) -> String {
+        let mut text = String::from(
+            "frame,view,psnr_db,ssim,psnr_hvs_m_db,mse,holes_percent,psnr_db_without_fill,ssim_without_fill\n",
+        );
         for row in &self.rows {
             let Figures { psnr_db, ssim, psnr_hvs_m_db, mse } = row.filled;
             text += &format!(
-                "{},{psnr_db:.3},{ssim:.5},{psnr_hvs_m_db:.3},{mse:.4},{:.4},{:.3},{:.5}\n",
-                row.view, row.holes_percent, row.unfilled.psnr_db, row.unfilled.ssim
+                "{},{},{psnr_db:.3},{ssim:.5},{psnr_hvs_m_db:.3},{mse:.4},{:.4},{:.3},{:.5}\n",
+                row.frame, row.view, row.holes_percent, row.unfilled.psnr_db, row.unfilled.ssim
             );
         }
-        std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
-        file.commit()
+        text
     }
 }
 

@@ -4,15 +4,14 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
-use serde_json::to_value;
 
 use super::args::Args;
 use super::quality::{Quality, QualityReport};
-use crate::cli::output::human_bytes;
+use crate::cli::output::{self, human_bytes};
 use crate::epipolar::counters::Counters;
 use crate::epipolar::pipeline::{SourceReport, Stages, Summary};
 use crate::epipolar::views::OutputViews;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::json::{self, Number};
 
 /// What a run measured beside its stages.
@@ -29,6 +28,8 @@ pub struct Measured {
 #[derive(Debug, Serialize)]
 pub struct Report {
     views: usize,
+    rows: u32,
+    frames: u64,
     #[serde(serialize_with = "json::seconds")]
     seconds: Duration,
     #[serde(serialize_with = "json::seconds")]
@@ -61,8 +62,9 @@ pub struct Report {
 
 impl Report {
     pub fn new(args: &Args, views: &OutputViews, summary: &Summary, measured: &Measured) -> Report {
-        let count = args.view_range.map_or(views.count(), |(first, last)| last - first + 1) as usize;
+        let count = args.view_range.map_or(views.count() * args.rows, |(first, last)| last - first + 1) as usize;
         let seconds = if args.brute_force { measured.brute_force } else { summary.duration() };
+        let count = count * args.frame_range().count() as usize;
         let pixels = count as f64 * views.size.map(f64::from).iter().product::<f64>();
         let [quality, quality_without_fill] = match measured.quality.reports() {
             Some([filled, unfilled]) => [Some(filled), Some(unfilled)],
@@ -70,6 +72,8 @@ impl Report {
         };
         Report {
             views: count,
+            rows: args.rows,
+            frames: args.frame_range().count(),
             seconds,
             seconds_per_view: seconds / count.max(1) as u32,
             load_seconds: measured.load,
@@ -97,16 +101,7 @@ impl Report {
 
     /// Durations and counts of the stages, one on each line.
     pub fn stats(&self) -> Result<String> {
-        let mut lines = String::new();
-        for (title, values) in [("seconds", to_value(self.stages)), ("count", to_value(self.counters))] {
-            let values = values.map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-            for (name, value) in values.as_object().into_iter().flatten() {
-                let value =
-                    value.as_f64().filter(|_| title == "seconds").map_or(value.to_string(), |s| format!("{s:.3}"));
-                lines += &format!("{title}: {} {value}\n", name.replace('_', " "));
-            }
-        }
-        Ok(lines)
+        output::stage_lines(&self.stages, &self.counters)
     }
 
     pub fn text(&self) -> String {

@@ -1,24 +1,23 @@
 //! Writes rendered images to files, a folder or standard output, and draws the contact sheet.
 
 use std::collections::BTreeSet;
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::args::Args;
+use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::refuse;
 use crate::decode::FileFormat;
 use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::files::{OutputFile, OutputFolder};
+use crate::files::OutputFile;
 use crate::image::plane::Plane;
+use crate::image::png;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
-use crate::image::{exr, png};
 use crate::report::picture::contact_sheet::ContactSheet;
 
-const EYE_FIELD: &str = "%V";
 const EYES: [&str; 2] = ["left", "right"];
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,13 +47,10 @@ pub struct Job {
 enum Destination {
     Nowhere,
     StandardOutput,
-    /// `text` is what lies below the folder: a pattern, in further folders where the eye has one of its own.
-    Files {
-        text: String,
-        format: FileFormat,
-        folder: OutputFolder,
-    },
-    Folder(OutputFolder),
+    /// The word in their names is the eye.
+    Files(PictureFiles),
+    /// The word is what pictures show.
+    Folder(PictureFiles),
 }
 
 pub struct Pictures {
@@ -93,7 +89,7 @@ impl Pictures {
 
     fn files(path: &Path, numbers: &[u32], is_stereo: bool) -> Result<Destination> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let has_eyes = path.iter().any(has_eye_field);
+        let has_eyes = has_word(path);
         let Some(format) = FileFormat::of(path) else {
             let file =
                 name.contains('%') || path.extension().is_some_and(|ending| !ending.is_empty() && !path.is_dir());
@@ -103,9 +99,9 @@ impl Pictures {
                     path.display()
                 ));
             }
-            return Ok(Destination::Folder(OutputFolder::create(path)?));
+            return Ok(Destination::Folder(PictureFiles::in_folder(path)?));
         };
-        let pattern = Pattern::parse(&name.replace(EYE_FIELD, "")).map_err(|error| error.in_file(path))?;
+        let pattern = Pattern::parse(&name.replace(WORD_FIELD, "")).map_err(|error| error.in_file(path))?;
         let count = numbers.len();
         if !pattern.has_field() && count != 1 {
             return refuse(format!(
@@ -123,42 +119,26 @@ impl Pictures {
         }
         if has_eyes && !is_stereo {
             return refuse(format!(
-                "{}: {EYE_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
+                "{}: {WORD_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
                 path.display()
             ));
         }
-        // A folder that is called after the eye lies below the one in which everything appears at once.
-        let parts: Vec<&OsStr> = path.iter().collect();
-        let fixed = parts.iter().position(|part| has_eye_field(part)).unwrap_or(parts.len()).min(parts.len() - 1);
-        let (above, below) = parts.split_at(fixed);
-        let above: PathBuf = if above.is_empty() { PathBuf::from(".") } else { above.iter().collect() };
-        let text = below.iter().collect::<PathBuf>().to_string_lossy().into_owned();
-        Ok(Destination::Files { text, format, folder: OutputFolder::create(&above)? })
+        Ok(Destination::Files(PictureFiles::create(path, format)?))
     }
 
-    /// The files of a picture below the folder of outputs: one, or one for each eye.
-    fn files_below(&self, name: &PictureName) -> Result<Vec<String>> {
+    /// The files of a picture, by their words: one, or one for each eye.
+    fn words<'a>(&'a self, name: &'a PictureName) -> (Option<&'a PictureFiles>, Vec<&'a str>) {
         match &self.destination {
-            Destination::Nowhere | Destination::StandardOutput => Ok(Vec::new()),
-            Destination::Folder(_) => Ok(vec![name.png()]),
-            Destination::Files { text, .. } => {
-                let eyes = if text.contains(EYE_FIELD) { &EYES[..] } else { &[""] };
-                let file = |eye: &&str| {
-                    let pattern = Pattern::parse(&text.replace(EYE_FIELD, eye))?;
-                    Ok(pattern.path(name.number).to_string_lossy().into_owned())
-                };
-                eyes.iter().map(file).collect()
-            }
+            Destination::Nowhere | Destination::StandardOutput => (None, Vec::new()),
+            Destination::Folder(files) => (Some(files), vec![&name.subject]),
+            Destination::Files(files) => (Some(files), if files.has_word() { EYES.to_vec() } else { vec![""] }),
         }
     }
 
     /// The files that a picture is written to, as paths from here.
-    pub fn files_of(&self, name: &PictureName, output: &Path) -> Result<Vec<PathBuf>> {
-        let folder = match &self.destination {
-            Destination::Folder(_) => output,
-            _ => output.parent().unwrap_or(Path::new("")),
-        };
-        Ok(self.files_below(name)?.iter().map(|file| folder.join(file)).collect())
+    pub fn files_of(&self, name: &PictureName) -> Result<Vec<PathBuf>> {
+        let (files, words) = self.words(name);
+        files.map_or(Ok(Vec::new()), |files| words.iter().map(|word| files.path(word, name.number)).collect())
     }
 
     /// Writes one image, or those of both eyes: side by side unless the pattern has a field for the eye.
@@ -167,25 +147,17 @@ impl Pictures {
         if let Some((_, sheet)) = &mut self.sheet {
             sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(self.tone));
         }
-        let files = self.files_below(name)?;
-        let (work, format) = match &self.destination {
-            Destination::Nowhere => return Ok(()),
-            Destination::StandardOutput => return self.print(&joined),
-            Destination::Folder(folder) => (folder.work_path(), FileFormat::Png),
-            Destination::Files { format, folder, .. } => (folder.work_path(), *format),
-        };
-        let pictures = if files.len() > 1 { eyes } else { std::slice::from_ref(&joined) };
-        for (file, picture) in files.iter().zip(pictures) {
-            let path = work.join(file);
-            if let Some(folder) = path.parent() {
-                std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-            }
-            match format {
-                FileFormat::Png => png::write_rgba8(&path, &picture.rgba_codes(self.tone))?,
-                FileFormat::Exr => exr::write_rgba(&path, &picture.rgba_light(self.holes))?,
-            }
-            self.bytes += std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
+        if matches!(self.destination, Destination::StandardOutput) {
+            return self.print(&joined);
         }
+        let (Some(files), words) = self.words(name) else { return Ok(()) };
+        let pictures = if words.len() > 1 { eyes } else { std::slice::from_ref(&joined) };
+        let coding = PictureCoding { tone: self.tone, holes: self.holes };
+        let mut bytes = 0;
+        for (word, picture) in words.iter().zip(pictures) {
+            bytes += files.write((word, name.number), picture, coding)?;
+        }
+        self.bytes += bytes;
         Ok(())
     }
 
@@ -200,17 +172,13 @@ impl Pictures {
     pub fn commit(self) -> Result<()> {
         match self.destination {
             Destination::Nowhere | Destination::StandardOutput => {}
-            Destination::Files { folder, .. } | Destination::Folder(folder) => folder.commit()?,
+            Destination::Files(files) | Destination::Folder(files) => files.commit()?,
         }
         let Some((path, sheet)) = self.sheet.filter(|(_, sheet)| !sheet.is_empty()) else { return Ok(()) };
         let mut file = OutputFile::create(&path)?;
         png::encode_color8(&mut file, &sheet.draw()?).map_err(|error| error.in_file(&path))?;
         file.commit()
     }
-}
-
-fn has_eye_field(part: &OsStr) -> bool {
-    part.to_string_lossy().contains(EYE_FIELD)
 }
 
 fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {

@@ -4,11 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
-use serde_json::to_value;
 
 use super::args::Args;
-use crate::cli::output::human_bytes;
-use crate::error::{Error, Result};
+use crate::cli::output::{self, human_bytes};
+use crate::error::Result;
 use crate::json::{self, Number};
 use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
@@ -202,16 +201,7 @@ impl Report {
 
     /// Durations and counts of the stages, one on each line.
     pub fn stats(&self) -> Result<String> {
-        let mut lines = String::new();
-        for (title, values) in [("seconds", to_value(self.stages)), ("count", to_value(self.counters))] {
-            let values = values.map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-            for (name, value) in values.as_object().into_iter().flatten() {
-                let value =
-                    value.as_f64().filter(|_| title == "seconds").map_or(value.to_string(), |s| format!("{s:.3}"));
-                lines += &format!("{title}: {} {value}\n", name.replace('_', " "));
-            }
-        }
-        Ok(lines)
+        output::stage_lines(&self.stages, &self.counters)
     }
 
     pub fn text(&self) -> String {

@@ -4,32 +4,90 @@
 //! vertices stands for a set of views: an interval is divided where more pixels are missing than the threshold allows.
 
 use std::collections::VecDeque;
+use std::time::Instant;
 
-use super::tracer::SourceTracer;
+use super::erosion::eroded_percent;
+use super::settings::{Hierarchy, SourcePlacement, StoppingRule};
 use crate::epipolar::counters::Counters;
 use crate::epipolar::interpolate::hole_percent;
 use crate::epipolar::source::SourceView;
+use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 
-pub(super) fn acquire(tracer: &SourceTracer<'_>, ends_m: [f64; 2]) -> Result<(Vec<SourceView>, Counters)> {
-    let (mut sources, mut counters) = tracer.views(ends_m.into_iter(), 1)?;
+/// Places between two sources that are looked at for the most holes (Epipolar 7.5): parts of their distance.
+const PARTS: u32 = 8;
+
+/// Source views from the first output view to the last, in any order. `make` makes the one at a place, in metres to the right of the middle.
+pub fn hierarchical(
+    views: &OutputViews,
+    settings: &Hierarchy,
+    mut make: impl FnMut(f64) -> Result<(SourceView, Counters)>,
+) -> Result<(Vec<SourceView>, Counters)> {
+    let begun = Instant::now();
+    let mut counters = Counters::default();
+    let mut sources = Vec::new();
+    let mut add = |offset_m: f64, sources: &mut Vec<SourceView>| -> Result<()> {
+        let (source, of_source) = make(offset_m)?;
+        counters.add(&of_source);
+        sources.push(source);
+        Ok(())
+    };
+    let ends_m = views.ends_m();
+    for end_m in ends_m {
+        add(end_m, &mut sources)?;
+    }
     let mut open = VecDeque::from([ends_m]);
     while let Some([left_m, right_m]) = open.pop_front()
-        && sources.len() < tracer.settings.max_sources
+        && sources.len() < settings.max_sources
+        && settings.time.is_none_or(|time| begun.elapsed() < time)
     {
-        let middle_m = 0.5 * (left_m + right_m);
-        let pair: Vec<&SourceView> =
-            sources.iter().filter(|source| [left_m, right_m].contains(&source.offset_m)).collect();
-        if middle_m <= left_m || middle_m >= right_m {
+        let at = |offset_m: f64| sources.iter().find(|source| source.offset_m == offset_m);
+        let Some(pair) = at(left_m).zip(at(right_m)) else { continue };
+        let gap = Gap { views, pair: [pair.0, pair.1] };
+        let next_m = match settings.placement {
+            SourcePlacement::Midpoint => gap.place_m(0.5),
+            SourcePlacement::Clusters => gap.most_holes_m(),
+        };
+        if next_m <= left_m || next_m >= right_m {
             continue;
         }
-        if hole_percent(tracer.views, &pair, middle_m) <= tracer.settings.hole_threshold_percent {
+        let missing = match settings.stop {
+            StoppingRule::Holes => hole_percent(views, &gap.pair, next_m),
+            StoppingRule::Erosion => eroded_percent(views, gap.pair),
+        };
+        if missing <= settings.hole_threshold_percent {
             continue;
         }
-        let (added, of_view) = tracer.views([middle_m].into_iter(), 1)?;
-        counters.add(&of_view);
-        sources.extend(added);
-        open.extend([[left_m, middle_m], [middle_m, right_m]]);
+        add(next_m, &mut sources)?;
+        open.extend([[left_m, next_m], [next_m, right_m]]);
     }
     Ok((sources, counters))
+}
+
+/// The way between two sources, from left to right.
+struct Gap<'a> {
+    views: &'a OutputViews,
+    pair: [&'a SourceView; 2],
+}
+
+impl Gap<'_> {
+    fn place_m(&self, part: f64) -> f64 {
+        let [left_m, right_m] = self.pair.map(|source| source.offset_m);
+        left_m + part * (right_m - left_m)
+    }
+
+    /// The place where most pixels are missing; of equal ones, that nearest to the middle.
+    fn most_holes_m(&self) -> f64 {
+        // From the middle outwards, so that the first of equal ones is kept.
+        let mut parts: Vec<u32> = (1..PARTS).collect();
+        parts.sort_by_key(|&part| part.abs_diff(PARTS / 2));
+        let mut most = (-1.0, 0.5);
+        for part in parts.into_iter().map(|part| f64::from(part) / f64::from(PARTS)) {
+            let holes = hole_percent(self.views, &self.pair, self.place_m(part));
+            if holes > most.0 {
+                most = (holes, part);
+            }
+        }
+        self.place_m(most.1)
+    }
 }

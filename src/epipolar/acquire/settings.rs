@@ -1,5 +1,7 @@
 //! What source views are acquired by.
 
+use std::time::Duration;
+
 use crate::epipolar::source::MAX_LAYERS;
 use crate::scene::capture::SamplePattern;
 
@@ -37,10 +39,51 @@ pub struct AcquireSettings {
     /// Layers of a source view at most, 1 to [`MAX_LAYERS`].
     pub layers: usize,
     pub culling: Culling,
-    /// Share of missing pixels, in percent, above which a hierarchical acquisition adds a source.
+    pub hierarchy: Hierarchy,
+}
+
+/// When a hierarchical acquisition ends.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum StoppingRule {
+    /// By the pixels that nothing covers in a view between two sources.
+    #[default]
+    Holes,
+    /// By edges of the sources, without interpolation.
+    Erosion,
+}
+
+/// Where between two sources the next one stands.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SourcePlacement {
+    #[default]
+    Midpoint,
+    /// Where most pixels are missing (Epipolar 7.5).
+    Clusters,
+}
+
+/// Settings of a hierarchical acquisition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hierarchy {
+    pub stop: StoppingRule,
+    pub placement: SourcePlacement,
+    /// Share of missing pixels, in percent, above which a source is added.
     pub hole_threshold_percent: f64,
-    /// Sources of a hierarchical acquisition at most.
+    /// Sources at most, 2 or more.
     pub max_sources: usize,
+    /// After so long no source is begun: results depend on the clock.
+    pub time: Option<Duration>,
+}
+
+impl Default for Hierarchy {
+    fn default() -> Self {
+        Hierarchy {
+            stop: StoppingRule::default(),
+            placement: SourcePlacement::default(),
+            hole_threshold_percent: 0.5,
+            max_sources: 9,
+            time: None,
+        }
+    }
 }
 
 impl AcquireSettings {
@@ -50,8 +93,7 @@ impl AcquireSettings {
             samples,
             layers: MAX_LAYERS,
             culling: Culling::Full,
-            hole_threshold_percent: 0.5,
-            max_sources: 9,
+            hierarchy: Hierarchy::default(),
         }
     }
 }

@@ -31,11 +31,16 @@ impl SourceTracer<'_> {
         let mut counters = Counters::default();
         let mut sources = Vec::new();
         for offset_m in offsets_m {
-            let (source, of_view) = self.view(offset_m, 0..self.views.size[0] as i32, layers)?;
+            let (source, of_view) = self.whole_view(offset_m, layers)?;
             counters.add(&of_view);
             sources.push(source);
         }
         Ok((sources, counters))
+    }
+
+    /// The view from a place, as wide as output views.
+    pub fn whole_view(&self, offset_m: f64, layers: usize) -> Result<(SourceView, Counters)> {
+        self.view(offset_m, 0..self.views.size[0] as i32, layers)
     }
 
     /// A view in the middle, as much wider on each side as what the views at the ends show there, up to half of its width.
@@ -54,8 +59,7 @@ impl SourceTracer<'_> {
         let from = self.views.viewpoint(offset_m);
         let pixels = PixelTracer::new(self.scene, &from);
         let focal = self.views.focal_pixels();
-        let [first_m, last_m] =
-            [self.views.offsets_m.first(), self.views.offsets_m.last()].map(|at| at.copied().unwrap_or(0.0));
+        let [first_m, last_m] = self.views.ends_m();
         let acquisition = RowAcquisition {
             pixels,
             settings: self.settings,

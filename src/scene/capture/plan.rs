@@ -11,7 +11,7 @@ use super::samples::SamplePattern;
 use super::view::{MAX_FACE_SIZE, Pass};
 use crate::dataset::cameras::CameraSet;
 use crate::dataset::manifest::{
-    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe, intrinsics_of,
+    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe,
 };
 use crate::error::{Error, Result};
 use crate::fingerprint::digest;
@@ -139,13 +139,18 @@ impl CapturePlan {
             let [first, last] = placed.frames.unwrap_or_default();
             Error::Usage(format!("camera {name} looks in the frames {first}-{last}, the capture is of {}", self.frames))
         })?;
+        if placed.shift.is_some() && self.projection != Projection::Perspective {
+            return Err(Error::Usage(format!("camera {name} has a \"shift\", which is only for perspective captures")));
+        }
+        // A manifest has one of them.
+        let shifted = fov_y_deg.filter(|_| placed.shift.is_some());
         Ok(Probe {
             name,
             position: placed.position,
             frames: (frames != self.frames).then_some([frames.first, frames.last]),
             orientation: placed.orientation,
-            fov_y_deg,
-            intrinsics: None,
+            fov_y_deg: fov_y_deg.filter(|_| shifted.is_none()),
+            intrinsics: shifted.map(|fov_y_deg| placed.intrinsics(fov_y_deg, self.size)),
             extra: None,
         })
     }
@@ -192,7 +197,7 @@ impl CapturePlan {
             Projection::Equirect => ImageProjection::Equirect { size: self.size },
             Projection::Perspective => {
                 let fov_y_deg = camera.fov_y_deg.or(self.fov_y_deg).unwrap_or(90.0);
-                ImageProjection::Pinhole { size: self.size, intrinsics: intrinsics_of(fov_y_deg, self.size) }
+                ImageProjection::Pinhole { size: self.size, intrinsics: camera.intrinsics(fov_y_deg, self.size) }
             }
         };
         Viewpoint {

@@ -12,8 +12,8 @@ use self::options::printable;
 use self::stage::{Stage, Which};
 use super::{Light, SceneAtTime, SceneMesh};
 use crate::error::{Error, Result};
-use crate::mesh::folder;
 use crate::mesh::gltf::document;
+use crate::mesh::{Mesh, folder};
 
 mod animation;
 mod deform;
@@ -33,6 +33,8 @@ pub struct Model {
     light: Light,
     /// What moves.
     motion: Option<Stage>,
+    /// How often each triangle was divided in four.
+    subdivisions: u32,
     /// In order of the file; “animation N” for one without a name.
     pub animations: Vec<String>,
     /// Seconds, as the file states them; `None` where it does not.
@@ -93,6 +95,20 @@ impl Model {
         Ok(Model { still, light: fixed.light, motion, ..Model::default() })
     }
 
+    /// The model with each triangle divided in four, so many times.
+    pub fn subdivided(mut self, times: u32) -> Result<Model> {
+        let finer = |mesh: &Arc<SceneMesh>| {
+            subdivided(&mesh.mesh, times).map(|finer| Arc::new(SceneMesh::new(finer, mesh.materials.clone())))
+        };
+        (self.still, self.subdivisions) =
+            (self.still.iter().map(finer).collect::<Result<_>>()?, self.subdivisions + times);
+        // What moves has as many triangles at any time.
+        if let Some(stage) = &self.motion {
+            subdivided(&stage.at(0.0, Which::Moving).mesh, self.subdivisions)?;
+        }
+        Ok(self)
+    }
+
     /// Whether the file has no light, so that it is lit by [`Light::default`].
     pub fn is_lit_by_default(&self) -> bool {
         self.light == Light::default()
@@ -111,10 +127,29 @@ impl Model {
             let time_s = if time_s.is_nan() { 0.0 } else { time_s };
             let shown = stage.at(time_s, Which::Moving);
             light = shown.light;
-            meshes.extend(stage.scene_mesh(shown.mesh));
+            // It was possible at the first frame.
+            let mesh = subdivided(&shown.mesh, self.subdivisions).unwrap_or(shown.mesh);
+            meshes.extend(stage.scene_mesh(mesh));
         }
         SceneAtTime::with_meshes(Vec::new(), meshes, light)
     }
+}
+
+/// Triangles of a subdivided mesh at most.
+const MAX_SUBDIVIDED: u64 = 1 << 28;
+
+fn subdivided(mesh: &Mesh, times: u32) -> Result<Mesh> {
+    let count = (mesh.triangles.len() as u64).saturating_mul(4u64.saturating_pow(times));
+    let too_many =
+        || Error::Usage(format!("{count} triangles after `subdivide` {times}: {MAX_SUBDIVIDED} are the most"));
+    if count > MAX_SUBDIVIDED {
+        return Err(too_many());
+    }
+    let mut finer = mesh.clone();
+    for _ in 0..times {
+        finer = finer.subdivided().ok_or_else(too_many)?;
+    }
+    Ok(finer)
 }
 
 fn nothing() -> Error {

@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::*;
 use crate::mesh::{AxisBox, Material as PlainMaterial, Mesh};
 use crate::scene::{
-    Cone, Hit, Light, Material, MeshMaterial, Object, Quad, SceneMesh, Shape, Sky, Sphere, Sun, Texture, Window, trace,
+    Cone, Hit, Light, LightRays, Material, MeshMaterial, Object, Quad, SceneMesh, Shape, Sky, Sphere, Sun, Texture,
+    Window, trace,
 };
 
 const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::splat(0.5), ambient: DVec3::splat(0.25) };
@@ -282,4 +283,21 @@ fn indices_that_make_no_sense_give_no_nan() {
     };
     // A shading normal that would send the reflection into the surface is not used.
     assert_eq!(bent.optical_normal(DVec3::new(-0.1, -1.0, 0.0).normalize()), DVec3::Y);
+}
+
+#[test]
+fn surfaces_nearby_occlude_ambient_light_and_shadows_can_be_left_out() {
+    let ball = white(Shape::Sphere(Sphere { center: DVec3::new(0.0, 0.21, 0.0), radius: 0.2 }));
+    let ground = white(Shape::Quad(Quad { corner: DVec3::new(-2.0, 0.0, -2.0), u: DVec3::Z * 4.0, v: DVec3::X * 4.0 }));
+    let scene = SceneAtTime::new(vec![ground, ball], overhead());
+    let at = |scene: &SceneAtTime, x: f64| trace(scene, DVec3::new(x, 1.0, 0.5), DVec3::new(0.0, -2.0, -1.0)).color.x;
+    let rays = |shadows, occlusion| scene.clone().with_light_rays(LightRays { shadows, occlusion });
+    let [plain, occluded] = [at(&scene, 0.25), at(&rays(true, 64), 0.25)];
+    assert!(occluded < 0.98 * plain, "{occluded} {plain}");
+    // A tenth of the scene's diagonal away from the ball nothing is occluded.
+    assert_eq!(at(&rays(true, 64), 1.5), at(&scene, 1.5));
+    // Under the ball, where the sun does not shine.
+    let below = |scene: &SceneAtTime| trace(scene, DVec3::new(0.19, 0.05, 0.0), DVec3::NEG_Y).color.x;
+    assert!(below(&rays(false, 0)) > 2.0 * below(&scene), "{} {}", below(&rays(false, 0)), below(&scene));
+    assert_eq!(rays(true, 0).light_rays, LightRays::default());
 }

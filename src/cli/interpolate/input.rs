@@ -1,0 +1,79 @@
+//! What views are interpolated from: a scene, images of probes, or a container.
+
+use std::path::Path;
+
+use super::args::Args;
+use super::light_field::LightField;
+use crate::cli::refuse;
+use crate::container::header::is_container;
+use crate::dataset::manifest::is_dataset;
+use crate::decode::Decoder;
+use crate::epipolar::captured::CapturedSources;
+use crate::epipolar::views::OutputViews;
+use crate::error::Result;
+use crate::evaluate::reference::Reference;
+use crate::scene::{LightRays, Play, Scene, SceneAtTime};
+
+pub(super) enum Input {
+    Scene(Box<Scene>),
+    /// Of probes that are named.
+    Images(Box<Reference>),
+    /// Rendered at the places of sources.
+    Field(Box<Decoder>),
+}
+
+/// One frame of it.
+pub(super) enum FrameInput<'a> {
+    Scene(Box<SceneAtTime>),
+    Images(CapturedSources),
+    Field(Box<LightField<'a>>),
+}
+
+impl Input {
+    /// Notes say what was left out of a scene.
+    pub fn open(args: &Args, notes: &mut Vec<String>) -> Result<Input> {
+        let path = Path::new(&args.input);
+        if !args.probe.is_empty() {
+            return Ok(Input::Images(Box::new(Reference::open(path)?)));
+        }
+        if path.is_file() && is_container(path)? {
+            return Ok(Input::Field(Box::new(Decoder::open(path)?)));
+        }
+        if is_dataset(path) {
+            return refuse(format!(
+                "{}: --eye looks at scenes and containers; choose probes of a dataset by --probe, or encode it first: \
+                 lightfold encode {0} -o film.lfold",
+                path.display()
+            ));
+        }
+        let (scene, of_scene) = Scene::open(&args.input, Play::First)?;
+        notes.extend(of_scene);
+        Ok(Input::Scene(Box::new(scene.subdivided(args.subdivide)?)))
+    }
+
+    pub fn views(&mut self, args: &Args) -> Result<OutputViews> {
+        match self {
+            Input::Images(images) => args.views_between(&captured(args, images, args.frame_range().first)?),
+            Input::Scene(_) | Input::Field(_) => args.views_from_eye(),
+        }
+    }
+
+    pub fn frame(&mut self, args: &Args, frame: u32) -> Result<FrameInput<'_>> {
+        match self {
+            Input::Scene(scene) => {
+                let rays = LightRays { shadows: args.shadows, occlusion: args.ao_rays };
+                let scene = scene.at(f64::from(frame) / args.fps).with_light_rays(rays);
+                Ok(FrameInput::Scene(Box::new(scene)))
+            }
+            Input::Images(images) => captured(args, images, frame).map(FrameInput::Images),
+            Input::Field(decoder) => {
+                let field = LightField::open(args, decoder, frame);
+                field.map(|field| FrameInput::Field(Box::new(field))).map_err(|error| error.in_file(&args.input))
+            }
+        }
+    }
+}
+
+fn captured(args: &Args, images: &mut Reference, frame: u32) -> Result<CapturedSources> {
+    CapturedSources::read(images, &args.probe, args.face, frame).map_err(|error| error.in_file(&args.input))
+}

@@ -1,0 +1,134 @@
+//! Source views of a container: its pictures from their places, with the distances of their pixels.
+
+use std::cell::RefCell;
+
+use half::f16;
+
+use super::args::Args;
+use crate::decode::Decoder;
+use crate::epipolar::acquire::{Acquisition, hierarchical};
+use crate::epipolar::counters::Counters;
+use crate::epipolar::source::{SourceView, in_order};
+use crate::epipolar::views::OutputViews;
+use crate::error::{Error, Result};
+use crate::evaluate::RenderedImage;
+use crate::evaluate::frame_requests::FrameRequest;
+use crate::image::{Plane, ToneMap};
+use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
+use crate::march::{ActiveViews, Rendered, distances_m};
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::views::Change;
+
+/// A frame of a container.
+pub(super) struct LightField<'a> {
+    playback: RefCell<Playback<'a>>,
+    frame: u32,
+    options: PictureOptions,
+}
+
+impl<'a> LightField<'a> {
+    pub fn open(args: &Args, decoder: &'a Decoder, frame: u32) -> Result<LightField<'a>> {
+        let mut playback = Playback::new(decoder, PlaybackOptions::default())?;
+        let frames = playback.player.frames();
+        if !frames.contains(frame) {
+            return Err(Error::Usage(format!("there is no frame {frame}: the container has {frames}")));
+        }
+        playback.limit_memory(args.memory.get(), 0);
+        // As many rays across a pixel as down.
+        let options = PictureOptions { samples: args.samples.isqrt().max(1), ..PictureOptions::default() };
+        Ok(LightField { playback: RefCell::new(playback), frame, options })
+    }
+
+    pub fn tone(&self) -> ToneMap {
+        self.playback.borrow().player.field.coding.tone()
+    }
+
+    /// The source views, by their places.
+    pub fn sources(
+        &self,
+        views: &OutputViews,
+        args: &Args,
+        monitor: &dyn Monitor,
+    ) -> Result<(Vec<SourceView>, Counters)> {
+        let make = |offset_m: f64| Ok((self.source(views, offset_m, monitor)?, Counters::default()));
+        let ends_m = views.ends_m();
+        let places_m = match args.acquire {
+            Acquisition::Center => vec![0.5 * (ends_m[0] + ends_m[1])],
+            _ if ends_m[0] == ends_m[1] => vec![ends_m[0]],
+            Acquisition::Dual => ends_m.to_vec(),
+            Acquisition::Hierarchical => {
+                let (sources, counters) = hierarchical(views, &args.hierarchy(), make)?;
+                return Ok(counted(sources, counters));
+            }
+        };
+        let sources = places_m.into_iter().map(|place_m| Ok(make(place_m)?.0)).collect::<Result<_>>()?;
+        Ok(counted(sources, Counters::default()))
+    }
+
+    fn source(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<SourceView> {
+        let (image, distances_m) = self.show(views, offset_m, monitor)?;
+        let camera = views.camera(offset_m)?;
+        let [width, height] = views.size.map(f64::from);
+        let forward = camera.axes()[0];
+        Ok(SourceView::of_image(offset_m, views.size, |column, row| {
+            let at = [(f64::from(column) + 0.5) / width, (f64::from(row) + 0.5) / height];
+            let planar_m = f64::from(distances_m.get(column, row)) * camera.direction(at).dot(forward);
+            let light = image.color.get(column, row).map(f16::from_f32);
+            // Where no probe saw anything nothing is known.
+            (image.alpha.get(column, row) >= 0.5).then_some((planar_m as f32, light))
+        }))
+    }
+
+    /// The picture from a place.
+    pub fn picture(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<RenderedImage> {
+        self.show(views, offset_m, monitor).map(|(image, _)| image)
+    }
+
+    fn show(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<(RenderedImage, Plane<f32>)> {
+        let request = FrameRequest { frame: self.frame, cameras: vec![views.camera(offset_m)?] };
+        let options = PictureOptions { size: views.size, ..self.options.clone() };
+        let mut renderer = WithDistances { renderer: CpuRenderer::new(options), distances_m: None };
+        let shown = self.playback.borrow_mut().show(&request, &mut renderer, &Checked(monitor))?;
+        let picture = shown.pictures.into_iter().next();
+        let both = picture.map(|picture| picture.image).zip(renderer.distances_m);
+        both.ok_or_else(|| Error::invalid("a picture without distances"))
+    }
+}
+
+fn counted(sources: Vec<SourceView>, counters: Counters) -> (Vec<SourceView>, Counters) {
+    let sources = in_order(sources);
+    let pixels = sources.iter().map(SourceView::pixel_count).sum();
+    let counted = Counters { source_views: sources.len() as u64, source_layers: 1, source_pixels: pixels, ..counters };
+    (sources, counted)
+}
+
+/// Renders pictures on the CPU, and keeps the distances of the last one.
+struct WithDistances {
+    renderer: CpuRenderer,
+    distances_m: Option<Plane<f32>>,
+}
+
+impl Renderer for WithDistances {
+    fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
+        self.renderer.update(stage, changes)
+    }
+
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        let settings = self.renderer.options.settings(&views);
+        self.distances_m = Some(distances_m(&views, camera, &settings, monitor)?);
+        self.renderer.render(stage, camera, monitor)
+    }
+}
+
+/// Stops with another monitor, and reports no steps to it.
+struct Checked<'a>(&'a dyn Monitor);
+
+impl Monitor for Checked<'_> {
+    fn advance(&self, _steps: u64) {}
+
+    fn interrupted(&self) -> bool {
+        self.0.interrupted()
+    }
+}

@@ -1,0 +1,46 @@
+//! Dynamic layer reduction (Epipolar 3.4.4): how many layers the sources of the next frame have, by what the last frame showed.
+
+use super::source::MAX_LAYERS;
+
+/// Shares of an output view's pixels, in percent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LayerReduction {
+    /// Where fewer pixels show the last layer, the next frame has one layer less.
+    pub least_percent: f64,
+    /// Where more do, it has one more.
+    pub most_percent: f64,
+}
+
+impl LayerReduction {
+    /// Layers of the next frame: 1 to `most_layers`. `pixels` is the number of all.
+    pub fn next(&self, layers: usize, most_layers: usize, pixels_by_layer: [u64; MAX_LAYERS], pixels: u64) -> usize {
+        let of_last = pixels_by_layer.get(layers.saturating_sub(1)).copied().unwrap_or(0);
+        let percent = 100.0 * of_last as f64 / pixels.max(1) as f64;
+        let next = if percent < self.least_percent {
+            layers - 1
+        } else if percent > self.most_percent {
+            layers + 1
+        } else {
+            layers
+        };
+        next.clamp(1, most_layers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_that_show_little_are_left_out_one_by_one() {
+        let reduction = LayerReduction { least_percent: 0.1, most_percent: 1.0 };
+        let mut counts = [0; MAX_LAYERS];
+        counts[..3].copy_from_slice(&[9000, 985, 15]);
+        assert_eq!(reduction.next(3, 10, counts, 10_000), 3);
+        // Nothing shows the fourth one; the second shows more than a percent.
+        assert_eq!(reduction.next(4, 10, counts, 10_000), 3);
+        assert_eq!(reduction.next(2, 10, counts, 10_000), 3);
+        assert_eq!(reduction.next(2, 2, counts, 10_000), 2);
+        assert_eq!(reduction.next(1, 10, [0; MAX_LAYERS], 10_000), 1);
+    }
+}

@@ -1,0 +1,55 @@
+//! Ambient occlusion: the part of the ambient light that surfaces nearby leave open.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::mesh::Ray;
+use crate::scene::raycast::SceneAtTime;
+use crate::scene::surface::Surface;
+
+/// Part of the ambient light that reaches a surface, 0 to 1: of rays whose density is that of the light, those that meet nothing nearby.
+///
+/// All points have the same directions around their normal: neighbours, and the same point seen from elsewhere, differ by what occludes
+/// them alone, not by noise.
+pub(super) fn open_part(scene: &SceneAtTime, surface: &Surface) -> f64 {
+    let count = scene.light_rays.occlusion;
+    if count == 0 {
+        return 1.0;
+    }
+    let (across, along) = surface.normal.any_orthonormal_pair();
+    let above = surface.point + scene.lift(surface.point) * surface.side;
+    let is_open = |at: &u32| {
+        let [x, y, height] = direction(*at, count);
+        let towards: DVec3 = x * across + y * along + height * surface.normal;
+        // Shading normals lean: nothing is open below the surface.
+        towards.dot(surface.side) > 0.0
+            && !scene.light_stopped(&Ray::from_unit(above, towards.normalize()), scene.occlusion_reach())
+    };
+    (0..count).filter(is_open).count() as f64 / f64::from(count)
+}
+
+/// The direction of a number, of length 1, around the third axis: points of Hammersley's sequence on a disk, lifted to the hemisphere, whose
+/// density is the cosine's.
+fn direction(at: u32, count: u32) -> [f64; 3] {
+    let squared = (f64::from(at) + 0.5) / f64::from(count);
+    let angle = TAU * f64::from(at.reverse_bits()) / 2f64.powi(32);
+    let radius = squared.sqrt();
+    [radius * angle.cos(), radius * angle.sin(), (1.0 - squared).sqrt()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_have_length_1_and_the_cosines_mean() {
+        let all: Vec<[f64; 3]> = (0..256).map(|at| direction(at, 256)).collect();
+        assert!(all.iter().all(|at| (DVec3::from_array(*at).length() - 1.0).abs() < 1e-12));
+        // The mean cosine of light that falls by the cosine is 2/3.
+        let mean = all.iter().map(|at| at[2]).sum::<f64>() / 256.0;
+        assert!((mean - 2.0 / 3.0).abs() < 1e-2, "{mean}");
+        let middle = all.iter().map(|at| DVec3::from_array(*at)).sum::<DVec3>() / 256.0;
+        assert!(middle.x.abs() < 0.02 && middle.y.abs() < 0.02, "{middle}");
+    }
+}
