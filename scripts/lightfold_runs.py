@@ -66,6 +66,22 @@ def run_json(*command, may_differ=False):
         raise Failed(command, done.returncode, f"{command[0]} {command[1]}: JSON was expected, {error}") from error
 
 
+def sweep(binary, subject, folder, knobs, more):
+    """Measures a grid of knobs, such as `area=1,2`, into a folder; prints what was found. `more` are options of all points."""
+    # Knobs that are swept cannot be fixed as well.
+    names = {f"--{knob.split('=')[0]}" for knob in knobs}
+    fixed = [word for at, word in enumerate(more)
+             if word.split("=")[0] not in names and not (at > 0 and more[at - 1] in names)]
+    words = [part for knob in knobs for part in ("--sweep", knob)]
+    report = run_json(binary, "tradeoff", subject, *words, "--repeats", "1", "--overwrite", "-o", folder, "--json", "--", *fixed)
+    for finding in report["findings"]:
+        if finding["verdict"] != "not measured":
+            print(f"{folder.name}: {finding['verdict']}: {finding['sentence']} {finding['rests_on']}")
+    for point in report["failed"]:
+        print(f"{folder.name}: {point['error']}", file=sys.stderr)
+    return report
+
+
 def peak_memory_mb(command):
     """Peak resident memory of one run, in MB."""
     process = subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

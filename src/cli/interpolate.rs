@@ -55,8 +55,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let need = Need { what: "interpolating", fixed: sources, each, instead: "smaller views" };
     let views_at_once = args.memory.get().at_once(&need, VIEWS_AT_ONCE.min(args.views as usize))?;
     let mut settings = args.settings(views_at_once, matches!(input, Input::Scene(_)))?;
-    let mut measured =
-        Measured { load: loading.elapsed(), memory_model_bytes: need.bytes(views_at_once), ..Measured::default() };
+    let mut measured = Measured {
+        load: loading.elapsed(),
+        memory_model_bytes: need.bytes(views_at_once),
+        quality: Quality::new(args.error_map.as_deref())?,
+        ..Measured::default()
+    };
     let mut steps = 0;
     for (row, _) in rows.iter().enumerate() {
         let count = of_row(&range, row, &views).len();
@@ -87,6 +91,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let one_frame = (frames.count() == 1).then_some(frames.first);
     let quilt = run.outputs.take().map_or(Ok(None), |outputs| outputs.commit(one_frame));
     let quilt = quilt.map_err(|error| output::name_output(error, args.output.as_deref().unwrap_or(Path::new("-"))))?;
+    measured.quality.commit()?;
     drop(progress);
     if let Some(path) = &args.cameras_out {
         output::write_file(path, &cameras(&rows)?.to_json()?)?;

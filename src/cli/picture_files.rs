@@ -37,9 +37,11 @@ impl PictureFiles {
         let parts: Vec<&OsStr> = path.iter().collect();
         let fixed = parts.iter().position(|part| has_word(Path::new(part))).unwrap_or(parts.len());
         let (above, below) = parts.split_at(fixed.min(parts.len().saturating_sub(1)));
-        let root: PathBuf = if above.is_empty() { PathBuf::from(".") } else { above.iter().collect() };
+        let root: PathBuf = above.iter().collect();
         let text = below.iter().collect::<PathBuf>().to_string_lossy().into_owned();
-        Ok(PictureFiles { text, format, folder: OutputFolder::create(&root)?, root })
+        let here = Path::new(".");
+        let folder = OutputFolder::create(if above.is_empty() { here } else { &root })?;
+        Ok(PictureFiles { text, format, root, folder })
     }
 
     /// PNG files in a folder, by word and number.

@@ -5,6 +5,7 @@ mod child;
 mod coding;
 mod fixed;
 mod input;
+mod interpolation;
 mod measure;
 mod placement;
 mod rendering;
@@ -27,6 +28,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let demands = args.recommend.demands()?;
     match (&args.input, demands) {
+        (Some(scene), _) if Scene::is_named_by(scene) && interpolation::is_swept(args) => {
+            interpolation::measure(args, scene, global)
+        }
         (Some(scene), _) if Scene::is_named_by(scene) => placement::measure(args, scene, global),
         (Some(dataset), _) if args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render) => {
             rendering::measure(args, dataset, global)

@@ -177,3 +177,67 @@ impl SceneAtTime {
         hits
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+    use crate::mesh::Mesh;
+    use crate::scene::{DemoKind, DemoScene, MeshMaterial};
+
+    /// Depth peeling (Epipolar listings 3.1 to 3.3): again and again the nearest surface behind the last one.
+    fn peeled(scene: &SceneAtTime, ray: &Ray) -> Vec<FirstHit> {
+        let mut layers: Vec<FirstHit> = Vec::new();
+        loop {
+            let last = layers.last().map_or(0.0, |hit| hit.distance);
+            let mut next: Option<FirstHit> = None;
+            for (index, object) in scene.objects.iter().enumerate() {
+                if let Some(Intersection { distance, normal }) = object.shape.intersect(ray, last)
+                    && distance > last
+                    && next.is_none_or(|next| distance < next.distance)
+                {
+                    next = Some(FirstHit { distance, surface: HitSurface::Object { index, normal } });
+                }
+            }
+            for (index, mesh) in scene.meshes.iter().enumerate() {
+                let limit = next.map_or(f64::INFINITY, |next| next.distance);
+                if let Some(at) = mesh.nearest(ray, last..limit) {
+                    next = Some(FirstHit { distance: at.distance, surface: HitSurface::Mesh { index, at } });
+                }
+            }
+            match next {
+                Some(next) => layers.push(next),
+                None => return layers,
+            }
+        }
+    }
+
+    #[test]
+    fn all_hits_are_the_layers_of_depth_peeling() {
+        // Sheets of triangles, two of them in one plane.
+        let corner = |x: f64, z: f64| DVec3::new(x, 0.5 * x, z);
+        let sheet = |z: f64| [corner(-9.0, z), corner(9.0, z), DVec3::new(0.0, 18.0, z)];
+        let sheets = [-1.0, -1.0, -2.5, -2.5f64.next_down(), -4.0].map(sheet);
+        let mesh = Mesh {
+            positions: sheets.concat(),
+            triangles: (0..5).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect(),
+            material_of: vec![0; 5],
+            ..Mesh::default()
+        };
+        let mesh = Arc::new(SceneMesh::new(mesh, [MeshMaterial::default()].into()));
+        let built_in = DemoScene::new(DemoKind::Courtyard).at(0.0);
+        let scene = SceneAtTime::with_meshes(built_in.objects.clone(), vec![mesh], built_in.light.clone());
+        let mut random = Random::new(3);
+        let mut unit = || f64::from(random.word()) / f64::from(u32::MAX) - 0.5;
+        let mut most = 0;
+        for _ in 0..2000 {
+            let origin = DVec3::new(2.0 * unit(), 1.5 + unit(), 2.0 * unit());
+            let Some(ray) = Ray::new(origin, DVec3::new(unit(), unit(), unit())) else { continue };
+            let found = scene.all_hits(&ray, 0..scene.objects.len());
+            assert_eq!(found, peeled(&scene, &ray), "{origin} {}", ray.direction());
+            assert_eq!(found.first().copied(), scene.first_hit(&ray, 0..scene.objects.len()));
+            most = most.max(found.len());
+        }
+        assert!(most >= 6, "{most}");
+    }
+}

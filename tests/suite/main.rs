@@ -24,6 +24,7 @@ mod imports;
 mod input;
 mod inspect;
 mod interpolate;
+mod interpolate_inputs;
 mod interpolate_quality;
 mod interrupted;
 mod keep_going;

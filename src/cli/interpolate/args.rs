@@ -169,6 +169,9 @@ pub struct Args {
     /// Table of the figures of each view, as CSV
     #[arg(long, value_name = "FILE.csv", requires = "compare")]
     pub csv: Option<PathBuf>,
+    /// Folder for error maps of all views
+    #[arg(long, value_name = "DIR", requires = "compare")]
+    pub error_map: Option<PathBuf>,
     /// Cameras of all views, for `capture --cameras`
     #[arg(long, value_name = "FILE.json")]
     pub cameras_out: Option<PathBuf>,

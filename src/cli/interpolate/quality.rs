@@ -1,19 +1,25 @@
 //! Pictures of interpolated views beside those that are ray cast.
 
+use std::path::Path;
+
 use half::f16;
 use serde::Serialize;
 
 use crate::epipolar::pipeline::Picture;
 use crate::error::Result;
 use crate::evaluate::reference::Truth;
-use crate::evaluate::similarity::Similarity;
-use crate::image::{Plane, ToneMap};
+use crate::evaluate::similarity::{Similarity, difference, truth_codes};
+use crate::files::OutputFolder;
+use crate::image::{Plane, ToneMap, png};
 use crate::json::Number;
+use crate::report::picture::error_picture;
 
 /// By view.
 #[derive(Debug, Default)]
 pub struct Quality {
     rows: Vec<Row>,
+    /// Pictures of what is wrong.
+    maps: Option<OutputFolder>,
 }
 
 #[derive(Debug, Clone)]
@@ -75,11 +81,23 @@ pub struct QualityReport {
 }
 
 impl Quality {
+    /// Error maps, too, if a folder is named.
+    pub fn new(maps: Option<&Path>) -> Result<Quality> {
+        Ok(Quality { rows: Vec::new(), maps: maps.map(OutputFolder::create).transpose()? })
+    }
+
     pub fn add(&mut self, (frame, view): (u32, usize), picture: &Picture, color: Plane<[f16; 3]>) -> Result<()> {
         let truth = Truth { color, material: None };
         let of = |image| Similarity::of(image, &truth, ToneMap::default());
         let unfilled = picture.unfilled.as_ref().unwrap_or(&picture.filled);
         let (filled, unfilled) = (of(&picture.filled)?, of(unfilled)?);
+        if let Some(maps) = &self.maps {
+            let (shown, wanted) = (picture.filled.codes(ToneMap::default()), truth_codes(&truth, ToneMap::default()));
+            let title = format!("view {view}, frame {frame}: {:.2} dB", filled.all.psnr_db());
+            let sheet = error_picture::draw(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
+            let path = maps.work_path().join(format!("view_{view:04}.{frame:04}.png"));
+            png::write_color8(&path, &sheet).map_err(|error| maps.present(error))?;
+        }
         self.rows.push(Row {
             frame,
             view,
@@ -88,6 +106,11 @@ impl Quality {
             holes_percent: unfilled.hole_percent(),
         });
         Ok(())
+    }
+
+    /// The folder of error maps appears.
+    pub fn commit(&mut self) -> Result<()> {
+        self.maps.take().map_or(Ok(()), OutputFolder::commit)
     }
 
     /// With holes filled, and without; none where nothing was compared.

@@ -7,6 +7,7 @@ use clap::{CommandFactory, Parser};
 
 use crate::cli::{Cli, refuse};
 use crate::error::{Error, Result};
+use crate::report::tradeoff::kind::{Setting, SweepKind};
 use crate::report::tradeoff::study::Axis;
 
 #[derive(Debug, PartialEq)]
@@ -85,6 +86,17 @@ impl OptionsOf<'_> {
         }
         Ok(found)
     }
+}
+
+/// Settings that swept knobs require where they are neither swept nor among the options.
+pub fn implied(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> Vec<Setting> {
+    let knobs = axes.iter().filter_map(|axis| kind.knob(axis.knob));
+    let is_open =
+        |name: &str| axes.iter().all(|axis| axis.knob != name) && options.iter().all(|option| option.name != name);
+    let settings = knobs.flat_map(|knob| knob.implies).filter(|(name, _)| is_open(name));
+    let mut settings: Vec<Setting> = settings.map(|&(name, value)| (name, value.to_owned())).collect();
+    settings.dedup();
+    settings
 }
 
 pub fn parse(words: &[OsString]) -> Result<Cli> {

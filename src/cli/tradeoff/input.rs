@@ -217,6 +217,7 @@ mod tests {
                 (Stage::Place, ..) => &["place"],
                 (Stage::Render, ..) => &["render"],
                 (Stage::Simplify, ..) => &["simplify"],
+                (Stage::Interpolate, ..) => &["interpolate"],
                 (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
                 (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],

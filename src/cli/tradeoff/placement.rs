@@ -1,7 +1,7 @@
 //! Sweeps of placing cameras, where the input is a scene.
 
 use super::args::{Args, refuse_options_of_coding};
-use super::fixed::OptionsOf;
+use super::fixed::{OptionsOf, implied};
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::Result;
@@ -41,13 +41,10 @@ fn fixed(scene: &str, words: &[String], axes: &[Axis]) -> Result<Fixed> {
             fixed.ruler.extend(option.words());
         }
     }
-    let knobs = axes.iter().filter_map(|axis| PLACEMENT.knob(axis.knob));
-    for (name, value) in knobs.flat_map(|knob| knob.implies) {
-        if axes.iter().all(|axis| axis.knob != *name) && options.iter().all(|option| option.name != *name) {
-            let word = format!("--{name}={value}");
-            fixed.ruler.push(word.clone());
-            fixed.all.push(word);
-        }
+    for (name, value) in implied(&PLACEMENT, axes, &options) {
+        let word = format!("--{name}={value}");
+        fixed.ruler.push(word.clone());
+        fixed.all.push(word);
     }
     Ok(fixed)
 }

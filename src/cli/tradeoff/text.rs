@@ -125,6 +125,7 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
                 Stage::Place => "cameras".to_owned(),
                 Stage::Render => "pictures".to_owned(),
                 Stage::Simplify => "captures".to_owned(),
+                Stage::Interpolate => "scenes".to_owned(),
                 _ if knob.is_general() => "all".to_owned(),
                 _ => kinds(knob).join(", "),
             };

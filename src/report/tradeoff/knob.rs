@@ -12,6 +12,7 @@ pub enum Stage {
     Place,
     Render,
     Simplify,
+    Interpolate,
 }
 
 impl Stage {
@@ -23,6 +24,7 @@ impl Stage {
             Stage::Place => "place",
             Stage::Render => "render",
             Stage::Simplify => "simplify",
+            Stage::Interpolate => "interpolate",
         }
     }
 }

@@ -22,6 +22,7 @@ pub mod coding;
 pub mod figures;
 pub mod findings;
 pub mod folder;
+pub mod interpolation;
 pub mod json;
 pub mod kind;
 pub mod knob;

@@ -3,6 +3,7 @@
 
 use super::coding::CODING;
 use super::figures::capital;
+use super::interpolation::INTERPOLATION;
 use super::kind::{Setting, SweepKind};
 use super::knob::{Knob, Stage};
 use super::placement::PLACEMENT;
@@ -13,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::image::StreamKind;
 
 /// All kinds of sweeps. A knob that several have is described by the first.
-pub const KINDS: [&SweepKind; 4] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION];
+pub const KINDS: [&SweepKind; 5] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION, &INTERPOLATION];
 
 fn names(kind: &SweepKind) -> String {
     kind.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
@@ -33,10 +34,10 @@ impl Sweep {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
         let knob = KINDS.iter().find_map(|kind| kind.knob(name)).ok_or_else(|| {
-            let [coding, placing, rendering, simplifying] = KINDS.map(names);
+            let [coding, placing, rendering, simplifying, interpolating] = KINDS.map(names);
             format!(
                 "'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}, nor of those of \
-                 rendering: {rendering}, nor of those of simplifying: {simplifying}"
+                 rendering: {rendering}, nor of those of simplifying: {simplifying}, nor of those of interpolating: {interpolating}"
             )
         })?;
         let given = values.is_some();

@@ -1,0 +1,208 @@
+//! `interpolate` of animated scenes, grids of views, containers, and the cameras that it hands to `capture`.
+
+use std::path::Path;
+
+use lightfold::epipolar::acquire::{
+    AcquireSettings, Acquisition, Hierarchy, SourcePlacement, StoppingRule, acquire, hierarchical,
+};
+use lightfold::epipolar::views::{OutputViews, Spread};
+use lightfold::image::{ReadLimits, exr, png};
+use lightfold::math::{Camera, Lens};
+use lightfold::monitor::Silent;
+use lightfold::scene::capture::SamplePattern;
+use lightfold::scene::{Play, Scene, SceneAtTime};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::commands::{fine, refused};
+
+const LINE: &str = "interpolate interior --eye 0,1.5,0 --look-at 2,1.4,0 --size 24x32 --samples 1";
+
+fn report(line: &str, folder: &Path) -> Value {
+    serde_json::from_slice(&fine(line, folder).stdout).unwrap()
+}
+
+fn bytes(path: &Path) -> Vec<u8> {
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn frames_are_sequences_of_views_or_of_quilts() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let line = format!("{LINE} --views 4 --baseline 0.3");
+    let said = report(&format!("{line} --frames 1-2 --quilt 2x2 -o q.%04d.png --json"), at);
+    assert_eq!((&said["views"], &said["frames"]), (&Value::from(8), &Value::from(2)), "{said}");
+    fine(&format!("{line} --frames 1-2 -o %V/v.%02d.png"), at);
+    // Frames differ, and each is what it is on its own.
+    let quilts = ["0001", "0002"].map(|frame| bytes(&at.join(format!("q.{frame}_qs2x2a0.75.png"))));
+    assert_ne!(quilts[0], quilts[1]);
+    fine(&format!("{line} --frames 2 --quilt 2x2 -o one.png"), at);
+    assert_eq!(bytes(&at.join("one_qs2x2a0.75.png")), quilts[1]);
+    fine(&format!("{line} --frames 2 --view-range 3 -o last.png"), at);
+    assert_eq!(bytes(&at.join("0003/v.02.png")), bytes(&at.join("last.png")));
+    // Layers that nothing shows are left out of later frames.
+    let reduced = report(&format!("{line} --frames 0-3 --reduce-layers 50,90 --null --json"), at);
+    let all = report(&format!("{line} --frames 0-3 --null --json"), at);
+    let pixels = |said: &Value| said["counters"]["source_pixels"].as_u64().unwrap();
+    assert!(pixels(&reduced) < pixels(&all), "{reduced} {all}");
+    assert!(refused(&format!("{line} --frames 0-1 -o q.png"), at).contains("several frames"));
+    assert!(refused(&format!("{line} --frames 0-1 --quilt 2x2 -o %V/%02d.png"), at).contains("a quilt"));
+}
+
+#[test]
+fn rows_of_a_grid_are_lines_at_their_heights() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let focus = "--views 3 --baseline 0.3 --focus 2";
+    let said = report(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --compare --null --json"), at);
+    assert!(said["views"] == 9 && said["quality"]["psnr_db"]["min"].as_f64().unwrap() > 25.0, "{said}");
+    fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 -o v/%d.png"), at);
+    fine(&format!("{LINE} {focus} -o middle/%d.png"), at);
+    for view in 0..3 {
+        let [of_grid, of_line] =
+            [format!("v/{}.png", 3 + view), format!("middle/{view}.png")].map(|name| bytes(&at.join(name)));
+        assert_eq!(of_grid, of_line, "view {view}");
+    }
+    // A part of a grid has the pictures of the whole, and a quilt its rows from below.
+    fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --view-range 2-6 -o part/%d.png"), at);
+    assert_eq!(bytes(&at.join("part/6.png")), bytes(&at.join("v/6.png")));
+    assert!(!at.join("part/7.png").exists() && !at.join("part/1.png").exists());
+    fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 -o q.png"), at);
+    fine("quilt v/%d.png --quilt 3x3 -o joined.png", at);
+    assert_eq!(bytes(&at.join("q_qs3x3a0.75.png")), bytes(&at.join("joined_qs3x3a0.75.png")));
+    assert!(
+        refused(&format!("{LINE} --views 100 --baseline 1 --rows 64 --baseline-y 1 --null"), at).contains("6400 views")
+    );
+}
+
+#[test]
+fn capture_renders_the_views_of_the_cameras_that_interpolate_writes() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let views = "--views 3 --baseline 0.3 --focus 2 --rows 2 --baseline-y 0.1 --brute-force";
+    fine(&format!("{LINE} {views} -o v/%04d.exr --cameras-out cams.json"), at);
+    fine(
+        "capture interior --cameras cams.json --projection perspective --size 24x32 --samples 1 --frames 0 -o truth",
+        at,
+    );
+    for view in 0..6 {
+        let limits = ReadLimits::default();
+        let made = exr::read_rgba(&at.join(format!("v/{view:04}.exr")), &limits).unwrap();
+        let captured = exr::read_rgba(&at.join(format!("truth/probe_{view:04}/color.0000.exr")), &limits).unwrap();
+        let changed = made.data().iter().zip(captured.data()).filter(|(a, b)| a != b).count();
+        // The field of view in degrees is rounded.
+        assert!(changed <= 8, "view {view}: {changed}");
+    }
+    // The manifest has the shift, and its probes are cameras again.
+    fine("capture interior --cameras truth --projection perspective --size 24x32 --samples 1 --frames 0 -o again", at);
+    let name = "probe_0002/color.0000.exr";
+    let [once, twice] =
+        ["truth", "again"].map(|set| exr::read_rgba(&at.join(set).join(name), &ReadLimits::default()).unwrap());
+    let changed = once.data().iter().zip(twice.data()).filter(|(a, b)| a != b).count();
+    assert!(changed <= 8, "{changed}");
+    assert!(refused("capture interior --cameras cams.json --size 8 -o cube", at).contains("shift"));
+    assert!(
+        refused(&format!("{LINE} --views 2 --baseline 0.3 -o cams.json --cameras-out cams.json"), at)
+            .contains("cams.json")
+    );
+}
+
+#[test]
+fn containers_are_rendered_at_the_places_of_sources() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fine("capture interior --position=0,1.5,0 --position=0.2,1.6,0.3 --size 48 --samples 1 --frames 0 -o room", at);
+    fine("encode room -o room.lfold -q", at);
+    let line =
+        "interpolate room.lfold --eye 0.1,1.55,0.1 --look-at 2,1.4,0 --size 24x32 --samples 1 --views 5 --baseline 0.1";
+    let said = report(&format!("{line} -o v/%d.png --compare --json"), at);
+    let quality = &said["quality"]["psnr_db"];
+    assert!(quality["mean"].as_f64().unwrap() > 20.0, "{said}");
+    assert_eq!(said["sources"].as_array().unwrap().len(), 2);
+    // Views at the ends are those that are rendered.
+    fine(&format!("{line} --brute-force -o rendered/%d.png"), at);
+    for view in [0, 4] {
+        let read =
+            |folder: &str| png::read_rgba8(&at.join(format!("{folder}/{view}.png")), &ReadLimits::default()).unwrap();
+        let (made, rendered) = (read("v"), read("rendered"));
+        let seen = rendered.data().iter().zip(made.data()).filter(|(pixel, _)| pixel[3] == 255);
+        assert!(seen.clone().count() > 600);
+        assert!(seen.into_iter().all(|(a, b)| a == b), "view {view}");
+    }
+    let center = report(&format!("{line} --acquire center --null --json"), at);
+    assert_eq!(center["sources"].as_array().unwrap().len(), 1);
+    assert!(refused(&format!("{line} --holes trace --null"), at).contains("ray cast"));
+    assert!(refused(&format!("{line} --frames 3 --null"), at).contains("no frame 3"));
+    let of_dataset = line.replace("room.lfold", "room");
+    assert!(refused(&format!("{of_dataset} --null"), at).contains("lightfold encode"));
+}
+
+#[test]
+fn light_and_triangles_change_alike_in_both_ways_of_rendering() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let line = format!("{LINE} --views 2 --baseline 0.3");
+    let plain = |name: &str, more: &str| {
+        fine(&format!("{line} {more} -o {name}/%d.png"), at);
+        fine(&format!("{line} {more} --brute-force -o {name}-cast/%d.png"), at);
+        let [made, cast] = ["", "-cast"].map(|end| bytes(&at.join(format!("{name}{end}/1.png"))));
+        assert_eq!(made, cast, "{more}");
+        made
+    };
+    let all = [plain("a", ""), plain("b", "--ao-rays 16"), plain("c", "--shadows none")];
+    assert!(all[0] != all[1] && all[1] != all[2] && all[0] != all[2]);
+    assert!(refused(&format!("{line} --subdivide 1 --null"), at).contains("built-in"));
+    // Of a mesh the light does not change.
+    let obj = "v -1 -1 -2\nv 1 -1 -2\nv 0 1 -3\nvn 0 0 1\nvn 0 1 1\nvn 1 0 1\nf 1//1 2//2 3//3\n";
+    std::fs::write(at.join("a.obj"), obj).unwrap();
+    let of_mesh = "interpolate a.obj --eye 0,0,0 --look-at 0,0,-1 --size 24x32 --views 2 --baseline 0.1";
+    let said = |times: u32| report(&format!("{of_mesh} --subdivide {times} -o s{times}/%d.png --json"), at);
+    let counters = [said(0), said(2)].map(|said| said["counters"]["lines"].clone());
+    assert_eq!(counters[0], counters[1]);
+    let read = |times: u32| png::read_rgba8(&at.join(format!("s{times}/0.png")), &ReadLimits::default()).unwrap();
+    let (once, finer) = (read(0), read(2));
+    let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(b.iter()).any(|(a, b)| a.abs_diff(*b) > 1);
+    let changed = once.data().iter().zip(finer.data()).filter(differs).count();
+    assert!(changed <= 4, "{changed}");
+    assert!(refused(&format!("{of_mesh} --subdivide 8 --null --memory 1k"), at).contains("memory"));
+}
+
+fn courtyard() -> (SceneAtTime, OutputViews) {
+    let camera =
+        Camera::look_at([-1.5, 1.4, -1.5].into(), [-1.3, 1.2, 4.0].into(), [0.0, 1.0, 0.0].into(), Lens::new(60.0));
+    let camera = camera.unwrap().with_aspect(1.4);
+    let views = OutputViews::new(camera, [112, 80], 9, Spread::Baseline(1.5), f64::INFINITY).unwrap();
+    (Scene::open("courtyard", Play::First).unwrap().0.at(0.0), views)
+}
+
+#[test]
+fn sources_are_added_until_little_is_missing() {
+    let (scene, views) = courtyard();
+    let places = |hierarchy: Hierarchy| {
+        let settings = AcquireSettings {
+            acquisition: Acquisition::Hierarchical,
+            hierarchy,
+            ..AcquireSettings::new(SamplePattern::new(1).unwrap())
+        };
+        let (sources, _) = acquire(&scene, &views, &settings, &Silent).unwrap();
+        sources.iter().map(|source| source.offset_m).collect::<Vec<f64>>()
+    };
+    for stop in [StoppingRule::Holes, StoppingRule::Erosion] {
+        for placement in [SourcePlacement::Midpoint, SourcePlacement::Clusters] {
+            let with = |hole_threshold_percent: f64, max_sources: usize| {
+                places(Hierarchy { stop, placement, hole_threshold_percent, max_sources, time: None })
+            };
+            assert_eq!(with(100.0, 9), [-0.75, 0.75], "{stop:?} {placement:?}");
+            let many = with(0.01, 9);
+            assert!(many.len() > 3 && many.len() <= 9, "{stop:?} {placement:?}: {many:?}");
+            assert_eq!(with(0.01, 3).len(), 3);
+        }
+    }
+    // No time is left for a third one.
+    let none = Hierarchy { hole_threshold_percent: 0.0, time: Some(std::time::Duration::ZERO), ..Hierarchy::default() };
+    assert_eq!(places(none), [-0.75, 0.75]);
+    // What makes a source may fail.
+    let failed = hierarchical(&views, &none, |_| Err(lightfold::error::Error::Interrupted));
+    assert!(failed.is_err());
+}
