@@ -1,6 +1,9 @@
 //! Configuration hash: inputs and settings that a result depends on. Only work of the same configuration may be resumed.
 
+use std::fs::Metadata;
 use std::hash::{DefaultHasher, Hasher};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Names and values in a fixed order. Settings are named as in messages, `` `depth_window` ``.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,6 +31,12 @@ impl Fingerprint {
             _ => Some("it was begun by another version of lightfold".to_owned()),
         }
     }
+}
+
+/// Name, size and time of a file; no more than the name of what is none.
+pub fn file_state(path: &Path) -> (PathBuf, u64, Option<SystemTime>) {
+    let meta = path.metadata().ok().filter(|meta| meta.is_file());
+    (path.to_owned(), meta.as_ref().map_or(0, Metadata::len), meta.and_then(|meta| meta.modified().ok()))
 }
 
 pub fn digest(bytes: &[u8]) -> String {

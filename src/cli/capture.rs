@@ -8,9 +8,10 @@ use std::time::Instant;
 
 use crate::cli::output::human_bytes;
 use crate::cli::progress::Progress;
+use crate::cli::unfinished_folder::UnfinishedFolder;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
@@ -62,65 +63,16 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Resumes if asked, and keeps the images on failure.
-    fn capture(&self, mut folder: PartialFolder) -> Result<CaptureSummary> {
-        if !folder.is_locked() {
-            self.say("the file system has no locks: do not capture into this folder twice at the same time");
-        }
-        let now = self.fingerprint();
-        let kept = self.begin(&mut folder, &now)?;
-        let done = self.plan.write(self.scene, folder.work_path(), kept, self.progress);
-        let done = done.and_then(|summary| folder.commit().map(|()| summary));
-        done.map_err(|error| {
-            let (error, images) = (folder.present(error), folder.files());
-            if images == 0 {
-                return error;
-            }
-            folder.keep();
-            let all = self.plan.image_count();
-            let safe = format!(
-                "{images} of {all} images are kept in {}; the same command with --resume continues",
-                folder.work_path().display()
-            );
-            Error::Unfinished { cause: Box::new(error), safe }
-        })
-    }
-
-    /// Keeps or discards the images of an earlier capture.
-    fn begin(&self, folder: &mut PartialFolder, now: &Fingerprint) -> Result<ExistingImages> {
-        let (left, images) = (folder.state()?, folder.files());
-        if self.args.resume && images > 0 {
-            let begun: Vec<(String, String)> =
-                serde_json::from_str(&left).map_err(|_| self.cannot("its state is damaged"))?;
-            if let Some(difference) = Fingerprint(begun).difference(now) {
-                return Err(self.cannot(&difference));
-            }
-            self.say(&format!("resuming with {images} of {} images", self.plan.image_count()));
-            return Ok(ExistingImages::Keep);
-        }
-        if self.args.resume {
-            self.say("nothing to resume; starting anew");
-        } else if images > 0 {
-            self.say(&format!(
-                "replacing an unfinished capture of {}; --resume would continue it",
-                counted(images, "image")
-            ));
-        }
-        let state = serde_json::to_string_pretty(&now.0)
-            .map_err(|error| Error::invalid(format!("the state of the capture: {error}")))?;
-        folder.start_over(&state)?;
-        Ok(ExistingImages::Overwrite)
-    }
-
-    fn cannot(&self, difference: &str) -> Error {
-        Error::Usage(format!(
-            "{}: cannot resume the unfinished capture: {difference}; repeat its options, or leave out --resume to start \
-             anew",
-            self.args.output.display()
-        ))
-    }
-
-    fn say(&self, words: &str) {
-        self.global.note(format_args!("{}: {words}", self.args.output.display()));
+    fn capture(&self, folder: PartialFolder) -> Result<CaptureSummary> {
+        let mut unfinished = UnfinishedFolder::new(folder, &self.args.output, "capture");
+        let all = self.plan.image_count();
+        let kept = match unfinished.begin(&self.fingerprint(), all, (self.args.resume, self.global))? {
+            true => ExistingImages::Keep,
+            false => ExistingImages::Overwrite,
+        };
+        let done = self.plan.write(self.scene, unfinished.folder.work_path(), kept, self.progress);
+        let done = done.and_then(|summary| unfinished.folder.commit().map(|()| summary));
+        done.map_err(|error| unfinished.stopped(error, all))
     }
 
     fn fingerprint(&self) -> Fingerprint {

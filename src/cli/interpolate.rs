@@ -18,14 +18,18 @@ use crate::dataset::{CameraSet, PlacedCamera};
 use crate::epipolar::acquire::Acquisition;
 use crate::epipolar::brute_force;
 use crate::epipolar::fill::Truth;
+use crate::epipolar::grid::{self, GridViews, interpolate_grid};
 use crate::epipolar::memory;
 use crate::epipolar::pipeline::{self, Picture, Settings, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
+use crate::fingerprint::{Fingerprint, digest};
 use crate::image::Plane;
 use crate::memory::Need;
 use crate::monitor::Monitor;
+use crate::report::machine;
+use crate::scene::SceneAtTime;
 
 pub use args::Args;
 use input::{FrameInput, Input};
@@ -42,7 +46,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
     let views = input.views(args)?;
-    let rows = args.rows_of(&views)?;
     args.check_outputs()?;
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
     notes.iter().for_each(|note| global.note(note));
@@ -52,54 +55,53 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Input::Images(_) => memory::bytes(&views, Acquisition::Hierarchical, args.probe.len()),
         Input::Field(_) => memory::bytes(&views, Acquisition::Hierarchical, args.max_sources as usize),
     };
-    let need = Need { what: "interpolating", fixed: sources, each, instead: "smaller views" };
+    // Of a grid, sources of two rows, and between them those of some columns with all their views.
+    let by_columns = args.by_columns() && matches!(input, Input::Scene(_));
+    let sources = match by_columns {
+        true => (2 + grid::COLUMNS_AT_ONCE as u64) * sources + u64::from(args.rows) * each,
+        false => sources,
+    };
+    // What is loaded is there already.
+    let loaded = machine::peak_memory_bytes().unwrap_or(0);
+    let need = Need { what: "interpolating", fixed: loaded.saturating_add(sources), each, instead: "smaller views" };
     let views_at_once = args.memory.get().at_once(&need, VIEWS_AT_ONCE.min(args.views as usize))?;
-    let mut settings = args.settings(views_at_once, matches!(input, Input::Scene(_)))?;
+    let settings = args.settings(views_at_once, matches!(input, Input::Scene(_)))?;
     let mut measured = Measured {
         load: loading.elapsed(),
         memory_model_bytes: need.bytes(views_at_once),
         quality: Quality::new(args.error_map.as_deref())?,
         ..Measured::default()
     };
-    let mut steps = 0;
-    for (row, _) in rows.iter().enumerate() {
-        let count = of_row(&range, row, &views).len();
-        let interpolated = if args.brute_force { 0 } else { pipeline::steps(&views, count, &settings) };
-        steps += interpolated + if args.brute_force || args.compare { count as u64 } else { 0 };
-    }
+    let grid = args.grid_of(views);
+    let steps_of = |row: usize| pipeline::steps(&grid.row, grid.in_row(&range, row).len(), &settings);
+    let interpolated = match by_columns {
+        _ if args.brute_force => 0,
+        true => grid::steps(&grid, grid.row.offsets_m.len()),
+        false => (0..grid.ups_m.len()).map(steps_of).sum(),
+    };
+    let steps = interpolated + if args.brute_force || args.compare { range.len() as u64 } else { 0 };
     let progress = Progress::start(global, "interpolating", frames.count() * steps)?;
+    let all = (frames.count(), range.len() as u64);
     let mut run = Run { args, progress: &progress, outputs, measured: &mut measured, frame: frames.first };
-    let mut summary = Summary::default();
-    for frame in frames.iter() {
-        run.frame = frame;
-        let begun = Instant::now();
-        let now = input.frame(args, frame)?;
-        run.measured.load += begun.elapsed();
-        let mut of_frame = Summary::default();
-        for (row, views) in rows.iter().enumerate() {
-            let range = of_row(&range, row, views);
-            let first = row * views.count() as usize;
-            of_frame.add(run.row(&now, (views, range), first, &settings)?);
-        }
-        if let Some(reduction) = args.reduce_layers {
-            let pixels = range.len() as u64 * views.size.map(u64::from).iter().product::<u64>();
-            let layers = &mut settings.acquire.layers;
-            *layers = reduction.next(*layers, args.layers as usize, of_frame.counters.pixels_by_layer, pixels);
-        }
-        summary.add(of_frame);
+    if let Some(outputs) = &mut run.outputs {
+        outputs.begin(&fingerprint(args, &input, &grid, &settings), all, (args.resume, global))?;
     }
+    let summary = run.all_frames(&mut input, &grid, settings).map_err(|error| match &mut run.outputs {
+        Some(outputs) => outputs.stopped(error, all),
+        None => error,
+    })?;
     let one_frame = (frames.count() == 1).then_some(frames.first);
     let quilt = run.outputs.take().map_or(Ok(None), |outputs| outputs.commit(one_frame));
     let quilt = quilt.map_err(|error| output::name_output(error, args.output.as_deref().unwrap_or(Path::new("-"))))?;
     measured.quality.commit()?;
     drop(progress);
     if let Some(path) = &args.cameras_out {
-        output::write_file(path, &cameras(&rows)?.to_json()?)?;
+        output::write_file(path, &cameras(&grid)?.to_json()?)?;
     }
     if let Some(path) = &args.csv {
         output::write_file(path, &measured.quality.csv())?;
     }
-    let report = Report::new(args, &views, &summary, &measured).with_quilt(quilt);
+    let report = Report::new(args, &grid.row, &summary, &measured).with_quilt(quilt);
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;
@@ -107,17 +109,26 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Views of a row among those that are asked for, which are counted row by row.
-fn of_row(range: &std::ops::Range<usize>, row: usize, views: &OutputViews) -> std::ops::Range<usize> {
-    let count = views.count() as usize;
-    let in_row = |at: usize| at.clamp(row * count, (row + 1) * count) - row * count;
-    in_row(range.start)..in_row(range.end)
+/// Everything that pictures depend on.
+fn fingerprint(args: &Args, input: &Input, grid: &GridViews, settings: &Settings) -> Fingerprint {
+    let settings = Settings { views_at_once: 0, ..settings.clone() };
+    let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps);
+    let mut fields = Fingerprint::of_program();
+    fields.push(("the options", digest(format!("{settings:?} {scene:?} {}", args.brute_force).as_bytes())));
+    fields.push((
+        "the views",
+        digest(format!("{grid:?} {:?} {:?} {:?}", args.grid, args.view_range, args.frames.frames).as_bytes()),
+    ));
+    fields.push(("the files", format!("{:?} {:?}", args.output, args.quilt)));
+    fields.push(("the input", input.contents(args)));
+    Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
 /// The cameras of all views, for `capture`.
-fn cameras(rows: &[OutputViews]) -> Result<CameraSet> {
+fn cameras(grid: &GridViews) -> Result<CameraSet> {
     let mut cameras = Vec::new();
-    for views in rows {
+    for row in 0..grid.ups_m.len() {
+        let views = grid.views_of(row)?;
         for &offset_m in &views.offsets_m {
             let camera = views.camera(offset_m)?;
             let (window, half) = (camera.window(), camera.half());
@@ -147,6 +158,73 @@ struct Run<'a> {
 type Cast<'a> = dyn Fn(usize) -> Result<RenderedImage> + 'a;
 
 impl Run<'_> {
+    /// All views that no earlier run has made.
+    fn all_frames(&mut self, input: &mut Input, grid: &GridViews, mut settings: Settings) -> Result<Summary> {
+        let range = self.args.range()?;
+        let mut summary = Summary::default();
+        for frame in self.args.frame_range().iter() {
+            self.frame = frame;
+            let begun = Instant::now();
+            let now = input.frame(self.args, frame)?;
+            self.measured.load += begun.elapsed();
+            let mut of_frame = Summary::default();
+            if let FrameInput::Scene(scene) = &now
+                && self.args.by_columns()
+            {
+                of_frame = self.columns(scene, grid, &settings)?;
+            } else {
+                for row in 0..grid.ups_m.len() {
+                    let views = grid.views_of(row)?;
+                    let first = row * grid.row.offsets_m.len();
+                    for missing in self.missing(grid.in_row(&range, row), first)? {
+                        of_frame.add(self.row(&now, (&views, missing), first, &settings)?);
+                    }
+                }
+            }
+            if let Some(reduction) = self.args.reduce_layers {
+                let pixels = range.len() as u64 * grid.row.size.map(u64::from).iter().product::<u64>();
+                let layers = &mut settings.acquire.layers;
+                *layers = reduction.next(*layers, self.args.layers as usize, of_frame.counters.pixels_by_layer, pixels);
+            }
+            summary.add(of_frame);
+        }
+        Ok(summary)
+    }
+
+    /// The views of a grid, column by column.
+    fn columns(&mut self, scene: &SceneAtTime, grid: &GridViews, settings: &Settings) -> Result<Summary> {
+        let (range, count) = (self.args.range()?, grid.row.offsets_m.len());
+        let mut is_missing = vec![false; grid.count()];
+        for missing in self.missing(range, 0)? {
+            is_missing[missing].fill(true);
+        }
+        let progress = self.progress;
+        let is_wanted = |row: usize, view: usize| is_missing[row * count + view];
+        interpolate_grid(scene, grid, is_wanted, settings, progress, |row, view, picture| {
+            let views = grid.views_of(row)?;
+            let cast = |view: usize| {
+                let color =
+                    brute_force::render(scene, (&views, views.offsets_m[view]), &settings.acquire.samples, progress)?;
+                Ok(opaque(&color))
+            };
+            self.take((view, row * count), &picture, Some(&cast))
+        })
+    }
+
+    /// The views of a row, whose first one has this number, that have no file yet: runs of neighbours.
+    fn missing(&self, range: std::ops::Range<usize>, first: usize) -> Result<Vec<std::ops::Range<usize>>> {
+        let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
+        for view in range {
+            let is_made = self.outputs.as_ref().map_or(Ok(false), |outputs| outputs.has(self.frame, first + view))?;
+            match runs.last_mut() {
+                _ if is_made => {}
+                Some(run) if run.end == view => run.end += 1,
+                _ => runs.push(view..view + 1),
+            }
+        }
+        Ok(runs)
+    }
+
     /// Some views of a row, whose first one has this number.
     fn row(
         &mut self,

@@ -31,6 +31,7 @@ mod selftest;
 mod simplify;
 mod tradeoff;
 mod train_color;
+mod unfinished_folder;
 
 use std::ffi::OsString;
 use std::io::ErrorKind;

@@ -3,10 +3,13 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use super::GlobalArgs;
+use super::unfinished_folder::UnfinishedFolder;
 use crate::decode::FileFormat;
 use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::files::OutputFolder;
+use crate::files::{FolderKind, OutputFolder, PartialFolder};
+use crate::fingerprint::Fingerprint;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
@@ -20,8 +23,22 @@ pub struct PictureFiles {
     text: String,
     pub format: FileFormat,
     root: PathBuf,
-    folder: OutputFolder,
+    work: Work,
 }
+
+#[derive(Debug)]
+enum Work {
+    /// Removed where the command stops.
+    Whole(OutputFolder),
+    /// Kept; whether there are pictures of an earlier run.
+    Unfinished(UnfinishedFolder, bool),
+}
+
+/// The unfinished folder of PNG files.
+const PNG: FolderKind =
+    FolderKind { suffix: ".views.partial", state: ".views.json", extension: "png", manifest: ".views.json" };
+/// And of EXR files.
+const EXR: FolderKind = FolderKind { extension: "exr", ..PNG };
 
 /// How pictures become codes or light.
 #[derive(Debug, Clone, Copy)]
@@ -33,22 +50,50 @@ pub struct PictureCoding {
 impl PictureFiles {
     /// The files of a pattern, whose format follows from its ending.
     pub fn create(path: &Path, format: FileFormat) -> Result<PictureFiles> {
-        // A folder with the word in its name lies below the one in which everything appears at once.
-        let parts: Vec<&OsStr> = path.iter().collect();
-        let fixed = parts.iter().position(|part| has_word(Path::new(part))).unwrap_or(parts.len());
-        let (above, below) = parts.split_at(fixed.min(parts.len().saturating_sub(1)));
-        let root: PathBuf = above.iter().collect();
-        let text = below.iter().collect::<PathBuf>().to_string_lossy().into_owned();
-        let here = Path::new(".");
-        let folder = OutputFolder::create(if above.is_empty() { here } else { &root })?;
-        Ok(PictureFiles { text, format, root, folder })
+        let (root, text) = root_and_text(path);
+        Ok(PictureFiles { text, format, work: Work::Whole(OutputFolder::create(here(&root))?), root })
+    }
+
+    /// Files that are kept where the command stops, so that a later one resumes. Processes may each write a part of them, by its name.
+    pub fn resumable(path: &Path, format: FileFormat, part: &str) -> Result<PictureFiles> {
+        let (root, text) = root_and_text(path);
+        let kind = if format == FileFormat::Png { PNG } else { EXR };
+        let folder = PartialFolder::open_part(here(&root), kind, part)?;
+        let work = Work::Unfinished(UnfinishedFolder::new(folder, path, "sequence"), false);
+        Ok(PictureFiles { text, format, work, root })
+    }
+
+    /// Begins resumable files: as [`UnfinishedFolder::begin`].
+    pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<()> {
+        if let Work::Unfinished(unfinished, has_earlier) = &mut self.work {
+            *has_earlier = unfinished.begin(now, all, (resume, global))?;
+        }
+        Ok(())
+    }
+
+    /// Whether an earlier run made a file.
+    pub fn has(&self, word: &str, number: u32) -> Result<bool> {
+        match &self.work {
+            Work::Unfinished(unfinished, true) => {
+                Ok(unfinished.folder.work_path().join(self.below(word, number)?).is_file())
+            }
+            _ => Ok(false),
+        }
+    }
+
+    /// The error that stopped a command.
+    pub fn stopped(&mut self, error: Error, all: u64) -> Error {
+        match &mut self.work {
+            Work::Whole(_) => error,
+            Work::Unfinished(unfinished, _) => unfinished.stopped(error, all),
+        }
     }
 
     /// PNG files in a folder, by word and number.
     pub fn in_folder(folder: &Path) -> Result<PictureFiles> {
         let text = format!("{WORD_FIELD}.%04d.png");
         let root = folder.to_path_buf();
-        Ok(PictureFiles { text, format: FileFormat::Png, folder: OutputFolder::create(folder)?, root })
+        Ok(PictureFiles { text, format: FileFormat::Png, work: Work::Whole(OutputFolder::create(folder)?), root })
     }
 
     /// Whether the word stands in the names.
@@ -81,20 +126,45 @@ impl PictureFiles {
 
     /// Writes a file by its path until [`Self::commit`]. Answers its bytes.
     pub fn write_by(&self, word: &str, number: u32, write: impl FnOnce(&Path) -> Result<()>) -> Result<u64> {
-        let path = self.folder.work_path().join(self.below(word, number)?);
+        let folder = match &self.work {
+            Work::Whole(folder) => folder.work_path(),
+            Work::Unfinished(unfinished, _) => unfinished.folder.work_path(),
+        };
+        let path = folder.join(self.below(word, number)?);
+        // A file that is there is whole.
+        let begun = path.with_extension("begun");
         let written = || {
             if let Some(folder) = path.parent() {
                 std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             }
-            write(&path)?;
+            write(&begun)?;
+            std::fs::rename(&begun, &path).map_err(|error| Error::io(&path, error))?;
             Ok(std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len())
         };
-        written().map_err(|error| self.folder.present(error))
+        written().map_err(|error| match &self.work {
+            Work::Whole(folder) => folder.present(error),
+            Work::Unfinished(unfinished, _) => unfinished.folder.present(error),
+        })
     }
 
     pub fn commit(self) -> Result<()> {
-        self.folder.commit()
+        match self.work {
+            Work::Whole(folder) => folder.commit(),
+            Work::Unfinished(mut unfinished, _) => unfinished.folder.commit(),
+        }
     }
+}
+
+/// The folder in which everything appears at once, and the pattern below it: a folder with the word in its name lies below.
+fn root_and_text(path: &Path) -> (PathBuf, String) {
+    let parts: Vec<&OsStr> = path.iter().collect();
+    let fixed = parts.iter().position(|part| has_word(Path::new(part))).unwrap_or(parts.len());
+    let (above, below) = parts.split_at(fixed.min(parts.len().saturating_sub(1)));
+    (above.iter().collect(), below.iter().collect::<PathBuf>().to_string_lossy().into_owned())
+}
+
+fn here(root: &Path) -> &Path {
+    if root.as_os_str().is_empty() { Path::new(".") } else { root }
 }
 
 /// Whether a path has a place for the word.

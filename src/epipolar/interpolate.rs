@@ -12,12 +12,13 @@ use super::counters::Counters;
 use super::highlights::{EyeLine, Highlight};
 use super::lines::{Line, LineSpace};
 use super::slice::{Slice, Winner};
-use super::source::{Light, SourcePixel, SourceView};
+use super::source::{Light, SourcePixel, SourceRow, SourceView};
 use super::views::OutputViews;
 use crate::color::blend::{HalfKey, Sample};
 use crate::error::Result;
 use crate::image::Plane;
 use crate::monitor::Monitor;
+use crate::scene::shading::Gloss;
 
 /// What a pixel of an output view got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,6 +120,60 @@ impl<'a> Interpolator<'a> {
     }
 }
 
+impl Interpolator<'_> {
+    /// Some of the views as source views, with the surfaces behind their pixels (Epipolar 7.2); what nothing covers has no pixel.
+    pub fn layered(&self, range: Range<usize>, layers: usize, monitor: &dyn Monitor) -> Result<Vec<SourceView>> {
+        let rows: Vec<Vec<SourceRow>> = (0..self.views.size[1] as usize)
+            .into_par_iter()
+            .map(|row| {
+                monitor.check()?;
+                Ok(self.layered_row(row, range.clone(), layers))
+            })
+            .collect::<Result<_>>()?;
+        let mut views: Vec<SourceView> =
+            range.map(|_| SourceView { offset_m: 0.0, rows: Vec::new(), layers: 0 }).collect();
+        for row in rows {
+            for (view, row) in views.iter_mut().zip(row) {
+                view.layers = view.layers.max(row.pixels.last().map_or(0, |pixel| u32::from(pixel.layer) + 1));
+                view.rows.push(row);
+            }
+        }
+        Ok(views)
+    }
+
+    fn layered_row(&self, row: usize, range: Range<usize>, layers: usize) -> Vec<SourceRow> {
+        let mut lines = self.space.lines(self.sources, row);
+        coalesce(&mut lines, self.settings.coalesce);
+        let shader = Shader::new(self, &lines, row);
+        let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
+        let mut counters = Counters::default();
+        let mut rows = Vec::with_capacity(range.len());
+        for view in range {
+            let mut out = SourceRow::default();
+            // Nothing is nearer than a depth of 0.
+            let mut nearest = vec![0; self.views.size[0] as usize];
+            for layer in 0..layers {
+                let winners: Vec<Option<Winner>> = slice.behind(view, &nearest, &mut counters).collect();
+                let before = out.pixels.len();
+                for ((column, winner), nearest) in (0..).zip(winners).zip(&mut nearest) {
+                    let Some(winner) = winner else {
+                        *nearest = u32::MAX;
+                        continue;
+                    };
+                    let line = &lines[winner.line as usize];
+                    *nearest = self.space.behind(line.depth);
+                    out.pixels.push(shader.source_of(winner, (view, layer, column), &mut out.gloss));
+                }
+                if out.pixels.len() == before {
+                    break;
+                }
+            }
+            rows.push(out);
+        }
+        rows
+    }
+}
+
 /// Pixels in percent that two sources leave open in a view between them.
 pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64) -> f64 {
     let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
@@ -179,6 +234,32 @@ impl<'a> Shader<'a> {
                 (crate::scene::capture::halves(light), Coverage::Covered)
             }
         }
+    }
+
+    /// A pixel of a view, by its view, layer and column, as one of a source.
+    fn source_of(
+        &self,
+        winner: Winner,
+        (view, layer, column): (usize, usize, i32),
+        gloss: &mut Vec<Gloss>,
+    ) -> SourcePixel {
+        let line = &self.lines[winner.line as usize];
+        let pixel = self.source_pixel(line);
+        let other = self.source_pixel(&self.lines[winner.beside as usize]);
+        let steady = if winner.weight == 0 || other.light == Light::Traced {
+            pixel.steady
+        } else {
+            blended(pixel.steady, other.steady, winner.weight)
+        };
+        let light = match pixel.light {
+            Light::Gloss(at) => {
+                gloss.push(self.of.sources[usize::from(line.source)].rows[self.row].gloss[at as usize].clone());
+                Light::Gloss(gloss.len() as u32 - 1)
+            }
+            other => other,
+        };
+        let (own, _) = self.pixel(Some(winner), view);
+        SourcePixel { column, depth_m: pixel.depth_m, layer: layer as u8, light, steady, own }
     }
 
     fn highlight(&self, line: usize, view: usize) -> Option<DVec3> {

@@ -94,6 +94,11 @@ impl LineSpace {
         ((u64::from(self.bias) * u64::from(place.unsigned_abs())) >> PLACE_BITS) as u32
     }
 
+    /// A depth behind which lines show another surface than a line with this depth, from whichever source.
+    pub fn behind(&self, depth: u32) -> u32 {
+        depth.saturating_add(2 * self.bias)
+    }
+
     fn disparity(&self, depth_m: f32) -> i32 {
         let most = MOST_COLUMNS * f64::from(1 << DISPARITY_BITS);
         (self.at_infinity - self.scale / f64::from(depth_m)).clamp(-most, most).round() as i32

@@ -22,6 +22,7 @@ pub mod coalesce;
 pub mod continuity;
 pub mod counters;
 pub mod fill;
+pub mod grid;
 pub mod highlights;
 pub mod interpolate;
 pub mod layers;

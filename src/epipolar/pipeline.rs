@@ -47,6 +47,12 @@ pub struct SourceReport {
     pub layers: u32,
 }
 
+impl SourceReport {
+    pub fn of(source: &SourceView) -> SourceReport {
+        SourceReport { offset_m: source.offset_m, layers: source.layers }
+    }
+}
+
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
     pub stages: Stages,
@@ -105,8 +111,7 @@ pub fn between(
     monitor: &dyn Monitor,
     mut take: impl FnMut(usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
-    let report = |source: &SourceView| SourceReport { offset_m: source.offset_m, layers: source.layers };
-    let mut summary = Summary { sources: sources.iter().map(report).collect(), ..Summary::default() };
+    let mut summary = Summary { sources: sources.iter().map(SourceReport::of).collect(), ..Summary::default() };
     let interpolator = Interpolator::new(views, sources, settings.interpolate);
     let mut first = range.start;
     while first < range.end {

@@ -31,16 +31,39 @@ pub struct Slice<'a> {
     width: u32,
     keys: Vec<u64>,
     columns: Vec<i32>,
+    /// By column, depths that lines must lie behind; empty where all are drawn.
+    nearest: Vec<u32>,
 }
 
 impl<'a> Slice<'a> {
     pub fn new(space: &'a LineSpace, lines: &'a [Line], width: u32) -> Slice<'a> {
-        Slice { space, lines, width, keys: vec![NOTHING; width as usize], columns: vec![0; lines.len()] }
+        Slice {
+            space,
+            lines,
+            width,
+            keys: vec![NOTHING; width as usize],
+            columns: vec![0; lines.len()],
+            nearest: Vec::new(),
+        }
     }
 
     /// The winners in a view, by column; `None` in holes.
     pub fn view(&mut self, view: usize, counters: &mut Counters) -> impl Iterator<Item = Option<Winner>> + '_ {
         self.draw(view, counters);
+        (0..self.width).map(|column| self.winner(column))
+    }
+
+    /// The winners among the lines behind some depths, by column: bits of planar distances, as lines have them.
+    pub fn behind(
+        &mut self,
+        view: usize,
+        depths: &[u32],
+        counters: &mut Counters,
+    ) -> impl Iterator<Item = Option<Winner>> + '_ {
+        self.nearest.clear();
+        self.nearest.extend_from_slice(depths);
+        self.draw(view, counters);
+        self.nearest.clear();
         (0..self.width).map(|column| self.winner(column))
     }
 
@@ -64,8 +87,12 @@ impl<'a> Slice<'a> {
             let line = &self.lines[at];
             self.columns[at] = line.column + moved(line.disparity, place);
         }
-        let mut cover = |from: i32, to: i32, key: u64| {
+        let nearest = &self.nearest;
+        let mut cover = |from: i32, to: i32, depth: u32, key: u64| {
             for column in from.max(0)..to.min(width) {
+                if nearest.get(column as usize).is_some_and(|nearest| depth <= *nearest) {
+                    continue;
+                }
                 let held = &mut self.keys[column as usize];
                 counters.fragments += 1;
                 if key < *held {
@@ -79,11 +106,11 @@ impl<'a> Slice<'a> {
             let column = self.columns[at] >> COLUMN_BITS;
             // Its own view shows the first layer as it was, whatever lies before it between the middles of pixels.
             let depth = if line.is_first && place == 0 { 0 } else { line.depth.saturating_add(bias) };
-            cover(column, column + 1, u64::from(depth) << 32 | (at as u64) << 1);
+            cover(column, column + 1, line.depth, u64::from(depth) << 32 | (at as u64) << 1);
             if line.joins_next {
                 let next = self.columns[at + 1] >> COLUMN_BITS;
-                let farther = line.depth.max(self.lines[at + 1].depth).saturating_add(bias);
-                cover(column + 1, next, u64::from(farther) << 32 | (at as u64) << 1 | 1);
+                let farther = line.depth.max(self.lines[at + 1].depth);
+                cover(column + 1, next, farther, u64::from(farther.saturating_add(bias)) << 32 | (at as u64) << 1 | 1);
             }
         }
     }

@@ -72,6 +72,14 @@ impl OutputViews {
         OutputViews { offsets_m, ..self.clone() }
     }
 
+    /// The views above each other at a place of these ones, turned by 90°: from the highest down, with the rows of pictures from the
+    /// right column to the left. `ups_m` are their heights, rising.
+    pub fn column(&self, offset_m: f64, ups_m: &[f64]) -> Result<OutputViews> {
+        let camera = self.camera(offset_m)?.turned();
+        let offsets_m = ups_m.iter().rev().map(|up_m| -up_m).collect();
+        Ok(OutputViews { camera, size: [self.size[1], self.size[0]], offsets_m, focus_m: self.focus_m })
+    }
+
     pub fn count(&self) -> u32 {
         self.offsets_m.len() as u32
     }

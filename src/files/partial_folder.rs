@@ -37,6 +37,11 @@ pub struct PartialFolder {
 impl PartialFolder {
     /// Opens the unfinished folder of an output with its content; a new one is empty. Missing parents are created.
     pub fn open(output: &Path, kind: FolderKind) -> Result<PartialFolder> {
+        PartialFolder::open_part(output, kind, "")
+    }
+
+    /// The same, where several processes may each write a part of the output, by the part's name.
+    pub fn open_part(output: &Path, kind: FolderKind, part: &str) -> Result<PartialFolder> {
         let io = |error| Error::io(output, error);
         if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", output.display())));
@@ -47,7 +52,7 @@ impl PartialFolder {
                 output.display()
             )));
         }
-        let path = path_for(output, kind.suffix)?;
+        let path = path_for(output, &format!("{part}{}", kind.suffix))?;
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
         }

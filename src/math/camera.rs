@@ -192,6 +192,14 @@ impl Camera {
         Camera { eye: self.eye + by_m, ..self }
     }
 
+    /// The camera turned by 90° around its viewing axis: what was below is to the right.
+    #[must_use]
+    pub fn turned(self) -> Camera {
+        let [forward, right, down] = self.axes;
+        let ([half_u, half_v], [u, v]) = (self.half, self.middle);
+        Camera { axes: [forward, down, -right], half: [half_v, half_u], middle: [v, -u], ..self }
+    }
+
     /// The camera whose pictures are mirrored, left to right.
     #[must_use]
     pub fn mirrored(self) -> Camera {

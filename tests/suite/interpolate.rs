@@ -16,7 +16,9 @@ use lightfold::image::{Plane, ReadLimits, ToneMap, exr, png};
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
 use lightfold::scene::capture::SamplePattern;
-use lightfold::scene::{Play, Scene, SceneAtTime};
+use lightfold::scene::{
+    Lamp, Light, Material, Object, Phong, Play, Quad, Scene, SceneAtTime, Shape, Sky, Texture, Window,
+};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -169,6 +171,32 @@ fn highlights_are_right_where_they_are_brightest() {
     let (many_db, many) = with(64);
     assert!(plain < few && few <= many, "{plain} {few} {many}");
     assert!(few_db > many_db - 0.3 && few_db >= plain_db, "{plain_db} {few_db} {many_db}");
+}
+
+#[test]
+fn the_brightest_pixel_of_a_highlight_is_right_in_every_view() {
+    let floor = Quad { corner: [-6.0, 0.0, -6.0].into(), u: [0.0, 0.0, 12.0].into(), v: [12.0, 0.0, 0.0].into() };
+    let mut material = Material::diffuse(Texture::Solid([0.2; 3].into()));
+    material.phong = Phong { weight: [0.3; 3].into(), exponent: 60.0 };
+    let lamp = Lamp {
+        position: [0.2, 2.5, -4.0].into(),
+        radiance: [4.0; 3].into(),
+        reach: f64::INFINITY,
+        window: Window::Smooth,
+        cone: None,
+    };
+    let light = Light { suns: Vec::new(), lamps: vec![lamp], sky: Sky::NONE };
+    let scene = SceneAtTime::new(vec![Object::new(Shape::Quad(floor), material)], light);
+    let views = looking([[0.0, 1.2, 2.0], [0.0, 0.0, -2.0]], 25, Spread::Baseline(1.5), f64::INFINITY);
+    let found = run(&scene, &views, &settings(|_| {}));
+    assert!(found.summary.counters.splits > 0);
+    let samples = SamplePattern::new(4).unwrap();
+    for (view, picture) in found.filled.iter().enumerate() {
+        let truth = brute_force::render(&scene, (&views, views.offsets_m[view]), &samples, &Silent).unwrap();
+        let lights = truth.data().iter().map(|pixel| pixel[0].to_f32()).zip(picture.color.data());
+        let (brightest, made) = lights.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        assert!((made[0] / brightest - 1.0).abs() < 0.02, "view {view}: {} of {brightest}", made[0]);
+    }
 }
 
 #[test]

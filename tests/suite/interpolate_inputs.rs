@@ -14,7 +14,7 @@ use lightfold::scene::{Play, Scene, SceneAtTime};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 
 const LINE: &str = "interpolate interior --eye 0,1.5,0 --look-at 2,1.4,0 --size 24x32 --samples 1";
 
@@ -57,11 +57,13 @@ fn rows_of_a_grid_are_lines_at_their_heights() {
     let focus = "--views 3 --baseline 0.3 --focus 2";
     let said = report(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --compare --null --json"), at);
     assert!(said["views"] == 9 && said["quality"]["psnr_db"]["min"].as_f64().unwrap() > 25.0, "{said}");
-    fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 -o v/%d.png"), at);
+    // The plain way: each row is a line.
+    fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --grid rows -o plain/%d.png"), at);
     fine(&format!("{LINE} {focus} -o middle/%d.png"), at);
+    fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 -o v/%d.png"), at);
     for view in 0..3 {
         let [of_grid, of_line] =
-            [format!("v/{}.png", 3 + view), format!("middle/{view}.png")].map(|name| bytes(&at.join(name)));
+            [format!("plain/{}.png", 3 + view), format!("middle/{view}.png")].map(|name| bytes(&at.join(name)));
         assert_eq!(of_grid, of_line, "view {view}");
     }
     // A part of a grid has the pictures of the whole, and a quilt its rows from below.
@@ -74,6 +76,25 @@ fn rows_of_a_grid_are_lines_at_their_heights() {
     assert!(
         refused(&format!("{LINE} --views 100 --baseline 1 --rows 64 --baseline-y 1 --null"), at).contains("6400 views")
     );
+}
+
+#[test]
+fn columns_between_two_rows_are_close_to_rows_of_their_own_from_fewer_sources() {
+    let folder = TempDir::new().unwrap();
+    let line = "interpolate courtyard --eye=-1.5,1.4,-1.5 --look-at=-1.3,1.2,4 --size 112x80 --samples 4 --views 5 --baseline 0.6 \
+                --rows 5 --baseline-y 0.6 --compare --null --json";
+    let of = |grid: &str| report(&format!("{line} --grid {grid}"), folder.path());
+    let [columns, rows] = ["columns", "rows"].map(of);
+    let mean_db = |said: &Value| said["quality"]["psnr_db"]["mean"].as_f64().unwrap();
+    assert!(mean_db(&columns) > mean_db(&rows) - 1.5, "{columns} {rows}");
+    let sources = |said: &Value| said["counters"]["source_views"].as_u64().unwrap();
+    assert_eq!([sources(&columns), sources(&rows)], [4, 10]);
+    // What lies behind the outer rows' pixels comes into view between them.
+    let first = report(&format!("{line} --layers 1"), folder.path());
+    let holes = |said: &Value| said["counters"]["hole_pixels"].as_u64().unwrap();
+    assert!(holes(&first) > 2 * holes(&columns).max(20), "{first} {columns}");
+    let focused = report(&format!("{line} --focus 2"), folder.path());
+    assert!(mean_db(&focused) > mean_db(&rows) - 1.5, "{focused}");
 }
 
 #[test]
@@ -166,6 +187,38 @@ fn light_and_triangles_change_alike_in_both_ways_of_rendering() {
     let changed = once.data().iter().zip(finer.data()).filter(differs).count();
     assert!(changed <= 4, "{changed}");
     assert!(refused(&format!("{of_mesh} --subdivide 8 --null --memory 1k"), at).contains("memory"));
+}
+
+#[test]
+fn a_stopped_run_is_resumed_to_the_same_files() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fine("capture interior --position=-0.2,1.5,0 --position=0.2,1.5,0 --size 16 --samples 1 --frames 0-1 -o room", at);
+    let line = "interpolate room --probe 00,01 --face nz --views 3 --frames 0-1";
+    fine(&format!("{line} -o whole/%V.%d.png"), at);
+    // The second frame cannot be read.
+    let image = at.join("room/probe_01/face_nz/color.0001.exr");
+    let whole = bytes(&image);
+    std::fs::write(&image, &whole[..100]).unwrap();
+    let run = |more: &str| {
+        let output = lightfold(&format!("{line} -o v/%V.%d.png {more}").split(' ').collect::<Vec<_>>(), at);
+        (output.status.success(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (is_fine, said) = run("--resume");
+    assert!(!is_fine && said.contains("3 of 6 images are kept"), "{said}");
+    assert!(!at.join("v").exists());
+    std::fs::write(&image, &whole).unwrap();
+    let (is_fine, said) = run("--resume --views 4");
+    assert!(!is_fine && said.contains("cannot be used multiple times"), "{said}");
+    let (is_fine, said) = run("--resume --splits 1");
+    assert!(!is_fine && said.contains("cannot resume") && said.contains("the options"), "{said}");
+    let (is_fine, said) = run("--resume");
+    assert!(is_fine && said.contains("resuming with 3 of 6 images"), "{said}");
+    for name in ["0000.0.png", "0002.0.png", "0000.1.png", "0002.1.png"] {
+        assert_eq!(bytes(&at.join("v").join(name)), bytes(&at.join("whole").join(name)), "{name}");
+    }
+    assert_eq!(std::fs::read_dir(at.join("v")).unwrap().count(), 6);
+    assert!(refused(&format!("{line} --null --resume"), at).contains("--output"));
 }
 
 fn courtyard() -> (SceneAtTime, OutputViews) {

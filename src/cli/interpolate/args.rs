@@ -14,6 +14,7 @@ use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy,
 use crate::epipolar::captured::CapturedSources;
 use crate::epipolar::coalesce::Coalescing;
 use crate::epipolar::fill::HoleFilling;
+use crate::epipolar::grid::GridViews;
 use crate::epipolar::highlights::DEFAULT_SPLITS;
 use crate::epipolar::interpolate::InterpolateSettings;
 use crate::epipolar::layers::LayerReduction;
@@ -88,6 +89,9 @@ pub struct Args {
     /// Rows of views; views are numbered row by row, from the lowest
     #[arg(long, value_name = "N", default_value_t = 1, requires = "baseline_y", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub rows: u32,
+    /// How rows between the lowest and the highest are made
+    #[arg(long, value_parser = one_of(GRID_ORDERS), default_value = "columns")]
+    pub grid: GridOrder,
     /// Metres from the lowest row to the highest, in even steps
     #[arg(long, value_name = "M", requires = "rows", value_parser = parse_not_negative)]
     pub baseline_y: Option<f64>,
@@ -182,6 +186,9 @@ pub struct Args {
     /// Render without writing
     #[arg(long)]
     pub null: bool,
+    /// Resume a stopped run into the same files, with the same options; start anew if there is none
+    #[arg(long, requires = "output", conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
+    pub resume: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Print durations and counts of all stages
@@ -200,6 +207,18 @@ const ACQUISITIONS: &Choices<Acquisition> = &[
         Acquisition::Hierarchical,
         "At both ends, and between them where pixels are missing; nearest surfaces only",
     ),
+];
+
+/// How the rows of a grid are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GridOrder {
+    Columns,
+    Rows,
+}
+
+const GRID_ORDERS: &Choices<GridOrder> = &[
+    ("columns", GridOrder::Columns, "Of scenes, between the outer two, column by column"),
+    ("rows", GridOrder::Rows, "From sources of their own"),
 ];
 
 const STOPS: &Choices<StoppingRule> = &[
@@ -257,12 +276,20 @@ impl Args {
         Ok(())
     }
 
-    /// The views of each row, the lowest first.
-    pub(super) fn rows_of(&self, views: &OutputViews) -> Result<Vec<OutputViews>> {
-        let height_m = self.baseline_y.unwrap_or(0.0);
-        let up_m =
-            |row: u32| if self.rows == 1 { 0.0 } else { height_m * (f64::from(row) / f64::from(self.rows - 1) - 0.5) };
-        (0..self.rows).map(|row| views.raised(up_m(row))).collect()
+    /// The rows of views.
+    pub(super) fn grid_of(&self, views: OutputViews) -> GridViews {
+        GridViews::new(views, self.rows, self.baseline_y.unwrap_or(0.0))
+    }
+
+    /// Whether columns are interpolated between the outer rows.
+    pub(super) fn by_columns(&self) -> bool {
+        self.rows > 2 && self.grid == GridOrder::Columns && !self.brute_force
+    }
+
+    /// Name of the part of all pictures that is rendered.
+    pub(super) fn part(&self) -> String {
+        let views = self.view_range.map_or(String::new(), |(first, last)| format!(".{first}-{last}"));
+        views + &self.frames.frames.map_or(String::new(), |frames| format!(".f{frames}"))
     }
 
     pub(super) fn frame_range(&self) -> FrameRange {

@@ -6,12 +6,13 @@ use super::args::Args;
 use super::light_field::LightField;
 use crate::cli::refuse;
 use crate::container::header::is_container;
-use crate::dataset::manifest::is_dataset;
+use crate::dataset::manifest::{MANIFEST_NAME, is_dataset};
 use crate::decode::Decoder;
 use crate::epipolar::captured::CapturedSources;
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::reference::Reference;
+use crate::fingerprint::{digest, file_state};
 use crate::scene::{LightRays, Play, Scene, SceneAtTime};
 
 pub(super) enum Input {
@@ -49,6 +50,17 @@ impl Input {
         let (scene, of_scene) = Scene::open(&args.input, Play::First)?;
         notes.extend(of_scene);
         Ok(Input::Scene(Box::new(scene.subdivided(args.subdivide)?)))
+    }
+
+    /// Identifies its contents: of files by their sizes and times.
+    pub fn contents(&self, args: &Args) -> String {
+        match self {
+            Input::Scene(scene) => scene.contents().to_owned(),
+            Input::Images(_) | Input::Field(_) => {
+                let path = Path::new(&args.input);
+                digest(format!("{:?} {:?}", file_state(path), file_state(&path.join(MANIFEST_NAME))).as_bytes())
+            }
+        }
     }
 
     pub fn views(&mut self, args: &Args) -> Result<OutputViews> {

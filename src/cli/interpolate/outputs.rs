@@ -6,12 +6,13 @@ use half::f16;
 
 use super::args::Args;
 use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
-use crate::cli::refuse;
+use crate::cli::{GlobalArgs, refuse};
 use crate::decode::FileFormat;
 use crate::epipolar::views::OutputViews;
 use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::rendered_image::HoleFill;
+use crate::fingerprint::Fingerprint;
 use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
 use crate::image::{Pattern, ToneMap, exr, png};
 
@@ -70,7 +71,8 @@ impl Outputs {
                     path.display()
                 ));
             }
-            return Ok(Outputs { files: PictureFiles::create(path, format)?, coding, kind: Kind::Views, by_frame });
+            let files = PictureFiles::resumable(path, format, &args.part())?;
+            return Ok(Outputs { files, coding, kind: Kind::Views, by_frame });
         }
         if args.view_range.is_some() {
             return refuse(format!(
@@ -88,7 +90,8 @@ impl Outputs {
         notes.extend(layout.notes(all, views.size)?);
         let path = quilt_path(path, layout, f64::from(views.size[0]) / f64::from(views.size[1]))?;
         let kind = Kind::Quilts { layout, views: count, tiles: None };
-        Ok(Outputs { files: PictureFiles::create(&path, format)?, coding, kind, by_frame: true })
+        let files = PictureFiles::resumable(&path, format, &args.part())?;
+        Ok(Outputs { files, coding, kind, by_frame: true })
     }
 
     /// How codes follow from light.
@@ -96,12 +99,43 @@ impl Outputs {
         self.coding.tone = tone;
     }
 
+    /// Begins anew, or where an earlier run stopped; `all` is the number of frames and views.
+    pub fn begin(&mut self, now: &Fingerprint, all: (u64, u64), how: (bool, &GlobalArgs)) -> Result<()> {
+        let files = self.count(all);
+        self.files.begin(now, files, how)
+    }
+
+    /// Files of so many frames and views.
+    fn count(&self, (frames, views): (u64, u64)) -> u64 {
+        match self.kind {
+            Kind::Views => frames * views,
+            Kind::Quilts { .. } => frames,
+        }
+    }
+
+    pub fn stopped(&mut self, error: Error, all: (u64, u64)) -> Error {
+        let files = self.count(all);
+        self.files.stopped(error, files)
+    }
+
+    /// Whether an earlier run made the file of a view.
+    pub fn has(&self, frame: u32, view: usize) -> Result<bool> {
+        let (word, number) = self.file_of(frame, view);
+        self.files.has(&word, number)
+    }
+
+    /// Word and number of the file of a view.
+    fn file_of(&self, frame: u32, view: usize) -> (String, u32) {
+        match self.kind {
+            Kind::Views => (format!("{view:04}"), if self.by_frame { frame } else { view as u32 }),
+            Kind::Quilts { .. } => (String::new(), frame),
+        }
+    }
+
     pub fn put(&mut self, (frame, view): (u32, usize), picture: &RenderedImage) -> Result<()> {
+        let (word, number) = self.file_of(frame, view);
         match &mut self.kind {
-            Kind::Views => {
-                let number = if self.by_frame { frame } else { view as u32 };
-                self.files.write((&format!("{view:04}"), number), picture, self.coding).map(|_| ())
-            }
+            Kind::Views => self.files.write((&word, number), picture, self.coding).map(|_| ()),
             Kind::Quilts { layout, views, tiles } => {
                 let size = [picture.color.width(), picture.color.height()];
                 let quilt = match tiles {
@@ -111,7 +145,7 @@ impl Outputs {
                 quilt.put(view as u32, picture, self.coding)?;
                 match tiles.take_if(|quilt| quilt.count == *views) {
                     None => Ok(()),
-                    Some(quilt) => self.files.write_by("", frame, |path| quilt.write(path)).map(|_| ()),
+                    Some(quilt) => self.files.write_by(&word, number, |path| quilt.write(path)).map(|_| ()),
                 }
             }
         }

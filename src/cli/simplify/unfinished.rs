@@ -1,15 +1,13 @@
 //! The scene's file while it is made, and beside it the selected tiles, from which `simplify --resume` goes on.
 
-use std::fs::Metadata;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::path::Path;
 
 use crate::cli::GlobalArgs;
 use crate::cli::output;
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
-use crate::fingerprint::{Fingerprint, digest};
+use crate::fingerprint::{Fingerprint, digest, file_state};
 use crate::simplify::capture::Capture;
 use crate::simplify::settings::Settings;
 
@@ -23,12 +21,6 @@ pub fn fingerprint(input: &Path, settings: &Settings, capture: &Capture) -> Fing
     files.sort();
     fields.push(("the files of the input", digest(format!("{files:?}").as_bytes())));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
-}
-
-/// Name, size and time of a file.
-fn file_state(path: &Path) -> (PathBuf, u64, Option<SystemTime>) {
-    let meta = path.metadata().ok().filter(|meta| meta.is_file());
-    (path.to_owned(), meta.as_ref().map_or(0, Metadata::len), meta.and_then(|meta| meta.modified().ok()))
 }
 
 /// A scene's file that is not whole yet.

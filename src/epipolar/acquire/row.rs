@@ -79,6 +79,9 @@ impl RowAcquisition<'_> {
                 break;
             }
         }
+        // All rows are kept.
+        out.pixels.shrink_to_fit();
+        out.gloss.shrink_to_fit();
         out
     }
 

@@ -1,0 +1,76 @@
+//! Folders of pictures that a stopped command keeps, and that the same command with `--resume` finishes.
+
+use std::path::{Path, PathBuf};
+
+use super::GlobalArgs;
+use crate::error::{Error, Result};
+use crate::files::PartialFolder;
+use crate::fingerprint::Fingerprint;
+
+/// An output folder in the making.
+#[derive(Debug)]
+pub struct UnfinishedFolder {
+    pub folder: PartialFolder,
+    /// The output, for messages.
+    path: PathBuf,
+    /// What is made, such as "capture".
+    what: &'static str,
+}
+
+impl UnfinishedFolder {
+    pub fn new(folder: PartialFolder, path: &Path, what: &'static str) -> UnfinishedFolder {
+        UnfinishedFolder { folder, path: path.to_path_buf(), what }
+    }
+
+    /// Keeps the pictures of an earlier run of the same options where it is to be resumed, else discards them; whether any are kept.
+    /// `all` is the number of all pictures.
+    pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<bool> {
+        let what = self.what;
+        let say = |words: &str| global.note(format_args!("{}: {words}", self.path.display()));
+        if !self.folder.is_locked() {
+            say(&format!("the file system has no locks: do not {what} into this folder twice at the same time"));
+        }
+        let (left, images) = (self.folder.state()?, self.folder.files());
+        if resume && images > 0 {
+            let begun: Vec<(String, String)> =
+                serde_json::from_str(&left).map_err(|_| self.cannot("its state is damaged"))?;
+            if let Some(difference) = Fingerprint(begun).difference(now) {
+                return Err(self.cannot(&difference));
+            }
+            say(&format!("resuming with {images} of {all} images"));
+            return Ok(true);
+        }
+        if resume {
+            say("nothing to resume; starting anew");
+        } else if images > 0 {
+            let plural = if images == 1 { "" } else { "s" };
+            say(&format!("replacing an unfinished {what} of {images} image{plural}; --resume would continue it"));
+        }
+        let state = serde_json::to_string_pretty(&now.0)
+            .map_err(|error| Error::invalid(format!("the state of the {what}: {error}")))?;
+        self.folder.start_over(&state)?;
+        Ok(false)
+    }
+
+    fn cannot(&self, difference: &str) -> Error {
+        Error::Usage(format!(
+            "{}: cannot resume the unfinished {}: {difference}; repeat its options, or leave out --resume to start anew",
+            self.path.display(),
+            self.what
+        ))
+    }
+
+    /// The error that stopped a run, after which pictures are kept, if there are any.
+    pub fn stopped(&mut self, error: Error, all: u64) -> Error {
+        let (error, images) = (self.folder.present(error), self.folder.files());
+        if images == 0 {
+            return error;
+        }
+        self.folder.keep();
+        let safe = format!(
+            "{images} of {all} images are kept in {}; the same command with --resume continues",
+            self.folder.work_path().display()
+        );
+        Error::Unfinished { cause: Box::new(error), safe }
+    }
+}

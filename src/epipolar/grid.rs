@@ -1,0 +1,152 @@
+//! Grids of views (Epipolar 7.2): the lowest row and the highest from sources of their own, then the columns between these two rows, in the
+//! same kernel turned by 90°.
+//!
+//! Enters: a scene and the rows of a grid. Leaves: pictures, column by column. The plain way, [`super::pipeline::interpolate`] row by row, is
+//! the reference: it acquires sources for each row.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use super::acquire::acquire;
+use super::fill::{Truth, fill, picture};
+use super::interpolate::{Coverage, InterpolatedView, Interpolator};
+use super::pipeline::{Picture, Settings, SourceReport, Summary};
+use super::source::{Light, SourcePixel, SourceRow, SourceView};
+use super::views::OutputViews;
+use crate::error::Result;
+use crate::image::Plane;
+use crate::monitor::Monitor;
+use crate::scene::SceneAtTime;
+
+/// Columns whose two sources are made at once.
+pub const COLUMNS_AT_ONCE: usize = 4;
+
+/// The rows of a grid.
+#[derive(Debug, Clone)]
+pub struct GridViews {
+    /// The views of a row in the middle.
+    pub row: OutputViews,
+    /// Heights of the rows, rising.
+    pub ups_m: Vec<f64>,
+}
+
+impl GridViews {
+    /// So many rows over a height in metres, around the views of a row.
+    pub fn new(row: OutputViews, rows: u32, height_m: f64) -> GridViews {
+        let part = |at: u32| if rows < 2 { 0.0 } else { f64::from(at) / f64::from(rows - 1) - 0.5 };
+        GridViews { row, ups_m: (0..rows.max(1)).map(|at| height_m * part(at)).collect() }
+    }
+
+    /// The views of a row, the lowest first.
+    pub fn views_of(&self, row: usize) -> Result<OutputViews> {
+        self.row.raised(self.ups_m[row])
+    }
+
+    pub fn count(&self) -> usize {
+        self.ups_m.len() * self.row.offsets_m.len()
+    }
+
+    /// Views of a row, by their places, among some that are counted row by row.
+    pub fn in_row(&self, range: &Range<usize>, row: usize) -> Range<usize> {
+        let count = self.row.offsets_m.len();
+        let place = |at: usize| at.clamp(row * count, (row + 1) * count) - row * count;
+        place(range.start)..place(range.end)
+    }
+}
+
+/// Steps that a run over some columns reports to its monitor.
+pub fn steps(grid: &GridViews, columns: usize) -> u64 {
+    columns as u64 * u64::from(grid.row.size[0])
+}
+
+/// Renders the views of a grid that are asked for, and gives each with its row and its place there, column by column.
+pub fn interpolate_grid(
+    scene: &SceneAtTime,
+    grid: &GridViews,
+    is_wanted: impl Fn(usize, usize) -> bool,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+    mut take: impl FnMut(usize, usize, Picture) -> Result<()>,
+) -> Result<Summary> {
+    let mut summary = Summary::default();
+    let last_row = grid.ups_m.len() - 1;
+    let ends = [grid.views_of(0)?, grid.views_of(last_row)?];
+    let begun = Instant::now();
+    let mut sources = Vec::new();
+    for views in &ends {
+        let (of_row, counters) = acquire(scene, views, &settings.acquire, monitor)?;
+        summary.counters.add(&counters);
+        sources.push(of_row);
+    }
+    summary.stages.acquire = begun.elapsed();
+    summary.sources = sources[0].iter().map(SourceReport::of).collect();
+    let interpolators = [0, 1].map(|end| Interpolator::new(&ends[end], &sources[end], settings.interpolate));
+    let truth = Truth { scene, samples: &settings.acquire.samples };
+    let columns: Vec<usize> =
+        (0..grid.row.offsets_m.len()).filter(|&view| (0..=last_row).any(|row| is_wanted(row, view))).collect();
+    let mut at = 0;
+    while at < columns.len() {
+        // Neighbours, at most so many.
+        let first = columns[at];
+        let count = columns[at..].iter().zip(first..).take_while(|(column, next)| **column == *next).count();
+        let block = first..first + count.min(COLUMNS_AT_ONCE);
+        at += block.len();
+        let begun = Instant::now();
+        let [lowest, highest] = &interpolators;
+        let layers = settings.acquire.layers;
+        let layered =
+            [highest.layered(block.clone(), layers, monitor)?, lowest.layered(block.clone(), layers, monitor)?];
+        summary.stages.interpolate += begun.elapsed();
+        let [of_highest, of_lowest] = layered;
+        for ((column, high), low) in block.zip(of_highest).zip(of_lowest) {
+            let views = grid.row.column(grid.row.offsets_m[column], &grid.ups_m)?;
+            let begun = Instant::now();
+            let [top_m, bottom_m] = views.ends_m();
+            let turned = [turned_source(&high, grid.row.size, top_m), turned_source(&low, grid.row.size, bottom_m)];
+            let (made, counted) =
+                Interpolator::new(&views, &turned, settings.interpolate).views(0..last_row + 1, monitor)?;
+            summary.counters.add(&counted);
+            summary.stages.interpolate += begun.elapsed();
+            for (row, of_view) in made.iter().rev().enumerate().filter(|(row, _)| is_wanted(*row, column)) {
+                let mut of_view = turned_back(of_view);
+                let unfilled = settings.keeps_unfilled.then(|| picture(&of_view)).transpose()?;
+                let begun = Instant::now();
+                let views = grid.views_of(row)?;
+                let place = (&views, views.offsets_m[column]);
+                summary.counters.traced_pixels += fill(&mut of_view, Some(truth), place, settings.holes, monitor)?;
+                summary.stages.fill += begun.elapsed();
+                take(row, column, Picture { filled: picture(&of_view)?, unfilled })?;
+            }
+        }
+    }
+    Ok(summary)
+}
+
+/// A picture of so many columns and rows, turned: its right column becomes the first row.
+fn turned_source(view: &SourceView, [width, _]: [u32; 2], offset_m: f64) -> SourceView {
+    let mut rows = vec![SourceRow::default(); width as usize];
+    for (down, row) in (0..).zip(&view.rows) {
+        for pixel in &row.pixels {
+            let out = &mut rows[(width - 1 - pixel.column as u32) as usize];
+            let light = match pixel.light {
+                Light::Gloss(at) => {
+                    out.gloss.push(row.gloss[at as usize].clone());
+                    Light::Gloss(out.gloss.len() as u32 - 1)
+                }
+                other => other,
+            };
+            out.pixels.push(SourcePixel { column: down, light, ..*pixel });
+        }
+    }
+    // Stable: by layer, then by column.
+    rows.iter_mut().for_each(|row| row.pixels.sort_by_key(|pixel| pixel.layer));
+    SourceView { offset_m, rows, layers: view.layers }
+}
+
+/// A turned view as it is seen.
+fn turned_back(view: &InterpolatedView) -> InterpolatedView {
+    let [height, width] = [view.color.width(), view.color.height()];
+    let color = Plane::from_fn(width, height, |x, y| view.color.get(y, width - 1 - x));
+    let coverage: Plane<Coverage> = Plane::from_fn(width, height, |x, y| view.coverage.get(y, width - 1 - x));
+    InterpolatedView { color, coverage }
+}
