@@ -1,6 +1,7 @@
 //! `lightfold interpolate SCENE`: many views side by side from few source views.
 
 mod args;
+mod device;
 mod outputs;
 mod quality;
 mod report;
@@ -15,7 +16,7 @@ use crate::epipolar::brute_force;
 use crate::epipolar::captured::CapturedSources;
 use crate::epipolar::fill::Truth;
 use crate::epipolar::memory;
-use crate::epipolar::pipeline::{self, Picture, Summary, between, interpolate};
+use crate::epipolar::pipeline::{Picture, Request, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
@@ -26,6 +27,7 @@ use crate::monitor::Monitor;
 use crate::scene::{Play, Scene, SceneAtTime};
 
 pub use args::Args;
+use device::Device;
 use outputs::Outputs;
 use quality::Quality;
 use report::{Measured, Report};
@@ -34,6 +36,7 @@ use report::{Measured, Report};
 const VIEWS_AT_ONCE: usize = 32;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    args.check_device()?;
     let loading = Instant::now();
     let mut notes = Vec::new();
     let input = Input::open(args, &mut notes)?;
@@ -53,8 +56,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let settings = args.settings(views_at_once)?;
     let mut measured =
         Measured { load: loading.elapsed(), memory_model_bytes: need.bytes(views_at_once), ..Measured::default() };
+    let gpu = args.gpu.open(args.device, global)?;
+    let device = Device::new(gpu.as_ref(), args.device, global);
+    let request = Request { views: &views, range: range.clone(), settings: &settings, backend: &device };
     let casts = args.brute_force || args.compare;
-    let steps = if args.brute_force { 0 } else { pipeline::steps(&views, range.len(), &settings) };
+    let steps = if args.brute_force { 0 } else { request.steps() };
     let steps = steps + if casts { range.len() as u64 } else { 0 };
     let progress = Progress::start(global, "interpolating", steps)?;
     let scene = match &input {
@@ -72,15 +78,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         }
         Input::Scene(scene) => {
             let take = |view, picture: Picture| run.take(view, &picture, &progress);
-            interpolate(scene, (&views, range), &settings, &progress, take)?
+            interpolate(scene, &request, &progress, take)?
         }
         Input::Captured(captured) => {
             let take = |view, picture: Picture| run.take(view, &picture, &progress);
-            between((&captured.sources, None), (&views, range), &settings, &progress, take)?
+            between((&captured.sources, None), &request, &progress, take)?
         }
     };
     let quilt = run.commit()?;
     drop(progress);
+    measured.device = device.name();
     let report = Report::new(args, &views, &summary, &measured).with_quilt(quilt);
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
@@ -171,6 +178,7 @@ impl Default for Measured {
             write: Duration::ZERO,
             brute_force: Duration::ZERO,
             memory_model_bytes: 0,
+            device: String::new(),
             quality: Quality::default(),
         }
     }

@@ -18,7 +18,7 @@ pub struct Counters {
     pub coalesced_pixels: u64,
     /// Pixels of output views that lines and the spans between them cover, once for each.
     pub fragments: u64,
-    /// Fragments that were nearer than all before them.
+    /// Fragments that were nearer than all before them; on a device, where fragments have no order, pixels that are covered.
     pub depth_tests_won: u64,
     /// Places along lines where highlights are computed.
     pub splits: u64,

@@ -13,9 +13,10 @@
 //! 4. [`highlights`]: light that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.
 //!
-//! [`pipeline`] runs them all; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
+//! [`backend`]: stages 3 and 4 on the CPU, or elsewhere. [`pipeline`] runs them all; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
 
 pub mod acquire;
+pub mod backend;
 pub mod brute_force;
 pub mod captured;
 pub mod coalesce;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::cli::capture::parse_size;
+use crate::cli::device::{DEVICES, GpuIndex};
 use crate::cli::options::{Choices, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive};
 use crate::cli::refuse;
 use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling};
@@ -16,6 +17,7 @@ use crate::epipolar::pipeline::Settings;
 use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::error::Result;
+use crate::gpu::device::DeviceChoice;
 use crate::image::Face;
 use crate::image::quilt::QuiltLayout;
 use crate::math::{Camera, Lens};
@@ -37,11 +39,14 @@ const DEFAULT_SIZE: u32 = 512;
     lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 9 --baseline 0.3 \\\n      \
     --view-range 0-4 -o v/%04d.png\n  \
     lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 100 --baseline 0.3 \\\n      \
-    --null --compare --json\n\n\
+    --null --compare --json\n  \
+    lightfold interpolate a.glb --eye 0,1,3 --look-at 0,1,0 --views 500 --baseline 0.5 \\\n      \
+    --device gpu -o v/%04d.png\n\n\
     Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
     behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
     at infinity do. `render --views` counts probes, `interpolate --views` output views.\n\n\
-    Mirrors and glass are ray cast in every view; so are holes, unless --holes says otherwise.\n\n\
+    Mirrors and glass are ray cast in every view; so are holes, unless --holes says otherwise. --device moves pixels; source views, \
+    highlights and all that is ray cast are the CPU's.\n\n\
     --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
     pictures in write_seconds."
 )]
@@ -137,6 +142,11 @@ pub struct Args {
     /// Render without writing
     #[arg(long)]
     pub null: bool,
+    /// Interpolating device; the pictures do not depend on it [default: cpu]
+    #[arg(long, value_parser = one_of(DEVICES))]
+    pub device: Option<DeviceChoice>,
+    #[command(flatten)]
+    pub gpu: GpuIndex,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Print durations and counts of all stages
@@ -221,6 +231,20 @@ impl Args {
                 refuse(format!("--view-range {first}-{last}: there are views 0 to {}", self.views - 1))
             }
         }
+    }
+
+    /// Refuses what no device does.
+    pub(super) fn check_device(&self) -> Result<()> {
+        if !self.gpu.is_on_device(self.device) {
+            return Ok(());
+        }
+        if self.brute_force {
+            return refuse("--brute-force runs on the CPU: leave out --device");
+        }
+        if self.memory.memory.is_some() {
+            return refuse("--memory limits the CPU only, not graphics devices: leave out one of them");
+        }
+        Ok(())
     }
 
     pub(super) fn settings(&self, views_at_once: usize) -> Result<Settings> {
