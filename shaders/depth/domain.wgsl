@@ -55,15 +55,9 @@ fn integer_log2(value: u32) -> u32 {
     return (exponent << 24u) + low + (((high - low) * rest + 0x4000u) >> 15u);
 }
 
-// (log · scale + 2³¹) >> 32, of four products of 16 bits.
+// (log · scale + 2³¹) >> 32.
 fn scaled(log: u32, scale: u32) -> u32 {
-    let a = vec2u(log & 0xffffu, log >> 16u);
-    let b = vec2u(scale & 0xffffu, scale >> 16u);
-    let low = a.x * b.x;
-    let across = a.y * b.x;
-    let down = a.x * b.y;
-    let middle = (low >> 16u) + (across & 0xffffu) + (down & 0xffffu);
-    let high = a.y * b.y + (across >> 16u) + (down >> 16u) + (middle >> 16u);
+    let found = product(log, scale);
     // Half of 2³² carries where the highest bit below is set.
-    return min(high + ((middle >> 15u) & 1u), FAR_CODE);
+    return min(found.y + (found.x >> 31u), FAR_CODE);
 }

@@ -214,7 +214,7 @@ fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
 
 /// The graphics device that decodes, if one does; --verify needs one.
 fn open_device(args: &Args, global: &GlobalArgs) -> Result<Option<Gpu>> {
-    let is_named = args.device == Some(DeviceChoice::Gpu) || args.gpu.gpu_index.is_some();
+    let is_named = args.device == Some(DeviceChoice::Gpu) || args.gpu.index.gpu_index.is_some();
     if args.memory.memory.is_some() && (args.verify || is_named) {
         return refuse("--memory limits the CPU decoder only, not graphics devices: leave out one of them");
     }
@@ -232,7 +232,7 @@ fn open_device(args: &Args, global: &GlobalArgs) -> Result<Option<Gpu>> {
         (_, true) => Some(DeviceChoice::Gpu),
         (choice, false) => choice,
     };
-    args.gpu.open(choice, global)
+    args.gpu.index.open(choice, global)
 }
 
 pub struct Export<'a> {

@@ -13,12 +13,18 @@ const VARIABLE: &str = "LIGHTFOLD_GPU";
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct GpuArgs {
-    /// Number of the graphics device; LIGHTFOLD_GPU may hold a number or part of a name instead
-    #[arg(long, value_name = "N")]
-    pub gpu_index: Option<usize>,
+    #[command(flatten)]
+    pub index: GpuIndex,
     /// List the graphics devices and exit
     #[arg(long)]
     pub list_devices: bool,
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct GpuIndex {
+    /// Number of the graphics device; LIGHTFOLD_GPU may hold a number or part of a name instead
+    #[arg(long, value_name = "N")]
+    pub gpu_index: Option<usize>,
 }
 
 pub const DEVICES: &Choices<DeviceChoice> = &[
@@ -27,7 +33,12 @@ pub const DEVICES: &Choices<DeviceChoice> = &[
     ("cpu", DeviceChoice::Cpu, "The CPU"),
 ];
 
-impl GpuArgs {
+impl GpuIndex {
+    /// Whether a graphics device is asked for.
+    pub fn is_on_device(&self, choice: Option<DeviceChoice>) -> bool {
+        self.gpu_index.is_some() || choice.is_some_and(|device| device != DeviceChoice::Cpu)
+    }
+
     /// The device that the option or the environment asks for.
     pub fn pick(&self) -> Pick {
         let variable = || std::env::var(VARIABLE).map_or(Pick::Best, |words| Pick::parse(&words));
@@ -54,7 +65,7 @@ pub fn or_on_cpu<T>(
     match on_gpu(gpu) {
         Ok(done) => Ok((done, gpu.info.name.clone())),
         Err(error @ Error::Unsupported { .. }) if choice == Some(DeviceChoice::Auto) => {
-            global.note(format_args!("{error}; decoding on the CPU"));
+            global.note(format_args!("{error}; going on with the CPU"));
             Ok((on_cpu()?, "cpu".to_owned()))
         }
         Err(error) => Err(error),

@@ -1,6 +1,7 @@
 //! `lightfold interpolate INPUT`: many views side by side from few source views.
 
 mod args;
+mod device;
 mod input;
 mod light_field;
 mod outputs;
@@ -18,9 +19,9 @@ use crate::dataset::{CameraSet, PlacedCamera};
 use crate::epipolar::acquire::Acquisition;
 use crate::epipolar::brute_force;
 use crate::epipolar::fill::Truth;
-use crate::epipolar::grid::{self, GridViews, interpolate_grid};
+use crate::epipolar::grid::{self, GridRequest, GridViews, interpolate_grid};
 use crate::epipolar::memory;
-use crate::epipolar::pipeline::{self, Picture, Settings, Summary, between, interpolate};
+use crate::epipolar::pipeline::{Picture, Request, Settings, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
@@ -32,6 +33,7 @@ use crate::report::machine;
 use crate::scene::SceneAtTime;
 
 pub use args::Args;
+use device::Device;
 use input::{FrameInput, Input};
 use outputs::Outputs;
 use quality::Quality;
@@ -43,6 +45,7 @@ const VIEWS_AT_ONCE: usize = 32;
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let loading = Instant::now();
     args.check()?;
+    args.check_device()?;
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
     let views = input.views(args)?;
@@ -73,16 +76,22 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         ..Measured::default()
     };
     let grid = args.grid_of(views);
-    let steps_of = |row: usize| pipeline::steps(&grid.row, grid.in_row(&range, row).len(), &settings);
+    let gpu = args.gpu.open(args.device, global)?;
+    let device = Device::new(gpu.as_ref(), args.device, global);
+    let steps_of = |row: usize| {
+        let range = grid.in_row(&range, row);
+        Request { views: &grid.row, range, settings: &settings, backend: &device }.steps()
+    };
     let interpolated = match by_columns {
         _ if args.brute_force => 0,
-        true => grid::steps(&grid, grid.row.offsets_m.len()),
+        true => grid::steps(&grid),
         false => (0..grid.ups_m.len()).map(steps_of).sum(),
     };
     let steps = interpolated + if args.brute_force || args.compare { range.len() as u64 } else { 0 };
     let progress = Progress::start(global, "interpolating", frames.count() * steps)?;
     let all = (frames.count(), range.len() as u64);
-    let mut run = Run { args, progress: &progress, outputs, measured: &mut measured, frame: frames.first };
+    let mut run =
+        Run { args, progress: &progress, device: &device, outputs, measured: &mut measured, frame: frames.first };
     if let Some(outputs) = &mut run.outputs {
         outputs.begin(&fingerprint(args, &input, &grid, &settings), all, (args.resume, global))?;
     }
@@ -95,6 +104,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let quilt = quilt.map_err(|error| output::name_output(error, args.output.as_deref().unwrap_or(Path::new("-"))))?;
     measured.quality.commit()?;
     drop(progress);
+    measured.device = device.name();
     if let Some(path) = &args.cameras_out {
         output::write_file(path, &cameras(&grid)?.to_json()?)?;
     }
@@ -146,9 +156,10 @@ fn cameras(grid: &GridViews) -> Result<CameraSet> {
 }
 
 /// Takes the pictures of a run.
-struct Run<'a> {
+struct Run<'a, 'd> {
     args: &'a Args,
     progress: &'a Progress,
+    device: &'a Device<'d>,
     outputs: Option<Outputs>,
     measured: &'a mut Measured,
     frame: u32,
@@ -157,7 +168,7 @@ struct Run<'a> {
 /// Renders a view without interpolation.
 type Cast<'a> = dyn Fn(usize) -> Result<RenderedImage> + 'a;
 
-impl Run<'_> {
+impl Run<'_, '_> {
     /// All views that no earlier run has made.
     fn all_frames(&mut self, input: &mut Input, grid: &GridViews, mut settings: Settings) -> Result<Summary> {
         let range = self.args.range()?;
@@ -194,13 +205,12 @@ impl Run<'_> {
     /// The views of a grid, column by column.
     fn columns(&mut self, scene: &SceneAtTime, grid: &GridViews, settings: &Settings) -> Result<Summary> {
         let (range, count) = (self.args.range()?, grid.row.offsets_m.len());
-        let mut is_missing = vec![false; grid.count()];
+        let mut wanted = vec![false; grid.count()];
         for missing in self.missing(range, 0)? {
-            is_missing[missing].fill(true);
+            wanted[missing].fill(true);
         }
-        let progress = self.progress;
-        let is_wanted = |row: usize, view: usize| is_missing[row * count + view];
-        interpolate_grid(scene, grid, is_wanted, settings, progress, |row, view, picture| {
+        let (progress, request) = (self.progress, GridRequest { grid, wanted, settings, backend: self.device });
+        interpolate_grid(scene, &request, progress, |row, view, picture| {
             let views = grid.views_of(row)?;
             let cast = |view: usize| {
                 let color =
@@ -233,7 +243,7 @@ impl Run<'_> {
         first: usize,
         settings: &Settings,
     ) -> Result<Summary> {
-        let progress = self.progress;
+        let (progress, backend) = (self.progress, self.device);
         match now {
             FrameInput::Scene(scene) => {
                 let samples = &settings.acquire.samples;
@@ -245,11 +255,12 @@ impl Run<'_> {
                     return self.cast_all(range, first, &cast);
                 }
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
-                interpolate(scene, (views, range), settings, progress, take)
+                interpolate(scene, &Request { views, range, settings, backend }, progress, take)
             }
             FrameInput::Images(images) => {
                 let take = |view, picture: Picture| self.take((view, first), &picture, None);
-                between((&images.sources, None::<Truth<'_>>), (views, range), settings, progress, take)
+                let request = Request { views, range, settings, backend };
+                between((&images.sources, None::<Truth<'_>>), &request, progress, take)
             }
             FrameInput::Field(field) => {
                 if let Some(outputs) = &mut self.outputs {
@@ -263,7 +274,8 @@ impl Run<'_> {
                 let (sources, counters) = field.sources(views, self.args, progress)?;
                 let acquired = begun.elapsed();
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
-                let mut summary = between((&sources, None), (views, range), settings, progress, take)?;
+                let request = Request { views, range, settings, backend };
+                let mut summary = between((&sources, None), &request, progress, take)?;
                 summary.stages.acquire += acquired;
                 summary.counters.add(&counters);
                 Ok(summary)
@@ -334,6 +346,7 @@ impl Default for Measured {
             write: Duration::ZERO,
             brute_force: Duration::ZERO,
             memory_model_bytes: 0,
+            device: String::new(),
             quality: Quality::default(),
         }
     }

@@ -74,7 +74,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
     let rows = jobs.iter().map(|job| job.request.cameras.len() as u64 * u64::from(job.size[1])).sum();
     let progress = Progress::start(global, "rendering rows", rows)?;
-    let gpu = args.gpu.open(args.device, global)?;
+    let gpu = args.gpu.index.open(args.device, global)?;
     let start = Instant::now();
     let tone = subject.tone();
     let mut renderer = subject.renderer(gpu.as_ref())?;

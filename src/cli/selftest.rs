@@ -65,7 +65,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
-    let picks = match args.gpu.pick() {
+    let picks = match args.gpu.index.pick() {
         Pick::Best => list().iter().map(|info| Pick::Index(info.index)).collect(),
         pick => vec![pick],
     };

@@ -20,7 +20,7 @@ pub struct Counters {
     pub coalesced_pixels: u64,
     /// Pixels of output views that lines and the spans between them cover, once for each.
     pub fragments: u64,
-    /// Fragments that were nearer than all before them.
+    /// Fragments that were nearer than all before them; on a device, where fragments have no order, pixels that are covered.
     pub depth_tests_won: u64,
     /// Places along lines where highlights are computed.
     pub splits: u64,
@@ -28,7 +28,8 @@ pub struct Counters {
     pub hole_pixels: u64,
     /// Pixels that are ray cast in an output view: holes, mirrors and glass.
     pub traced_pixels: u64,
-    /// Pixels of output views that show each layer of a source.
+    /// Pixels of output views that show each layer of a source; 0 on devices.
+    #[serde(skip)]
     pub pixels_by_layer: [u64; MAX_LAYERS],
 }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use super::acquire::acquire;
+use super::backend::Backend;
 use super::fill::{Truth, fill, picture};
 use super::interpolate::{Coverage, InterpolatedView, Interpolator};
 use super::pipeline::{Picture, Settings, SourceReport, Summary};
@@ -54,20 +55,36 @@ impl GridViews {
     }
 }
 
-/// Steps that a run over some columns reports to its monitor.
-pub fn steps(grid: &GridViews, columns: usize) -> u64 {
-    columns as u64 * u64::from(grid.row.size[0])
+/// What is to be rendered, and where.
+#[derive(Clone)]
+pub struct GridRequest<'a> {
+    pub grid: &'a GridViews,
+    /// By view, row by row: whether it is asked for.
+    pub wanted: Vec<bool>,
+    pub settings: &'a Settings,
+    pub backend: &'a dyn Backend,
+}
+
+impl GridRequest<'_> {
+    /// Whether a view is asked for, by its row and its place there.
+    fn wants(&self, row: usize, view: usize) -> bool {
+        self.wanted[row * self.grid.row.offsets_m.len() + view]
+    }
+}
+
+/// Steps that a run over all columns reports to its monitor.
+pub fn steps(grid: &GridViews) -> u64 {
+    grid.row.offsets_m.len() as u64 * u64::from(grid.row.size[0])
 }
 
 /// Renders the views of a grid that are asked for, and gives each with its row and its place there, column by column.
 pub fn interpolate_grid(
     scene: &SceneAtTime,
-    grid: &GridViews,
-    is_wanted: impl Fn(usize, usize) -> bool,
-    settings: &Settings,
+    request: &GridRequest<'_>,
     monitor: &dyn Monitor,
     mut take: impl FnMut(usize, usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
+    let GridRequest { grid, settings, backend, .. } = request;
     let mut summary = Summary::default();
     let last_row = grid.ups_m.len() - 1;
     let ends = [grid.views_of(0)?, grid.views_of(last_row)?];
@@ -83,7 +100,7 @@ pub fn interpolate_grid(
     let interpolators = [0, 1].map(|end| Interpolator::new(&ends[end], &sources[end], settings.interpolate));
     let truth = Truth { scene, samples: &settings.acquire.samples };
     let columns: Vec<usize> =
-        (0..grid.row.offsets_m.len()).filter(|&view| (0..=last_row).any(|row| is_wanted(row, view))).collect();
+        (0..grid.row.offsets_m.len()).filter(|&view| (0..=last_row).any(|row| request.wants(row, view))).collect();
     let mut at = 0;
     while at < columns.len() {
         // Neighbours, at most so many.
@@ -103,11 +120,11 @@ pub fn interpolate_grid(
             let begun = Instant::now();
             let [top_m, bottom_m] = views.ends_m();
             let turned = [turned_source(&high, grid.row.size, top_m), turned_source(&low, grid.row.size, bottom_m)];
-            let (made, counted) =
-                Interpolator::new(&views, &turned, settings.interpolate).views(0..last_row + 1, monitor)?;
+            let interpolator = Interpolator::new(&views, &turned, settings.interpolate);
+            let (made, counted) = backend.views(&interpolator, 0..last_row + 1, monitor)?;
             summary.counters.add(&counted);
             summary.stages.interpolate += begun.elapsed();
-            for (row, of_view) in made.iter().rev().enumerate().filter(|(row, _)| is_wanted(*row, column)) {
+            for (row, of_view) in made.iter().rev().enumerate().filter(|(row, _)| request.wants(*row, column)) {
                 let mut of_view = turned_back(of_view);
                 let unfilled = settings.keeps_unfilled.then(|| picture(&of_view)).transpose()?;
                 let begun = Instant::now();

@@ -54,10 +54,10 @@ impl Default for InterpolateSettings {
 /// Interpolates views between sources, which are in their order.
 #[derive(Debug)]
 pub struct Interpolator<'a> {
-    views: &'a OutputViews,
-    sources: &'a [SourceView],
+    pub views: &'a OutputViews,
+    pub sources: &'a [SourceView],
+    pub space: LineSpace,
     settings: InterpolateSettings,
-    space: LineSpace,
     eyes: EyeLine,
 }
 
@@ -93,14 +93,27 @@ impl<'a> Interpolator<'a> {
         Ok(((0..range.len()).into_par_iter().map(view).collect::<Result<_>>()?, counters))
     }
 
-    fn row(&self, row: usize, range: Range<usize>) -> (Vec<ViewRow>, Counters) {
+    /// The lines of a scanline, counted.
+    pub fn lines(&self, row: usize) -> (Vec<Line>, Counters) {
         let mut lines = self.space.lines(self.sources, row);
         let runs = coalesce(&mut lines, self.settings.coalesce);
-        let mut counters = Counters {
-            lines: lines.len() as u64,
-            coalesced_pixels: (lines.len() - runs.len()) as u64,
-            ..Counters::default()
-        };
+        let coalesced_pixels = (lines.len() - runs.len()) as u64;
+        let counters = Counters { lines: lines.len() as u64, coalesced_pixels, ..Counters::default() };
+        (lines, counters)
+    }
+
+    /// The pixel that a line of a scanline stands for.
+    pub fn source_pixel(&self, row: usize, line: &Line) -> &SourcePixel {
+        &self.sources[usize::from(line.source)].rows[row].pixels[line.pixel as usize]
+    }
+
+    /// Whether a scanline has lines with highlights.
+    pub fn has_gloss(&self, row: usize) -> bool {
+        self.sources.iter().any(|source| !source.rows[row].gloss.is_empty())
+    }
+
+    fn row(&self, row: usize, range: Range<usize>) -> (Vec<ViewRow>, Counters) {
+        let (lines, mut counters) = self.lines(row);
         let shader = Shader::new(self, &lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
@@ -114,8 +127,7 @@ impl<'a> Interpolator<'a> {
             counters.hole_pixels += pixels.iter().filter(|pixel| pixel.1 == Coverage::Hole).count() as u64;
             rows.push(pixels);
         }
-        let highlights = shader.highlights.iter().filter_map(OnceCell::get);
-        counters.splits = highlights.map(|highlight| highlight.splits() as u64).sum();
+        counters.splits = shader.splits();
         (rows, counters)
     }
 }
@@ -189,7 +201,8 @@ pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64)
 }
 
 /// Light of the lines of a scanline.
-struct Shader<'a> {
+#[derive(Debug)]
+pub struct Shader<'a> {
     of: &'a Interpolator<'a>,
     lines: &'a [Line],
     row: usize,
@@ -198,18 +211,23 @@ struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    fn new(of: &'a Interpolator<'a>, lines: &'a [Line], row: usize) -> Shader<'a> {
+    pub fn new(of: &'a Interpolator<'a>, lines: &'a [Line], row: usize) -> Shader<'a> {
         // A scanline without gloss has no highlight.
-        let has_gloss = of.sources.iter().any(|source| !source.rows[row].gloss.is_empty());
-        let highlights = vec![OnceCell::new(); if has_gloss { lines.len() } else { 0 }];
+        let highlights = vec![OnceCell::new(); if of.has_gloss(row) { lines.len() } else { 0 }];
         Shader { of, lines, row, highlights }
     }
 
     fn source_pixel(&self, line: &Line) -> &SourcePixel {
-        &self.of.sources[usize::from(line.source)].rows[self.row].pixels[line.pixel as usize]
+        self.of.source_pixel(self.row, line)
     }
 
-    fn pixel(&self, winner: Option<Winner>, view: usize) -> ([f16; 3], Coverage) {
+    /// Places where highlights were computed.
+    pub fn splits(&self) -> u64 {
+        self.highlights.iter().filter_map(OnceCell::get).map(|highlight| highlight.splits() as u64).sum()
+    }
+
+    /// What a pixel of a view shows.
+    pub fn pixel(&self, winner: Option<Winner>, view: usize) -> ([f16; 3], Coverage) {
         let Some(Winner { line: at, beside, weight }) = winner else { return ([f16::ZERO; 3], Coverage::Hole) };
         let line = &self.lines[at as usize];
         let pixel = self.source_pixel(line);

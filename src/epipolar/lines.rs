@@ -14,6 +14,8 @@ const DISPARITY_BITS: u32 = 12;
 const PLACE_BITS: u32 = 24;
 /// Columns that a line moves at most: more leaves every image.
 const MOST_COLUMNS: f64 = (1 << (30 - DISPARITY_BITS)) as f64;
+/// 1/256 pixels that a line moves at most, so that sums and differences of columns fit 32 bits.
+const MOST_MOVED: i64 = 1 << 29;
 /// Baselines from the first view at which a source may stand.
 const MOST_PLACE: f64 = 64.0;
 /// Tangent of the steepest slant, from the scanline, of a surface that still fills pixels.
@@ -55,7 +57,8 @@ pub struct LineSpace {
 /// On devices the product is of two 32-bit limbs.
 pub fn moved(disparity: i32, place: i32) -> i32 {
     const SHIFT: u32 = DISPARITY_BITS - COLUMN_BITS + PLACE_BITS;
-    ((i64::from(disparity) * i64::from(place) + (1 << (SHIFT - 1))) >> SHIFT) as i32
+    let columns = (i64::from(disparity) * i64::from(place) + (1 << (SHIFT - 1))) >> SHIFT;
+    columns.clamp(-MOST_MOVED, MOST_MOVED) as i32
 }
 
 impl LineSpace {

@@ -13,9 +13,10 @@
 //! 4. [`highlights`]: light that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.
 //!
-//! [`layers`] decides between the frames of a sequence how many layers are acquired (3.4.4). [`pipeline`] runs all stages; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
+//! [`backend`]: stages 3 and 4 on the CPU, or elsewhere. [`grid`] makes columns between two rows (7.2). [`layers`] decides between the frames of a sequence how many layers are acquired (3.4.4). [`pipeline`] runs all stages; [`brute_force`] renders every view, which is the truth; [`memory`] says what a run takes.
 
 pub mod acquire;
+pub mod backend;
 pub mod brute_force;
 pub mod captured;
 pub mod coalesce;

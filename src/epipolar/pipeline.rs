@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::acquire::{AcquireSettings, acquire};
+use super::backend::{Backend, Cpu};
 use super::counters::Counters;
 use super::fill::{HoleFilling, Truth, fill, picture};
 use super::interpolate::{InterpolateSettings, Interpolator};
@@ -26,6 +27,16 @@ pub struct Settings {
     pub views_at_once: usize,
     /// Whether pictures come before their holes are filled, too.
     pub keeps_unfilled: bool,
+}
+
+/// What is to be rendered, and where.
+#[derive(Clone)]
+pub struct Request<'a> {
+    pub views: &'a OutputViews,
+    /// Some of the views.
+    pub range: Range<usize>,
+    pub settings: &'a Settings,
+    pub backend: &'a dyn Backend,
 }
 
 /// Durations of the stages.
@@ -80,24 +91,32 @@ impl Summary {
     }
 }
 
-/// Steps that a run reports to its monitor.
-pub fn steps(views: &OutputViews, count: usize, settings: &Settings) -> u64 {
-    (count as u64).div_ceil(settings.views_at_once.max(1) as u64) * u64::from(views.size[1])
+impl<'a> Request<'a> {
+    /// All views, on the CPU.
+    pub fn all(views: &'a OutputViews, settings: &'a Settings) -> Request<'a> {
+        Request { views, range: 0..views.offsets_m.len(), settings, backend: &Cpu }
+    }
+
+    /// Steps that a run reports to its monitor.
+    pub fn steps(&self) -> u64 {
+        let blocks = self.range.len().div_ceil(self.settings.views_at_once.max(1));
+        blocks as u64 * u64::from(self.views.size[1])
+    }
 }
 
 /// Renders some of the output views of a scene, and gives each picture with its number, in order.
 pub fn interpolate(
     scene: &SceneAtTime,
-    (views, range): (&OutputViews, Range<usize>),
-    settings: &Settings,
+    request: &Request<'_>,
     monitor: &dyn Monitor,
     take: impl FnMut(usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
     let begun = Instant::now();
-    let (sources, counters) = acquire(scene, views, &settings.acquire, monitor)?;
+    let settings = &request.settings.acquire;
+    let (sources, counters) = acquire(scene, request.views, settings, monitor)?;
     let acquired = begun.elapsed();
-    let truth = Some(Truth { scene, samples: &settings.acquire.samples });
-    let mut summary = between((&sources, truth), (views, range), settings, monitor, take)?;
+    let truth = Some(Truth { scene, samples: &settings.samples });
+    let mut summary = between((&sources, truth), request, monitor, take)?;
     summary.counters.add(&counters);
     summary.stages.acquire = acquired;
     Ok(summary)
@@ -106,18 +125,18 @@ pub fn interpolate(
 /// Renders some of the output views between source views, which are in their order.
 pub fn between(
     (sources, truth): (&[SourceView], Option<Truth<'_>>),
-    (views, range): (&OutputViews, Range<usize>),
-    settings: &Settings,
+    request: &Request<'_>,
     monitor: &dyn Monitor,
     mut take: impl FnMut(usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
     let mut summary = Summary { sources: sources.iter().map(SourceReport::of).collect(), ..Summary::default() };
+    let Request { views, range, settings, backend } = request;
     let interpolator = Interpolator::new(views, sources, settings.interpolate);
     let mut first = range.start;
     while first < range.end {
         let block = first..(first + settings.views_at_once.max(1)).min(range.end);
         let begun = Instant::now();
-        let (mut interpolated, counted) = interpolator.views(block.clone(), monitor)?;
+        let (mut interpolated, counted) = backend.views(&interpolator, block.clone(), monitor)?;
         // Lines are the same for all blocks.
         let lines = if first == range.start { counted.lines } else { 0 };
         let coalesced_pixels = if first == range.start { counted.coalesced_pixels } else { 0 };
@@ -126,7 +145,7 @@ pub fn between(
         for (view, of_view) in block.clone().zip(&mut interpolated) {
             let unfilled = settings.keeps_unfilled.then(|| picture(of_view)).transpose()?;
             let begun = Instant::now();
-            let place = (views, views.offsets_m[view]);
+            let place = (*views, views.offsets_m[view]);
             summary.counters.traced_pixels += fill(of_view, truth, place, settings.holes, monitor)?;
             summary.stages.fill += begun.elapsed();
             take(view, Picture { filled: picture(of_view)?, unfilled })?;

@@ -13,6 +13,8 @@ use super::lines::{COLUMN_BITS, Line, LineSpace, moved};
 
 /// Key of a pixel that nothing covers.
 const NOTHING: u64 = u64::MAX;
+/// Columns between parted lines, 1/256 pixels, from which 255 times as many may not fit 32 bits: weights are of whole pixels there.
+const FAR_APART: i32 = 1 << 22;
 
 /// What a pixel shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,8 +134,9 @@ impl<'a> Slice<'a> {
         let parted = beside.map(|beside| (self.columns[beside] - self.columns[at], beside));
         // Lines that have come closer, or changed places, are not blended.
         let weight = parted.filter(|(parted, _)| parted.signum() == right_of_line.signum()).map(|(parted, beside)| {
-            let weight = (255 * right_of_line.abs() + parted.abs() / 2) / parted.abs();
-            (beside as u32, weight.min(255) as u8)
+            let shift = if parted.abs() >= FAR_APART { COLUMN_BITS } else { 0 };
+            let [part, whole] = [right_of_line, parted].map(|columns| columns.abs() >> shift);
+            (beside as u32, ((255 * part + whole / 2) / whole).min(255) as u8)
         });
         let (beside, weight) = weight.unwrap_or((at as u32, 0));
         Some(Winner { line: at as u32, beside, weight })

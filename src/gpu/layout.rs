@@ -1,5 +1,5 @@
 //! Structs and constants that Rust and WGSL share: those of `shaders/kernels.json`, which `build.rs` turns into Rust. The WGSL
-//! declares them in `shaders/shared/layout.wgsl` and `shaders/march/layout.wgsl`; a test compares the two by reflection.
+//! declares them in the files named `layout.wgsl`; a test compares the two by reflection.
 
 /// A value that is stored as 32-bit words.
 pub trait Words {
@@ -9,6 +9,12 @@ pub trait Words {
 impl Words for u32 {
     fn put(&self, out: &mut Vec<u32>) {
         out.push(*self);
+    }
+}
+
+impl Words for i32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(*self as u32);
     }
 }
 

@@ -9,6 +9,8 @@ mod gathered;
 mod nodes;
 pub mod pictures;
 mod plans;
+#[cfg(feature = "epipolar")]
+pub mod slices;
 pub mod streams;
 mod texels;
 pub mod transform;
@@ -68,6 +70,10 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::RENDER, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_PYRAMID, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::SLICES, inputs: Words(slices::winners) },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::LINE_LIGHT, inputs: Words(slices::light) },
 ];
 
 pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {

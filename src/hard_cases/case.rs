@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::error::Result;
 use crate::gpu::selftest::pictures::PictureCase;
+use crate::gpu::selftest::slices::InterpolationCase;
 use crate::hard_cases::clip::Clip;
 
 /// Relative rounding of binary64.
@@ -101,6 +102,15 @@ pub struct Measured {
 pub struct Inputs {
     pub clips: Vec<Clip>,
     pub pictures: Vec<PictureCase>,
+    pub interpolations: Vec<InterpolationCase>,
+}
+
+impl Inputs {
+    /// Pictures that are rendered: interpolated views among them.
+    pub fn picture_count(&self) -> usize {
+        let views = self.interpolations.iter().map(|case| case.views.offsets_m.len());
+        self.pictures.len() + views.sum::<usize>()
+    }
 }
 
 impl Measured {
@@ -154,6 +164,11 @@ impl Measured {
 
     pub(super) fn with_picture(mut self, picture: PictureCase) -> Measured {
         self.inputs.pictures.push(picture);
+        self
+    }
+
+    pub(super) fn with_interpolations(mut self, cases: impl IntoIterator<Item = InterpolationCase>) -> Measured {
+        self.inputs.interpolations.extend(cases);
         self
     }
 

@@ -1,11 +1,11 @@
 //! Hard cases on a graphics device: streams decoded in order and entered anywhere must equal the CPU's in every word; pictures
-//! must agree within bounds.
+//! must agree within bounds, and interpolated views in every pixel.
 
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
-use crate::gpu::selftest::pictures;
+use crate::gpu::selftest::{pictures, slices};
 use crate::gpu::{Gpu, GpuDecoder};
 use crate::hard_cases::case::Inputs;
 use crate::hard_cases::clip::{Clip, open};
@@ -42,6 +42,15 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
             if agreement.mismatches() > 0 {
                 figures.first.get_or_insert_with(|| format!("{}: {agreement:?}", case.label));
             }
+        }
+        for case in &inputs.interpolations {
+            monitor.check()?;
+            let found = slices::run(gpu, case)?;
+            let views = case.views.offsets_m.len() as u64;
+            figures.pictures += views;
+            figures.rendered += views;
+            figures.mismatched_words += found.mismatches;
+            figures.first = figures.first.take().or(found.first);
         }
     }
     let all = inputs.iter().enumerate().flat_map(|(case, inputs)| inputs.clips.iter().map(move |clip| (case, clip)));

@@ -1,23 +1,22 @@
 //! Views between source views where lines are hard: planes at all depths, sources in bad places, scenes of all sizes, mirrors.
-//!
-//! All of it is on the CPU.
 
 use std::ops::Range;
 
 use glam::DVec3;
 use half::f16;
 
-use crate::epipolar::acquire::AcquireSettings;
+use crate::epipolar::acquire::{AcquireSettings, acquire};
 use crate::epipolar::brute_force;
-use crate::epipolar::fill::HoleFilling;
+use crate::epipolar::fill::{HoleFilling, Truth};
 use crate::epipolar::highlights::EyeLine;
 use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator};
 use crate::epipolar::lines::{LineSpace, moved};
-use crate::epipolar::pipeline::{Settings, interpolate};
+use crate::epipolar::pipeline::{Request, Settings, between};
 use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView, in_order};
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::epipolar::visibility::hidden_m;
 use crate::error::Result;
+use crate::gpu::selftest::slices::InterpolationCase;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -109,24 +108,36 @@ fn interpolated(views: &OutputViews, sources: &[SourceView]) -> Result<Vec<Inter
     Ok(interpolator.views(0..views.count() as usize, &Silent)?.0)
 }
 
+/// What devices interpolate, too.
+fn on_devices(label: impl Into<String>, views: &OutputViews, sources: &[SourceView]) -> InterpolationCase {
+    InterpolationCase {
+        label: label.into(),
+        views: views.clone(),
+        sources: sources.to_vec(),
+        settings: InterpolateSettings::default(),
+    }
+}
+
 fn columns_of_views(count: u32, baseline_m: f64) -> Result<Measured> {
     let views = views(count, baseline_m, f64::INFINITY, SIZE)?;
-    let mut worst = Measured::nothing();
+    let (mut worst, mut cases) = (Measured::nothing(), Vec::new());
     let space = LineSpace::new(&views, &[views.offsets_m[0]]);
     for depth_m in [0.9f32, 3.3, 171.0, 1e9, f32::INFINITY] {
-        let lines = space.lines(&[source(views.offsets_m[0], 20..21, &[&|_| Some(depth_m)])], 0);
+        let sources = [source(views.offsets_m[0], 20..21, &[&|_| Some(depth_m)])];
+        let lines = space.lines(&sources, 0);
+        cases.push(on_devices(format!("{depth_m} m"), &views, &sources));
         for (view, offset_m) in views.offsets_m.iter().enumerate() {
             let found = f64::from(lines[0].column + moved(lines[0].disparity, space.place(0, view))) / 256.0;
             let exact = 20.5 + (offset_m - views.offsets_m[0]) * views.columns_per_metre(f64::from(depth_m));
             worst.greatest((found - exact).abs(), || format!("{depth_m} m, view {view}"));
         }
     }
-    Ok(worst)
+    Ok(worst.with_interpolations(cases))
 }
 
 fn planes(count: u32, baseline_m: f64, focus_m: f64) -> Result<Measured> {
     let views = views(count, baseline_m, focus_m, SIZE)?;
-    let mut wrong = Measured::count(0);
+    let (mut wrong, mut cases) = (Measured::count(0), Vec::new());
     for depth_m in [1e-3f32, 0.7, 2.0, 2.000_000_2, 1e9, f32::INFINITY] {
         let disparity = views.columns_per_metre(f64::from(depth_m)).abs() * baseline_m;
         let reach = (disparity.min(1e6) as i32) + SIZE[0] as i32;
@@ -138,8 +149,9 @@ fn planes(count: u32, baseline_m: f64, focus_m: f64) -> Result<Measured> {
         wrong.count_if(open || counters.fragments != pixels, || {
             format!("{depth_m} m: {} of {pixels} covered, {} open", counters.fragments, counters.hole_pixels)
         });
+        cases.push(on_devices(format!("{depth_m} m"), &views, &[plane]));
     }
-    Ok(wrong)
+    Ok(wrong.with_interpolations(cases))
 }
 
 fn orders() -> Result<Measured> {
@@ -147,13 +159,14 @@ fn orders() -> Result<Measured> {
     let post = |column: i32| Some(if column.rem_euclid(9) < 2 { 0.8f32 } else { 3.0 });
     let all: Vec<SourceView> = [-0.15, 0.0, 0.11].map(|offset_m| source(offset_m, -40..90, &[&post])).into();
     let plain = interpolated(&views, &in_order(all.clone()))?;
-    let mut wrong = Measured::count(0);
+    let (mut wrong, mut cases) = (Measured::count(0), Vec::new());
     for other in [all.iter().rev().cloned().collect(), [all.clone(), all].concat()] {
+        cases.push(on_devices("as they come", &views, &other));
         let found = interpolated(&views, &in_order(other))?;
         let differs = plain.iter().zip(&found).position(|(a, b)| a.color != b.color || a.coverage != b.coverage);
         wrong.count_if(differs.is_some(), || format!("view {differs:?}"));
     }
-    Ok(wrong)
+    Ok(wrong.with_interpolations(cases))
 }
 
 /// The first of two layers at one depth is seen.
@@ -165,13 +178,14 @@ fn coplanar() -> Result<Measured> {
             pixel.steady = [f16::INFINITY; 3];
         }
     }
+    let case = on_devices("doubled", &views, std::slice::from_ref(&doubled));
     let shown = interpolated(&views, &[doubled])?;
     let alone = interpolated(&views, &[source(0.0, -60..110, &[&|_| Some(2.0)])])?;
     let mut wrong = Measured::count(0);
     for (view, (a, b)) in shown.iter().zip(&alone).enumerate() {
         wrong.count_if(a.color != b.color, || format!("view {view}"));
     }
-    Ok(wrong)
+    Ok(wrong.with_interpolations([case]))
 }
 
 /// Leaves with holes hide the wall behind where they are, and nowhere else.
@@ -180,7 +194,8 @@ fn holes_before_a_wall() -> Result<Measured> {
     let is_leaf = |column: i32| column.rem_euclid(6) < 3;
     let leaves = |column: i32| Some(if is_leaf(column) { 1.0f32 } else { 4.0 });
     let wall = |column: i32| is_leaf(column).then_some(4.0f32);
-    let shown = interpolated(&views, &[source(0.0, -60..110, &[&leaves, &wall])])?;
+    let sources = [source(0.0, -60..110, &[&leaves, &wall])];
+    let shown = interpolated(&views, &sources)?;
     let mut wrong = Measured::count(0);
     for (view, found) in shown.iter().enumerate() {
         let moved = views.offsets_m[view] * views.columns_per_metre(1.0);
@@ -192,18 +207,19 @@ fn holes_before_a_wall() -> Result<Measured> {
             wrong.count_if(is_open || is_leaf(at) && !shows_leaf, || format!("view {view}, column {column}"));
         }
     }
-    Ok(wrong)
+    Ok(wrong.with_interpolations([on_devices("leaves", &views, &sources)]))
 }
 
 fn nothing() -> Result<Measured> {
     let views = views(3, 0.3, 2.0, SIZE)?;
-    let mut wrong = Measured::count(0);
+    let (mut wrong, mut cases) = (Measured::count(0), Vec::new());
     for sources in [Vec::new(), vec![source(0.0, 0..0, &[])]] {
         let shown = interpolated(&views, &sources)?;
         let open = shown.iter().flat_map(|view| view.coverage.data()).all(|of| *of == Coverage::Hole);
         wrong.count_if(!open, || format!("{} sources", sources.len()));
+        cases.push(on_devices(format!("{} sources", sources.len()), &views, &sources));
     }
-    Ok(wrong)
+    Ok(wrong.with_interpolations(cases))
 }
 
 fn pole() -> Result<Measured> {
@@ -279,7 +295,9 @@ fn settings() -> Result<Settings> {
 /// Pixels of some views that differ from ray casting.
 fn different(scene: &SceneAtTime, views: &OutputViews, compared: &[usize]) -> Result<Measured> {
     let (mut wrong, settings) = (Measured::count(0), settings()?);
-    interpolate(scene, (views, 0..views.count() as usize), &settings, &Silent, |view, picture| {
+    let (sources, _) = acquire(scene, views, &settings.acquire, &Silent)?;
+    let truth = Truth { scene, samples: &settings.acquire.samples };
+    between((&sources, Some(truth)), &Request::all(views, &settings), &Silent, |view, picture| {
         if !compared.contains(&view) {
             return Ok(());
         }
@@ -289,7 +307,7 @@ fn different(scene: &SceneAtTime, views: &OutputViews, compared: &[usize]) -> Re
         }
         Ok(())
     })?;
-    Ok(wrong)
+    Ok(wrong.with_interpolations([on_devices("sources of the scene", views, &sources)]))
 }
 
 fn same_as_cast(scene: &SceneAtTime, count: u32, size: [u32; 2]) -> Result<Measured> {

@@ -36,7 +36,7 @@ impl CaseReport {
             place: measured.place.clone(),
             note: measured.note.clone(),
             streams: measured.inputs.clips.len(),
-            pictures: measured.inputs.pictures.len(),
+            pictures: measured.inputs.picture_count(),
             seconds,
         }
     }

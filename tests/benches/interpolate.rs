@@ -11,7 +11,7 @@ use lightfold::epipolar::acquire::AcquireSettings;
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::InterpolateSettings;
-use lightfold::epipolar::pipeline::{Settings, interpolate};
+use lightfold::epipolar::pipeline::{Request, Settings, interpolate};
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::error::{Error, Result};
 use lightfold::evaluate::reference::Truth;
@@ -88,7 +88,7 @@ fn settings() -> Result<Settings> {
 fn interpolated(scene: &SceneAtTime, views: &OutputViews) -> Result<f64> {
     let settings = settings()?;
     seconds(|| {
-        interpolate(scene, (views, 0..views.count() as usize), &settings, &Silent, |_, picture| {
+        interpolate(scene, &Request::all(views, &settings), &Silent, |_, picture| {
             black_box(picture);
             Ok(())
         })
@@ -100,7 +100,7 @@ fn interpolated(scene: &SceneAtTime, views: &OutputViews) -> Result<f64> {
 fn psnr_db(scene: &SceneAtTime, views: &OutputViews) -> Result<f64> {
     let (settings, mut sum) = (settings()?, Similarity::empty());
     let step = views.count() as usize / 10;
-    interpolate(scene, (views, 0..views.count() as usize), &settings, &Silent, |view, picture| {
+    interpolate(scene, &Request::all(views, &settings), &Silent, |view, picture| {
         if view % step != step / 2 {
             return Ok(());
         }

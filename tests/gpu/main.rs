@@ -4,6 +4,7 @@
 
 mod decoding;
 mod drawings;
+mod epipolar;
 mod pictures;
 mod projection;
 
@@ -353,6 +354,10 @@ fn main() {
         Trial::test("drawings::commands", drawings::commands),
         Trial::test("drawings::refusals", drawings::refusals),
         Trial::test("drawings::equal_depths_and_many_layers", drawings::equal_depths_and_many_layers),
+        Trial::test("epipolar::scenes", epipolar::scenes),
+        Trial::test("epipolar::sizes", epipolar::sizes),
+        Trial::test("epipolar::sources", epipolar::sources),
+        Trial::test("epipolar::commands", epipolar::commands),
         Trial::test("hard_cases", hard_cases),
         Trial::test("random_streams", random_streams),
         Trial::test("vectors", vectors),

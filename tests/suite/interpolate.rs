@@ -6,7 +6,7 @@ use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquir
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::{InterpolateSettings, Interpolator};
-use lightfold::epipolar::pipeline::{Settings, Summary, interpolate};
+use lightfold::epipolar::pipeline::{Request, Settings, Summary, interpolate};
 use lightfold::epipolar::source::in_order;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
@@ -63,8 +63,7 @@ struct Run {
 
 fn run(scene: &SceneAtTime, views: &OutputViews, settings: &Settings) -> Run {
     let (mut filled, mut unfilled) = (Vec::new(), Vec::new());
-    let count = views.count() as usize;
-    let summary = interpolate(scene, (views, 0..count), settings, &Silent, |view, picture| {
+    let summary = interpolate(scene, &Request::all(views, settings), &Silent, |view, picture| {
         assert_eq!(view, filled.len());
         filled.push(picture.filled);
         unfilled.push(picture.unfilled.unwrap());

@@ -8,7 +8,7 @@ use lightfold::epipolar::acquire::{AcquireSettings, Acquisition};
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::InterpolateSettings;
-use lightfold::epipolar::pipeline::{Settings, interpolate};
+use lightfold::epipolar::pipeline::{Request, Settings, interpolate};
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
@@ -49,7 +49,7 @@ fn row(kind: DemoKind, (name, acquisition): (&str, Acquisition)) -> Row {
         keeps_unfilled: true,
     };
     let mut sum = Similarity::empty();
-    let summary = interpolate(&scene, (&views, 0..9), &settings, &Silent, |view, picture| {
+    let summary = interpolate(&scene, &Request::all(&views, &settings), &Silent, |view, picture| {
         let color = brute_force::render(&scene, (&views, views.offsets_m[view]), &samples, &Silent)?;
         sum.merge(&Similarity::of(&picture.filled, &Truth { color, material: None }, ToneMap::default())?)
     });

@@ -6,6 +6,7 @@ use std::time::Duration;
 use glam::DVec3;
 
 use crate::cli::capture::parse_size;
+use crate::cli::device::{DEVICES, GpuIndex};
 use crate::cli::options::{
     Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive,
 };
@@ -22,6 +23,7 @@ use crate::epipolar::pipeline::Settings;
 use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::error::Result;
+use crate::gpu::device::DeviceChoice;
 use crate::image::quilt::QuiltLayout;
 use crate::image::{Face, FrameRange};
 use crate::math::{Camera, Lens};
@@ -46,12 +48,14 @@ const DEFAULT_SIZE: u32 = 512;
     lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 9 --baseline 0.3 \\\n      \
     --view-range 0-4 -o v/%04d.png\n  \
     lightfold interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 100 --baseline 0.3 \\\n      \
-    --null --compare --json\n\n\
+    --null --compare --json\n  \
+    lightfold interpolate a.glb --eye 0,1,3 --look-at 0,1,0 --views 500 --baseline 0.5 \\\n      \
+    --device gpu -o v/%04d.png\n\n\
     Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
     behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
     at infinity do. --rows stacks such lines. `render --views` counts probes, `interpolate --views` output views.\n\n\
     Mirrors and glass of a scene are ray cast in every view; so are holes, unless --holes says otherwise. The source views of a container \
-    are rendered from it.\n\n\
+    are rendered from it. --device moves pixels; source views, highlights and all that is ray cast are the CPU's.\n\n\
     --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
     pictures in write_seconds."
 )]
@@ -189,6 +193,11 @@ pub struct Args {
     /// Resume a stopped run into the same files, with the same options; start anew if there is none
     #[arg(long, requires = "output", conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
     pub resume: bool,
+    /// Interpolating device; the pictures do not depend on it [default: cpu]
+    #[arg(long, value_parser = one_of(DEVICES))]
+    pub device: Option<DeviceChoice>,
+    #[command(flatten)]
+    pub gpu: GpuIndex,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Print durations and counts of all stages
@@ -350,6 +359,23 @@ impl Args {
             Some((first, last)) if last < all => Ok(first as usize..last as usize + 1),
             Some((first, last)) => refuse(format!("--view-range {first}-{last}: there are views 0 to {}", all - 1)),
         }
+    }
+
+    /// Refuses what no device does.
+    pub(super) fn check_device(&self) -> Result<()> {
+        if !self.gpu.is_on_device(self.device) {
+            return Ok(());
+        }
+        if self.brute_force {
+            return refuse("--brute-force runs on the CPU: leave out --device");
+        }
+        if self.reduce_layers.is_some() {
+            return refuse("--reduce-layers counts pixels on the CPU: leave out --device");
+        }
+        if self.memory.memory.is_some() {
+            return refuse("--memory limits the CPU only, not graphics devices: leave out one of them");
+        }
+        Ok(())
     }
 
     pub(super) fn settings(&self, views_at_once: usize, has_scene: bool) -> Result<Settings> {

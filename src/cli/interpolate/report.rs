@@ -22,6 +22,8 @@ pub struct Measured {
     /// Of all views that were ray cast.
     pub brute_force: Duration,
     pub memory_model_bytes: u64,
+    /// The graphics device that interpolated, or `cpu`.
+    pub device: String,
     pub quality: Quality,
 }
 
@@ -43,7 +45,7 @@ pub struct Report {
     baseline_m: f64,
     focus_m: Number,
     size: [u32; 2],
-    device: &'static str,
+    device: String,
     brute_force: bool,
     holes_percent: f64,
     memory_model_bytes: u64,
@@ -83,7 +85,7 @@ impl Report {
             baseline_m: views.baseline_m(),
             focus_m: Number(views.focus_m),
             size: views.size,
-            device: "cpu",
+            device: measured.device.clone(),
             brute_force: args.brute_force,
             holes_percent: 100.0 * summary.counters.hole_pixels as f64 / pixels,
             memory_model_bytes: measured.memory_model_bytes,
@@ -111,11 +113,12 @@ impl Report {
             count => format!(" from {count} source views"),
         };
         let mut text = format!(
-            "{} views of {width}x{height}{sources}, {:.3} m: {:.2} s, {:.1} ms each; up to {}\n",
+            "{} views of {width}x{height}{sources}, {:.3} m: {:.2} s, {:.1} ms each{}; up to {}\n",
             self.views,
             self.baseline_m,
             self.seconds.as_secs_f64(),
             1e3 * self.seconds_per_view.as_secs_f64(),
+            if self.device == "cpu" { String::new() } else { format!(", on {}", self.device) },
             human_bytes(self.memory_model_bytes),
         );
         if !self.brute_force {

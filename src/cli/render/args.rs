@@ -95,7 +95,7 @@ pub struct Args {
 impl Args {
     /// Whether a graphics device is asked for.
     pub fn is_on_device(&self) -> bool {
-        self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceChoice::Cpu)
+        self.gpu.index.is_on_device(self.device)
     }
 
     pub fn results_to_stdout(&self) -> usize {

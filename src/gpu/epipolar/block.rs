@@ -1,0 +1,112 @@
+//! Words of epipolar slices, as kernels read and write them.
+
+use std::ops::Range;
+
+use half::f16;
+use rayon::prelude::*;
+
+use crate::epipolar::interpolate::{Coverage, Interpolator};
+use crate::epipolar::lines::Line;
+use crate::epipolar::slice::Winner;
+use crate::epipolar::source::{Light, SourcePixel};
+use crate::gpu::layout::{
+    LIGHT_GLOSS, LIGHT_TRACED, LINE_FIRST, LINE_JOINS, LineLight, NONE, SHOWN_GLOSS, SHOWN_HOLE, SHOWN_OPTICAL,
+    SliceLine, SlicePlace, WINNER_AFTER, WINNER_BEFORE, words_of,
+};
+use crate::gpu::pictures::{pack_halves, unpack_halves};
+
+/// The lines of some scanlines.
+#[derive(Debug, Default)]
+pub struct LineWords {
+    /// The first line of each scanline, and the end of the last.
+    pub starts: Vec<u32>,
+    /// [`SliceLine`]s.
+    pub lines: Vec<u32>,
+    /// [`LineLight`]s.
+    pub lights: Vec<u32>,
+}
+
+impl LineWords {
+    /// Of the scanlines from one on.
+    pub fn new(of: &Interpolator<'_>, first_row: usize, rows: &[&[Line]]) -> LineWords {
+        let words = |(at, lines): (usize, &&[Line])| {
+            let light = |line: &Line| light_of(of.source_pixel(first_row + at, line));
+            let lights: Vec<LineLight> = lines.iter().map(light).collect();
+            [words_of(&lines.iter().map(slice_line).collect::<Vec<_>>()), words_of(&lights)]
+        };
+        let words: Vec<[Vec<u32>; 2]> = rows.par_iter().enumerate().map(words).collect();
+        let mut all = LineWords { starts: vec![0], ..LineWords::default() };
+        for [lines, lights] in words {
+            all.lines.extend(lines);
+            all.lights.extend(lights);
+            all.starts.push((all.lines.len() / SliceLine::WORDS) as u32);
+        }
+        all
+    }
+}
+
+fn slice_line(line: &Line) -> SliceLine {
+    let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+    SliceLine {
+        column: line.column,
+        disparity: line.disparity,
+        depth: line.depth,
+        flags: u32::from(line.source) | flag(line.joins_next, LINE_JOINS) | flag(line.is_first, LINE_FIRST),
+    }
+}
+
+fn light_of(pixel: &SourcePixel) -> LineLight {
+    let kind = match pixel.light {
+        Light::Steady => 0,
+        Light::Gloss(_) => LIGHT_GLOSS,
+        Light::Traced => LIGHT_TRACED,
+    };
+    let [[steady_rg, steady_b], [own_rg, own_b]] = [pixel.steady, pixel.own].map(|light| pack_halves(bits(light)));
+    LineLight { steady_rg, steady_b: steady_b | kind << 16, own_rg, own_b }
+}
+
+fn bits(light: [f16; 3]) -> [u16; 3] {
+    light.map(f16::to_bits)
+}
+
+/// The sources as some views see them, source by source.
+pub fn places(of: &Interpolator<'_>, views: Range<usize>) -> Vec<SlicePlace> {
+    let place = |(source, view): (usize, usize)| {
+        let place = of.space.place(source, view);
+        SlicePlace { place, bias: of.space.bias_at(place) }
+    };
+    (0..of.sources.len()).flat_map(|source| views.clone().map(move |view| (source, view))).map(place).collect()
+}
+
+/// A winner of a kernel.
+pub fn winner_of([line, rest]: [u32; 2]) -> Option<Winner> {
+    let beside = match rest {
+        _ if rest & WINNER_AFTER != 0 => line.wrapping_add(1),
+        _ if rest & WINNER_BEFORE != 0 => line.wrapping_sub(1),
+        _ => line,
+    };
+    (line != NONE).then_some(Winner { line, beside, weight: rest as u8 })
+}
+
+/// Light of a pixel, without highlights.
+pub fn color_of(pixel: [u32; 2]) -> [f16; 3] {
+    unpack_halves(pixel).map(f16::from_bits)
+}
+
+pub fn coverage_of([_, rest]: [u32; 2]) -> Coverage {
+    match rest >> 16 {
+        SHOWN_HOLE => Coverage::Hole,
+        SHOWN_OPTICAL => Coverage::Optical,
+        _ => Coverage::Covered,
+    }
+}
+
+/// Whether a pixel lacks its highlight.
+pub fn is_glossy([_, rest]: [u32; 2]) -> bool {
+    rest >> 16 == SHOWN_GLOSS
+}
+
+/// A pixel that lacks nothing.
+pub fn covered(color: [f16; 3]) -> [u32; 2] {
+    pack_halves(bits(color))
+}

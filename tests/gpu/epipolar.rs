@@ -1,0 +1,156 @@
+//! Interpolated views on a device, the same bits as on the CPU: scenes, sizes, numbers of views, sources, commands.
+
+use std::path::Path;
+
+use libtest_mimic::Failed;
+use lightfold::Error;
+use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, acquire};
+use lightfold::epipolar::coalesce::Coalescing;
+use lightfold::epipolar::interpolate::InterpolateSettings;
+use lightfold::epipolar::source::SourceView;
+use lightfold::epipolar::views::{OutputViews, Spread};
+use lightfold::gpu::Gpu;
+use lightfold::gpu::device;
+use lightfold::gpu::selftest::slices::{self, InterpolationCase};
+use lightfold::math::{Camera, Lens};
+use lightfold::monitor::Silent;
+use lightfold::scene::capture::SamplePattern;
+use lightfold::scene::{Play, Scene};
+
+use crate::{lightfold, with_gpu};
+
+/// Views of a built-in scene, and how they are acquired.
+struct Setup {
+    scene: &'static str,
+    size: [u32; 2],
+    count: u32,
+    spread: Spread,
+    focus_m: f64,
+    acquisition: Acquisition,
+}
+
+const DUAL: Setup = Setup {
+    scene: "courtyard",
+    size: [61, 40],
+    count: 9,
+    spread: Spread::Baseline(0.6),
+    focus_m: f64::INFINITY,
+    acquisition: Acquisition::Dual,
+};
+
+impl Setup {
+    fn views(&self) -> Result<OutputViews, Error> {
+        let camera =
+            Camera::look_at([0.0, 1.5, 0.2].into(), [2.0, 1.3, 0.0].into(), [0.0, 1.0, 0.0].into(), Lens::new(60.0))?;
+        let camera = camera.with_aspect(f64::from(self.size[0]) / f64::from(self.size[1]));
+        OutputViews::new(camera, self.size, self.count, self.spread, self.focus_m)
+    }
+
+    fn sources(&self, views: &OutputViews) -> Result<Vec<SourceView>, Error> {
+        let scene = Scene::open(self.scene, Play::First)?.0.at(0.0);
+        let settings =
+            AcquireSettings { acquisition: self.acquisition, ..AcquireSettings::new(SamplePattern::new(1)?) };
+        Ok(acquire(&scene, views, &settings, &Silent)?.0)
+    }
+
+    /// On a device and on the CPU, with and without coalescing. `change` is applied to the sources.
+    fn same(&self, gpu: &Gpu, change: impl FnOnce(&mut Vec<SourceView>)) -> Result<(), Failed> {
+        let said = |error: Error| error.to_string();
+        let views = self.views().map_err(said)?;
+        let mut sources = self.sources(&views).map_err(said)?;
+        change(&mut sources);
+        for coalesce in [Coalescing::Off, Coalescing::Disparity(1.5)] {
+            let settings = InterpolateSettings { coalesce, ..InterpolateSettings::default() };
+            let label = format!("{} {:?} {} {coalesce:?}", self.scene, self.size, self.count);
+            let case = InterpolationCase { label, views: views.clone(), sources: sources.clone(), settings };
+            let found = slices::run(gpu, &case).map_err(said)?;
+            if found.mismatches > 0 {
+                return Err(format!("{found:?} on {}", gpu.info.name).into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Scenes with highlights, mirrors, glass, leaves and nothing but walls; parallel and sheared views; all kinds of sources.
+pub fn scenes() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        for scene in ["courtyard", "interior", "mirrors", "cornell"] {
+            for acquisition in [Acquisition::Center, Acquisition::Dual, Acquisition::Hierarchical] {
+                Setup { scene, acquisition, ..DUAL }.same(gpu, |_| {})?;
+            }
+            Setup { scene, spread: Spread::Cone(30.0), focus_m: 2.0, ..DUAL }.same(gpu, |_| {})?;
+        }
+        Ok(())
+    })
+}
+
+/// One pixel, one column, one row, a workgroup's columns and one more, one view, two, 300.
+pub fn sizes() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        for size in [[1, 1], [1, 33], [77, 1], [1024, 3], [1025, 2], [2111, 2]] {
+            Setup { size, ..DUAL }.same(gpu, |_| {})?;
+        }
+        for count in [1, 2, 300] {
+            Setup { scene: "interior", count, size: [45, 17], ..DUAL }.same(gpu, |_| {})?;
+        }
+        Setup { spread: Spread::Baseline(0.0), ..DUAL }.same(gpu, |_| {})
+    })
+}
+
+/// The order of lines decides between sources of one place, and of none nothing is shown.
+pub fn sources() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        DUAL.same(gpu, |sources| *sources = [sources.clone(), sources.clone()].concat())?;
+        DUAL.same(gpu, |sources| sources.reverse())?;
+        DUAL.same(gpu, Vec::clear)
+    })
+}
+
+/// Files are the same on both devices, and the report names the device.
+pub fn commands() -> Result<(), Failed> {
+    let names: Vec<String> = device::list().into_iter().map(|info| info.name).collect();
+    let folder = tempfile::tempdir()?;
+    for scene in ["courtyard", "interior"] {
+        let run = |on: &str| -> Result<serde_json::Value, Failed> {
+            let pattern = folder.path().join(scene).join(on).join("%02d.exr").display().to_string();
+            let views = ["--views", "5", "--baseline", "0.4", "--size", "50x31", "--samples", "1", "--device", on];
+            let from = ["interpolate", scene, "--eye", "0,1.5,0.2", "--look-at", "2,1.3,0", "--json", "--quiet"];
+            Ok(serde_json::from_str(&lightfold(&[&from[..], &views, &["-o", &pattern]].concat())?)?)
+        };
+        let [on_gpu, on_cpu] = [run("gpu")?, run("cpu")?];
+        if on_cpu["device"] != "cpu" || !names.iter().any(|name| on_gpu["device"] == name.as_str()) {
+            return Err(format!("{} and {}", on_gpu["device"], on_cpu["device"]).into());
+        }
+        for key in ["lines", "coalesced_pixels", "fragments", "hole_pixels", "traced_pixels", "splits"] {
+            if on_gpu["counters"][key] != on_cpu["counters"][key] {
+                return Err(format!("{scene}, {key}: {} and {}", on_gpu["counters"], on_cpu["counters"]).into());
+            }
+        }
+        let file =
+            |on: &str, view: usize| std::fs::read(folder.path().join(scene).join(on).join(format!("{view:02}.exr")));
+        for view in 0..5 {
+            if file("gpu", view)? != file("cpu", view)? {
+                return Err(format!("{scene}, view {view} differs").into());
+            }
+        }
+    }
+    refusals(folder.path())
+}
+
+/// Options that no device has.
+fn refusals(folder: &Path) -> Result<(), Failed> {
+    let out = folder.join("refused.png").display().to_string();
+    let from = ["interpolate", "cornell", "--eye", "0,1,0", "--look-at", "2,1,0", "--views", "2", "--baseline", "0.1"];
+    let on = ["--device", "gpu", "-o", &out];
+    for (options, words) in [(&["--brute-force"][..], "--brute-force"), (&["--memory", "1G"], "--memory")] {
+        let refused = match lightfold(&[&from[..], &on, options].concat()) {
+            Ok(text) => return Err(format!("{options:?} was accepted: {text}").into()),
+            Err(error) => error.message().unwrap_or_default().to_owned(),
+        };
+        if !refused.contains(words) || Path::new(&out).exists() {
+            return Err(format!("{options:?}: it said '{refused}'").into());
+        }
+    }
+    Ok(())
+}
