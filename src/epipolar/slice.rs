@@ -286,4 +286,18 @@ mod tests {
         let parted = 0.5 * (views.columns_per_metre(4.0) - views.columns_per_metre(1.0));
         assert!(holes.abs_diff(parted as usize) <= 1, "{holes} {parted}");
     }
+
+    #[test]
+    fn lines_far_outside_stay_there_and_are_blended_across() {
+        // As far as there are places, and farther than 32 bits hold.
+        assert_eq!([moved(1 << 30, 1 << 30), moved(1 << 30, -1 << 30)], [1 << 29, -1 << 29]);
+        // A steep plane whose pixels part by more than 100,000 columns, around the image.
+        let views = views(3, 4000.0, 1.0);
+        let steep = |column: i32| pixel(column, (1.0 / (2.5 - f64::from(column))) as f32, 0);
+        let (_, all, _) = winners(&views, &[source(-2000.0, (0..3).map(steep).collect())]);
+        for winner in all[2].iter() {
+            let Winner { line, beside, weight } = winner.unwrap();
+            assert!((line, beside) == (1, 2) && weight.abs_diff(128) <= 1, "{winner:?}");
+        }
+    }
 }

@@ -33,15 +33,28 @@ const PIXEL_WORDS: usize = 2;
 /// Interpolates on a device.
 pub struct GpuInterpolator<'a> {
     gpu: &'a Gpu,
+    lines: usize,
+    pixels: usize,
 }
 
 impl<'a> GpuInterpolator<'a> {
     pub fn new(gpu: &'a Gpu) -> GpuInterpolator<'a> {
-        GpuInterpolator { gpu }
+        GpuInterpolator { gpu, lines: LINES, pixels: PIXELS }
+    }
+
+    /// With fewer lines and pixels of output views at once; results do not depend on it.
+    pub fn with_limits(gpu: &'a Gpu, lines: usize, pixels: usize) -> GpuInterpolator<'a> {
+        GpuInterpolator { gpu, lines: lines.min(LINES), pixels: pixels.min(PIXELS) }
     }
 
     /// Some scanlines of all views.
-    fn rows(&self, of: &Interpolator<'_>, rows: Range<usize>, views: &mut NumberedViews<'_>) -> Result<Counters> {
+    fn rows(
+        &self,
+        of: &Interpolator<'_>,
+        rows: Range<usize>,
+        views: &mut NumberedViews<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Counters> {
         let gpu = self.gpu;
         let width = of.views.size[0] as usize;
         let lines: Vec<(Vec<Line>, Counters)> = rows.clone().into_par_iter().map(|row| of.lines(row)).collect();
@@ -54,7 +67,7 @@ impl<'a> GpuInterpolator<'a> {
         let mut shaders: Vec<Option<Shader<'_>>> = glossy.collect();
         let has_gloss = shaders.iter().any(Option::is_some);
         let scanline = rows.len() * width;
-        let at_once = (PIXELS / scanline).clamp(1, views.views.len().max(1));
+        let at_once = (self.pixels / scanline).clamp(1, views.views.len().max(1));
         let buffer = |label, words| gpu.buffer(label, words, wgpu::BufferUsages::empty());
         let mut buffers = Buffers {
             block: buffer("block", SliceBlock::WORDS)?,
@@ -68,6 +81,7 @@ impl<'a> GpuInterpolator<'a> {
         };
         let first_view = views.first;
         for (at, shown) in views.views.chunks_mut(at_once).enumerate() {
+            monitor.check()?;
             let first = first_view + at * at_once;
             let range = first..first + shown.len();
             buffers.places = gpu.filled("places", &words_of(&places(of, range.clone())))?;
@@ -107,6 +121,19 @@ impl<'a> GpuInterpolator<'a> {
             let [x, y] = groups(workgroups as u32);
             pass.dispatch_workgroups(x, y, 1);
         })
+    }
+
+    /// The end of the scanlines from one on whose lines are sent at once.
+    fn band_end(&self, of: &Interpolator<'_>, first: usize) -> usize {
+        let lines = |row: usize| of.sources.iter().map(|source| source.rows[row].pixels.len()).sum::<usize>();
+        let [width, height] = of.views.size.map(|side| side as usize);
+        let most = (first + (self.pixels / width).max(1)).min(height);
+        let mut sum = lines(first);
+        let fits = |row: &usize| {
+            sum += lines(*row);
+            sum <= self.lines
+        };
+        (first + 1..most).take_while(fits).last().map_or(first + 1, |row| row + 1)
     }
 }
 
@@ -160,28 +187,15 @@ impl Backend for GpuInterpolator<'_> {
         let mut counters = Counters::default();
         let mut first = 0;
         while first < height as usize {
-            monitor.check()?;
-            let rows = first..band_end(of, first);
+            let rows = first..self.band_end(of, first);
             first = rows.end;
             let count = rows.len() as u64;
-            counters.add(&self.rows(of, rows, &mut NumberedViews { first: range.start, views: &mut views })?);
+            let mut shown = NumberedViews { first: range.start, views: &mut views };
+            counters.add(&self.rows(of, rows, &mut shown, monitor)?);
             monitor.advance(count);
         }
         Ok((views, counters))
     }
-}
-
-/// The end of the scanlines from one on whose lines are sent at once.
-fn band_end(of: &Interpolator<'_>, first: usize) -> usize {
-    let lines = |row: usize| of.sources.iter().map(|source| source.rows[row].pixels.len()).sum::<usize>();
-    let [width, height] = of.views.size.map(|side| side as usize);
-    let most = (first + (PIXELS / width).max(1)).min(height);
-    let mut sum = lines(first);
-    let fits = |row: &usize| {
-        sum += lines(*row);
-        sum <= LINES
-    };
-    (first + 1..most).take_while(fits).last().map_or(first + 1, |row| row + 1)
 }
 
 /// Adds highlights to the pixels that lack them: of scanlines, of all views in a range.

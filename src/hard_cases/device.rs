@@ -3,6 +3,7 @@
 
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
+use crate::gpu::epipolar::GpuInterpolator;
 use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
 use crate::gpu::selftest::{pictures, slices};
@@ -45,7 +46,7 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
         }
         for case in &inputs.interpolations {
             monitor.check()?;
-            let found = slices::run(gpu, case)?;
+            let found = slices::run(&GpuInterpolator::new(gpu), case)?;
             let views = case.views.offsets_m.len() as u64;
             figures.pictures += views;
             figures.rendered += views;

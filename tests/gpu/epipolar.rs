@@ -11,6 +11,7 @@ use lightfold::epipolar::source::SourceView;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::gpu::Gpu;
 use lightfold::gpu::device;
+use lightfold::gpu::epipolar::GpuInterpolator;
 use lightfold::gpu::selftest::slices::{self, InterpolationCase};
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
@@ -63,9 +64,12 @@ impl Setup {
             let settings = InterpolateSettings { coalesce, ..InterpolateSettings::default() };
             let label = format!("{} {:?} {} {coalesce:?}", self.scene, self.size, self.count);
             let case = InterpolationCase { label, views: views.clone(), sources: sources.clone(), settings };
-            let found = slices::run(gpu, &case).map_err(said)?;
-            if found.mismatches > 0 {
-                return Err(format!("{found:?} on {}", gpu.info.name).into());
+            // As much at once as fits, and scanlines and views in parts.
+            for on_device in [GpuInterpolator::new(gpu), GpuInterpolator::with_limits(gpu, 1500, 700)] {
+                let found = slices::run(&on_device, &case).map_err(said)?;
+                if found.mismatches > 0 {
+                    return Err(format!("{found:?} on {}", gpu.info.name).into());
+                }
             }
         }
         Ok(())

@@ -15,7 +15,6 @@ use crate::epipolar::slice::{Slice, Winner};
 use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
 use crate::epipolar::views::{OutputViews, Spread};
 use crate::error::Result;
-use crate::gpu::Gpu;
 use crate::gpu::epipolar::GpuInterpolator;
 use crate::gpu::epipolar::block::{LineWords, covered, places};
 use crate::gpu::harness::Case;
@@ -45,10 +44,10 @@ pub struct InterpolationResult {
 }
 
 /// Interpolates all views on a device and on the CPU.
-pub fn run(gpu: &Gpu, case: &InterpolationCase) -> Result<InterpolationResult> {
+pub fn run(on_device: &GpuInterpolator<'_>, case: &InterpolationCase) -> Result<InterpolationResult> {
     let of = Interpolator::new(&case.views, &case.sources, case.settings);
     let all = 0..case.views.offsets_m.len();
-    let (found, counted) = GpuInterpolator::new(gpu).views(&of, all.clone(), &Silent)?;
+    let (found, counted) = on_device.views(&of, all.clone(), &Silent)?;
     let (expected, mut counters) = Cpu.views(&of, all, &Silent)?;
     let mut result = InterpolationResult::default();
     let mut differ = |place: &dyn Fn() -> String| {
