@@ -191,7 +191,7 @@ fn baselines_cost_quality(results: &Results) -> Option<Judged> {
     let runs = runs::along(results, None, "baseline", 2);
     let ends = runs.iter().filter_map(|run| {
         let [first, last] = [run.points[0].1, run.points[run.points.len() - 1].1].map(|of| of.number("psnr_db"));
-        Some([first?, last?])
+        Some([first?, last?]).filter(|ends| ends.iter().all(|number| number.is_finite()))
     });
     let rows: Vec<[f64; 2]> = ends.collect();
     Judged::majority(
@@ -230,7 +230,9 @@ fn pairs(results: &Results, knob: &'static str, values: [&str; 2], measure: &str
     let [first, last]: [Vec<&Measured>; 2] = values.map(with);
     let pair = |of: &&Measured| {
         let other = last.iter().find(|other| other.point.without(knob) == of.point.without(knob))?;
-        Some([of.number(measure)?, other.number(measure)?])
+        let pair = [of.number(measure)?, other.number(measure)?];
+        // Views of sources alone are exact.
+        pair.iter().all(|number| number.is_finite()).then_some(pair)
     };
     first.iter().filter_map(pair).collect()
 }
