@@ -14,7 +14,7 @@ use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, SampleRules};
-use super::selected::{Counts, SelectedTiles, cost_model, select};
+use super::selected::{Counts, SOLID_THRESHOLD, SelectedTiles, cost_model, select};
 use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
 use super::short_cuts::ShortCuts;
@@ -24,9 +24,6 @@ use crate::effort::Effort;
 use crate::error::Result;
 use crate::json;
 use crate::monitor::Monitor;
-
-/// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
-const SOLID_THRESHOLD: f64 = 0.01;
 
 /// Durations of the stages.
 #[derive(Debug, Clone, Copy, Default, Serialize)]

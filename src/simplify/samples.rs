@@ -102,14 +102,21 @@ impl SampleRules<'_> {
         (image, rays): (usize, &ImageRays),
         pixels: PixelChoice<'_>,
     ) -> Result<(Vec<Sample>, u64)> {
-        let (mut samples, mut left_out) = (Vec::new(), 0);
-        let width = capture.images[image].size[0];
+        let [width, height] = capture.images[image].size;
+        let most = match pixels {
+            PixelChoice::Every(step) => width.div_ceil(step) as usize * height.div_ceil(step) as usize,
+            PixelChoice::Listed(pixels) => pixels.len(),
+        };
+        let (mut samples, mut left_out) = (Vec::with_capacity(most), 0);
         for ray in rays.of_pixels(|pixel| pixels.contains(pixel, width)) {
             let origin = ray.origin - self.region.middle;
             // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
             let direction = ray.direction.as_vec3().as_dvec3();
-            let sky_m = self.region.to_sky(origin, direction);
-            let end = origin + ray.distance_m.min(sky_m) * direction;
+            let distance_m = match ray.distance_m <= self.region.before_sky(origin) {
+                true => ray.distance_m,
+                false => ray.distance_m.min(self.region.to_sky(origin, direction)),
+            };
+            let end = origin + distance_m * direction;
             if self.region.contains(end) || end.length() < self.region.least_m() {
                 if self.inside == Inside::Drop {
                     left_out += 1;
