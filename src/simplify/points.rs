@@ -63,7 +63,7 @@ impl std::hash::Hasher for KeyHasher {
     fn write_u64(&mut self, key: u64) {
         let (column, distance) = (key & 0xf, key >> 40 & 0x3);
         let block = mix((key >> 42) << 36 | (key >> 4 & 0xf_ffff_ffff));
-        self.0 = (block & !0xf | (column ^ 5 * distance) & 0xf) ^ (column << 57) ^ (distance << 61);
+        self.0 = (block & !0xf | (column ^ (5 * distance)) & 0xf) ^ (column << 57) ^ (distance << 61);
     }
 }
 

@@ -119,9 +119,7 @@ fn merge(dataset: &str) -> Result<()> {
     let rules = SampleRules { region: &region, background: Background::Sky, inside: Inside::Drop };
     let images = 0..capture.images.len();
     let read = median(|| {
-        images.clone().try_for_each(|image| {
-            capture.rays(image).map(|rays| black_box(&rays).iter().for_each(|ray| drop(black_box(ray))))
-        })
+        images.clone().try_for_each(|image| capture.rays(image).map(|rays| rays.iter().map(black_box).for_each(|_| ())))
     })?;
     let merged = median(|| {
         let mut merger = PointMerger::new(MAX_POINTS);
