@@ -95,16 +95,25 @@ impl Similarity {
                 sizes[0], sizes[1]
             )));
         }
-        let [shown, wanted] = [rendered.codes(tone), truth_codes(truth, tone)];
+        let codes = [rendered.codes(tone), truth_codes(truth, tone)];
+        Similarity::of_codes([&codes[0], &codes[1]], &rendered.alpha, truth.material.as_ref())
+    }
+
+    /// Compares codes of a picture with those of its reference; alpha is the picture's, material the reference's, in the same size.
+    pub fn of_codes(
+        [shown, wanted]: [&Plane<[u8; 3]>; 2],
+        alpha: &Plane<f32>,
+        material: Option<&MaterialPlane>,
+    ) -> Result<Similarity> {
         let all = SquaredError::of_u8(shown.data().as_flattened(), wanted.data().as_flattened())?;
-        let ssim = ssim_rgb8(&shown, &wanted)?;
+        let ssim = ssim_rgb8(shown, wanted)?;
         let mut sum = Similarity {
             all,
-            has_material: truth.material.is_some(),
-            hole_pixels: rendered.alpha.data().iter().filter(|alpha| **alpha <= 0.0).count() as u64,
+            has_material: material.is_some(),
+            hole_pixels: alpha.data().iter().filter(|alpha| **alpha <= 0.0).count() as u64,
             ssim_images: u64::from(ssim.is_some()),
             ssim_sum: ssim.unwrap_or(0.0),
-            hvs: HvsError::of_rgb8(&wanted, &shown)?,
+            hvs: HvsError::of_rgb8(wanted, shown)?,
             psnr_db_sum: if all.sum > 0 { all.psnr_db() } else { 0.0 },
             inexact_images: u64::from(all.sum > 0),
             images: 1,
@@ -120,10 +129,10 @@ impl Similarity {
                 error.sum += squares;
                 error.samples += 3;
             };
-            if rendered.alpha.data()[at] > 0.0 {
+            if alpha.data()[at] > 0.0 {
                 add(&mut sum.seen);
             }
-            if let Some(material) = &truth.material {
+            if let Some(material) = material {
                 let [reflects, refracts] = weights(material, at);
                 if reflects || refracts {
                     add(&mut sum.effects);

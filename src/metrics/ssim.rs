@@ -1,4 +1,4 @@
-//! Structural similarity of 8-bit images, over the `iqa` crate.
+//! Structural similarity of 8-bit images: that of the `iqa` crate, with its Gaussian window divided into a column and a row.
 //!
 //! Based on: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image quality assessment: from error visibility
 //! to structural similarity", IEEE Transactions on Image Processing 13(4), 2004.
@@ -9,22 +9,82 @@ use crate::image::Plane;
 /// Side of the Gaussian window (σ = 1.5 pixels). A smaller image has no SSIM.
 pub const SSIM_WINDOW: u32 = 11;
 
+/// Standard deviation of the window, in pixels.
+const SIGMA: f64 = 1.5;
+/// C1 and C2 of the measure, for a peak of 255.
+const STABILISERS: [f64; 2] = [2.55 * 2.55, 7.65 * 7.65];
+
 /// Mean SSIM of two display-referred RGB images, in −1..=1; exactly 1 for equal images.
 /// Each of R, G and B is compared for itself and the three means averaged; only windows that lie wholly inside
 /// count. `None` when a side is shorter than [`SSIM_WINDOW`]: padding would invent the answer.
 pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
-    let Some([a, b]) = iqa_images([a, b], SSIM_WINDOW)? else { return Ok(None) };
-    let options = iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged };
-    iqa::ssim(&a, &b, options).map(Some).map_err(|error| Error::invalid(format!("SSIM: {error}")))
+    let size = common_size([a, b])?;
+    if size[0].min(size[1]) < SSIM_WINDOW {
+        return Ok(None);
+    }
+    let means = (0..3).map(|channel| mean_of_channel([a, b], channel));
+    Ok(Some(means.sum::<f64>() / 3.0))
+}
+
+/// Mean over all windows inside.
+fn mean_of_channel([a, b]: [&Plane<[u8; 3]>; 2], channel: usize) -> f64 {
+    let weights = window();
+    let [width, height] = [a.width() as usize, a.height() as usize];
+    let products = |(a, b): (&[u8; 3], &[u8; 3])| {
+        let [a, b] = [a, b].map(|pixel| f64::from(pixel[channel]));
+        [a, b, a * a + b * b, a * b]
+    };
+    let products: Vec<[f64; 4]> = a.data().iter().zip(b.data()).map(products).collect();
+    let mut columns = vec![[0.0; 4]; width];
+    let mut sum = 0.0;
+    for rows in (0..=height - weights.len()).map(|first| &products[first * width..][..weights.len() * width]) {
+        columns.fill([0.0; 4]);
+        for (row, weight) in rows.chunks_exact(width).zip(weights) {
+            for (column, products) in columns.iter_mut().zip(row) {
+                (0..4).for_each(|at| column[at] += weight * products[at]);
+            }
+        }
+        for columns in columns.windows(weights.len()) {
+            let mut means = [0.0; 4];
+            for (column, weight) in columns.iter().zip(weights) {
+                (0..4).for_each(|at| means[at] += weight * column[at]);
+            }
+            sum += of_means(means);
+        }
+    }
+    sum / ((width + 1 - weights.len()) * (height + 1 - weights.len())) as f64
+}
+
+/// SSIM of a window, of the means of a, b, a² + b² and a·b.
+fn of_means([a, b, squares, product]: [f64; 4]) -> f64 {
+    let [c1, c2] = STABILISERS;
+    let (squared_means, product_of_means) = (a * a + b * b, a * b);
+    let covariance = product - product_of_means;
+    let shared = (2.0 * product_of_means + c1) * (2.0 * covariance + c2);
+    shared / ((squared_means + c1) * (squares - squared_means + c2))
+}
+
+/// Weights of a row of the window; their sum is 1.
+fn window() -> [f64; SSIM_WINDOW as usize] {
+    let middle = f64::from(SSIM_WINDOW / 2);
+    let weights: [f64; SSIM_WINDOW as usize] =
+        std::array::from_fn(|at| (-(at as f64 - middle).powi(2) / (2.0 * SIGMA * SIGMA)).exp());
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| weight / sum)
+}
+
+/// Width and height of two images that have the same.
+fn common_size(planes: [&Plane<[u8; 3]>; 2]) -> Result<[u32; 2]> {
+    let [size, other] = planes.map(|plane| [plane.width(), plane.height()]);
+    match size == other {
+        true => Ok(size),
+        false => Err(Error::invalid(format!("images of {size:?} and {other:?} pixels cannot be compared"))),
+    }
 }
 
 /// Two images of one size for `iqa`; None when a side is shorter than `least`.
 pub(super) fn iqa_images(planes: [&Plane<[u8; 3]>; 2], least: u32) -> Result<Option<[iqa::Image<iqa::Srgb8>; 2]>> {
-    let [size, other] = planes.map(|plane| [plane.width(), plane.height()]);
-    if size != other {
-        let message = format!("images of {size:?} and {other:?} pixels cannot be compared");
-        return Err(Error::invalid(message));
-    }
+    let size = common_size(planes)?;
     if size[0].min(size[1]) < least {
         return Ok(None);
     }
@@ -53,6 +113,24 @@ mod tests {
         let (ab, ba) = (ssim_rgb8(&a, &b).unwrap().unwrap(), ssim_rgb8(&b, &a).unwrap().unwrap());
         assert!(ab > 0.5 && ab < 1.0, "{ab}");
         assert_eq!(ab, ba);
+    }
+
+    #[test]
+    fn windows_of_columns_and_rows_are_those_of_the_crate() {
+        let plain = |a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>| {
+            let [a, b] = iqa_images([a, b], SSIM_WINDOW).unwrap().unwrap();
+            iqa::ssim(&a, &b, iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged }).unwrap()
+        };
+        for (width, height) in [(11, 11), (12, 40), (64, 33)] {
+            let a = texture(width, height);
+            let flat = Plane::filled(width, height, [255; 3]);
+            let noisy =
+                Plane::from_fn(width, height, |x, y| a.get(x, y).map(|value| value ^ ((x * 7 + y * 5) % 32) as u8));
+            for b in [&noisy, &flat, &a.map(|pixel| pixel.map(|value| 255 - value))] {
+                let (found, wanted) = (ssim_rgb8(&a, b).unwrap().unwrap(), plain(&a, b));
+                assert!((found - wanted).abs() < 1e-10, "{width}x{height}: {found} {wanted}");
+            }
+        }
     }
 
     #[test]

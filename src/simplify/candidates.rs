@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::fit::{FitBounds, TilePlane, WeightedPoint, fit_plane};
 use super::points::MergedPoint;
+use super::short_cuts::ShortCuts;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use crate::effort::Effort;
 use crate::math::random::Random;
@@ -100,8 +101,13 @@ impl Extent {
     }
 }
 
-/// Tilings of all cells, by level.
-pub fn candidates(points: &[MergedPoint], extent: &Extent, settings: &CandidateSettings) -> Vec<CandidateLevel> {
+/// Tilings of all cells, by level. Cells without points have none, and cost nothing.
+pub fn candidates(
+    points: &[MergedPoint],
+    extent: &Extent,
+    settings: &CandidateSettings,
+    short_cuts: ShortCuts,
+) -> Vec<CandidateLevel> {
     let mut sorted: Vec<(u32, WeightedPoint)> = points
         .iter()
         .map(|point| {
@@ -121,12 +127,20 @@ pub fn candidates(points: &[MergedPoint], extent: &Extent, settings: &CandidateS
             let mut runs = Vec::new();
             let mut start = 0;
             for run in cells.chunk_by(|a, b| a >> shift == b >> shift) {
-                runs.push((cell_of(level, run[0] >> shift), start..start + run.len()));
+                runs.push((run[0] >> shift, start..start + run.len()));
                 start += run.len();
+            }
+            if short_cuts == ShortCuts::Off {
+                let mut of_all = vec![0..0; TreeCell::count(level)];
+                runs.into_iter().for_each(|(order, run)| of_all[order as usize] = run);
+                runs = (0..).zip(of_all).collect();
             }
             let fitted: Vec<(usize, Vec<Tiling>)> = runs
                 .into_par_iter()
-                .map(|(cell, run)| (cell.index(), tilings(cell, &points[run], extent, settings)))
+                .map(|(order, run)| {
+                    let cell = cell_of(level, order);
+                    (cell.index(), tilings(cell, &points[run], extent, settings))
+                })
                 .collect();
             let mut tilings = vec![Vec::new(); TreeCell::count(level)];
             for (index, fitted) in fitted {
@@ -150,6 +164,9 @@ fn cell_of(level: u32, order: u32) -> TreeCell {
 }
 
 fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: &CandidateSettings) -> Vec<Tiling> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let corners = extent.dilated(cell).corners().map(|corner| direction(cell.face, corner).normalize());
     let bounds = FitBounds { corners, least_m: extent.least_m, most_m: extent.most_m };
     let total: f64 = points.iter().map(|point| point.weight).sum();
@@ -295,7 +312,7 @@ mod tests {
         // Every other ray ends on a wall four times as far away.
         let layers = (0..).zip(grid(24)).map(|(at, direction)| direction * if at % 2 == 0 { 1.0 } else { 4.0 });
         let settings = CandidateSettings { levels: [0, 1], ..CandidateSettings::of(Effort::Normal) };
-        let levels = candidates(&points(layers), &EXTENT, &settings);
+        let levels = candidates(&points(layers), &EXTENT, &settings, ShortCuts::Taken);
         let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
         assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
         assert!(tilings[1].planes.len() == 2 && tilings[1].energy < 1e-6, "{:?}", tilings[1]);
@@ -310,7 +327,7 @@ mod tests {
         let wall = grid(24).map(|direction| direction / (1.0 + 0.4 * direction.y - 0.3 * direction.z));
         let points = points(wall);
         let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast) };
-        let levels = candidates(&points, &EXTENT, &settings);
+        let levels = candidates(&points, &EXTENT, &settings, ShortCuts::Taken);
         let tiling = &levels[0].tilings[TreeCell::ROOTS[0].index()][0];
         assert_eq!(tiling.planes.len(), 1);
         let across = |distance_m: f64| {
@@ -324,7 +341,7 @@ mod tests {
     #[test]
     fn more_tiles_never_fit_worse() {
         let bumps = grid(40).map(|direction| direction * (2.0 + (5.0 * direction.y).sin() * (7.0 * direction.z).cos()));
-        let levels = candidates(&points(bumps), &EXTENT, &CandidateSettings::of(Effort::Fast));
+        let levels = candidates(&points(bumps), &EXTENT, &CandidateSettings::of(Effort::Fast), ShortCuts::Taken);
         for level in &levels[1..] {
             for tilings in &level.tilings {
                 assert!(tilings.is_sorted_by(|a, b| a.energy > b.energy && a.planes.len() < b.planes.len()));

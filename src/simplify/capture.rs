@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use half::slice::HalfFloatSliceExt;
 
 use crate::dataset::seurat::{CaptureRay, SeuratCapture, SeuratView, is_manifest};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::Reference;
-use crate::image::{MaterialPlane, NormalPlane, ReadLimits};
+use crate::image::{DepthPlane, MaterialPlane, NormalPlane, ReadLimits};
 use crate::math::Camera;
 
 #[derive(Debug, Clone)]
@@ -134,12 +135,12 @@ impl Capture {
     }
 
     /// The rays of an image, row by row.
-    pub fn rays(&mut self, image: usize) -> Result<Vec<CaptureRay>> {
-        match &mut self.rays {
-            Rays::Manifest(capture) => capture.views[image].read(&ReadLimits::default()),
-            Rays::Reference { reference, indices, frame } => of_reference(reference, indices[image], *frame),
-            Rays::Memory(rays) => Ok(rays[image].clone()),
-        }
+    pub fn rays(&mut self, image: usize) -> Result<ImageRays> {
+        Ok(ImageRays(match &mut self.rays {
+            Rays::Manifest(capture) => RaysOfImage::Listed(capture.views[image].read(&ReadLimits::default())?),
+            Rays::Reference { reference, indices, frame } => of_reference(reference, indices[image], *frame)?,
+            Rays::Memory(rays) => RaysOfImage::Listed(rays[image].clone()),
+        }))
     }
 
     /// Normals and material of an image, where the capture has them.
@@ -179,10 +180,69 @@ impl Capture {
     }
 }
 
-fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<Vec<CaptureRay>> {
-    let (camera, [width, height]) = (reference.images[image].camera, reference.images[image].size);
+/// Rays of one image, row by row.
+#[derive(Debug)]
+pub struct ImageRays(RaysOfImage);
+
+#[derive(Debug)]
+enum RaysOfImage {
+    Listed(Vec<CaptureRay>),
+    /// One for each pixel.
+    Planes {
+        camera: Camera,
+        distances_m: DepthPlane,
+        light: Vec<[f32; 3]>,
+    },
+}
+
+impl ImageRays {
+    pub fn iter(&self) -> impl Iterator<Item = CaptureRay> {
+        self.of_pixels(|_| true)
+    }
+
+    /// Rays of the pixels, column and row, that are wanted.
+    pub fn of_pixels(&self, is_wanted: impl Fn([u32; 2]) -> bool) -> impl Iterator<Item = CaptureRay> {
+        let count = match &self.0 {
+            RaysOfImage::Listed(rays) => rays.len(),
+            RaysOfImage::Planes { light, .. } => light.len(),
+        };
+        (0..count).filter(move |&at| is_wanted(self.pixel(at))).map(|at| self.at(at))
+    }
+
+    fn pixel(&self, at: usize) -> [u32; 2] {
+        match &self.0 {
+            RaysOfImage::Listed(rays) => rays[at].pixel,
+            RaysOfImage::Planes { distances_m, .. } => {
+                let width = distances_m.width();
+                [at as u32 % width, at as u32 / width]
+            }
+        }
+    }
+
+    fn at(&self, at: usize) -> CaptureRay {
+        match &self.0 {
+            RaysOfImage::Listed(rays) => rays[at],
+            RaysOfImage::Planes { camera, distances_m, light } => {
+                let pixel = self.pixel(at);
+                let [column, row] = pixel.map(|at| f64::from(at) + 0.5);
+                let [width, height] = [distances_m.width(), distances_m.height()].map(f64::from);
+                CaptureRay {
+                    pixel,
+                    origin: camera.eye(),
+                    direction: camera.direction([column / width, row / height]),
+                    distance_m: f64::from(distances_m.data()[at]),
+                    light: light[at],
+                    alpha: 1.0,
+                }
+            }
+        }
+    }
+}
+
+fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<RaysOfImage> {
+    let camera = reference.images[image].camera;
     let truth = reference.truth(image, frame)?;
-    let distances = reference.distance_m(image, frame)?.ok_or_else(|| {
+    let distances_m = reference.distance_m(image, frame)?.ok_or_else(|| {
         let named = &reference.images[image];
         Error::Usage(format!(
             "probe {}, {}: there is no depth: simplification needs colour and depth of each image",
@@ -190,17 +250,10 @@ fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<V
             named.face.name()
         ))
     })?;
-    let ray = |at: u32| {
-        let (column, row) = (at % width, at / width);
-        let centre = [f64::from(column) + 0.5, f64::from(row) + 0.5];
-        CaptureRay {
-            pixel: [column, row],
-            origin: camera.eye(),
-            direction: camera.direction([centre[0] / f64::from(width), centre[1] / f64::from(height)]),
-            distance_m: f64::from(distances.get(column, row)),
-            light: truth.color.get(column, row).map(|light| light.to_f32()),
-            alpha: 1.0,
-        }
-    };
-    Ok((0..width * height).map(ray).collect())
+    let mut light = vec![[0.0; 3]; truth.color.data().len()];
+    truth.color.data().as_flattened().convert_to_f32_slice(light.as_flattened_mut());
+    if distances_m.data().len() != light.len() {
+        return Err(Error::invalid(format!("image {image} has colour and depth of different sizes")));
+    }
+    Ok(RaysOfImage::Planes { camera, distances_m, light })
 }

@@ -10,9 +10,9 @@ use glam::DVec3;
 use super::capture::{Capture, CaptureImage};
 use super::gaps::{Coverage, SeenDirections};
 use super::quad_mesh::QuadMesh;
-use super::raster::{Drawn, draw};
+use super::raster::AlphaRaster;
 use super::region::ViewingRegion;
-use super::samples::{Background, Sample, SampleRules};
+use super::samples::{Background, PixelChoice, Sample, SampleRules};
 use super::texture_sizes::Layout;
 use super::tiles::TileSet;
 use super::tree::project;
@@ -53,15 +53,24 @@ pub fn close_in_image(
     let mut closed = Closed::default();
     let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(closed) };
     let wanted = if rules.background == Background::Sky { OPAQUE_ALPHA } else { CRACK_ALPHA };
+    let mut raster = AlphaRaster::new(scene, &camera, size);
+    // Nearly each image has such pixels: it is read meanwhile.
+    let (_, rays) = rayon::join(|| raster.draw(scene, wanted).len(), || capture.rays(image));
+    let rays = rays?;
+    let mut samples: Option<Vec<Sample>> = None;
     // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
     for reach in 0..=REACH {
-        let Drawn { pixels, .. } = draw(scene, &camera, size);
-        if pixels.iter().all(|pixel| pixel[3] >= wanted) {
+        let pixels = raster.draw(scene, wanted);
+        let open: Vec<u32> = (0..).zip(pixels).filter(|(_, alpha)| **alpha < wanted).map(|(at, _)| at).collect();
+        if open.is_empty() {
             break;
         }
-        let (samples, _) = rules.samples(capture, image)?;
-        let alpha = |sample: &Sample| pixels[sample.pixel as usize][3];
-        for sample in samples.iter().filter(|sample| sample.is_surface && alpha(sample) < wanted) {
+        // Fewer pixels are open each time.
+        if samples.is_none() {
+            samples = Some(rules.of_rays(capture, (image, &rays), PixelChoice::Listed(&open))?.0);
+        }
+        let alpha = |sample: &Sample| pixels[sample.pixel as usize];
+        for sample in samples.iter().flatten().filter(|sample| sample.is_surface && alpha(sample) < wanted) {
             let along = sample.end - sample.origin;
             let Some(ray) = Ray::new(sample.origin, along) else { continue };
             if alpha(sample) < CRACK_ALPHA {
@@ -86,8 +95,7 @@ pub fn pictures(
     let picture = |face: Face| {
         let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
         let size = [EYE_SIDE; 2];
-        let drawn = draw(scene, &camera(region.middle + eye)?, size);
-        let covered = drawn.pixels.iter().map(|pixel| pixel[3] >= CRACK_ALPHA).collect();
+        let covered = covered(scene, &camera(region.middle + eye)?, size);
         let mut picture = Coverage { camera: camera(eye)?, size, covered };
         picture.cover(|ray| !seen.contains(ray.direction()));
         Ok(picture)
@@ -98,10 +106,16 @@ pub fn pictures(
 /// Picture of an image of the capture, where it has a camera and there is a gap. Pixels whose rays meet a tile count as covered.
 pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image: &CaptureImage) -> Option<Coverage> {
     let CaptureImage { camera: Some(camera), size, .. } = *image else { return None };
-    let covered = draw(scene, &camera, size).pixels.iter().map(|pixel| pixel[3] >= CRACK_ALPHA).collect();
+    let covered = covered(scene, &camera, size);
     let mut picture = Coverage { camera: camera.moved(-region.middle), size, covered };
-    picture.cover(|ray| !tiles.crossed(ray).is_empty());
+    picture.cover(|ray| tiles.is_crossed(ray));
     Some(picture).filter(|picture| picture.gaps().next().is_some())
+}
+
+/// Pixels that are no crack, row by row.
+pub(super) fn covered(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Vec<bool> {
+    let mut raster = AlphaRaster::new(scene, camera, size);
+    raster.draw(scene, CRACK_ALPHA).iter().map(|alpha| *alpha >= CRACK_ALPHA).collect()
 }
 
 /// Closes cracks that pictures show; answers their number.

@@ -6,14 +6,13 @@ use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::capture::{Capture, CaptureImage};
-use super::cracks::{CRACK_ALPHA, OPAQUE_ALPHA};
+use super::capture::{Capture, CaptureImage, ImageRays};
+use super::cracks::{CRACK_ALPHA, OPAQUE_ALPHA, covered};
 use super::gaps::SeenDirections;
 use super::quad_mesh::QuadMesh;
 use super::raster::{Drawn, draw};
 use super::region::ViewingRegion;
 use super::samples::Background;
-use crate::dataset::seurat::CaptureRay;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::evaluate::reference::Truth;
@@ -76,13 +75,7 @@ impl Default for Fidelity {
 
 impl Fidelity {
     /// Draws the scene as an image of a capture was taken, and adds what differs. Images without a camera are left out.
-    fn add(
-        &mut self,
-        scene: &QuadMesh,
-        image: &CaptureImage,
-        rays: &[CaptureRay],
-        background: Background,
-    ) -> Result<()> {
+    fn add(&mut self, scene: &QuadMesh, image: &CaptureImage, rays: &ImageRays, background: Background) -> Result<()> {
         let Some(compared) = Compared::new(scene, image, rays, background)? else { return Ok(()) };
         let Compared { similarity, shown, wanted, surfaces, drawn, overdraw } = compared;
         let Drawn { pixels, fragments, most_fragments } = drawn;
@@ -142,7 +135,7 @@ impl Compared {
     pub fn new(
         scene: &QuadMesh,
         image: &CaptureImage,
-        rays: &[CaptureRay],
+        rays: &ImageRays,
         background: Background,
     ) -> Result<Option<Compared>> {
         let CaptureImage { camera: Some(camera), size, .. } = *image else { return Ok(None) };
@@ -151,10 +144,11 @@ impl Compared {
         // Holes are black.
         let rendered = RenderedImage::of_pixels(size, drawn.pixels.iter().copied())?;
         let tone = ToneMap::default();
+        let (shown, wanted) = (rendered.codes(tone), truth_codes(&truth, tone));
         Ok(Some(Compared {
-            similarity: Similarity::of(&rendered, &truth, tone)?,
-            shown: rendered.codes(tone),
-            wanted: truth_codes(&truth, tone),
+            similarity: Similarity::of_codes([&shown, &wanted], &rendered.alpha, None)?,
+            shown,
+            wanted,
             surfaces,
             overdraw: drawn.fragments as f64 / drawn.pixels.len().max(1) as f64,
             drawn,
@@ -171,20 +165,27 @@ pub fn compare(
 ) -> Result<Fidelity> {
     let mut fidelity = Fidelity::default();
     let at_once = rayon::current_num_threads().min(MOST_AT_ONCE);
-    for first in (0..capture.images.len()).step_by(at_once) {
-        monitor.check()?;
+    let mut read = |first: usize| -> Result<Vec<(CaptureImage, ImageRays)>> {
         let images = first..(first + at_once).min(capture.images.len());
-        let read = images.map(|image| Ok((capture.images[image].clone(), capture.rays(image)?)));
-        let read: Vec<(CaptureImage, Vec<CaptureRay>)> = read.collect::<Result<_>>()?;
-        let one = |(image, rays): &(CaptureImage, Vec<CaptureRay>)| {
-            monitor.advance(1);
-            let mut fidelity = Fidelity::default();
-            fidelity.add(scene, image, rays, background)?;
-            Ok(fidelity)
-        };
-        for found in read.par_iter().map(one).collect::<Result<Vec<Fidelity>>>()? {
+        images.map(|image| Ok((capture.images[image].clone(), capture.rays(image)?))).collect()
+    };
+    let one = |(image, rays): &(CaptureImage, ImageRays)| {
+        monitor.advance(1);
+        let mut fidelity = Fidelity::default();
+        fidelity.add(scene, image, rays, background)?;
+        Ok(fidelity)
+    };
+    let (mut first, mut next) = (0, read(0)?);
+    while !next.is_empty() {
+        monitor.check()?;
+        first += next.len();
+        // The next ones are read meanwhile.
+        let compare = || next.par_iter().map(one).collect::<Result<Vec<Fidelity>>>();
+        let (compared, following) = rayon::join(compare, || read(first));
+        for found in compared? {
             fidelity.merge(&found)?;
         }
+        next = following?;
     }
     Ok(fidelity)
 }
@@ -218,12 +219,11 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
         // So far away that the next float is metres off, an eye cannot look anywhere.
         let Ok(camera) = Camera::look_at(eye, eye + forward, DVec3::Y, Lens::new(90.0)) else { break };
         score.poses += 1;
-        let drawn = draw(scene, &camera, size);
-        for (at, pixel) in (0..).zip(&drawn.pixels) {
+        for (at, is_covered) in (0..).zip(covered(scene, &camera, size)) {
             let centre = [at % POSE_SIDE, at / POSE_SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(POSE_SIDE));
             if seen.contains(camera.direction(centre)) {
                 score.pixels += 1;
-                score.crack_pixels += u64::from(pixel[3] < CRACK_ALPHA);
+                score.crack_pixels += u64::from(!is_covered);
             }
         }
     }
@@ -231,10 +231,10 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
 }
 
 /// The picture of rays, black where there is none, and whether each pixel shows a surface.
-fn truth(rays: &[CaptureRay], [width, height]: [u32; 2], background: Background) -> (Truth, Vec<bool>) {
+fn truth(rays: &ImageRays, [width, height]: [u32; 2], background: Background) -> (Truth, Vec<bool>) {
     let mut color = ColorPlane::filled(width, height, [f16::ZERO; 3]);
     let mut surfaces = vec![false; (width * height) as usize];
-    for ray in rays {
+    for ray in rays.iter() {
         if background == Background::Sky || ray.distance_m.is_finite() {
             let at = (ray.pixel[1] * width + ray.pixel[0]) as usize;
             color.data_mut()[at] = ray.light.map(f16::from_f32);

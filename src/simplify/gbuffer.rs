@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::capture::{Capture, Surfaces};
 use super::constraints::FreeSpace;
-use super::samples::{Sample, SampleRules};
+use super::samples::{PixelChoice, Sample, SampleRules};
 use super::shading::LightBuffer;
 use super::short_cuts::ShortCuts;
 use super::texture_sizes::Layout;
@@ -54,7 +54,7 @@ impl TexturedTiles<'_> {
         for image in 0..capture.images.len() {
             monitor.check()?;
             let Surfaces { normal, material } = capture.surfaces(image)?;
-            let (samples, _) = rules.samples(capture, image)?;
+            let (samples, _) = rules.samples(capture, image, PixelChoice::Every(1))?;
             for (plane, buffers) in [(normal, &mut normals), (material, &mut materials)] {
                 if let Some(plane) = plane {
                     self.add(&samples, &plane, buffers.get_or_insert_with(|| self.buffers()));

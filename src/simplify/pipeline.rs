@@ -11,21 +11,19 @@ use super::cracks;
 use super::fidelity::{self, Evaluation};
 use super::gaps::{Account, Extensions, SeenDirections};
 use super::gbuffer::{SurfaceAtlas, TexturedTiles};
-use super::quad_mesh::{MeshForm, QuadMesh};
+use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, SampleRules};
-use super::selected::{Counts, SelectedTiles, cost_model, select};
+use super::selected::{Counts, SOLID_THRESHOLD, SelectedTiles, cost_model, select};
 use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
+use super::short_cuts::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
 use crate::effort::Effort;
 use crate::error::Result;
 use crate::json;
 use crate::monitor::Monitor;
-
-/// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
-const SOLID_THRESHOLD: f64 = 0.01;
 
 /// Durations of the stages.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -167,6 +165,8 @@ pub fn texture(
     let texels_per_unit = settings.texels_per_unit(capture);
     let model = cost_model(extent, &region, settings, texels_per_unit);
     let shares = ViewShares::of_trees();
+    let is_short = settings.short_cuts == ShortCuts::Taken;
+    let light = if is_short { settings.light } else { AtlasLight::HalfFloats };
     let images = 0..capture.images.len();
     let texturing = Texturing {
         rules,
@@ -174,17 +174,20 @@ pub fn texture(
         stride: if settings.effort == Effort::Fast { 4 } else { 1 },
         pixel_step: 1,
         texels_per_unit,
-        form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light: settings.light },
+        form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
         atlas: settings.atlas,
         sizing: settings.sizing,
         short_cuts: settings.short_cuts,
     };
     let begun = Instant::now();
-    let coarse = texturing.coarse().run(&tiles, capture, monitor)?;
+    let mut coarse = texturing.coarse().run(&tiles, capture, monitor)?;
+    if !is_short {
+        coarse.scene.runs.clear();
+    }
     // Without a surface in all directions there is no telling a gap from what is empty.
     let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
     let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
-        let each = eyes.iter().map(|&eye| {
+        let each = eyes.par_iter().map(|&eye| {
             monitor.check()?;
             cracks::pictures(scene, (&region, &seen), eye)
         });
@@ -212,6 +215,11 @@ pub fn texture(
     let Textured { mut scene, layout, .. } = textured;
     counters.blended_triangles = scene.runs.iter().step_by(2).map(|&count| u64::from(count)).sum();
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
+    // Without them all triangles are blended.
+    let runs = scene.runs.clone();
+    if !is_short {
+        scene.runs.clear();
+    }
     let placed = (&tiles, &layout);
     counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, placed, &mut scene);
     for image in images {
@@ -221,6 +229,8 @@ pub fn texture(
         counters.closed_translucent += closed.translucent;
         monitor.advance(1);
     }
+    scene.runs = runs;
+    scene.light = scene.light.filter(|_| settings.light == AtlasLight::HalfFloats);
     stages.gaps += begun.elapsed();
     let begun = Instant::now();
     let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
@@ -273,10 +283,9 @@ mod tests {
     use crate::placement::Region;
     use crate::scene::{DemoKind, FootagePlan};
     use crate::simplify::cost::TextureCoordinates;
-    use crate::simplify::quad_mesh::AtlasLight;
+    use crate::simplify::export::{self, Outputs, Scene};
     use crate::simplify::selection::{Budgets, CONSTRAINTS};
     use crate::simplify::settings::TilingKind;
-    use crate::simplify::short_cuts::ShortCuts;
     use crate::simplify::tree::{MAX_LEVEL, TreeCell};
 
     const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
@@ -371,6 +380,19 @@ mod tests {
         });
     }
 
+    fn glb_of(found: &Simplified) -> Vec<u8> {
+        let scene = Scene {
+            quads: &found.scene,
+            region: &found.region,
+            budgets: &BUDGETS,
+            frame: 0,
+            atlas: 512,
+            coordinates: TextureCoordinates::Affine,
+            surfaces: None,
+        };
+        export::files(&scene, &Outputs { scene: "a.glb".into(), ktx2: None }).unwrap().remove(0).bytes
+    }
+
     #[test]
     fn short_cuts_change_nothing_and_are_counted() {
         let [taken, off] = [ShortCuts::Taken, ShortCuts::Off]
@@ -380,9 +402,14 @@ mod tests {
         assert!(filled_tiles > 0 && filled_tiles < taken.tiles);
         assert!(blended_triangles > 0 && blended_triangles < taken.scene.mesh.triangles.len() as u64);
         assert!(fitted_cells > 0 && fitted_cells < TreeCell::count(MAX_LEVEL) as u64, "{fitted_cells}");
-        assert!(taken.scene.mesh == off.scene.mesh && taken.scene.runs == off.scene.runs);
-        assert!(taken.scene.texture.pixels == off.scene.texture.pixels);
+        assert!(taken.scene.mesh == off.scene.mesh && glb_of(&taken) == glb_of(&off));
         assert_eq!(taken.counters.filled_texels, off.counters.filled_texels);
+        // Light of low range has no float atlas, unless it is forced and then left out.
+        assert_eq!((taken.counters.float_texels, taken.scene.light.is_none()), (0, true));
+        assert!(off.counters.float_texels > 0 && off.scene.light.is_none());
+        // What draws the picture blends fewer triangles, and finds the same cracks.
+        assert_eq!(taken.counters.closed_cracks, off.counters.closed_cracks);
+        assert_eq!(taken.counters.closed_translucent, off.counters.closed_translucent);
     }
 
     #[test]

@@ -28,6 +28,8 @@ pub struct MergedPoint {
 const FINEST: u32 = 11;
 /// And where they do not grow any more.
 const COARSEST: u32 = 6;
+/// Samples that one job finds the voxels of.
+const SAMPLES_A_JOB: usize = 4096;
 /// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
 const LEAST_M: f64 = 1e-9;
 
@@ -41,7 +43,7 @@ struct Voxel {
 
 type Voxels = HashMap<u64, Voxel, BuildHasherDefault<KeyHasher>>;
 
-/// Keys are hashed already.
+/// Hashes of keys: samples come row by row, and those side by side are looked up side by side.
 #[derive(Debug, Default)]
 struct KeyHasher(u64);
 
@@ -56,8 +58,12 @@ impl std::hash::Hasher for KeyHasher {
         }
     }
 
+    /// Blocks of 16 columns and 4 distances are spread; in a block the last bits, which say where a table begins to look, and the first
+    /// ones, by which it tells keys apart, are those of the voxel.
     fn write_u64(&mut self, key: u64) {
-        self.0 = mix(key);
+        let (column, distance) = (key & 0xf, key >> 40 & 0x3);
+        let block = mix((key >> 42) << 36 | (key >> 4 & 0xf_ffff_ffff));
+        self.0 = (block & !0xf | (column ^ (5 * distance)) & 0xf) ^ (column << 57) ^ (distance << 61);
     }
 }
 
@@ -89,19 +95,20 @@ impl PointMerger {
         let first = self.samples;
         self.samples += ends.len() as u64;
         let level = self.level;
-        let keyed: Vec<(usize, u64, Voxel)> = (ends.par_iter().enumerate())
-            .map(|(at, &end)| {
+        let keyed = |(job, ends): (usize, &[DVec3])| {
+            let mut of_faces: [Vec<(u64, Voxel)>; 6] = Default::default();
+            for (number, &end) in (first + (job * SAMPLES_A_JOB) as u64..).zip(ends) {
                 let (face, key) = voxel_key(end, level);
                 let bits = end.to_array().map(f64::to_bits);
                 let place = bits[0] ^ bits[1].rotate_left(21) ^ bits[2].rotate_left(42);
-                let random = mix((first + at as u64) ^ mix(place));
-                (face, key, Voxel { random, position: end.as_vec3(), samples: 1 })
-            })
-            .collect();
-        (self.grids.par_iter_mut().enumerate()).for_each(|(face, grid)| {
-            for (_, key, voxel) in keyed.iter().filter(|(of, ..)| *of == face) {
-                join(grid, *key, *voxel);
+                let voxel = Voxel { random: mix(number ^ mix(place)), position: end.as_vec3(), samples: 1 };
+                of_faces[face].push((key, voxel));
             }
+            of_faces
+        };
+        let jobs: Vec<_> = ends.par_chunks(SAMPLES_A_JOB).enumerate().map(keyed).collect();
+        (self.grids.par_iter_mut().enumerate()).for_each(|(face, grid)| {
+            jobs.iter().flat_map(|of_faces| &of_faces[face]).for_each(|(key, voxel)| join(grid, *key, *voxel));
         });
         while self.point_count() > self.max_points && self.level > COARSEST {
             self.level -= 1;

@@ -5,9 +5,12 @@
 //! there already, which is the same picture and leaves out what an opaque triangle hides; [`draw_plainly`] blends in order. Triangles
 //! that share an edge share no sample and leave none.
 //!
+//! [`AlphaRaster`] draws alpha alone, for those who ask whether a pixel is covered.
+//!
 //! [`Compositing::ZBuffer`] shows the nearest triangle at each sample, of those whose alpha covers it (alpha to coverage): the samples of a
 //! pixel have thresholds that are spread evenly over 0..1.
 
+mod alpha;
 mod drawn;
 mod plain;
 mod texels;
@@ -22,6 +25,7 @@ use crate::image::plane::Plane;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
+pub use alpha::AlphaRaster;
 pub use drawn::Drawn;
 pub use plain::draw_plainly;
 use texels::Texels;
@@ -83,15 +87,15 @@ impl DrawSettings {
 /// Draws the mesh over a transparent picture: in order, with one sample in the middle of each pixel.
 pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
     let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
-    let raster = Raster::new(scene, camera, &settings);
-    Drawn::of_rows(raster.jobs().map(|job| raster.rows(job)).collect())
+    let (raster, texels) = (Raster::new(scene, camera, &settings), Texels::new(scene));
+    Drawn::of_rows(raster.jobs().map(|job| raster.rows(job, &texels)).collect())
 }
 
 /// Triangles over the middle of each pixel.
 pub fn overdraw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Result<Plane<u32>> {
     let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
-    let raster = Raster::new(scene, camera, &settings);
-    let counts: Vec<Vec<u32>> = raster.jobs().map(|job| raster.rows(job).1).collect();
+    let (raster, texels) = (Raster::new(scene, camera, &settings), Texels::new(scene));
+    let counts: Vec<Vec<u32>> = raster.jobs().map(|job| raster.rows(job, &texels).1).collect();
     Plane::new(size[0], size[1], counts.concat())
 }
 
@@ -103,10 +107,10 @@ pub fn draw_picture(
     monitor: &dyn Monitor,
 ) -> Result<Drawn> {
     monitor.check()?;
-    let raster = Raster::new(scene, camera, settings);
+    let (raster, texels) = (Raster::new(scene, camera, settings), Texels::new(scene));
     let rows = raster.jobs().map(|job| {
         monitor.check()?;
-        let rows = raster.rows(job);
+        let rows = raster.rows(job, &texels);
         monitor.advance(u64::from(raster.rows_of(job)[1] - raster.rows_of(job)[0]));
         Ok(rows)
     });
@@ -131,26 +135,30 @@ fn nearness(inverse_depth: f32) -> u32 {
 }
 
 /// A picture in the making.
-struct Raster<'a> {
+struct Raster {
     settings: DrawSettings,
     samples: Vec<Sample>,
-    texels: Texels<'a>,
     /// Those that are seen, in order.
     triangles: Vec<Triangle>,
     /// Those of each job, by index.
     of_job: Vec<Vec<u32>>,
 }
 
-impl<'a> Raster<'a> {
-    fn new(scene: &'a QuadMesh, camera: &Camera, settings: &DrawSettings) -> Raster<'a> {
+impl Raster {
+    fn new(scene: &QuadMesh, camera: &Camera, settings: &DrawSettings) -> Raster {
         let pixels = Pixels::new(camera, settings.size);
         let mesh = &scene.mesh;
         let corners: Vec<_> = mesh.positions.par_iter().map(|&point| pixels.seen_from_eye(point)).collect();
-        let see = |triangle: &[u32; 3]| {
+        let kinds = scene.runs.iter().zip([false, true].into_iter().cycle());
+        let is_opaque: Vec<bool> =
+            kinds.flat_map(|(&count, is_opaque)| std::iter::repeat_n(is_opaque, count as usize)).collect();
+        let see = |(at, triangle): (usize, &[u32; 3])| {
             let stq = triangle.map(|corner| texture_coordinates(scene, corner));
-            Triangle::new(&triangle.map(|corner| corners[corner as usize]), stq, &pixels)
+            let mut seen = Triangle::new(&triangle.map(|corner| corners[corner as usize]), stq, &pixels)?;
+            seen.is_opaque = is_opaque.get(at).copied().unwrap_or(false);
+            Some(seen)
         };
-        let triangles: Vec<Triangle> = mesh.triangles.par_iter().filter_map(see).collect();
+        let triangles: Vec<Triangle> = mesh.triangles.par_iter().enumerate().filter_map(see).collect();
         let mut of_job = vec![Vec::new(); settings.size[1].div_ceil(ROWS_A_JOB) as usize];
         for (at, triangle) in (0..).zip(&triangles) {
             let [first, end] = triangle.rows;
@@ -158,8 +166,7 @@ impl<'a> Raster<'a> {
                 .iter_mut()
                 .for_each(|list| list.push(at));
         }
-        let texels = Texels::new(scene);
-        Raster { settings: *settings, samples: settings.samples(), texels, triangles, of_job }
+        Raster { settings: *settings, samples: settings.samples(), triangles, of_job }
     }
 
     fn jobs(&self) -> impl IndexedParallelIterator<Item = usize> {
@@ -173,7 +180,7 @@ impl<'a> Raster<'a> {
     }
 
     /// Pixels of a job, and triangles over each sample of them.
-    fn rows(&self, job: usize) -> (Vec<Vec4>, Vec<u32>) {
+    fn rows(&self, job: usize, texels: &Texels) -> (Vec<Vec4>, Vec<u32>) {
         let [first, end] = self.rows_of(job);
         let pixels = self.settings.size[0] as usize * (end - first) as usize;
         let draw = match self.settings.compositing {
@@ -183,7 +190,7 @@ impl<'a> Raster<'a> {
         let mut counts = vec![0u32; pixels * self.samples.len()];
         let mut sums = vec![Vec4::ZERO; pixels];
         for (sample, counts) in self.samples.iter().zip(counts.chunks_exact_mut(pixels.max(1))) {
-            let drawn = draw(self, job, sample, counts);
+            let drawn = draw(self, (job, texels), sample, counts);
             sums.iter_mut().zip(drawn).for_each(|(sum, pixel)| *sum += pixel);
         }
         if self.samples.len() > 1 {
@@ -210,7 +217,7 @@ impl<'a> Raster<'a> {
     }
 
     /// Blends triangles behind each other.
-    fn blend(&self, job: usize, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
+    fn blend(&self, (job, texels): (usize, &Texels), sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
             let [s, t, q] = triangle.stq.map(|axis| axis.row(y));
@@ -223,7 +230,7 @@ impl<'a> Raster<'a> {
                 }
                 let x = f64::from(x) + sample.offset[0];
                 let scale = 1.0 / q.at(x);
-                let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
+                let texel = texels.sample([s.at(x) * scale, t.at(x) * scale]);
                 let share = open * texel.w;
                 *pixel += (texel * share).truncate().extend(share);
             }
@@ -232,7 +239,7 @@ impl<'a> Raster<'a> {
     }
 
     /// Shows the nearest triangle that covers each sample.
-    fn hide(&self, job: usize, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
+    fn hide(&self, (job, texels): (usize, &Texels), sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         let mut nearest = vec![0u32; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
@@ -246,7 +253,7 @@ impl<'a> Raster<'a> {
                     continue;
                 }
                 let scale = 1.0 / q.at(x);
-                let texel = self.texels.sample([s.at(x) * scale, t.at(x) * scale]);
+                let texel = texels.sample([s.at(x) * scale, t.at(x) * scale]);
                 if texel.w > sample.threshold {
                     *nearest = nearness;
                     *pixel = texel.truncate().extend(1.0);

@@ -66,14 +66,16 @@ impl ViewingRegion {
         distinct(signs.map(|sign| sign * self.half))
     }
 
-    /// The same points, moved towards the middle into the region.
+    /// The same points and those halfway to the corners, moved towards the middle into the region.
     pub fn eyes(&self) -> Vec<DVec3> {
         let into = |point: DVec3| {
             let steps = (0..=EYE_STEPS).map(|step| point * (1.0 - f64::from(step) / f64::from(EYE_STEPS)));
             let region = self.given.as_ref();
             steps.into_iter().find(|&at| region.is_none_or(|region| region.contains(self.middle + at)))
         };
-        distinct(self.border().into_iter().filter_map(into))
+        let border = self.border();
+        let halfway = border.iter().filter(|at| at.abs() == self.half).map(|&corner| 0.5 * corner);
+        distinct(border.iter().copied().chain(halfway).filter_map(into))
     }
 
     /// Whether a point, relative to the middle, is inside.
@@ -101,6 +103,11 @@ impl ViewingRegion {
         };
         along(0).min(along(1)).min(along(2))
     }
+
+    /// Metres within which no ray of length 1 from a point comes to the cube of the sky.
+    pub fn before_sky(&self, origin: DVec3) -> f64 {
+        0.999 * (SKY_RADII * self.radius() - origin.abs().max_element())
+    }
 }
 
 /// The points without those that occurred before: boxes without extent along an axis have equal corners.
@@ -123,7 +130,8 @@ mod tests {
         assert_eq!((region.middle, region.radius()), (DVec3::new(2.0, 1.0, 1.0), 1.0));
         assert_eq!(region.to_sky(DVec3::X, DVec3::X), 399.0);
         assert_eq!(region.to_sky(DVec3::X, DVec3::new(-0.6, 0.8, 0.0)), 500.0);
-        assert_eq!((region.border().len(), region.eyes().len()), (3, 3));
+        assert!(region.before_sky(DVec3::X) < region.to_sky(DVec3::X, DVec3::X) && region.before_sky(DVec3::X) > 398.0);
+        assert_eq!((region.border().len(), region.eyes().len()), (3, 5));
         assert!(region.admits(DVec3::X) && !region.contains(DVec3::X) && !region.admits(DVec3::Y));
         let ball = ViewingRegion::given(Region::parse(&["sphere:1,2,3,0.5"]).unwrap());
         assert!(ball.contains(DVec3::X * 0.49) && !ball.contains(DVec3::splat(0.4)));

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::capture::Capture;
+use super::capture::{Capture, ImageRays};
 use super::region::ViewingRegion;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
@@ -41,6 +41,24 @@ pub enum Inside {
     Drop,
 }
 
+/// Pixels of an image whose samples are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PixelChoice<'a> {
+    /// Those of one of so many columns and rows.
+    Every(u32),
+    /// Their indices, row by row, in ascending order.
+    Listed(&'a [u32]),
+}
+
+impl PixelChoice<'_> {
+    fn contains(&self, [column, row]: [u32; 2], width: u32) -> bool {
+        match self {
+            PixelChoice::Every(step) => *step == 1 || column.is_multiple_of(*step) && row.is_multiple_of(*step),
+            PixelChoice::Listed(pixels) => pixels.binary_search(&(row * width + column)).is_ok(),
+        }
+    }
+}
+
 /// How rays become samples.
 #[derive(Debug, Clone, Copy)]
 pub struct SampleRules<'a> {
@@ -50,18 +68,20 @@ pub struct SampleRules<'a> {
 }
 
 impl SampleRules<'_> {
-    /// Gives the samples of each image in turn, with its index and the number that was left out. The next image is read meanwhile.
+    /// Gives the samples of each image in turn, and the number that was left out. The next image is read meanwhile.
     pub fn of_all_images(
         &self,
         capture: &mut Capture,
+        pixels: PixelChoice<'_>,
         monitor: &dyn Monitor,
-        mut take: impl FnMut(usize, Vec<Sample>, u64) + Send,
+        mut take: impl FnMut(Vec<Sample>, u64) + Send,
     ) -> Result<()> {
-        let mut read = |image: usize| (image < capture.images.len()).then(|| self.samples(capture, image)).transpose();
+        let mut read =
+            |image: usize| (image < capture.images.len()).then(|| self.samples(capture, image, pixels)).transpose();
         let (mut image, mut next) = (0, read(0)?);
         while let Some((samples, left_out)) = next {
             monitor.check()?;
-            let ((), following) = rayon::join(|| take(image, samples, left_out), || read(image + 1));
+            let ((), following) = rayon::join(|| take(samples, left_out), || read(image + 1));
             monitor.advance(1);
             next = following?;
             image += 1;
@@ -69,18 +89,34 @@ impl SampleRules<'_> {
         Ok(())
     }
 
-    /// The samples of one image, row by row, and the number that was left out.
-    pub fn samples(&self, capture: &mut Capture, image: usize) -> Result<(Vec<Sample>, u64)> {
+    /// The samples of pixels of one image, row by row, and the number of those that were left out.
+    pub fn samples(&self, capture: &mut Capture, image: usize, pixels: PixelChoice<'_>) -> Result<(Vec<Sample>, u64)> {
         let rays = capture.rays(image)?;
-        let mut samples = Vec::with_capacity(rays.len());
-        let mut left_out = 0;
-        let width = capture.images[image].size[0];
-        for ray in rays {
+        self.of_rays(capture, (image, &rays), pixels)
+    }
+
+    /// The same, of rays that were read.
+    pub fn of_rays(
+        &self,
+        capture: &Capture,
+        (image, rays): (usize, &ImageRays),
+        pixels: PixelChoice<'_>,
+    ) -> Result<(Vec<Sample>, u64)> {
+        let [width, height] = capture.images[image].size;
+        let most = match pixels {
+            PixelChoice::Every(step) => width.div_ceil(step) as usize * height.div_ceil(step) as usize,
+            PixelChoice::Listed(pixels) => pixels.len(),
+        };
+        let (mut samples, mut left_out) = (Vec::with_capacity(most), 0);
+        for ray in rays.of_pixels(|pixel| pixels.contains(pixel, width)) {
             let origin = ray.origin - self.region.middle;
             // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
             let direction = ray.direction.as_vec3().as_dvec3();
-            let sky_m = self.region.to_sky(origin, direction);
-            let end = origin + ray.distance_m.min(sky_m) * direction;
+            let distance_m = match ray.distance_m <= self.region.before_sky(origin) {
+                true => ray.distance_m,
+                false => ray.distance_m.min(self.region.to_sky(origin, direction)),
+            };
+            let end = origin + distance_m * direction;
             if self.region.contains(end) || end.length() < self.region.least_m() {
                 if self.inside == Inside::Drop {
                     left_out += 1;

@@ -13,7 +13,7 @@ use super::gaps::SeenDirections;
 use super::gbuffer;
 use super::points::PointMerger;
 use super::region::ViewingRegion;
-use super::samples::SampleRules;
+use super::samples::{PixelChoice, SampleRules};
 use super::selection::{Bounds, Budgets, CONSTRAINTS, Problem, SelectedTiling, Selection};
 use super::settings::{Settings, SurfaceAtlases, TilingKind};
 use super::tiles::{QuadTile, TileSet};
@@ -29,8 +29,15 @@ pub const MAX_POINTS: usize = 1_500_000;
 const UNIFORM_LEVEL: u32 = 6;
 /// Least side of a tree cell in pixels of the capture.
 const MIN_CELL_PIXELS: f64 = 4.0;
+/// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
+pub(super) const SOLID_THRESHOLD: f64 = 0.01;
 /// Part of the budgets that selection leaves to gaps.
 const GAP_SHARE: f64 = 0.1;
+/// Energy with that part left, over that without, at most: beyond, errors are twice as large, which shows more than gaps do. Errors
+/// below the solid threshold do not count.
+const GAP_ENERGY: f64 = 4.0;
+/// Iterations of which one finds out what the part costs.
+const GAP_ITERATIONS: usize = 8;
 
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 
@@ -73,7 +80,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
     let (mut samples, mut dropped_samples, mut farthest_m) = (0, 0, 0f64);
-    rules.of_all_images(capture, monitor, |_, found, left_out| {
+    rules.of_all_images(capture, PixelChoice::Every(1), monitor, |found, left_out| {
         dropped_samples += left_out;
         let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
         samples += ends.len() as u64;
@@ -98,7 +105,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     if settings.tiling == TilingKind::Uniform {
         fitting.levels = [UNIFORM_LEVEL.min(finest); 2];
     }
-    let levels = candidates(&points, &extent, &fitting);
+    let levels = candidates(&points, &extent, &fitting, settings.short_cuts);
     let cells = || levels.iter().flat_map(|level| &level.tilings);
     let counts = Counts {
         samples,
@@ -118,9 +125,16 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
         Effort::Normal => (600, 1e-3),
         Effort::Exhaustive => (3000, 1e-5),
     };
-    let select = |budgets: &Budgets| Problem::new(&costs, fitting.levels[0], &shares, budgets).solve(iterations, gap);
-    // Some of the budgets is kept for gaps, where that is feasible.
-    let selection = select(&settings.budgets.scaled(1.0 - GAP_SHARE)).or_else(|_| select(&settings.budgets))?;
+    let select = |budgets: &Budgets, iterations: usize| {
+        Problem::new(&costs, fitting.levels[0], &shares, budgets).solve(iterations, gap)
+    };
+    let reserved = select(&settings.budgets.scaled(1.0 - GAP_SHARE), iterations);
+    let small = SOLID_THRESHOLD * SOLID_THRESHOLD * samples as f64;
+    let least = || -> Result<f64> { Ok(select(&settings.budgets, iterations / GAP_ITERATIONS)?.primal) };
+    let selection = match reserved {
+        Ok(reserved) if reserved.primal <= small || reserved.primal <= GAP_ENERGY * least()? => reserved,
+        _ => select(&settings.budgets, iterations)?,
+    };
     let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
     let tiles = TileSet::new(&selection.tilings, &levels, &model).tiles;
     let durations = [merged, fitted - merged, begun.elapsed() - fitted];

@@ -118,7 +118,17 @@ pub(super) fn constraints_by_tile(
     };
     let jobs: Vec<(Vec<Constraint>, u64)> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
     let uncovered = jobs.iter().map(|(_, uncovered)| uncovered).sum();
-    let mut found: Vec<Constraint> = jobs.into_iter().flat_map(|(found, _)| found).collect();
-    found.par_sort_by_key(|constraint| constraint.tile);
+    // Counted and then put in their places.
+    let all = || jobs.iter().flat_map(|(found, _)| found);
+    let mut next = vec![0; tiles.tiles.len() + 1];
+    all().for_each(|constraint| next[constraint.tile as usize + 1] += 1);
+    (1..next.len()).for_each(|tile| next[tile] += next[tile - 1]);
+    let none = Constraint { tile: 0, at: [0.0; 2], sample: None };
+    let mut found = vec![none; next[tiles.tiles.len()]];
+    for constraint in all() {
+        let place = &mut next[constraint.tile as usize];
+        found[*place] = *constraint;
+        *place += 1;
+    }
     (found, uncovered)
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::capture::Capture;
 use super::quad_mesh::{MeshForm, QuadMesh};
-use super::samples::SampleRules;
+use super::samples::{PixelChoice, SampleRules};
 use super::short_cuts::ShortCuts;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTextures};
@@ -61,10 +61,7 @@ impl Texturing<'_> {
         let begun = Instant::now();
         let sides: Vec<usize> = tiles.tiles.iter().map(|tile| self.side(tile)).collect();
         let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold);
-        let widths: Vec<u32> = capture.images.iter().map(|image| image.size[0]).collect();
-        self.rules.of_all_images(capture, monitor, |image, mut samples, _| {
-            let is_used = |at: u32| at.is_multiple_of(self.pixel_step);
-            samples.retain(|sample| is_used(sample.pixel % widths[image]) && is_used(sample.pixel / widths[image]));
+        self.rules.of_all_images(capture, PixelChoice::Every(self.pixel_step), monitor, |samples, _| {
             builder.add(&samples, self.stride);
         })?;
         let (solid_constraints, free_space_constraints, uncovered_samples) =

@@ -145,6 +145,11 @@ impl TileSet {
         hits.dedup_by_key(|hit| hit.0);
         hits
     }
+
+    /// Whether a ray meets any.
+    pub fn is_crossed(&self, ray: &Ray) -> bool {
+        self.bvh.any(ray, 0.0..f64::INFINITY, |_| true)
+    }
 }
 
 /// Column or row of the cell of the last level at a coordinate; of the nearest one outside of the face.

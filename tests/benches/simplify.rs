@@ -30,7 +30,7 @@ use lightfold::simplify::quad_mesh::QuadMesh;
 use lightfold::simplify::raster::{Compositing, DrawSettings, draw_picture, draw_plainly};
 use lightfold::simplify::read_glb::read_glb;
 use lightfold::simplify::region::ViewingRegion;
-use lightfold::simplify::samples::{Background, Inside, SampleRules};
+use lightfold::simplify::samples::{Background, Inside, PixelChoice, SampleRules};
 use lightfold::simplify::selected::MAX_POINTS;
 use lightfold::simplify::selection::Budgets;
 use lightfold::simplify::settings::Settings;
@@ -118,10 +118,12 @@ fn merge(dataset: &str) -> Result<()> {
     let region = ViewingRegion::around(capture.images.iter().map(|image| image.eye));
     let rules = SampleRules { region: &region, background: Background::Sky, inside: Inside::Drop };
     let images = 0..capture.images.len();
-    let read = median(|| images.clone().try_for_each(|image| capture.rays(image).map(|rays| drop(black_box(rays)))))?;
+    let read = median(|| {
+        images.clone().try_for_each(|image| capture.rays(image).map(|rays| rays.iter().map(black_box).for_each(|_| ())))
+    })?;
     let merged = median(|| {
         let mut merger = PointMerger::new(MAX_POINTS);
-        rules.of_all_images(&mut capture, &Silent, |_, samples, _| {
+        rules.of_all_images(&mut capture, PixelChoice::Every(1), &Silent, |samples, _| {
             merger.add(&samples.iter().map(|sample| sample.end).collect::<Vec<_>>());
         })?;
         black_box(merger.finish());
@@ -135,7 +137,7 @@ fn merge(dataset: &str) -> Result<()> {
 fn simplify_half(dataset: &str) -> Result<()> {
     let mut capture = Capture::open(Path::new(dataset), Some(0))?;
     let images = 0..capture.images.len();
-    let rays: Vec<_> = images.map(|image| capture.rays(image)).collect::<Result<_>>()?;
+    let rays: Vec<Vec<_>> = images.map(|image| Ok(capture.rays(image)?.iter().collect())).collect::<Result<_>>()?;
     let budgets = Budgets { triangles: 20_000.0, ..Settings::default().budgets };
     let settings = Settings { budgets, atlas: 2048, effort: Effort::Fast, inside: Inside::Drop, ..Settings::default() };
     let [half, all] = [2, 1].map(|step| {

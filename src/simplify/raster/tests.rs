@@ -231,3 +231,26 @@ fn light_of_pictures_is_straight_or_over_black() {
     assert_eq!(drawn.over_black([2, 1]).unwrap().color.data(), [[0.25, 0.5, 0.0], [0.0; 3]]);
     assert_eq!(image.alpha.data(), [0.5, 0.0]);
 }
+
+#[test]
+fn alpha_alone_is_that_of_pictures_up_to_what_is_enough() {
+    let mut crowd = crowd(300);
+    for enough in [0.5, 0.998] {
+        for (eye, target) in [(DVec3::ZERO, DVec3::X), (DVec3::new(0.5, 2.0, 0.1), DVec3::ZERO)] {
+            let (camera, size) = (camera(eye, target), [45, 37]);
+            let mut raster = AlphaRaster::new(&crowd, &camera, size);
+            // Again after texels became opaque: rows without a change are left.
+            for _ in 0..2 {
+                let found = raster.draw(&crowd, enough).to_vec();
+                let drawn = draw(&crowd, &camera, size);
+                for (at, (found, pixel)) in found.iter().zip(&drawn.pixels).enumerate() {
+                    let is_same = if pixel[3] < enough { *found == pixel[3] } else { *found >= enough };
+                    assert!(is_same, "{at}: {found} {pixel:?}");
+                }
+                let open = drawn.pixels.iter().filter(|pixel| pixel[3] < enough).count();
+                assert!(open > 20 && open < drawn.pixels.len() - 20, "{open}");
+                Arc::make_mut(&mut crowd.texture).pixels.iter_mut().step_by(7).for_each(|texel| texel[3] = u8::MAX);
+            }
+        }
+    }
+}

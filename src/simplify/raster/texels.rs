@@ -27,13 +27,7 @@ impl<'a> Texels<'a> {
     }
 
     /// Light, not multiplied by alpha, and alpha; (0, 0) is the top left corner, coordinates are clamped.
-    pub fn sample(&self, [u, v]: [f64; 2]) -> Vec4 {
-        let (left, along) = place(u, self.texture.width);
-        let (top, down) = place(v, self.texture.height);
-        let width = self.texture.width as usize;
-        let right = usize::from(left + 1 < width);
-        let below = if top + 1 < self.texture.height as usize { width } else { 0 };
-        let first = top * width + left;
+    pub fn sample(&self, at: [f64; 2]) -> Vec4 {
         let texel = |at: usize| {
             let [r, g, b, alpha] = self.texture.pixels[at];
             let [r, g, b] = match self.light {
@@ -42,9 +36,28 @@ impl<'a> Texels<'a> {
             };
             Vec4::new(r, g, b, self.alpha[usize::from(alpha)])
         };
-        let upper = texel(first).lerp(texel(first + right), along);
-        let lower = texel(first + below).lerp(texel(first + below + right), along);
-        upper.lerp(lower, down)
+        let (texels, [along, down]) = self.around(at);
+        let [a, b, c, d] = texels.map(texel);
+        a.lerp(b, along).lerp(c.lerp(d, along), down)
+    }
+
+    /// Alpha of [`Self::sample`].
+    pub fn alpha(&self, at: [f64; 2]) -> f32 {
+        let (texels, [along, down]) = self.around(at);
+        let [a, b, c, d] = texels.map(|at| self.alpha[usize::from(self.texture.pixels[at][3])]);
+        let between = |from: f32, to: f32, part: f32| from * (1.0 - part) + to * part;
+        between(between(a, b, along), between(c, d, along), down)
+    }
+
+    /// The four texels around a place, row by row, and the weights of the second column and row.
+    fn around(&self, [u, v]: [f64; 2]) -> ([usize; 4], [f32; 2]) {
+        let (left, along) = place(u, self.texture.width);
+        let (top, down) = place(v, self.texture.height);
+        let width = self.texture.width as usize;
+        let right = usize::from(left + 1 < width);
+        let below = if top + 1 < self.texture.height as usize { width } else { 0 };
+        let first = top * width + left;
+        ([first, first + right, first + below, first + below + right], [along, down])
     }
 }
 
@@ -88,9 +101,13 @@ mod tests {
         assert_eq!(texels.sample([0.5, 0.25]), Vec4::splat(0.5));
         assert_eq!(texels.sample([-3.0, 0.75]), Vec4::new(1.0, 0.0, 0.0, 1.0));
         assert_eq!(texels.sample([9.0, 9.0]), Vec4::new(0.0, 0.0, 1.0, 0.2));
+        for step in 0..100 {
+            let at = [0.07 * f64::from(step % 17), 0.11 * f64::from(step % 13)];
+            assert_eq!(texels.alpha(at), texels.sample(at).w, "{at:?}");
+        }
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300] {
             let found = texels.sample([bad, bad]);
-            assert!(found.is_finite(), "{bad}: {found}");
+            assert!(found.is_finite() && texels.alpha([bad, bad]).is_finite(), "{bad}: {found}");
         }
     }
 }

@@ -117,10 +117,16 @@ impl Pixels {
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     side: Affine,
+    /// Minus the inverse of what it grows by in a pixel across: it is 0 at so many times its value at the start of a row.
+    to_border: f64,
     owns_border: bool,
 }
 
 impl Edge {
+    fn new(side: Affine, owns_border: bool) -> Edge {
+        Edge { side, to_border: -side.across.recip(), owns_border }
+    }
+
     /// The part of a row inside, `offset` being the place of the sample in its pixel.
     fn clip(&self, pixels: Range<u32>, [offset, y]: [f64; 2]) -> Range<u32> {
         let side = self.side.row(y);
@@ -130,8 +136,9 @@ impl Edge {
             side > 0.0 || side == 0.0 && self.owns_border
         };
         let Range { mut start, mut end } = pixels;
-        // In this order what is no number is the start.
-        let border = (-side.start / side.across - offset).max(f64::from(start)).min(f64::from(end)).ceil() as u32;
+        // In this order what is no number is the start. Steps from there find the border, wherever rounding puts it.
+        let border = (side.start * self.to_border - offset).max(f64::from(start)).min(f64::from(end)) as u32;
+        let border = (border + 1).min(end);
         if side.across > 0.0 {
             let least = start;
             start = border;
@@ -161,6 +168,8 @@ impl Edge {
 pub struct Triangle {
     /// First and end row that it can cover.
     pub rows: [u32; 2],
+    /// Whether all its texels are: the others are looked at. The caller says so.
+    pub is_opaque: bool,
     /// Where the weights of its corners are above 0.
     edges: [Edge; 3],
     /// Near and far, where the camera has them.
@@ -188,7 +197,7 @@ impl Triangle {
         let weights = normals.map(|normal| pixels.along(normal));
         let edge = |at: usize| {
             let first = normals[at].to_array().into_iter().find(|at| *at != 0.0);
-            Edge { side: weights[at], owns_border: first.is_some_and(|at| at > 0.0) }
+            Edge::new(weights[at], first.is_some_and(|at| at > 0.0))
         };
         let none = Affine { constant: 0.0, across: 0.0, down: 0.0 };
         let total = |factors: [f64; 3]| (0..3).fold(none, |sum, at| sum.plus(weights[at], factors[at]));
@@ -201,10 +210,10 @@ impl Triangle {
                 Affine { constant: 1.0, ..none }
             };
             let is_before_far = Affine { constant: -volume / far_m, ..none }.plus(sum, 1.0);
-            [is_beyond_near, is_before_far].map(|side| Edge { side, owns_border: true })
+            [is_beyond_near, is_before_far].map(|side| Edge::new(side, true))
         });
         let stq = [0, 1, 2].map(|axis| total(stq.map(|stq| stq[axis])));
-        Some(Triangle { rows, edges: [0, 1, 2].map(edge), range, sum, stq, volume })
+        Some(Triangle { rows, is_opaque: false, edges: [0, 1, 2].map(edge), range, sum, stq, volume })
     }
 
     /// The pixels of a row whose samples it covers; a sample lies at `offset` in its pixel.
