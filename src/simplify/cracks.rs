@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::capture::{Capture, CaptureImage};
 use super::gaps::{Coverage, SeenDirections};
 use super::quad_mesh::QuadMesh;
-use super::raster::AlphaRaster;
+use super::raster::alpha::AlphaRaster;
 use super::region::ViewingRegion;
 use super::samples::{Background, PixelChoice, Sample, SampleRules};
 use super::texture_sizes::Layout;

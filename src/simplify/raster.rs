@@ -5,12 +5,12 @@
 //! there already, which is the same picture and leaves out what an opaque triangle hides; [`draw_plainly`] blends in order. Triangles
 //! that share an edge share no sample and leave none.
 //!
-//! [`AlphaRaster`] draws alpha alone, for those who ask whether a pixel is covered.
+//! [`alpha::AlphaRaster`] draws alpha alone, for those who ask whether a pixel is covered.
 //!
 //! [`Compositing::ZBuffer`] shows the nearest triangle at each sample, of those whose alpha covers it (alpha to coverage): the samples of a
 //! pixel have thresholds that are spread evenly over 0..1.
 
-mod alpha;
+pub mod alpha;
 mod drawn;
 mod plain;
 mod texels;
@@ -25,7 +25,6 @@ use crate::image::plane::Plane;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
-pub use alpha::AlphaRaster;
 pub use drawn::Drawn;
 pub use plain::draw_plainly;
 use texels::Texels;

@@ -30,20 +30,20 @@ fn bytes(path: &Path) -> Vec<u8> {
 fn frames_are_sequences_of_views_or_of_quilts() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    let line = format!("{LINE} --views 4 --baseline 0.3");
+    let line = format!("{} --views 4 --baseline 0.3", LINE.replace("interior", "mirrors"));
     let said = report(&format!("{line} --frames 1-2 --quilt 2x2 -o q.%04d.png --json"), at);
     assert_eq!((&said["views"], &said["frames"]), (&Value::from(8), &Value::from(2)), "{said}");
     fine(&format!("{line} --frames 1-2 -o %V/v.%02d.png"), at);
     // Frames differ, and each is what it is on its own.
     let quilts = ["0001", "0002"].map(|frame| bytes(&at.join(format!("q.{frame}_qs2x2a0.75.png"))));
-    assert_ne!(quilts[0], quilts[1]);
+    assert!(quilts[0] != quilts[1]);
     fine(&format!("{line} --frames 2 --quilt 2x2 -o one.png"), at);
-    assert_eq!(bytes(&at.join("one_qs2x2a0.75.png")), quilts[1]);
+    assert!(bytes(&at.join("one_qs2x2a0.75.png")) == quilts[1]);
     fine(&format!("{line} --frames 2 --view-range 3 -o last.png"), at);
-    assert_eq!(bytes(&at.join("0003/v.02.png")), bytes(&at.join("last.png")));
+    assert!(bytes(&at.join("0003/v.02.png")) == bytes(&at.join("last.png")));
     // Layers that nothing shows are left out of later frames.
-    let reduced = report(&format!("{line} --frames 0-3 --reduce-layers 50,90 --null --json"), at);
-    let all = report(&format!("{line} --frames 0-3 --null --json"), at);
+    let reduced = report(&format!("{line} --frames 0-3 --layers 4 --reduce-layers 50,90 --null --json"), at);
+    let all = report(&format!("{line} --frames 0-3 --layers 4 --null --json"), at);
     let pixels = |said: &Value| said["counters"]["source_pixels"].as_u64().unwrap();
     assert!(pixels(&reduced) < pixels(&all), "{reduced} {all}");
     assert!(refused(&format!("{line} --frames 0-1 -o q.png"), at).contains("several frames"));
@@ -64,15 +64,15 @@ fn rows_of_a_grid_are_lines_at_their_heights() {
     for view in 0..3 {
         let [of_grid, of_line] =
             [format!("plain/{}.png", 3 + view), format!("middle/{view}.png")].map(|name| bytes(&at.join(name)));
-        assert_eq!(of_grid, of_line, "view {view}");
+        assert!(of_grid == of_line, "view {view}");
     }
     // A part of a grid has the pictures of the whole, and a quilt its rows from below.
     fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --view-range 2-6 -o part/%d.png"), at);
-    assert_eq!(bytes(&at.join("part/6.png")), bytes(&at.join("v/6.png")));
+    assert!(bytes(&at.join("part/6.png")) == bytes(&at.join("v/6.png")));
     assert!(!at.join("part/7.png").exists() && !at.join("part/1.png").exists());
     fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 -o q.png"), at);
     fine("quilt v/%d.png --quilt 3x3 -o joined.png", at);
-    assert_eq!(bytes(&at.join("q_qs3x3a0.75.png")), bytes(&at.join("joined_qs3x3a0.75.png")));
+    assert!(bytes(&at.join("q_qs3x3a0.75.png")) == bytes(&at.join("joined_qs3x3a0.75.png")));
     assert!(
         refused(&format!("{LINE} --views 100 --baseline 1 --rows 64 --baseline-y 1 --null"), at).contains("6400 views")
     );
@@ -149,7 +149,9 @@ fn containers_are_rendered_at_the_places_of_sources() {
         let (made, rendered) = (read("v"), read("rendered"));
         let seen = rendered.data().iter().zip(made.data()).filter(|(pixel, _)| pixel[3] == 255);
         assert!(seen.clone().count() > 600);
-        assert!(seen.into_iter().all(|(a, b)| a == b), "view {view}");
+        // Light of source pixels is in half floats.
+        let is_same = |(a, b): (&[u8; 4], &[u8; 4])| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1);
+        assert!(seen.into_iter().all(is_same), "view {view}");
     }
     let center = report(&format!("{line} --acquire center --null --json"), at);
     assert_eq!(center["sources"].as_array().unwrap().len(), 1);
@@ -165,13 +167,13 @@ fn light_and_triangles_change_alike_in_both_ways_of_rendering() {
     let at = folder.path();
     let line = format!("{LINE} --views 2 --baseline 0.3");
     let plain = |name: &str, more: &str| {
-        fine(&format!("{line} {more} -o {name}/%d.png"), at);
-        fine(&format!("{line} {more} --brute-force -o {name}-cast/%d.png"), at);
+        fine(&format!("{line}{more} -o {name}/%d.png"), at);
+        fine(&format!("{line}{more} --brute-force -o {name}-cast/%d.png"), at);
         let [made, cast] = ["", "-cast"].map(|end| bytes(&at.join(format!("{name}{end}/1.png"))));
-        assert_eq!(made, cast, "{more}");
+        assert!(made == cast, "{more}");
         made
     };
-    let all = [plain("a", ""), plain("b", "--ao-rays 16"), plain("c", "--shadows none")];
+    let all = [plain("a", ""), plain("b", " --ao-rays 16"), plain("c", " --shadows none")];
     assert!(all[0] != all[1] && all[1] != all[2] && all[0] != all[2]);
     assert!(refused(&format!("{line} --subdivide 1 --null"), at).contains("built-in"));
     // Of a mesh the light does not change.
@@ -215,7 +217,7 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     let (is_fine, said) = run("--resume");
     assert!(is_fine && said.contains("resuming with 3 of 6 images"), "{said}");
     for name in ["0000.0.png", "0002.0.png", "0000.1.png", "0002.1.png"] {
-        assert_eq!(bytes(&at.join("v").join(name)), bytes(&at.join("whole").join(name)), "{name}");
+        assert!(bytes(&at.join("v").join(name)) == bytes(&at.join("whole").join(name)), "{name}");
     }
     assert_eq!(std::fs::read_dir(at.join("v")).unwrap().count(), 6);
     assert!(refused(&format!("{line} --null --resume"), at).contains("--output"));

@@ -154,7 +154,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub ao_rays: u32,
     /// Whether suns and lamps cast shadows
-    #[arg(long, value_parser = one_of(SHADOWS), default_value = "rays")]
+    #[arg(long, value_parser = one_of(SHADOWS), default_value = "rays", action = clap::ArgAction::Set)]
     pub shadows: bool,
     /// How often each triangle of a scene is divided in four
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
@@ -191,7 +191,7 @@ pub struct Args {
     #[arg(long)]
     pub null: bool,
     /// Resume a stopped run into the same files, with the same options; start anew if there is none
-    #[arg(long, requires = "output", conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
+    #[arg(long, conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
     pub resume: bool,
     /// Interpolating device; the pictures do not depend on it [default: cpu]
     #[arg(long, value_parser = one_of(DEVICES))]
@@ -278,6 +278,9 @@ impl Args {
                 "--views {} and --rows {}: {total} views, where {MAX_VIEWS} are the most",
                 self.views, self.rows
             ));
+        }
+        if self.resume && self.output.is_none() {
+            return refuse("--resume continues files that --output names");
         }
         if !self.probe.is_empty() && self.rows > 1 {
             return refuse("--rows is for scenes and containers: images of probes on a line show one row");

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2};
 use half::f16;
 
+use super::alpha::AlphaRaster;
 use super::*;
 use crate::math::Lens;
 use crate::mesh::{ImageTexture, Mesh, Wrap};
