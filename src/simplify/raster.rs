@@ -5,7 +5,7 @@
 //! there already, which is the same picture and leaves out what an opaque triangle hides; [`draw_plainly`] blends in order. Triangles
 //! that share an edge share no sample and leave none.
 //!
-//! [`alpha::AlphaRaster`] draws alpha alone, for those who ask whether a pixel is covered.
+//! [`alpha::AlphaRaster`] draws alpha alone: whether pixels are covered.
 //!
 //! [`Compositing::ZBuffer`] shows the nearest triangle at each sample, of those whose alpha covers it (alpha to coverage): the samples of a
 //! pixel have thresholds that are spread evenly over 0..1.

@@ -99,6 +99,27 @@ pub fn implied(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> Vec<
     settings
 }
 
+/// Options of all points: settings of knobs, and others.
+#[derive(Debug, PartialEq)]
+pub struct FixedSettings {
+    pub knobs: Vec<Setting>,
+    pub words: Vec<String>,
+}
+
+impl FixedSettings {
+    /// Sorts options, and adds what swept knobs require.
+    pub fn new(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> FixedSettings {
+        let mut fixed = FixedSettings { knobs: implied(kind, axes, options), words: Vec::new() };
+        for option in options {
+            match (kind.knob(&option.name), option.value()) {
+                (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
+                _ => fixed.words.extend(option.words()),
+            }
+        }
+        fixed
+    }
+}
+
 pub fn parse(words: &[OsString]) -> Result<Cli> {
     let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
     Cli::try_parse_from(words).map_err(|error| refused(&error))

@@ -1,12 +1,11 @@
 //! Sweeps of view interpolation, where the input is a scene.
 
 use super::args::{Args, refuse_options_of_coding};
-use super::fixed::{OptionsOf, implied};
+use super::fixed::{FixedSettings, OptionsOf};
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::Result;
 use crate::report::tradeoff::interpolation::{INTERPOLATION, InterpolationBench};
-use crate::report::tradeoff::kind::Setting;
 use crate::report::tradeoff::placement::PLACEMENT;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
@@ -28,14 +27,7 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStat
     measure_grid(args, study, InterpolationBench { scene: scene.to_owned(), fixed: fixed.words }, global)
 }
 
-/// Options of all points: settings of knobs, and others.
-#[derive(Debug, PartialEq)]
-struct Fixed {
-    knobs: Vec<Setting>,
-    words: Vec<String>,
-}
-
-fn fixed(scene: &str, words: &[String], axes: &[Axis]) -> Result<Fixed> {
+fn fixed(scene: &str, words: &[String], axes: &[Axis]) -> Result<FixedSettings> {
     let mut line = vec![scene, "--null"];
     // What is required, and swept.
     for (knob, option, value) in [("views", "--views", "2"), ("baseline", "--baseline", "1")] {
@@ -44,15 +36,7 @@ fn fixed(scene: &str, words: &[String], axes: &[Axis]) -> Result<Fixed> {
         }
     }
     let options = OptionsOf { command: "interpolate", line: &line, own: OWN, also: None };
-    let options = options.read(words, axes)?;
-    let mut fixed = Fixed { knobs: implied(&INTERPOLATION, axes, &options), words: Vec::new() };
-    for option in &options {
-        match (INTERPOLATION.knob(&option.name), option.value()) {
-            (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
-            _ => fixed.words.extend(option.words()),
-        }
-    }
-    Ok(fixed)
+    Ok(FixedSettings::new(&INTERPOLATION, axes, &options.read(words, axes)?))
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! Sweeps of simplification over a capture.
 
 use super::args::{Args, refuse_options_of_coding};
-use super::fixed::OptionsOf;
+use super::fixed::{FixedSettings, OptionsOf};
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::Result;
-use crate::report::tradeoff::kind::Setting;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::simplification::{SIMPLIFICATION, SimplificationBench};
 use crate::report::tradeoff::study::Axis;
@@ -21,24 +20,10 @@ pub fn measure(args: &Args, capture: &str, global: &GlobalArgs) -> Result<ExitSt
     measure_grid(args, study, SimplificationBench { capture: capture.to_owned(), fixed: fixed.words }, global)
 }
 
-/// Options of all points: settings of knobs, and others.
-#[derive(Debug, PartialEq)]
-struct Fixed {
-    knobs: Vec<Setting>,
-    words: Vec<String>,
-}
-
-fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
+fn fixed(words: &[String], axes: &[Axis]) -> Result<FixedSettings> {
     let line = ["capture", "-o", "scene.glb"];
     let options = OptionsOf { command: "simplify", line: &line, own: OWN, also: None };
-    let mut fixed = Fixed { knobs: Vec::new(), words: Vec::new() };
-    for option in options.read(words, axes)? {
-        match (SIMPLIFICATION.knob(&option.name), option.value()) {
-            (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
-            _ => fixed.words.extend(option.words()),
-        }
-    }
-    Ok(fixed)
+    Ok(FixedSettings::new(&SIMPLIFICATION, axes, &options.read(words, axes)?))
 }
 
 #[cfg(test)]

@@ -117,7 +117,7 @@ impl Pixels {
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     side: Affine,
-    /// Minus the inverse of what it grows by in a pixel across: it is 0 at so many times its value at the start of a row.
+    /// Minus the inverse of `across`, in pixels per unit: times the value at the start of a row, the column where the function is 0.
     to_border: f64,
     owns_border: bool,
 }
