@@ -133,6 +133,7 @@ fn drawing_source(table: &Value) -> String {
                 "over" => "Over",
                 "add" => "Add",
                 "nearest" => "Nearest",
+                "index" => "Index",
                 other => panic!("shaders/kernels.json: {other} is no kind of blending"),
             };
             targets += &format!("Target {{ name: {name:?}, blending: Blending::{blending} }}, ");

@@ -1,4 +1,5 @@
-// Corners of triangles in clip coordinates, as Pixels in src/simplify/raster/triangle.rs. Needs layout.wgsl.
+// Corners of triangles in clip coordinates, as Pixels in src/simplify/raster/triangle.rs. Needs layout.wgsl. Words of
+// a corner: its position and homogeneous texture coordinates.
 
 struct Placed {
     @builtin(position) position: vec4<f32>,
@@ -11,21 +12,10 @@ struct Placed {
 @vertex
 fn place(@builtin(vertex_index) index: u32) -> Placed {
     let at = 6u * index;
-    let point = vec3(corners[at], corners[at + 1u], corners[at + 2u]);
-    // The eye is subtracted in two parts: single precision would move near triangles of a scene that lies far from the origin.
-    let from_eye = (point - picture.eye) - picture.eye_rest;
-    let x = dot(from_eye, picture.right);
-    let y = dot(from_eye, picture.down);
-    let z = dot(from_eye, picture.forward);
     var placed: Placed;
-    placed.position = vec4(
-        x * picture.scale_x + z * picture.shift_x,
-        y * picture.scale_y + z * picture.shift_y,
-        picture.nearest_m,
-        z,
-    );
+    placed.position = clip_position(at);
     placed.stq = vec3(corners[at + 3u], corners[at + 4u], corners[at + 5u]);
-    placed.depth_m = z;
+    placed.depth_m = placed.position.w;
     return placed;
 }
 

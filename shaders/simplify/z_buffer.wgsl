@@ -1,6 +1,9 @@
 // The nearest texel whose alpha covers the sample, as Compositing::ZBuffer in src/simplify/raster.rs. Needs layout.wgsl,
 // place.wgsl and texels.wgsl.
 
+// Bits of an inverse depth that are not compared.
+const DEPTH_BITS_LEFT_OUT: u32 = 10u;
+
 struct Nearest {
     @location(0) light: vec4<f32>,
     @builtin(frag_depth) depth: f32,

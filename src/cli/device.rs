@@ -55,10 +55,10 @@ impl GpuIndex {
 }
 
 /// Runs on a graphics device, or on the CPU without one or, with `auto`, if the device fails.
-pub fn or_on_cpu<T>(
-    (gpu, choice): (Option<&Gpu>, Option<DeviceChoice>),
+pub fn or_on_cpu<'g, T>(
+    (gpu, choice): (Option<&'g Gpu>, Option<DeviceChoice>),
     global: &GlobalArgs,
-    on_gpu: impl FnOnce(&Gpu) -> Result<T>,
+    on_gpu: impl FnOnce(&'g Gpu) -> Result<T>,
     on_cpu: impl FnOnce() -> Result<T>,
 ) -> Result<(T, String)> {
     let Some(gpu) = gpu else { return Ok((on_cpu()?, "cpu".to_owned())) };

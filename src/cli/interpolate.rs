@@ -14,23 +14,20 @@ use std::time::{Duration, Instant};
 use half::f16;
 
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output, outputs as output_paths};
+use crate::cli::{ExitStatus, GlobalArgs, output, outputs as output_paths, refuse};
 use crate::dataset::{CameraSet, PlacedCamera};
-use crate::epipolar::acquire::Acquisition;
 use crate::epipolar::brute_force;
+use crate::epipolar::drawing::{DrawnScene, TriangleDrawing};
 use crate::epipolar::fill::Truth;
 use crate::epipolar::grid::{self, GridRequest, GridViews, interpolate_grid};
-use crate::epipolar::memory;
+use crate::epipolar::memory::{self, Limits};
 use crate::epipolar::pipeline::{Picture, Request, Settings, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::Plane;
-use crate::memory::Need;
 use crate::monitor::Monitor;
 use crate::report::machine;
-use crate::scene::SceneAtTime;
 
 pub use args::Args;
 use device::Device;
@@ -38,9 +35,6 @@ use input::{FrameInput, Input};
 use outputs::Outputs;
 use quality::Quality;
 use report::{Measured, Report};
-
-/// Views that are interpolated together, where memory allows.
-const VIEWS_AT_ONCE: usize = 32;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let loading = Instant::now();
@@ -53,31 +47,32 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
     notes.iter().for_each(|note| global.note(note));
     let (range, frames) = (args.range()?, args.frame_range());
-    let [sources, each] = match &input {
-        Input::Scene(_) => memory::bytes(&views, args.acquire, args.max_sources as usize),
-        Input::Images(_) => memory::bytes(&views, Acquisition::Hierarchical, args.probe.len()),
-        Input::Field(_) => memory::bytes(&views, Acquisition::Hierarchical, args.max_sources as usize),
-    };
-    // Of a grid, sources of two rows, and between them those of some columns with all their views.
+    if args.rasterize && !matches!(input, Input::Scene(_)) {
+        return refuse("--rasterize draws the triangles of scenes: leave it out for containers and captured images");
+    }
     let by_columns = args.by_columns() && matches!(input, Input::Scene(_));
-    let sources = match by_columns {
-        true => (2 + grid::COLUMNS_AT_ONCE as u64) * sources + u64::from(args.rows) * each,
-        false => sources,
+    let (loaded, need) = input.need(args, &views, by_columns);
+    let grid = args.grid_of(views);
+    // Views that are made together.
+    let count = match by_columns {
+        _ if args.brute_force => 1,
+        true => args.rows as usize,
+        false => (0..grid.ups_m.len()).map(|row| grid.in_row(&range, row).len()).max().unwrap_or(0),
     };
-    // What is loaded is there already.
-    let loaded = machine::peak_memory_bytes().unwrap_or(0);
-    let need = Need { what: "interpolating", fixed: loaded.saturating_add(sources), each, instead: "smaller views" };
-    let views_at_once = args.memory.get().at_once(&need, VIEWS_AT_ONCE.min(args.views as usize))?;
-    let settings = args.settings(views_at_once, matches!(input, Input::Scene(_)))?;
+    let folder = folder_of_views(args.output.as_deref());
+    let held = loaded + pictures_bytes(args, &grid.row, outputs.as_ref());
+    let limits = Limits { budget: args.memory.get(), held, threads: rayon::current_num_threads(), folder: &folder };
+    let plan = memory::plan(&grid.row, count, need, &limits)?;
     let mut measured = Measured {
         load: loading.elapsed(),
-        memory_model_bytes: need.bytes(views_at_once),
+        // Loading may have taken more.
+        memory_model_bytes: plan.bytes.max(machine::peak_memory_bytes().unwrap_or(0)),
         quality: Quality::new(args.error_map.as_deref())?,
         ..Measured::default()
     };
-    let grid = args.grid_of(views);
+    let settings = args.settings(plan, matches!(input, Input::Scene(_)))?;
     let gpu = args.gpu.open(args.device, global)?;
-    let device = Device::new(gpu.as_ref(), args.device, global);
+    let device = Device::new(gpu.as_ref(), args, global);
     let steps_of = |row: usize| {
         let range = grid.in_row(&range, row);
         Request { views: &grid.row, range, settings: &settings, backend: &device }.steps()
@@ -119,12 +114,31 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
+/// The folder of the outputs, or that which they are made in; without outputs that of temporary files.
+fn folder_of_views(output: Option<&Path>) -> PathBuf {
+    let folders = output.into_iter().flat_map(|path| path.ancestors().skip(1));
+    let named = folders.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    named.into_iter().find(|folder| folder.is_dir()).map_or_else(std::env::temp_dir, Path::to_owned)
+}
+
+/// Bytes of a quilt, and of pictures that are compared.
+fn pictures_bytes(args: &Args, views: &OutputViews, outputs: Option<&Outputs>) -> u64 {
+    let pixels = views.size.map(u64::from).iter().product::<u64>();
+    let of_quilt = outputs.map_or(0, Outputs::quilt_pixel_bytes) * u64::from(args.views * args.rows);
+    // Both pictures and the truth, in single precision, and their codes.
+    let compared = if args.compare { 3 * 20 } else { 0 };
+    pixels * (of_quilt + compared)
+}
+
 /// Everything that pictures depend on.
 fn fingerprint(args: &Args, input: &Input, grid: &GridViews, settings: &Settings) -> Fingerprint {
-    let settings = Settings { views_at_once: 0, ..settings.clone() };
-    let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps);
+    let (acquire, interpolate, holes) = (&settings.acquire, &settings.interpolate, settings.holes);
+    let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps, args.rasterize);
     let mut fields = Fingerprint::of_program();
-    fields.push(("the options", digest(format!("{settings:?} {scene:?} {}", args.brute_force).as_bytes())));
+    fields.push((
+        "the options",
+        digest(format!("{acquire:?} {interpolate:?} {holes:?} {scene:?} {}", args.brute_force).as_bytes()),
+    ));
     fields.push((
         "the views",
         digest(format!("{grid:?} {:?} {:?} {:?}", args.grid, args.view_range, args.frames.frames).as_bytes()),
@@ -178,17 +192,22 @@ impl Run<'_, '_> {
             let begun = Instant::now();
             let now = input.frame(self.args, frame)?;
             self.measured.load += begun.elapsed();
+            let drawing = match &now {
+                FrameInput::Scene(scene) => self.device.drawing(scene)?,
+                FrameInput::Images(_) | FrameInput::Field(_) => None,
+            };
+            let drawing = drawing.as_ref().map(|drawing| drawing as &dyn TriangleDrawing);
             let mut of_frame = Summary::default();
             if let FrameInput::Scene(scene) = &now
                 && self.args.by_columns()
             {
-                of_frame = self.columns(scene, grid, &settings)?;
+                of_frame = self.columns(DrawnScene { scene, drawing }, grid, &settings)?;
             } else {
                 for row in 0..grid.ups_m.len() {
                     let views = grid.views_of(row)?;
                     let first = row * grid.row.offsets_m.len();
                     for missing in self.missing(grid.in_row(&range, row), first)? {
-                        of_frame.add(self.row(&now, (&views, missing), first, &settings)?);
+                        of_frame.add(self.row((&now, drawing), (&views, missing), first, &settings)?);
                     }
                 }
             }
@@ -203,19 +222,23 @@ impl Run<'_, '_> {
     }
 
     /// The views of a grid, column by column.
-    fn columns(&mut self, scene: &SceneAtTime, grid: &GridViews, settings: &Settings) -> Result<Summary> {
+    fn columns(&mut self, seen: DrawnScene<'_>, grid: &GridViews, settings: &Settings) -> Result<Summary> {
         let (range, count) = (self.args.range()?, grid.row.offsets_m.len());
         let mut wanted = vec![false; grid.count()];
         for missing in self.missing(range, 0)? {
             wanted[missing].fill(true);
         }
         let (progress, request) = (self.progress, GridRequest { grid, wanted, settings, backend: self.device });
-        interpolate_grid(scene, &request, progress, |row, view, picture| {
+        interpolate_grid(seen, &request, progress, |row, view, picture| {
             let views = grid.views_of(row)?;
             let cast = |view: usize| {
-                let color =
-                    brute_force::render(scene, (&views, views.offsets_m[view]), &settings.acquire.samples, progress)?;
-                Ok(opaque(&color))
+                let color = brute_force::render(
+                    seen.scene,
+                    (&views, views.offsets_m[view]),
+                    &settings.acquire.samples,
+                    progress,
+                )?;
+                Ok(RenderedImage::opaque(&color))
             };
             self.take((view, row * count), &picture, Some(&cast))
         })
@@ -238,7 +261,7 @@ impl Run<'_, '_> {
     /// Some views of a row, whose first one has this number.
     fn row(
         &mut self,
-        now: &FrameInput<'_>,
+        (now, drawing): (&FrameInput<'_>, Option<&dyn TriangleDrawing>),
         (views, range): (&OutputViews, std::ops::Range<usize>),
         first: usize,
         settings: &Settings,
@@ -246,16 +269,20 @@ impl Run<'_, '_> {
         let (progress, backend) = (self.progress, self.device);
         match now {
             FrameInput::Scene(scene) => {
-                let samples = &settings.acquire.samples;
+                let (seen, samples) = (DrawnScene { scene, drawing }, &settings.acquire.samples);
                 let cast = |view: usize| {
                     let color = brute_force::render(scene, (views, views.offsets_m[view]), samples, progress)?;
-                    Ok(opaque(&color))
+                    Ok(RenderedImage::opaque(&color))
                 };
                 if self.args.brute_force {
-                    return self.cast_all(range, first, &cast);
+                    let draw = |view: usize| {
+                        let color = brute_force::draw(seen, (views, views.offsets_m[view]), samples, progress)?;
+                        Ok(RenderedImage::opaque(&color))
+                    };
+                    return self.cast_all(range, first, if seen.drawing.is_some() { &draw } else { &cast });
                 }
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
-                interpolate(scene, &Request { views, range, settings, backend }, progress, take)
+                interpolate(seen, &Request { views, range, settings, backend }, progress, take)
             }
             FrameInput::Images(images) => {
                 let take = |view, picture: Picture| self.take((view, first), &picture, None);
@@ -319,13 +346,6 @@ impl Run<'_, '_> {
         }
         self.measured.write += begun.elapsed();
         Ok(())
-    }
-}
-
-fn opaque(color: &Plane<[f16; 3]>) -> RenderedImage {
-    RenderedImage {
-        color: color.map(|light| light.map(f16::to_f32)),
-        alpha: Plane::filled(color.width(), color.height(), 1.0),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::source::MAX_LAYERS;
+use super::source::{MAX_LAYERS, SourceView};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
@@ -34,6 +34,17 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// With those of source views.
+    #[must_use]
+    pub fn of_sources(self, sources: &[SourceView]) -> Counters {
+        Counters {
+            source_views: sources.len() as u64,
+            source_layers: sources.iter().map(|source| u64::from(source.layers)).max().unwrap_or(0),
+            source_pixels: sources.iter().map(SourceView::pixel_count).sum(),
+            ..self
+        }
+    }
+
     pub fn add(&mut self, other: &Counters) {
         // Destructured so that a new field is not forgotten here.
         let Counters {

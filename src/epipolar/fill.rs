@@ -13,7 +13,7 @@ use crate::scene::SceneAtTime;
 use crate::scene::capture::{PixelTracer, SamplePattern};
 
 /// Columns that share a list of objects in view.
-const TILE: usize = 16;
+const TILE: usize = PixelTracer::TILE as usize;
 
 /// The scene that pixels are ray cast in.
 #[derive(Debug, Clone, Copy)]

@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use super::acquire::acquire;
 use super::backend::Backend;
+use super::drawing::DrawnScene;
 use super::fill::{Truth, fill, picture};
 use super::interpolate::{Coverage, InterpolatedView, Interpolator};
 use super::pipeline::{Picture, Settings, SourceReport, Summary};
@@ -17,7 +18,6 @@ use super::views::OutputViews;
 use crate::error::Result;
 use crate::image::Plane;
 use crate::monitor::Monitor;
-use crate::scene::SceneAtTime;
 
 /// Columns whose two sources are made at once.
 pub const COLUMNS_AT_ONCE: usize = 4;
@@ -78,8 +78,8 @@ pub fn steps(grid: &GridViews) -> u64 {
 }
 
 /// Renders the views of a grid that are asked for, and gives each with its row and its place there, column by column.
-pub fn interpolate_grid(
-    scene: &SceneAtTime,
+pub fn interpolate_grid<'a>(
+    seen: impl Into<DrawnScene<'a>>,
     request: &GridRequest<'_>,
     monitor: &dyn Monitor,
     mut take: impl FnMut(usize, usize, Picture) -> Result<()>,
@@ -90,15 +90,16 @@ pub fn interpolate_grid(
     let ends = [grid.views_of(0)?, grid.views_of(last_row)?];
     let begun = Instant::now();
     let mut sources = Vec::new();
+    let seen = seen.into();
     for views in &ends {
-        let (of_row, counters) = acquire(scene, views, &settings.acquire, monitor)?;
+        let (of_row, counters) = acquire(seen, views, &settings.acquire, monitor)?;
         summary.counters.add(&counters);
         sources.push(of_row);
     }
     summary.stages.acquire = begun.elapsed();
     summary.sources = sources[0].iter().map(SourceReport::of).collect();
     let interpolators = [0, 1].map(|end| Interpolator::new(&ends[end], &sources[end], settings.interpolate));
-    let truth = Truth { scene, samples: &settings.acquire.samples };
+    let truth = Truth { scene: seen.scene, samples: &settings.acquire.samples };
     let columns: Vec<usize> =
         (0..grid.row.offsets_m.len()).filter(|&view| (0..=last_row).any(|row| request.wants(row, view))).collect();
     let mut at = 0;

@@ -56,6 +56,8 @@ impl Default for InterpolateSettings {
 pub struct Interpolator<'a> {
     pub views: &'a OutputViews,
     pub sources: &'a [SourceView],
+    /// Scanlines of the sources that are interpolated.
+    pub rows: Range<usize>,
     pub space: LineSpace,
     settings: InterpolateSettings,
     eyes: EyeLine,
@@ -68,13 +70,22 @@ impl<'a> Interpolator<'a> {
     pub fn new(views: &'a OutputViews, sources: &'a [SourceView], settings: InterpolateSettings) -> Interpolator<'a> {
         let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
         let space = LineSpace::new(views, &offsets_m);
-        Interpolator { views, sources, settings, space, eyes: EyeLine::new(views) }
+        let rows = 0..views.size[1] as usize;
+        Interpolator { views, sources, rows, settings, space, eyes: EyeLine::new(views) }
+    }
+
+    /// Of some scanlines of the sources alone: views are strips of so many.
+    #[must_use]
+    pub fn of_rows(self, rows: Range<usize>) -> Interpolator<'a> {
+        Interpolator { rows, ..self }
     }
 
     /// Some of the views.
     pub fn views(&self, range: Range<usize>, monitor: &dyn Monitor) -> Result<(Vec<InterpolatedView>, Counters)> {
-        let [width, height] = self.views.size;
-        let rows: Vec<(Vec<ViewRow>, Counters)> = (0..height as usize)
+        let [width, height] = [self.views.size[0], self.rows.len() as u32];
+        let rows: Vec<(Vec<ViewRow>, Counters)> = self
+            .rows
+            .clone()
             .into_par_iter()
             .map(|row| {
                 monitor.check()?;
@@ -135,22 +146,20 @@ impl<'a> Interpolator<'a> {
 impl Interpolator<'_> {
     /// Some of the views as source views, with the surfaces behind their pixels (Epipolar 7.2); what nothing covers has no pixel.
     pub fn layered(&self, range: Range<usize>, layers: usize, monitor: &dyn Monitor) -> Result<Vec<SourceView>> {
-        let rows: Vec<Vec<SourceRow>> = (0..self.views.size[1] as usize)
+        let rows: Vec<Vec<SourceRow>> = self
+            .rows
+            .clone()
             .into_par_iter()
             .map(|row| {
                 monitor.check()?;
                 Ok(self.layered_row(row, range.clone(), layers))
             })
             .collect::<Result<_>>()?;
-        let mut views: Vec<SourceView> =
-            range.map(|_| SourceView { offset_m: 0.0, rows: Vec::new(), layers: 0 }).collect();
+        let mut views = vec![Vec::with_capacity(rows.len()); range.len()];
         for row in rows {
-            for (view, row) in views.iter_mut().zip(row) {
-                view.layers = view.layers.max(row.pixels.last().map_or(0, |pixel| u32::from(pixel.layer) + 1));
-                view.rows.push(row);
-            }
+            views.iter_mut().zip(row).for_each(|(view, row)| view.push(row));
         }
-        Ok(views)
+        Ok(views.into_iter().map(|rows| SourceView::of_rows(0.0, rows)).collect())
     }
 
     fn layered_row(&self, row: usize, range: Range<usize>, layers: usize) -> Vec<SourceRow> {

@@ -1,28 +1,175 @@
-//! Memory that a run takes at most.
+//! Memory that a run takes, and how it keeps within a budget: fewer scanlines at once, and views in a file.
 
-use super::acquire::Acquisition;
-use super::source::{MAX_LAYERS, SourcePixel};
+use std::path::Path;
+
+use half::f16;
+
+use super::acquire::{Culling, SourceBands};
+use super::grid;
+use super::interpolate::Coverage;
+use super::lines::Line;
+use super::pipeline::RowsAtOnce;
+use super::source::SourcePixel;
+use super::view_store::Storage;
 use super::views::OutputViews;
+use crate::error::Result;
+use crate::memory::{Budget, Need};
 
-/// Layers of a source view with culling, over its first one: as measured in cluttered scenes, with room.
-const LAYERS: u64 = 3;
-/// Bytes of a pixel of an output view: light and coverage by row, as a view, and as a picture in single precision.
-const VIEW_PIXEL_BYTES: u64 = 2 * 8 + 16;
-/// Bytes of all hits of a ray, while a scanline is acquired.
-const HIT_BYTES: u64 = 72 * MAX_LAYERS as u64;
-/// Scanlines that a thread acquires at once.
-const BAND: u64 = 16;
+/// Pixels of a source view with culling over those of its first layer, where pixels are very small: as measured in cluttered scenes.
+const LAYERS: f64 = 4.6;
+/// Columns of an image whose pixels hide one of these layers.
+const COLUMNS_WITHOUT_A_LAYER: f64 = 960.0;
+/// Bytes of all output views above which they are held in a file, unless a budget says more or less.
+const USUAL_VIEW_BYTES: u64 = 2 << 30;
+/// Bytes of bands of sources, and of strips of views, that are enough for speed.
+const USUAL_BAND_BYTES: u64 = 256 << 20;
+const USUAL_STRIP_BYTES: u64 = 128 << 20;
+/// Strips have as many scanlines for each thread, unless these are too wide.
+const STRIP_ROWS_A_THREAD: u64 = 16;
+/// Part of a budget for strips.
+const STRIPS_OF_BUDGET: u64 = 8;
+/// Bytes of a pixel of an output view that waits for others.
+const VIEW_PIXEL_BYTES: u64 = (size_of::<[f16; 3]>() + size_of::<Coverage>()) as u64;
+/// Bytes of a pixel of a strip, in rows, as planes or for a file.
+const STRIP_PIXEL_BYTES: u64 = size_of::<([f16; 3], Coverage)>() as u64 + VIEW_PIXEL_BYTES;
+/// Bytes of a pixel of a picture in single precision, with alpha.
+const PICTURE_PIXEL_BYTES: u64 = 16;
+/// Bytes of a line's highlight.
+const HIGHLIGHT_BYTES: usize = 64;
+/// Bytes of the hits of a ray, while a scanline is acquired.
+const HIT_BYTES: u64 = 3 * 72;
 
-/// Bytes of the source views, and of one output view.
-pub fn bytes(views: &OutputViews, acquisition: Acquisition, max_sources: usize) -> [u64; 2] {
+/// Source views that a run needs.
+#[derive(Debug, Clone, Copy)]
+pub struct SourceNeed {
+    /// Pixels of all of them, for each pixel of an output view.
+    pub pixels: f64,
+    /// Whether they are acquired by bands; else they are all there from the beginning.
+    pub by_bands: bool,
+    /// Whether columns of a grid are made, each with all its views.
+    pub by_columns: bool,
+    /// Bytes of the highlights of a pixel, where the scene has any ([`crate::scene::SceneAtTime::gloss_bytes`]).
+    pub gloss_bytes: u64,
+}
+
+impl SourceNeed {
+    /// Of two views at the ends, or one that is twice as wide, with what is behind their surfaces.
+    pub fn layered(views: &OutputViews, settings: (usize, Culling), gloss_bytes: u64) -> SourceNeed {
+        let (most, culling) = (settings.0 as f64, settings.1);
+        let culled = (LAYERS - COLUMNS_WITHOUT_A_LAYER / f64::from(views.size[0].max(1))).max(1.0);
+        let layers = if culling == Culling::Off { most } else { culled.min(most) };
+        SourceNeed { pixels: 2.0 * layers, by_bands: true, by_columns: false, gloss_bytes }
+    }
+
+    /// Of so many views, with their nearest surfaces alone.
+    pub fn whole(views: u32, gloss_bytes: u64) -> SourceNeed {
+        SourceNeed { pixels: f64::from(views), by_bands: false, by_columns: false, gloss_bytes }
+    }
+
+    /// Of a grid that is made by columns: of two rows, of the columns between them that are made at once, and of one that is turned.
+    #[must_use]
+    pub fn by_columns(self) -> SourceNeed {
+        let pixels = (3.0 + grid::COLUMNS_AT_ONCE as f64) * self.pixels;
+        SourceNeed { pixels, by_bands: false, by_columns: true, ..self }
+    }
+
+    /// Bytes of so many pixels of an output view.
+    fn bytes(&self, pixels: u64) -> u64 {
+        (self.pixels * (pixels * (size_of::<SourcePixel>() as u64 + self.gloss_bytes)) as f64) as u64
+    }
+}
+
+/// How a run keeps within a budget.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub at_once: RowsAtOnce,
+    pub storage: Storage,
+    /// Bytes that it takes, with what is loaded.
+    pub bytes: u64,
+}
+
+/// What a run may take.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits<'a> {
+    pub budget: Budget,
+    /// Bytes that are there already, or that others hold: the scene, a quilt, pictures that are compared.
+    pub held: u64,
+    pub threads: usize,
+    /// A place for a file of views.
+    pub folder: &'a Path,
+}
+
+/// Plans `count` views, those of a line or of a column. An error is a budget that does not suffice.
+pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Limits<'_>) -> Result<Plan> {
+    let Limits { budget, held, threads, folder } = *limits;
     let [width, height] = views.size.map(u64::from);
-    let pixels = width * height;
-    let source_pixels = match acquisition {
-        // Twice as wide.
-        Acquisition::Center => 2 * LAYERS * pixels,
-        Acquisition::Dual => 2 * LAYERS * pixels,
-        Acquisition::Hierarchical => max_sources as u64 * pixels,
+    let (count, threads) = (count as u64, threads as u64);
+    let whole = if sources.by_bands { 0 } else { sources.bytes(width * height) };
+    // A widened window has twice as many columns.
+    let hits = 2 * width * u64::from(SourceBands::ROWS) * HIT_BYTES * threads;
+    let lines = (sources.pixels * (width * (size_of::<Line>() + HIGHLIGHT_BYTES) as u64) as f64) as u64 * threads;
+    let strip_row = STRIP_PIXEL_BYTES * count * width;
+    let strips = budget.bytes.map_or(u64::MAX, |bytes| bytes / STRIPS_OF_BUDGET).min(USUAL_STRIP_BYTES);
+    let strip_rows = match sources.by_columns {
+        true => height,
+        false => (strips / strip_row.max(1)).clamp(1, STRIP_ROWS_A_THREAD * threads).min(height.max(1)),
     };
-    let hits = 2 * width * BAND * HIT_BYTES * rayon::current_num_threads() as u64;
-    [source_pixels * size_of::<SourcePixel>() as u64 + hits, pixels * VIEW_PIXEL_BYTES]
+    let fixed = held + whole + hits.max(lines + strip_rows * strip_row);
+    let each = if sources.by_bands { sources.bytes(width * u64::from(SourceBands::ROWS)) } else { 0 };
+    // Columns are taken as they are made.
+    let all_views = if sources.by_columns { 0 } else { count * width * height * VIEW_PIXEL_BYTES };
+    let fits = fixed + each + all_views <= budget.bytes.unwrap_or(u64::MAX);
+    let in_memory = fits && all_views <= budget.bytes.unwrap_or(USUAL_VIEW_BYTES);
+    let (waiting, storage) =
+        if in_memory { (all_views, Storage::Memory) } else { (0, Storage::File(folder.to_owned())) };
+    // Holes are filled when all bands are done.
+    let filling = held + whole + width * height * (VIEW_PIXEL_BYTES + PICTURE_PIXEL_BYTES);
+    let fixed = waiting + fixed.max(filling.saturating_sub(each));
+    let need = Need { what: "interpolating", fixed, each, instead: "smaller views" };
+    let bands = height.div_ceil(u64::from(SourceBands::ROWS)).max(1) as usize;
+    let usual = usize::try_from(USUAL_BAND_BYTES / each.max(1)).unwrap_or(usize::MAX).clamp(1, bands);
+    // As many in the last turn as in others.
+    let turns = bands.div_ceil(budget.at_once(&need, usual)?);
+    let at_once = bands.div_ceil(turns);
+    let at_once_rows = RowsAtOnce { acquired: SourceBands::ROWS * at_once as u32, interpolated: strip_rows as u32 };
+    Ok(Plan { at_once: at_once_rows, storage, bytes: need.bytes(at_once) })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::epipolar::views::Spread;
+    use crate::math::{Camera, Lens};
+
+    fn views(size: [u32; 2], count: u32) -> OutputViews {
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(60.0)).unwrap();
+        let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
+        OutputViews::new(camera, size, count, Spread::Baseline(0.5), f64::INFINITY).unwrap()
+    }
+
+    #[test]
+    fn bands_shrink_before_views_go_to_a_file_and_a_budget_is_kept_or_refused() {
+        let folder = std::env::temp_dir();
+        let views = views([1920, 1080], 500);
+        let need = SourceNeed::layered(&views, (10, Culling::Full), 200);
+        let of = |count: usize, megabytes: Option<u64>| {
+            let budget = megabytes.map_or(Budget::UNLIMITED, |megabytes| Budget::of(megabytes * 1_000_000));
+            plan(&views, count, need, &Limits { budget, held: 100_000_000, threads: 2, folder: &folder })
+        };
+        let few = of(2, None).unwrap();
+        assert!(few.storage == Storage::Memory && few.at_once.acquired > SourceBands::ROWS, "{few:?}");
+        let tight = of(2, Some(240)).unwrap();
+        assert!(tight.storage == Storage::Memory && tight.at_once.acquired == SourceBands::ROWS, "{tight:?}");
+        // 7 GB of views.
+        for megabytes in [None, Some(1000), Some(600)] {
+            let many = of(500, megabytes).unwrap();
+            assert_eq!(many.storage, Storage::File(folder.clone()));
+            assert!(many.bytes <= 1_000_000 * megabytes.unwrap_or(1000), "{many:?}");
+        }
+        assert_eq!(of(500, Some(9000)).unwrap().storage, Storage::Memory);
+        let refused = of(500, Some(150)).unwrap_err().to_string();
+        assert!(refused.contains("MB"), "{refused}");
+    }
 }

@@ -5,28 +5,39 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::acquire::{AcquireSettings, acquire};
+use super::acquire::{AcquireSettings, SourceBands, acquire};
 use super::backend::{Backend, Cpu};
 use super::counters::Counters;
+use super::drawing::DrawnScene;
 use super::fill::{HoleFilling, Truth, fill, picture};
 use super::interpolate::{InterpolateSettings, Interpolator};
 use super::source::SourceView;
+use super::view_store::{Storage, ViewStore};
 use super::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::json;
 use crate::monitor::Monitor;
-use crate::scene::SceneAtTime;
 
 #[derive(Debug, Clone)]
 pub struct Settings {
     pub acquire: AcquireSettings,
     pub interpolate: InterpolateSettings,
     pub holes: HoleFilling,
-    /// Output views that are interpolated at once; results do not depend on it.
-    pub views_at_once: usize,
+    /// Results do not depend on it.
+    pub at_once: RowsAtOnce,
+    pub storage: Storage,
     /// Whether pictures come before their holes are filled, too.
     pub keeps_unfilled: bool,
+}
+
+/// Scanlines in work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RowsAtOnce {
+    /// Those that are acquired, where sources are acquired by bands.
+    pub acquired: u32,
+    /// Of these, those that are interpolated.
+    pub interpolated: u32,
 }
 
 /// What is to be rendered, and where.
@@ -84,6 +95,18 @@ impl Summary {
         }
     }
 
+    /// Adds the sources of some scanlines.
+    fn add_band(&mut self, sources: &[SourceView], counters: Counters) {
+        let source_views = if self.sources.is_empty() { counters.source_views } else { 0 };
+        self.counters.add(&Counters { source_views, ..counters });
+        if self.sources.is_empty() {
+            self.sources = sources.iter().map(SourceReport::of).collect();
+        }
+        for (report, source) in self.sources.iter_mut().zip(sources) {
+            report.layers = report.layers.max(source.layers);
+        }
+    }
+
     /// Seconds of all stages.
     pub fn duration(&self) -> Duration {
         let Stages { acquire, interpolate, fill } = self.stages;
@@ -99,27 +122,40 @@ impl<'a> Request<'a> {
 
     /// Steps that a run reports to its monitor.
     pub fn steps(&self) -> u64 {
-        let blocks = self.range.len().div_ceil(self.settings.views_at_once.max(1));
-        blocks as u64 * u64::from(self.views.size[1])
+        if self.range.is_empty() { 0 } else { u64::from(self.views.size[1]) }
     }
 }
 
 /// Renders some of the output views of a scene, and gives each picture with its number, in order.
-pub fn interpolate(
-    scene: &SceneAtTime,
+pub fn interpolate<'a>(
+    seen: impl Into<DrawnScene<'a>>,
     request: &Request<'_>,
     monitor: &dyn Monitor,
     take: impl FnMut(usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
+    let (views, settings) = (request.views, &request.settings.acquire);
+    let seen = seen.into();
+    let truth = Some(Truth { scene: seen.scene, samples: &settings.samples });
     let begun = Instant::now();
-    let settings = &request.settings.acquire;
-    let (sources, counters) = acquire(scene, request.views, settings, monitor)?;
-    let acquired = begun.elapsed();
-    let truth = Some(Truth { scene, samples: &settings.samples });
-    let mut summary = between((&sources, truth), request, monitor, take)?;
-    summary.counters.add(&counters);
-    summary.stages.acquire = acquired;
-    Ok(summary)
+    let Some(bands) = SourceBands::plan(seen, views, settings, monitor)? else {
+        let (sources, counters) = acquire(seen, views, settings, monitor)?;
+        let acquired = begun.elapsed();
+        let mut summary = between((&sources, truth), request, monitor, take)?;
+        summary.counters.add(&counters);
+        summary.stages.acquire = acquired;
+        return Ok(summary);
+    };
+    let mut summary = Summary::default();
+    summary.stages.acquire = begun.elapsed();
+    let mut store = request.store()?;
+    for rows in parts(0..views.size[1] as usize, request.settings.at_once.acquired) {
+        let begun = Instant::now();
+        let (sources, counters) = bands.rows(rows.start as u32..rows.end as u32)?;
+        summary.add_band(&sources, counters);
+        summary.stages.acquire += begun.elapsed();
+        request.band((&sources, rows.start), 0..rows.len(), (&mut store, &mut summary), monitor)?;
+    }
+    request.finish((store, summary), truth, monitor, take)
 }
 
 /// Renders some of the output views between source views, which are in their order.
@@ -127,32 +163,69 @@ pub fn between(
     (sources, truth): (&[SourceView], Option<Truth<'_>>),
     request: &Request<'_>,
     monitor: &dyn Monitor,
-    mut take: impl FnMut(usize, Picture) -> Result<()>,
+    take: impl FnMut(usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
     let mut summary = Summary { sources: sources.iter().map(SourceReport::of).collect(), ..Summary::default() };
-    let Request { views, range, settings, backend } = request;
-    let interpolator = Interpolator::new(views, sources, settings.interpolate);
-    let mut first = range.start;
-    while first < range.end {
-        let block = first..(first + settings.views_at_once.max(1)).min(range.end);
-        let begun = Instant::now();
-        let (mut interpolated, counted) = backend.views(&interpolator, block.clone(), monitor)?;
-        // Lines are the same for all blocks.
-        let lines = if first == range.start { counted.lines } else { 0 };
-        let coalesced_pixels = if first == range.start { counted.coalesced_pixels } else { 0 };
-        summary.counters.add(&Counters { lines, coalesced_pixels, ..counted });
-        summary.stages.interpolate += begun.elapsed();
-        for (view, of_view) in block.clone().zip(&mut interpolated) {
-            let unfilled = settings.keeps_unfilled.then(|| picture(of_view)).transpose()?;
-            let begun = Instant::now();
-            let place = (*views, views.offsets_m[view]);
-            summary.counters.traced_pixels += fill(of_view, truth, place, settings.holes, monitor)?;
-            summary.stages.fill += begun.elapsed();
-            take(view, Picture { filled: picture(of_view)?, unfilled })?;
-        }
-        first = block.end;
+    let mut store = request.store()?;
+    let rows = 0..request.views.size[1] as usize;
+    request.band((sources, 0), rows, (&mut store, &mut summary), monitor)?;
+    request.finish((store, summary), truth, monitor, take)
+}
+
+impl Request<'_> {
+    fn store(&self) -> Result<ViewStore> {
+        ViewStore::new(&self.settings.storage, self.views.size, self.range.len())
     }
-    Ok(summary)
+
+    /// Interpolates some scanlines of sources, the first of which is one of the views, in strips.
+    fn band(
+        &self,
+        (sources, first_row): (&[SourceView], usize),
+        rows: Range<usize>,
+        (store, summary): (&mut ViewStore, &mut Summary),
+        monitor: &dyn Monitor,
+    ) -> Result<()> {
+        let begun = Instant::now();
+        let mut interpolator = Interpolator::new(self.views, sources, self.settings.interpolate);
+        for rows in parts(rows, self.settings.at_once.interpolated) {
+            let first_row = first_row + rows.start;
+            interpolator = interpolator.of_rows(rows);
+            let (strips, counters) = self.backend.views(&interpolator, self.range.clone(), monitor)?;
+            store.put(first_row, &strips)?;
+            summary.counters.add(&counters);
+        }
+        summary.stages.interpolate += begun.elapsed();
+        Ok(())
+    }
+
+    /// Fills the holes of all views.
+    fn finish(
+        &self,
+        (mut store, mut summary): (ViewStore, Summary),
+        truth: Option<Truth<'_>>,
+        monitor: &dyn Monitor,
+        mut take: impl FnMut(usize, Picture) -> Result<()>,
+    ) -> Result<Summary> {
+        let settings = self.settings;
+        for (at, view) in self.range.clone().enumerate() {
+            let begun = Instant::now();
+            let mut of_view = store.take(at)?;
+            summary.stages.interpolate += begun.elapsed();
+            let unfilled = settings.keeps_unfilled.then(|| picture(&of_view)).transpose()?;
+            let begun = Instant::now();
+            let place = (self.views, self.views.offsets_m[view]);
+            summary.counters.traced_pixels += fill(&mut of_view, truth, place, settings.holes, monitor)?;
+            summary.stages.fill += begun.elapsed();
+            take(view, Picture { filled: picture(&of_view)?, unfilled })?;
+        }
+        Ok(summary)
+    }
+}
+
+/// A range in parts of so many, the last one shorter.
+fn parts(range: Range<usize>, length: u32) -> impl Iterator<Item = Range<usize>> {
+    let length = length.max(1) as usize;
+    range.clone().step_by(length).map(move |first| first..(first + length).min(range.end))
 }
 
 /// A picture of an output view.

@@ -71,6 +71,13 @@ impl SourceView {
         SourceView { offset_m, rows: (0..height).map(row).collect(), layers: 1 }
     }
 
+    /// With the pixels of its rows.
+    pub fn of_rows(offset_m: f64, rows: Vec<SourceRow>) -> SourceView {
+        let layers = |row: &SourceRow| row.pixels.last().map_or(0, |pixel| u32::from(pixel.layer) + 1);
+        let layers = rows.iter().map(layers).max().unwrap_or(0);
+        SourceView { offset_m, rows, layers }
+    }
+
     pub fn pixel_count(&self) -> u64 {
         self.rows.iter().map(|row| row.pixels.len() as u64).sum()
     }

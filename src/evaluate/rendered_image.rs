@@ -5,6 +5,7 @@
 use half::f16;
 
 use crate::error::Result;
+use crate::image::plane::ColorPlane;
 use crate::image::{CodeSteps, Plane, ToneMap};
 
 /// What is shown where no view saw anything.
@@ -26,6 +27,12 @@ pub struct RenderedImage {
 }
 
 impl RenderedImage {
+    /// A picture without holes.
+    pub fn opaque(color: &ColorPlane) -> RenderedImage {
+        let alpha = Plane::filled(color.width(), color.height(), 1.0);
+        RenderedImage { color: color.map(|light| light.map(f16::to_f32)), alpha }
+    }
+
     /// An image of these pixels, row by row: linear light, then alpha.
     pub fn of_pixels([width, height]: [u32; 2], pixels: impl Iterator<Item = [f32; 4]>) -> Result<RenderedImage> {
         let (color, alpha) = pixels.map(|[r, g, b, alpha]| ([r, g, b], alpha)).unzip();

@@ -1,15 +1,21 @@
 //! Drawings by the rasteriser of a device: pipelines, textures, and pictures that are read back.
 
+use glam::DVec3;
 use half::f16;
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::kernels::{Blending, Drawing};
+use crate::gpu::layout::DrawnPicture;
 
 /// Light and alpha: the most precise format that every device blends.
 pub const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 pub const COUNT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+/// Two whole numbers.
+pub const INDEX_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The least depth that is drawn, in parts of the greatest distance of a corner: the CPU has none.
+const NEAREST: f64 = 1e-7;
 /// Most bytes that are sent or read at once.
 const BAND_BYTES: u64 = 64 << 20;
 
@@ -41,7 +47,7 @@ fn compile(gpu: &Gpu, drawing: &'static Drawing) -> DrawingPipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
     let (layout, of_pipeline) = gpu.layouts(drawing.name, drawing.bindings, wgpu::ShaderStages::VERTEX_FRAGMENT);
     let targets: Vec<_> = drawing.targets.iter().map(|target| Some(color_target(target.blending))).collect();
-    let has_depth = drawing.targets.iter().any(|target| target.blending == Blending::Nearest);
+    let has_depth = drawing.targets.iter().any(|target| target.blending.has_depth());
     let depth_stencil = has_depth.then(|| wgpu::DepthStencilState {
         format: DEPTH_FORMAT,
         depth_write_enabled: Some(true),
@@ -86,6 +92,7 @@ fn color_target(blending: Blending) -> wgpu::ColorTargetState {
         Blending::Over => (LIGHT_FORMAT, both(wgpu::BlendFactor::OneMinusSrcAlpha)),
         Blending::Add => (COUNT_FORMAT, both(wgpu::BlendFactor::One)),
         Blending::Nearest => (LIGHT_FORMAT, None),
+        Blending::Index => (INDEX_FORMAT, None),
     };
     wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
 }
@@ -104,6 +111,11 @@ pub fn texture(
     let usage = match format {
         LIGHT_FORMAT | COUNT_FORMAT => wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
         DEPTH_FORMAT => wgpu::TextureUsages::RENDER_ATTACHMENT,
+        INDEX_FORMAT => {
+            wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::TEXTURE_BINDING
+        }
         _ => wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
     };
     gpu.guard(label, || {
@@ -118,6 +130,20 @@ pub fn texture(
             view_formats: &[],
         })
     })
+}
+
+/// A texture of one layer as an array, which shaders read.
+pub fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..wgpu::TextureViewDescriptor::default()
+    })
+}
+
+/// A target of a pass, cleared.
+pub fn cleared(view: &wgpu::TextureView, color: wgpu::Color) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
 }
 
 /// Rows of a texture from `top` on.
@@ -150,11 +176,26 @@ pub fn send(gpu: &Gpu, texture: &wgpu::Texture, texels: &[[u8; 4]]) -> Result<()
 
 /// The half floats of a texture whose texels have so many channels.
 pub fn read_halves(gpu: &Gpu, texture: &wgpu::Texture, channels: usize) -> Result<Vec<f16>> {
+    let both = |word: u32| [f16::from_bits(word as u16), f16::from_bits((word >> 16) as u16)];
+    let mut halves = Vec::with_capacity(channels * texture.width() as usize * texture.height() as usize);
+    let row = texture.width() as usize * channels;
+    read_rows(gpu, texture, 2 * channels, |words| halves.extend(words.iter().copied().flat_map(both).take(row)))?;
+    Ok(halves)
+}
+
+/// The whole numbers of a texture of [`INDEX_FORMAT`].
+pub fn read_indices(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<[u32; 2]>> {
+    let mut indices = Vec::with_capacity(texture.width() as usize * texture.height() as usize);
+    let width = texture.width() as usize;
+    read_rows(gpu, texture, 8, |words| indices.extend(words.as_chunks().0.iter().take(width)))?;
+    Ok(indices)
+}
+
+/// Gives each row of a texture in words, some at its end without meaning.
+fn read_rows(gpu: &Gpu, texture: &wgpu::Texture, texel_bytes: usize, mut take: impl FnMut(&[u32])) -> Result<()> {
     let (width, height) = (texture.width(), texture.height());
-    let row_words = width as usize * channels;
     // Devices copy whole multiples of 256 bytes a row.
-    let pitch = (2 * row_words as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let mut halves = Vec::with_capacity(row_words * height as usize);
+    let pitch = (width * texel_bytes as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     for [top, rows] in bands(height, u64::from(pitch)) {
         let words = pitch as usize / 4 * rows as usize;
         let buffer = gpu.buffer("picture", words, wgpu::BufferUsages::empty())?;
@@ -165,14 +206,60 @@ pub fn read_halves(gpu: &Gpu, texture: &wgpu::Texture, channels: usize) -> Resul
             let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
             encoder.copy_texture_to_buffer(rows_of(texture, top), to, size);
         })?;
-        let words = gpu.read(&buffer, words)?;
-        let both = |word: &u32| [f16::from_bits(*word as u16), f16::from_bits((word >> 16) as u16)];
-        for row in words.chunks_exact(pitch as usize / 4) {
-            halves.extend(row.iter().flat_map(both).take(row_words));
+        let found = gpu.read(&buffer, words)?;
+        if found.len() != words {
+            return Err(Error::unsupported(format!("{}: a picture was not read back", gpu.info.name)));
+        }
+        found.chunks_exact(pitch as usize / 4).for_each(&mut take);
+    }
+    Ok(())
+}
+
+/// What a camera sees in a window of its picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Window {
+    pub eye: DVec3,
+    /// Forward, right and down, of length 1.
+    pub axes: [DVec3; 3],
+    /// Tangents at its edges: left and right, top and bottom.
+    pub tangents: [[f64; 2]; 2],
+    pub size: [u32; 2],
+    /// Place of samples in their pixels, 0.5 in the middle.
+    pub sample: [f64; 2],
+}
+
+impl DrawnPicture {
+    /// A window from the least depth that is drawn on, of triangles within some metres of the eye.
+    pub fn new(window: &Window, farthest_m: f64) -> DrawnPicture {
+        let Window { eye, axes, tangents, size, sample } = window;
+        let [forward, right, down] = axes.map(|axis| axis.as_vec3().to_array());
+        // Clip coordinates of a tangent, upside down for rows; a sample beside the middle of its pixel moves the picture.
+        let clip = |axis: usize| {
+            let [from, to] = tangents[axis];
+            let shift = -(from + to) / (to - from) - (2.0 * sample[axis] - 1.0) / f64::from(size[axis]);
+            [2.0 / (to - from), shift]
+        };
+        let [[scale_x, shift_x], [scale_y, shift_y]] = [clip(0), clip(1).map(|part| -part)];
+        DrawnPicture {
+            right,
+            down,
+            forward,
+            scale_x: scale_x as f32,
+            shift_x: shift_x as f32,
+            scale_y: scale_y as f32,
+            shift_y: shift_y as f32,
+            eye: eye.as_vec3().to_array(),
+            eye_rest: (eye - eye.as_vec3().as_dvec3()).as_vec3().to_array(),
+            nearest_m: (NEAREST * farthest_m).max(f64::from(f32::MIN_POSITIVE)).log2().floor().exp2() as f32,
+            near_m: 0.0,
+            far_m: f32::MAX,
+            threshold: 0.0,
+            spare: 0,
         }
     }
-    match halves.len() == row_words * height as usize {
-        true => Ok(halves),
-        false => Err(Error::unsupported(format!("{}: a picture was not read back", gpu.info.name))),
-    }
+}
+
+/// Metres from an eye to the farthest corner of a box, which is given by two.
+pub fn farthest_m(bounds: [DVec3; 2], eye: DVec3) -> f64 {
+    bounds.iter().map(|corner| (*corner - eye).abs()).fold(DVec3::ZERO, DVec3::max).length()
 }

@@ -104,7 +104,8 @@ impl<'a> GpuInterpolator<'a> {
             }
             counters.fragments +=
                 gpu.read(&buffers.fragments, shown.len() * rows.len())?.into_iter().map(u64::from).sum::<u64>();
-            let holes = put(shown, rows.clone(), pixels.as_chunks().0);
+            let strip = rows.start - of.rows.start..rows.end - of.rows.start;
+            let holes = put(shown, strip, pixels.as_chunks().0);
             counters.hole_pixels += holes;
             counters.depth_tests_won += pixel_count as u64 - holes;
         }
@@ -126,8 +127,7 @@ impl<'a> GpuInterpolator<'a> {
     /// The end of the scanlines from one on whose lines are sent at once.
     fn band_end(&self, of: &Interpolator<'_>, first: usize) -> usize {
         let lines = |row: usize| of.sources.iter().map(|source| source.rows[row].pixels.len()).sum::<usize>();
-        let [width, height] = of.views.size.map(|side| side as usize);
-        let most = (first + (self.pixels / width).max(1)).min(height);
+        let most = (first + (self.pixels / of.views.size[0] as usize).max(1)).min(of.rows.end);
         let mut sum = lines(first);
         let fits = |row: &usize| {
             sum += lines(*row);
@@ -178,15 +178,15 @@ impl Backend for GpuInterpolator<'_> {
         range: Range<usize>,
         monitor: &dyn Monitor,
     ) -> Result<(Vec<InterpolatedView>, Counters)> {
-        let [width, height] = of.views.size;
+        let [width, height] = [of.views.size[0], of.rows.len() as u32];
         let blank = || InterpolatedView {
             color: Plane::filled(width, height, Default::default()),
             coverage: Plane::filled(width, height, Coverage::Hole),
         };
         let mut views: Vec<InterpolatedView> = range.clone().map(|_| blank()).collect();
         let mut counters = Counters::default();
-        let mut first = 0;
-        while first < height as usize {
+        let mut first = of.rows.start;
+        while first < of.rows.end {
             let rows = first..self.band_end(of, first);
             first = rows.end;
             let count = rows.len() as u64;

@@ -61,6 +61,15 @@ pub enum Blending {
     Add,
     /// In place of what is there, if it is not nearer.
     Nearest,
+    /// The same, for two whole numbers.
+    Index,
+}
+
+impl Blending {
+    /// Whether depth decides.
+    pub fn has_depth(self) -> bool {
+        matches!(self, Blending::Nearest | Blending::Index)
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,7 +11,7 @@
 
 pub mod decode;
 pub mod device;
-#[cfg(feature = "simplify")]
+#[cfg(any(feature = "epipolar", feature = "simplify"))]
 pub mod drawing;
 #[cfg(feature = "epipolar")]
 pub mod epipolar;
@@ -28,6 +28,8 @@ pub mod resident;
 #[cfg(feature = "scene")]
 pub mod selftest;
 pub mod transform_tables;
+#[cfg(feature = "epipolar")]
+pub mod triangles;
 pub mod verify;
 
 pub use decode::GpuDecoder;

@@ -8,9 +8,11 @@ use half::f16;
 
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::drawing::{self, COUNT_FORMAT, DEPTH_FORMAT, DrawingPipeline, LIGHT_FORMAT, read_halves};
+use crate::gpu::drawing::{
+    self, COUNT_FORMAT, DEPTH_FORMAT, DrawingPipeline, LIGHT_FORMAT, Window, cleared, farthest_m, read_halves,
+};
 use crate::gpu::kernels;
-use crate::gpu::layout::{QuadPicture, words_of};
+use crate::gpu::layout::{DrawnPicture, words_of};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::simplify::quad_mesh::QuadMesh;
@@ -20,8 +22,6 @@ use crate::simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of
 const CORNER_WORDS: usize = 6;
 /// Triangles of a batch: 72 MiB of corners.
 const BATCH: usize = 1 << 20;
-/// The least depth that is drawn, in parts of the greatest distance of a corner: the CPU has none.
-const NEAREST: f64 = 1e-7;
 /// Counts from here on are not exact as half floats.
 const COUNT_LIMIT: u32 = 2048;
 
@@ -46,12 +46,6 @@ struct Targets {
     depth: Option<wgpu::Texture>,
 }
 
-/// An attachment of a pass, cleared.
-fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
-}
-
 impl<'a> GpuQuads<'a> {
     /// Sends a scene to a device.
     pub fn new(gpu: &'a Gpu, scene: &QuadMesh) -> Result<GpuQuads<'a>> {
@@ -74,10 +68,6 @@ impl<'a> GpuQuads<'a> {
             batches.push((gpu.filled("corners", &words)?, 3 * triangles.len() as u32));
         }
         let corners = || mesh.positions.iter().copied();
-        let view = wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..wgpu::TextureViewDescriptor::default()
-        };
         Ok(GpuQuads {
             gpu,
             painter: DrawingPipeline::new(gpu, &kernels::QUADS_PAINTER)?,
@@ -85,8 +75,8 @@ impl<'a> GpuQuads<'a> {
             overdraw: DrawingPipeline::new(gpu, &kernels::QUADS_OVERDRAW)?,
             batches,
             light_of_codes: gpu.filled("light_of_codes", &words_of(&light_of_codes()))?,
-            picture: gpu.buffer("picture", QuadPicture::WORDS, wgpu::BufferUsages::empty())?,
-            atlas: atlas.create_view(&view),
+            picture: gpu.buffer("picture", DrawnPicture::WORDS, wgpu::BufferUsages::empty())?,
+            atlas: drawing::array_view(&atlas),
             bounds: [corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max)],
         })
     }
@@ -136,7 +126,7 @@ impl<'a> GpuQuads<'a> {
     fn pass(&self, drawing: &DrawingPipeline, targets: &[&wgpu::Texture], depth: Option<&wgpu::Texture>) -> Result<()> {
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let (views, depth) = (targets.iter().map(|target| view(target)).collect::<Vec<_>>(), depth.map(view));
-        let attachments: Vec<_> = views.iter().map(cleared).collect();
+        let attachments: Vec<_> = views.iter().map(|view| cleared(view, wgpu::Color::TRANSPARENT)).collect();
         let depth_ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard };
         let depth_stencil_attachment = depth.as_ref().map(|view| wgpu::RenderPassDepthStencilAttachment {
             view,
@@ -169,32 +159,12 @@ impl<'a> GpuQuads<'a> {
         })
     }
 
-    fn picture_of(&self, camera: &Camera, size: [u32; 2], sample: &Sample) -> QuadPicture {
-        let [forward, right, down] = camera.axes().map(|axis| axis.as_vec3().to_array());
+    fn picture_of(&self, camera: &Camera, size: [u32; 2], sample: &Sample) -> DrawnPicture {
         let (eye, window) = (camera.eye(), camera.window());
-        // Clip coordinates of a tangent, upside down for rows; a sample beside the middle of its pixel moves the picture.
-        let clip = |[from, to]: [f64; 2], offset: f64, pixels: u32| {
-            [2.0 / (to - from), -(from + to) / (to - from) - (2.0 * offset - 1.0) / f64::from(pixels)]
-        };
-        let [scale_x, shift_x] = clip(window.u, sample.offset[0], size[0]);
-        let [scale_y, shift_y] = clip(window.v, sample.offset[1], size[1]).map(|part| -part);
-        let farthest_m = self.bounds.iter().map(|corner| (*corner - eye).abs()).fold(DVec3::ZERO, DVec3::max).length();
         let depth_m = camera.depth_m().map(|metres| metres.min(f64::from(f32::MAX)) as f32);
-        QuadPicture {
-            right,
-            down,
-            forward,
-            scale_x: scale_x as f32,
-            shift_x: shift_x as f32,
-            scale_y: scale_y as f32,
-            shift_y: shift_y as f32,
-            eye: eye.as_vec3().to_array(),
-            eye_rest: (eye - eye.as_vec3().as_dvec3()).as_vec3().to_array(),
-            nearest_m: (NEAREST * farthest_m).max(f64::from(f32::MIN_POSITIVE)).log2().floor().exp2() as f32,
-            near_m: depth_m[0],
-            far_m: depth_m[1],
-            threshold: sample.threshold,
-            spare: 0,
-        }
+        let tangents = [window.u, window.v];
+        let window = Window { eye, axes: camera.axes(), tangents, size, sample: sample.offset };
+        let picture = DrawnPicture::new(&window, farthest_m(self.bounds, eye));
+        DrawnPicture { near_m: depth_m[0], far_m: depth_m[1], threshold: sample.threshold, ..picture }
     }
 }

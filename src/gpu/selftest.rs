@@ -14,6 +14,8 @@ pub mod slices;
 pub mod streams;
 mod texels;
 pub mod transform;
+#[cfg(all(feature = "epipolar", feature = "simplify"))]
+pub mod triangles;
 
 use std::time::Duration;
 

@@ -11,8 +11,9 @@ use crate::epipolar::fill::{HoleFilling, Truth};
 use crate::epipolar::highlights::EyeLine;
 use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator};
 use crate::epipolar::lines::{LineSpace, moved};
-use crate::epipolar::pipeline::{Request, Settings, between};
+use crate::epipolar::pipeline::{Request, RowsAtOnce, Settings, between};
 use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView, in_order};
+use crate::epipolar::view_store::Storage;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::epipolar::visibility::hidden_m;
 use crate::error::Result;
@@ -287,7 +288,8 @@ fn settings() -> Result<Settings> {
         acquire: AcquireSettings::new(SamplePattern::new(4)?),
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Trace,
-        views_at_once: 4,
+        at_once: RowsAtOnce { acquired: 4, interpolated: 3 },
+        storage: Storage::Memory,
         keeps_unfilled: true,
     })
 }

@@ -75,6 +75,12 @@ enum Visit {
 }
 
 impl Bvh {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> u64 {
+        let CwBvh { nodes, primitive_indices, .. } = &self.tree;
+        (size_of_val(&nodes[..]) + size_of_val(&primitive_indices[..]) + size_of_val(&self.leaves[..])) as u64
+    }
+
     /// Builds the tree. Triangles that are not finite are left out; rays miss those without area.
     pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Bvh {
         let leaves: Vec<Leaf> = (0..)
@@ -95,6 +101,15 @@ impl Bvh {
         bvh.leaves = bvh.tree.primitive_indices.iter().map(|&index| bvh.leaves[index as usize]).collect();
         bvh.tree.primitive_indices = Vec::new();
         bvh
+    }
+
+    /// Where a ray meets a triangle, at a distance of either sign, with the bits of [`Self::all`].
+    pub fn hit_of(ray: &Ray, triangle: usize, corners: [DVec3; 3]) -> Option<TriangleHit> {
+        if !is_in_range(&corners) || !triangle::has_area(&corners) {
+            return None;
+        }
+        let (distance, barycentric) = RayFrame::new(ray).intersect(&corners)?;
+        Some(TriangleHit { distance, triangle, barycentric })
     }
 
     /// The nearest accepted hit strictly within the range of distances, from either side; of equally near triangles,

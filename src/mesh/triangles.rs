@@ -22,6 +22,21 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> u64 {
+        // Destructured so that a new field is not forgotten here.
+        let Mesh { positions, normals, uvs, colors, triangles, material_of } = self;
+        let sizes = [
+            size_of_val(&positions[..]),
+            size_of_val(&normals[..]),
+            size_of_val(&uvs[..]),
+            size_of_val(&colors[..]),
+            size_of_val(&triangles[..]),
+            size_of_val(&material_of[..]),
+        ];
+        sizes.iter().sum::<usize>() as u64
+    }
+
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|corner| self.positions[corner as usize])
     }

@@ -8,7 +8,7 @@ pub(crate) mod tests;
 pub mod view;
 pub mod write;
 
-pub use pixels::{PixelTracer, Viewpoint, halves};
+pub use pixels::{PixelTracer, Viewpoint, halves, mean_light};
 pub use plan::{CapturePlan, FrameRequest, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, capture_view};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::{Bvh, Material as PlainMaterial, Mesh, Ray, TriangleHit};
+use crate::mesh::{Bvh, ImageTexture, Material as PlainMaterial, Mesh, Ray, TriangleHit};
 
 /// Specular transport at a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -63,6 +63,19 @@ impl SceneMesh {
         let has_holes = materials.iter().any(|material| material.plain.alpha_cutoff.is_some());
         let has_glass = materials.iter().any(|material| matches!(material.optics, Optics::Glass { .. }));
         SceneMesh { mesh, materials, bvh, has_holes, has_glass }
+    }
+
+    /// Memory that its triangles take.
+    pub fn bytes(&self) -> u64 {
+        self.mesh.bytes() + self.bvh.bytes()
+    }
+
+    /// The textures of its materials.
+    pub fn textures(&self) -> impl Iterator<Item = &Arc<ImageTexture>> {
+        self.materials
+            .iter()
+            .flat_map(move |material| [&material.plain.base_texture, &material.plain.emissive_texture])
+            .flatten()
     }
 
     /// The nearest triangle strictly within the range, in metres, from either side.

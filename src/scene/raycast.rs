@@ -3,13 +3,14 @@
 //! The same scene and ray give the same bits, so that what neither moves nor is relit is exactly static. Static objects
 //! are in meshes that all times share; moving ones get a new tree for each time.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::shadow_grid::ShadowGrid;
 use super::{Light, Object, SceneMesh};
-use crate::mesh::{AxisBox, Intersection, Ray, TriangleHit};
+use crate::mesh::{AxisBox, Bvh, ImageTexture, Intersection, Ray, TriangleHit};
 
 /// Offset of ray origins from the surface that they leave, in metres, for a scene that is `size` metres across: a
 /// micrometre from 1 to 100 m, a millionth of smaller scenes, a hundred-millionth of larger ones.
@@ -68,6 +69,14 @@ pub enum HitSurface {
 }
 
 impl SceneAtTime {
+    /// Memory that its meshes and their textures take, each texture once.
+    pub fn bytes(&self) -> u64 {
+        let textures = self.meshes.iter().flat_map(|mesh| mesh.textures());
+        let sizes: BTreeMap<*const ImageTexture, u64> =
+            textures.map(|texture| (Arc::as_ptr(texture), size_of_val(&texture.pixels[..]) as u64)).collect();
+        self.meshes.iter().map(|mesh| mesh.bytes()).chain(sizes.into_values()).sum()
+    }
+
     /// A scene of `objects`. Of two that are equally far along a ray, the first is hit.
     pub fn new(objects: Vec<Object>, light: Light) -> Self {
         Self::with_meshes(objects, Vec::new(), light)
@@ -156,6 +165,21 @@ impl SceneAtTime {
     /// All hits along a ray by distance, among all meshes and the `candidates`: of equally near ones, the one that [`Self::first_hit`]
     /// answers.
     pub fn all_hits(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Vec<FirstHit> {
+        let of_mesh = |(index, mesh): (usize, &Arc<SceneMesh>)| {
+            let found = mesh.bvh.all(ray, 0.0..f64::INFINITY);
+            let solid: Vec<_> = found.into_iter().filter(|hit| !mesh.is_hole(hit.triangle, hit.barycentric)).collect();
+            solid.into_iter().map(move |at| FirstHit { distance: at.distance, surface: HitSurface::Mesh { index, at } })
+        };
+        self.with_objects(self.meshes.iter().enumerate().flat_map(of_mesh), ray, candidates)
+    }
+
+    /// Hits of triangles and those of the `candidates`, as [`Self::all_hits`].
+    pub fn with_objects(
+        &self,
+        of_triangles: impl IntoIterator<Item = FirstHit>,
+        ray: &Ray,
+        candidates: impl IntoIterator<Item = usize>,
+    ) -> Vec<FirstHit> {
         let mut hits = Vec::new();
         for index in candidates {
             let mut passed = 0.0;
@@ -166,15 +190,25 @@ impl SceneAtTime {
                 passed = distance;
             }
         }
-        for (index, mesh) in self.meshes.iter().enumerate() {
-            let found = mesh.bvh.all(ray, 0.0..f64::INFINITY);
-            let solid = found.into_iter().filter(|hit| !mesh.is_hole(hit.triangle, hit.barycentric));
-            hits.extend(solid.map(|at| FirstHit { distance: at.distance, surface: HitSurface::Mesh { index, at } }));
-        }
+        hits.extend(of_triangles);
         // Stable: objects first, then meshes.
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         hits.dedup_by(|later, first| later.distance == first.distance);
         hits
+    }
+
+    /// Where a ray meets a triangle, by its number among those of all meshes, and whether there is a hole.
+    pub fn hit_of_triangle(&self, ray: &Ray, mut number: usize) -> Option<(FirstHit, bool)> {
+        for (index, mesh) in self.meshes.iter().enumerate() {
+            let count = mesh.mesh.triangles.len();
+            if number < count {
+                let at = Bvh::hit_of(ray, number, mesh.mesh.corners(number)).filter(|hit| hit.distance > 0.0)?;
+                let hit = FirstHit { distance: at.distance, surface: HitSurface::Mesh { index, at } };
+                return Some((hit, mesh.is_hole(number, at.barycentric)));
+            }
+            number -= count;
+        }
+        None
     }
 }
 

@@ -66,7 +66,7 @@ pub struct Gloss {
     pub normal: DVec3,
     phong: Phong,
     /// Light of each sun and lamp on a white matt surface, and the direction towards it.
-    lights: Vec<(DVec3, DVec3)>,
+    lights: Box<[(DVec3, DVec3)]>,
     ambient: DVec3,
 }
 
@@ -121,6 +121,13 @@ impl SceneAtTime {
         Radiance { steady: DVec3::ZERO, of_eye }
     }
 
+    /// Bytes of a [`Gloss`] that one light reaches; 0 where no surface has highlights.
+    pub fn gloss_bytes(&self) -> u64 {
+        let is_glossy = self.objects.iter().any(|object| !object.material.phong.is_matt())
+            || self.meshes.iter().flat_map(|mesh| mesh.materials.iter()).any(|material| !material.phong.is_matt());
+        if is_glossy { (size_of::<Gloss>() + size_of::<[DVec3; 2]>()) as u64 } else { 0 }
+    }
+
     /// The highlights of a surface, `None` where it has none, or is a mirror or glass.
     pub(super) fn gloss(&self, surface: &Surface) -> Option<Gloss> {
         if surface.unlit || surface.phong.is_matt() || surface.optics != Optics::Opaque {
@@ -129,6 +136,7 @@ impl SceneAtTime {
         let mut lights = Vec::new();
         self.direct_lights(surface, |light, towards| lights.push((light, towards)));
         let Surface { point, normal, phong, .. } = *surface;
+        let lights = lights.into_boxed_slice();
         Some(Gloss { point, normal, phong, lights, ambient: self.light.sky.ambient })
     }
 

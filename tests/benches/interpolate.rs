@@ -11,7 +11,8 @@ use lightfold::epipolar::acquire::AcquireSettings;
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::InterpolateSettings;
-use lightfold::epipolar::pipeline::{Request, Settings, interpolate};
+use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, interpolate};
+use lightfold::epipolar::view_store::Storage;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::error::{Error, Result};
 use lightfold::evaluate::reference::Truth;
@@ -80,7 +81,8 @@ fn settings() -> Result<Settings> {
         acquire: AcquireSettings::new(samples()?),
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Trace,
-        views_at_once: 32,
+        at_once: RowsAtOnce { acquired: 64, interpolated: 32 },
+        storage: Storage::Memory,
         keeps_unfilled: true,
     })
 }

@@ -139,7 +139,68 @@ pub fn commands() -> Result<(), Failed> {
             }
         }
     }
+    rasterized(folder.path())?;
     refusals(folder.path())
+}
+
+/// Triangles of a scene are drawn, for source views and for all views, and the pictures are those of rays but for some edges.
+fn rasterized(folder: &Path) -> Result<(), Failed> {
+    let scene = folder.join("room.obj");
+    std::fs::write(&scene, room())?;
+    let scene = scene.display().to_string();
+    let from = ["interpolate", &scene, "--eye", "0.1,0.2,0.3", "--look-at", "-2,0.1,-1.5", "--views", "3"];
+    let views = ["--baseline", "0.3", "--size", "90x60", "--samples", "4", "--null", "--json", "--quiet"];
+    let run = |more: &[&str]| -> Result<serde_json::Value, Failed> {
+        Ok(serde_json::from_str(&lightfold(&[&from[..], &views, more].concat())?)?)
+    };
+    let on_gpu = ["--device", "gpu", "--rasterize"];
+    for acquire in ["dual", "center", "hierarchical"] {
+        let report = |more: &[&str]| run(&[&["--acquire", acquire, "--compare"][..], more].concat());
+        let (drawn, cast) = (report(&on_gpu)?, report(&[])?);
+        let figure = |report: &serde_json::Value, path: &str| {
+            report.pointer(path).and_then(serde_json::Value::as_f64).ok_or(format!("no {path}"))
+        };
+        for (path, bound) in [("/quality/psnr_db/mean", 0.3), ("/quality/ssim/mean", 0.003)] {
+            // Beyond 50 dB a few pixels decide.
+            let [found, expected] = [figure(&drawn, path)?, figure(&cast, path)?].map(|figure| figure.min(50.0));
+            if (found - expected).abs() > bound {
+                return Err(format!("{acquire} {path}: {found}, of rays {expected}").into());
+            }
+        }
+        let [found, expected] = [&drawn, &cast].map(|report| figure(report, "/counters/source_pixels"));
+        let (found, expected) = (found?, expected?);
+        if (found / expected - 1.0).abs() > 0.01 || expected == 0.0 {
+            return Err(format!("{acquire}: {found} source pixels, of rays {expected}").into());
+        }
+    }
+    let all = run(&[&["--brute-force"], &on_gpu[..]].concat())?;
+    if all["brute_force"] != true || all["device"] == "cpu" {
+        return Err(format!("{all}").into());
+    }
+    Ok(())
+}
+
+/// The inside of a box with slanted boards in it, as OBJ.
+fn room() -> String {
+    let mut text = String::new();
+    let mut quads = 0;
+    let mut quad = |corners: [[f64; 3]; 4]| {
+        corners.iter().for_each(|[x, y, z]| text.push_str(&format!("v {x} {y} {z}\n")));
+        let first = 4 * quads + 1;
+        text.push_str(&format!("f {first} {} {} {}\n", first + 1, first + 2, first + 3));
+        quads += 1;
+    };
+    for side in [-3.0, 3.0] {
+        quad([[side, -3.0, -3.0], [side, 3.0, -3.0], [side, 3.0, 3.0], [side, -3.0, 3.0]]);
+        quad([[-3.0, side, -3.0], [3.0, side, -3.0], [3.0, side, 3.0], [-3.0, side, 3.0]]);
+        quad([[-3.0, -3.0, side], [3.0, -3.0, side], [3.0, 3.0, side], [-3.0, 3.0, side]]);
+    }
+    for board in 0..7 {
+        let x = -2.5 + 0.3 * f64::from(board);
+        let z = -2.0 + 0.25 * f64::from(board);
+        quad([[x, -1.0, z], [x + 0.15, -1.0, z + 0.1], [x + 0.2, 1.2, z + 0.05], [x + 0.05, 1.2, z - 0.05]]);
+    }
+    text
 }
 
 /// Options that no device has.
@@ -147,7 +208,7 @@ fn refusals(folder: &Path) -> Result<(), Failed> {
     let out = folder.join("refused.png").display().to_string();
     let from = ["interpolate", "cornell", "--eye", "0,1,0", "--look-at", "2,1,0", "--views", "2", "--baseline", "0.1"];
     let on = ["--device", "gpu", "-o", &out];
-    for (options, words) in [(&["--brute-force"][..], "--brute-force"), (&["--memory", "1G"], "--memory")] {
+    for (options, words) in [(&["--brute-force"][..], "--rasterize"), (&["--memory", "1G"], "--memory")] {
         let refused = match lightfold(&[&from[..], &on, options].concat()) {
             Ok(text) => return Err(format!("{options:?} was accepted: {text}").into()),
             Err(error) => error.message().unwrap_or_default().to_owned(),

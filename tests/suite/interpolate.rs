@@ -6,8 +6,9 @@ use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquir
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::{InterpolateSettings, Interpolator};
-use lightfold::epipolar::pipeline::{Request, Settings, Summary, interpolate};
+use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, Summary, interpolate};
 use lightfold::epipolar::source::in_order;
+use lightfold::epipolar::view_store::Storage;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
@@ -48,7 +49,8 @@ fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
         acquire: AcquireSettings::new(SamplePattern::new(4).unwrap()),
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Trace,
-        views_at_once: 3,
+        at_once: RowsAtOnce { acquired: 16, interpolated: 8 },
+        storage: Storage::Memory,
         keeps_unfilled: true,
     };
     change(&mut settings);
@@ -125,11 +127,20 @@ fn source_views_come_out_as_they_went_in() {
 }
 
 #[test]
-fn short_cuts_and_blocks_and_threads_do_not_change_the_picture() {
+fn short_cuts_and_bands_and_threads_do_not_change_the_picture() {
     let (scene, views) = (scene("interior"), views(VIEWS, Spread::Cone(20.0), 2.0));
-    let plain = run(&scene, &views, &settings(|_| {})).filled;
-    let at_once = run(&scene, &views, &settings(|settings| settings.views_at_once = 100)).filled;
-    assert_eq!(plain, at_once);
+    let plain = run(&scene, &views, &settings(|_| {}));
+    for (acquired, interpolated) in [(1, 1), (7, 3), (16, 1000), (1000, 5)] {
+        let at_once = RowsAtOnce { acquired, interpolated };
+        let found = run(&scene, &views, &settings(|settings| settings.at_once = at_once));
+        assert_eq!(plain.filled, found.filled, "{at_once:?}");
+        assert_eq!(plain.summary.counters, found.summary.counters);
+        assert_eq!(plain.summary.sources, found.summary.sources);
+    }
+    // From a file, too.
+    let storage = Storage::File(std::env::temp_dir());
+    assert_eq!(plain.filled, run(&scene, &views, &settings(|settings| settings.storage = storage)).filled);
+    let plain = plain.filled;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     assert_eq!(plain, pool.install(|| run(&scene, &views, &settings(|_| {})).filled));
     // What no view shows may be there: the rule of masks is of pixels, and edges of surfaces lie between them.

@@ -8,7 +8,8 @@ use lightfold::epipolar::acquire::{AcquireSettings, Acquisition};
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::InterpolateSettings;
-use lightfold::epipolar::pipeline::{Request, Settings, interpolate};
+use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, interpolate};
+use lightfold::epipolar::view_store::Storage;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
@@ -45,7 +46,8 @@ fn row(kind: DemoKind, (name, acquisition): (&str, Acquisition)) -> Row {
         acquire: AcquireSettings { acquisition, ..AcquireSettings::new(samples.clone()) },
         interpolate: InterpolateSettings::default(),
         holes: HoleFilling::Blank,
-        views_at_once: 9,
+        at_once: RowsAtOnce { acquired: 16, interpolated: 8 },
+        storage: Storage::Memory,
         keeps_unfilled: true,
     };
     let mut sum = Similarity::empty();

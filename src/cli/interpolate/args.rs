@@ -19,6 +19,7 @@ use crate::epipolar::grid::GridViews;
 use crate::epipolar::highlights::DEFAULT_SPLITS;
 use crate::epipolar::interpolate::InterpolateSettings;
 use crate::epipolar::layers::LayerReduction;
+use crate::epipolar::memory::Plan;
 use crate::epipolar::pipeline::Settings;
 use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
@@ -55,7 +56,9 @@ const DEFAULT_SIZE: u32 = 512;
     behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
     at infinity do. --rows stacks such lines. `render --views` counts probes, `interpolate --views` output views.\n\n\
     Mirrors and glass of a scene are ray cast in every view; so are holes, unless --holes says otherwise. The source views of a container \
-    are rendered from it. --device moves pixels; source views, highlights and all that is ray cast are the CPU's.\n\n\
+    are rendered from it. --device moves pixels, and draws triangles with --rasterize; light, highlights and all that is ray cast are \
+    the CPU's.\n\n\
+    Views of a line are written when all their scanlines are interpolated; --resume keeps what was written.\n\n\
     --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
     pictures in write_seconds."
 )]
@@ -168,7 +171,7 @@ pub struct Args {
     /// Only these views, such as 24-47
     #[arg(long, value_name = "A-B", value_parser = parse_range)]
     pub view_range: Option<(u32, u32)>,
-    /// Ray cast every view: the truth, and what interpolation saves
+    /// Ray cast every view, or draw it with --rasterize: the truth, and what interpolation saves
     #[arg(long, conflicts_with_all = ["compare", "probe"])]
     pub brute_force: bool,
     /// Ray cast every view, too, and compare the pictures
@@ -193,11 +196,15 @@ pub struct Args {
     /// Resume a stopped run into the same files, with the same options; start anew if there is none
     #[arg(long, conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
     pub resume: bool,
-    /// Interpolating device; the pictures do not depend on it [default: cpu]
+    /// Interpolating device; the pictures do not depend on it, but for --rasterize [default: cpu]
     #[arg(long, value_parser = one_of(DEVICES))]
     pub device: Option<DeviceChoice>,
     #[command(flatten)]
     pub gpu: GpuIndex,
+    /// Draw the triangles of source views, or of all views with --brute-force, on the device instead of casting rays: edges may
+    /// move by a part of a pixel
+    #[arg(long)]
+    pub rasterize: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Print durations and counts of all stages
@@ -367,10 +374,13 @@ impl Args {
     /// Refuses what no device does.
     pub(super) fn check_device(&self) -> Result<()> {
         if !self.gpu.is_on_device(self.device) {
+            if self.rasterize {
+                return refuse("--rasterize draws on a graphics device: add --device gpu or --device auto");
+            }
             return Ok(());
         }
-        if self.brute_force {
-            return refuse("--brute-force runs on the CPU: leave out --device");
+        if self.brute_force && !self.rasterize {
+            return refuse("--brute-force casts rays on the CPU: leave out --device, or add --rasterize to draw on it");
         }
         if self.reduce_layers.is_some() {
             return refuse("--reduce-layers counts pixels on the CPU: leave out --device");
@@ -381,7 +391,7 @@ impl Args {
         Ok(())
     }
 
-    pub(super) fn settings(&self, views_at_once: usize, has_scene: bool) -> Result<Settings> {
+    pub(super) fn settings(&self, plan: Plan, has_scene: bool) -> Result<Settings> {
         let acquire = AcquireSettings {
             acquisition: self.acquire,
             layers: self.layers as usize,
@@ -400,6 +410,7 @@ impl Args {
         if holes == HoleFilling::Trace && !has_scene {
             return refuse("--holes trace: images cannot be ray cast; choose nearest or blank");
         }
-        Ok(Settings { acquire, interpolate, holes, views_at_once, keeps_unfilled: self.compare })
+        let Plan { at_once, storage, .. } = plan;
+        Ok(Settings { acquire, interpolate, holes, at_once, storage, keeps_unfilled: self.compare })
     }
 }

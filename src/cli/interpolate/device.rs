@@ -2,33 +2,82 @@
 
 use std::cell::Cell;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::args::Args;
 use crate::cli::GlobalArgs;
 use crate::cli::device::or_on_cpu;
 use crate::epipolar::backend::{Backend, Cpu};
 use crate::epipolar::counters::Counters;
+use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers};
 use crate::epipolar::interpolate::{InterpolatedView, Interpolator};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::DeviceChoice;
 use crate::gpu::epipolar::GpuInterpolator;
+use crate::gpu::triangles::GpuTriangles;
 use crate::monitor::Monitor;
+use crate::scene::SceneAtTime;
+use crate::scene::capture::Viewpoint;
 
 /// A graphics device, or the CPU. With `--device auto` the CPU takes over from a device that fails.
 pub(super) struct Device<'a> {
     gpu: Cell<Option<&'a Gpu>>,
     choice: Option<DeviceChoice>,
+    /// Whether it draws triangles, too.
+    rasterizes: bool,
     global: &'a GlobalArgs,
 }
 
 impl<'a> Device<'a> {
-    pub fn new(gpu: Option<&'a Gpu>, choice: Option<DeviceChoice>, global: &'a GlobalArgs) -> Device<'a> {
-        Device { gpu: Cell::new(gpu), choice, global }
+    pub fn new(gpu: Option<&'a Gpu>, args: &Args, global: &'a GlobalArgs) -> Device<'a> {
+        Device { gpu: Cell::new(gpu), choice: args.device, rasterizes: args.rasterize, global }
+    }
+
+    /// What draws the triangles of a scene, where rays are not to be traced.
+    pub fn drawing(&self, scene: &SceneAtTime) -> Result<Option<Drawing<'a>>> {
+        let (choice, global) = (self.choice, self.global);
+        let on_gpu = |gpu: &'a Gpu| {
+            let triangles = GpuTriangles::new(gpu, scene)?;
+            Ok(Some(Drawing { triangles, choice, global, has_failed: AtomicBool::new(false) }))
+        };
+        let gpu = self.gpu.get().filter(|_| self.rasterizes);
+        Ok(or_on_cpu((gpu, choice), global, on_gpu, || Ok(None))?.0)
     }
 
     /// The name of the graphics device, or `cpu`.
     pub fn name(&self) -> String {
         self.gpu.get().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone())
+    }
+}
+
+/// Draws until the device fails.
+pub(super) struct Drawing<'a> {
+    triangles: GpuTriangles<'a>,
+    choice: Option<DeviceChoice>,
+    global: &'a GlobalArgs,
+    has_failed: AtomicBool,
+}
+
+impl TriangleDrawing for Drawing<'_> {
+    fn draw(
+        &self,
+        from: &Viewpoint,
+        window: &PixelWindow,
+        place: [f64; 2],
+        most_layers: usize,
+    ) -> Result<Option<TriangleLayers>> {
+        if self.has_failed.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        match self.triangles.draw(from, window, place, most_layers) {
+            Err(error @ Error::Unsupported { .. }) if self.choice == Some(DeviceChoice::Auto) => {
+                self.global.note(format_args!("{error}; going on with rays"));
+                self.has_failed.store(true, Ordering::Relaxed);
+                Ok(None)
+            }
+            drawn => drawn,
+        }
     }
 }
 

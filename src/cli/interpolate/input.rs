@@ -8,12 +8,18 @@ use crate::cli::refuse;
 use crate::container::header::is_container;
 use crate::dataset::manifest::{MANIFEST_NAME, is_dataset};
 use crate::decode::Decoder;
+use crate::epipolar::acquire::Acquisition;
 use crate::epipolar::captured::CapturedSources;
+use crate::epipolar::memory::SourceNeed;
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::reference::Reference;
 use crate::fingerprint::{digest, file_state};
+use crate::report::machine;
 use crate::scene::{LightRays, Play, Scene, SceneAtTime};
+
+/// Memory of code, stacks and tables.
+const PROGRAM_BYTES: u64 = 32 << 20;
 
 pub(super) enum Input {
     Scene(Box<Scene>),
@@ -59,6 +65,28 @@ impl Input {
             Input::Images(_) | Input::Field(_) => {
                 let path = Path::new(&args.input);
                 digest(format!("{:?} {:?}", file_state(path), file_state(&path.join(MANIFEST_NAME))).as_bytes())
+            }
+        }
+    }
+
+    /// Memory that it takes, with the program, and the source views that are held beside it. Of a grid that is made by columns, those of
+    /// two rows, and of some columns between them.
+    pub fn need(&self, args: &Args, views: &OutputViews, by_columns: bool) -> (u64, SourceNeed) {
+        let resident = || machine::memory_bytes().unwrap_or(PROGRAM_BYTES);
+        match self {
+            Input::Images(_) => (resident(), SourceNeed::whole(args.probe.len() as u32, 0)),
+            Input::Field(_) => (resident(), SourceNeed::whole(args.max_sources, 0)),
+            Input::Scene(scene) => {
+                let scene = scene.at(0.0);
+                let gloss_bytes = scene.gloss_bytes();
+                let need = match args.acquire {
+                    Acquisition::Hierarchical => SourceNeed::whole(args.max_sources, gloss_bytes),
+                    Acquisition::Center | Acquisition::Dual => {
+                        SourceNeed::layered(views, (args.layers as usize, args.culling), gloss_bytes)
+                    }
+                };
+                // What loading has freed is used again.
+                (PROGRAM_BYTES + scene.bytes(), if by_columns { need.by_columns() } else { need })
             }
         }
     }

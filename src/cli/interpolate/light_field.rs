@@ -51,7 +51,10 @@ impl<'a> LightField<'a> {
         args: &Args,
         monitor: &dyn Monitor,
     ) -> Result<(Vec<SourceView>, Counters)> {
-        let make = |offset_m: f64| Ok((self.source(views, offset_m, monitor)?, Counters::default()));
+        let make = |offsets_m: &[f64]| {
+            let sources = offsets_m.iter().map(|&offset_m| self.source(views, offset_m, monitor));
+            Ok((sources.collect::<Result<Vec<_>>>()?, Counters::default()))
+        };
         let ends_m = views.ends_m();
         let places_m = match args.acquire {
             Acquisition::Center => vec![0.5 * (ends_m[0] + ends_m[1])],
@@ -62,8 +65,8 @@ impl<'a> LightField<'a> {
                 return Ok(counted(sources, counters));
             }
         };
-        let sources = places_m.into_iter().map(|place_m| Ok(make(place_m)?.0)).collect::<Result<_>>()?;
-        Ok(counted(sources, Counters::default()))
+        let (sources, counters) = make(&places_m)?;
+        Ok(counted(sources, counters))
     }
 
     fn source(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<SourceView> {
@@ -98,9 +101,8 @@ impl<'a> LightField<'a> {
 
 fn counted(sources: Vec<SourceView>, counters: Counters) -> (Vec<SourceView>, Counters) {
     let sources = in_order(sources);
-    let pixels = sources.iter().map(SourceView::pixel_count).sum();
-    let counted = Counters { source_views: sources.len() as u64, source_layers: 1, source_pixels: pixels, ..counters };
-    (sources, counted)
+    let counters = counters.of_sources(&sources);
+    (sources, counters)
 }
 
 /// Renders pictures on the CPU, and keeps the distances of the last one.

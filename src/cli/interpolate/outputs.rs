@@ -94,6 +94,15 @@ impl Outputs {
         Ok(Outputs { files, coding, kind, by_frame: true })
     }
 
+    /// Bytes of a pixel of a quilt, 0 for views of their own.
+    pub fn quilt_pixel_bytes(&self) -> u64 {
+        match (&self.kind, self.files.format) {
+            (Kind::Views, _) => 0,
+            (Kind::Quilts { .. }, FileFormat::Png) => 4,
+            (Kind::Quilts { .. }, FileFormat::Exr) => 8,
+        }
+    }
+
     /// How codes follow from light.
     pub fn set_tone(&mut self, tone: ToneMap) {
         self.coding.tone = tone;

@@ -17,25 +17,16 @@ use crate::error::Result;
 /// Places between two sources that are looked at for the most holes (Epipolar 7.5): parts of their distance.
 const PARTS: u32 = 8;
 
-/// Source views from the first output view to the last, in any order. `make` makes the one at a place, in metres to the right of the middle.
+/// Source views from the first output view to the last, in any order. `make` makes those at some places, in metres to the right of the
+/// middle.
 pub fn hierarchical(
     views: &OutputViews,
     settings: &Hierarchy,
-    mut make: impl FnMut(f64) -> Result<(SourceView, Counters)>,
+    mut make: impl FnMut(&[f64]) -> Result<(Vec<SourceView>, Counters)>,
 ) -> Result<(Vec<SourceView>, Counters)> {
     let begun = Instant::now();
-    let mut counters = Counters::default();
-    let mut sources = Vec::new();
-    let mut add = |offset_m: f64, sources: &mut Vec<SourceView>| -> Result<()> {
-        let (source, of_source) = make(offset_m)?;
-        counters.add(&of_source);
-        sources.push(source);
-        Ok(())
-    };
     let ends_m = views.ends_m();
-    for end_m in ends_m {
-        add(end_m, &mut sources)?;
-    }
+    let (mut sources, mut counters) = make(&ends_m)?;
     let mut open = VecDeque::from([ends_m]);
     while let Some([left_m, right_m]) = open.pop_front()
         && sources.len() < settings.max_sources
@@ -58,7 +49,9 @@ pub fn hierarchical(
         if missing <= settings.hole_threshold_percent {
             continue;
         }
-        add(next_m, &mut sources)?;
+        let (source, of_source) = make(&[next_m])?;
+        counters.add(&of_source);
+        sources.extend(source);
         open.extend([[left_m, next_m], [next_m, right_m]]);
     }
     Ok((sources, counters))

@@ -8,8 +8,10 @@ use half::f16;
 use super::settings::{AcquireSettings, Culling, TILE};
 use crate::epipolar::continuity::Continuity;
 use crate::epipolar::counters::Counters;
+use crate::epipolar::drawing::PixelHits;
 use crate::epipolar::lines::STEEPEST;
 use crate::epipolar::source::{Light, SourcePixel, SourceRow};
+use crate::epipolar::views::OutputViews;
 use crate::epipolar::visibility::{Reach, hidden_m, joined, sees_past};
 use crate::mesh::Ray;
 use crate::scene::FirstHit;
@@ -18,6 +20,7 @@ use crate::scene::trace::EyeLight;
 
 pub(super) struct RowAcquisition<'a> {
     pub pixels: PixelTracer<'a>,
+    pub views: &'a OutputViews,
     pub settings: &'a AcquireSettings,
     pub layers: usize,
     pub focal_pixels: f64,
@@ -45,26 +48,50 @@ impl Column {
 
 impl RowAcquisition<'_> {
     /// Some scanlines, which share lists of objects in view.
-    pub fn band(&self, rows: Range<u32>, columns: Range<i32>) -> (Vec<SourceRow>, Counters) {
-        let tiles: Vec<(Range<i32>, Vec<usize>)> = columns
-            .clone()
-            .step_by(TILE as usize)
-            .map(|left| {
-                let right = (left + TILE as i32).min(columns.end);
-                let corner = |column: i32, row: u32| [f64::from(column), f64::from(row)];
-                (left..right, self.pixels.in_view(corner(left, rows.start), corner(right, rows.end)))
-            })
-            .collect();
+    pub fn band(&self, hits: &PixelHits<'_>, rows: Range<u32>, columns: Range<i32>) -> (Vec<SourceRow>, Counters) {
+        let tiles = self.tiles(&rows, columns);
         let mut counters = Counters::default();
-        let rows = rows.map(|row| self.row(row, &tiles, &mut counters)).collect();
+        let rows = rows.map(|row| self.row((row, hits), &tiles, &mut counters)).collect();
         (rows, counters)
     }
 
-    fn row(&self, row: u32, tiles: &[(Range<i32>, Vec<usize>)], counters: &mut Counters) -> SourceRow {
+    /// Columns with the objects in view there.
+    fn tiles(&self, rows: &Range<u32>, columns: Range<i32>) -> Vec<(Range<i32>, Vec<usize>)> {
+        let tile = |left: i32| {
+            let right = (left + TILE as i32).min(columns.end);
+            let corner = |column: i32, row: u32| [f64::from(column), f64::from(row)];
+            (left..right, self.pixels.in_view(corner(left, rows.start), corner(right, rows.end)))
+        };
+        columns.clone().step_by(TILE as usize).map(tile).collect()
+    }
+
+    /// Columns by which any pixel of some scanlines moves at most, for each metre of the eye.
+    pub fn farthest_columns(&self, rows: Range<u32>, columns: Range<i32>) -> f64 {
+        let tiles = self.tiles(&rows, columns);
+        let pixels = rows.flat_map(|row| {
+            tiles
+                .iter()
+                .flat_map(move |(columns, candidates)| columns.clone().map(move |column| (column, row, candidates)))
+        });
+        let moved = pixels.map(|(column, row, candidates)| {
+            let (ray, planar) = self.ray([column, row as i32]);
+            let hit = self.pixels.scene.first_hit(&ray, candidates.iter().copied());
+            let depth_m = hit.map_or(f64::INFINITY, |hit| hit.distance * planar);
+            self.views.columns_per_metre(f64::from(nonzero(depth_m))).abs()
+        });
+        moved.fold(0.0, f64::max)
+    }
+
+    fn row(
+        &self,
+        (row, hits): (u32, &PixelHits<'_>),
+        tiles: &[(Range<i32>, Vec<usize>)],
+        counters: &mut Counters,
+    ) -> SourceRow {
         let first = tiles.first().map_or(0, |tile| tile.0.start);
         let mut columns: Vec<Column> = Vec::new();
         for (range, candidates) in tiles {
-            columns.extend(range.clone().map(|column| self.column(column, row, candidates)));
+            columns.extend(range.clone().map(|column| self.column(hits, [column, row as i32], candidates)));
         }
         let candidates = |at: usize| &tiles[at / TILE as usize].1[..];
         let mut out = SourceRow::default();
@@ -72,7 +99,7 @@ impl RowAcquisition<'_> {
             for (at, column) in columns.iter().enumerate() {
                 if column.current.is_some() {
                     let place = [first + at as i32, row as i32];
-                    self.shade(column, (place, layer), candidates(at), &mut out);
+                    self.shade(column, (place, layer), (hits, candidates(at)), &mut out);
                 }
             }
             if layer + 1 == self.layers || !self.peel(&mut columns, counters) {
@@ -85,15 +112,19 @@ impl RowAcquisition<'_> {
         out
     }
 
-    fn column(&self, column: i32, row: u32, candidates: &[usize]) -> Column {
-        let at = [f64::from(column) + 0.5, f64::from(row) + 0.5];
-        let ray = self.pixels.ray(at);
-        let planar = self.pixels.from.projection.unproject(at).length().recip();
+    fn column(&self, hits: &PixelHits<'_>, pixel: [i32; 2], candidates: &[usize]) -> Column {
+        let (ray, planar) = self.ray(pixel);
         let hits = match self.layers {
-            1 => self.pixels.scene.first_hit(&ray, candidates.iter().copied()).into_iter().collect(),
-            _ => self.pixels.scene.all_hits(&ray, candidates.iter().copied()),
+            1 => hits.nearest(pixel, &ray, candidates).into_iter().collect(),
+            _ => hits.all(pixel, &ray, candidates),
         };
         Column { ray, planar, hits, current: Some(0) }
+    }
+
+    /// The ray through the middle of a pixel, and planar distance over distance.
+    fn ray(&self, pixel: [i32; 2]) -> (Ray, f64) {
+        let at = pixel.map(|at| f64::from(at) + 0.5);
+        (self.pixels.ray(at), self.pixels.from.projection.unproject(at).length().recip())
     }
 
     /// Goes on to the next layer; whether it has any pixel.
@@ -135,12 +166,18 @@ impl RowAcquisition<'_> {
     }
 
     /// Adds the pixel of the current layer.
-    fn shade(&self, column: &Column, (place, layer): ([i32; 2], usize), candidates: &[usize], out: &mut SourceRow) {
+    fn shade(
+        &self,
+        column: &Column,
+        (place, layer): ([i32; 2], usize),
+        (hits, candidates): (&PixelHits<'_>, &[usize]),
+        out: &mut SourceRow,
+    ) {
         let Some(hit) = column.current else { return };
         let (scene, hit_surface) = (self.pixels.scene, column.hits.get(hit));
         let depth_m = column.depth_m(hit);
         let PixelLight { steady, total, own } = match layer {
-            0 => self.mean(place, depth_m, candidates),
+            0 => self.mean(place, depth_m, (hits, candidates)),
             _ => {
                 let radiance = scene.shade(&column.ray, hit_surface);
                 let [steady, total] = [radiance.steady, radiance.total()].map(halves);
@@ -155,8 +192,14 @@ impl RowAcquisition<'_> {
             }
             Some(EyeLight::None) | None => (Light::Steady, total),
         };
-        let depth_m = (depth_m as f32).max(f32::MIN_POSITIVE);
-        out.pixels.push(SourcePixel { column: place[0], depth_m, layer: layer as u8, light, steady, own });
+        out.pixels.push(SourcePixel {
+            column: place[0],
+            depth_m: nonzero(depth_m),
+            layer: layer as u8,
+            light,
+            steady,
+            own,
+        });
     }
 
     /// Means over a pixel.
@@ -165,14 +208,14 @@ impl RowAcquisition<'_> {
     /// edge that it has, and a far one does not take the light of what is before it along, which would stay behind as a ghost. Its own view
     /// shows all. (At the fence of the built-in courtyard: 22.9 dB and an SSIM of 0.948 in this way, 22.6 and 0.931 with all samples, 21.0
     /// and 0.932 with those of the surface of the middle alone.)
-    fn mean(&self, [column, row]: [i32; 2], depth_m: f64, candidates: &[usize]) -> PixelLight {
+    fn mean(&self, pixel: [i32; 2], depth_m: f64, (hits, candidates): (&PixelHits<'_>, &[usize])) -> PixelLight {
         let points = &self.settings.samples.points;
         let mut sums = [DVec3::ZERO; 3];
         let mut agreeing = 0;
-        for [x, y] in points {
-            let at = [f64::from(column) + x, f64::from(row) + y];
+        for (sample, [x, y]) in points.iter().enumerate() {
+            let at = [f64::from(pixel[0]) + x, f64::from(pixel[1]) + y];
             let ray = self.pixels.ray(at);
-            let hit = self.pixels.scene.first_hit(&ray, candidates.iter().copied());
+            let hit = hits.first(pixel, sample, &ray, candidates);
             let radiance = self.pixels.scene.shade(&ray, hit.as_ref());
             sums[2] += radiance.total();
             let planar = self.pixels.from.projection.unproject(at).length().recip();
@@ -191,6 +234,11 @@ impl RowAcquisition<'_> {
         };
         PixelLight { steady, total, own }
     }
+}
+
+/// As [`SourcePixel::depth_m`].
+fn nonzero(depth_m: f64) -> f32 {
+    (depth_m as f32).max(f32::MIN_POSITIVE)
 }
 
 /// Light of a pixel.

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use crate::epipolar::source::MAX_LAYERS;
-use crate::scene::capture::SamplePattern;
+use crate::scene::capture::{PixelTracer, SamplePattern};
 
 /// Rows and columns of the squares that share a list of objects in view.
-pub(super) const TILE: u32 = 16;
+pub(super) const TILE: u32 = PixelTracer::TILE;
 
 /// Where source views stand.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -8,85 +8,93 @@ use super::row::RowAcquisition;
 use super::settings::{AcquireSettings, TILE};
 use crate::epipolar::continuity::Continuity;
 use crate::epipolar::counters::Counters;
+use crate::epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelHits, PixelWindow};
 use crate::epipolar::source::{SourceRow, SourceView};
 use crate::epipolar::views::OutputViews;
 use crate::epipolar::visibility::Reach;
 use crate::error::Result;
 use crate::monitor::Monitor;
-use crate::scene::SceneAtTime;
-use crate::scene::capture::PixelTracer;
+use crate::scene::capture::{PixelTracer, Viewpoint};
 
 /// Makes source views.
 #[derive(Clone, Copy)]
 pub(super) struct SourceTracer<'a> {
-    pub scene: &'a SceneAtTime,
+    pub seen: DrawnScene<'a>,
     pub views: &'a OutputViews,
     pub settings: &'a AcquireSettings,
     pub monitor: &'a dyn Monitor,
 }
 
 impl SourceTracer<'_> {
-    /// Views from several places, of so many layers.
-    pub fn views(&self, offsets_m: impl Iterator<Item = f64>, layers: usize) -> Result<(Vec<SourceView>, Counters)> {
+    /// Columns of a view in the middle: as much wider on each side as what the views at the ends show there, up to half of its width.
+    pub fn wide_columns(&self) -> Result<Range<i32>> {
+        let [width, height] = self.views.size;
+        let from = self.views.viewpoint(0.0);
+        let acquisition = self.acquisition((0.0, &from), 1);
+        let widths = self.bands(0..height, |rows| acquisition.farthest_columns(rows, 0..width as i32))?;
+        let most = widths.into_iter().fold(0.0, f64::max) * 0.5 * self.views.baseline_m();
+        let wider = (most.ceil() as i32).min(width as i32 / 2);
+        Ok(-wider..width as i32 + wider)
+    }
+
+    /// Some columns and scanlines of the views from several places, of so many layers.
+    pub fn views(&self, offsets_m: &[f64], window: &PixelWindow, layers: usize) -> Result<(Vec<SourceView>, Counters)> {
         let mut counters = Counters::default();
-        let mut sources = Vec::new();
-        for offset_m in offsets_m {
-            let (source, of_view) = self.whole_view(offset_m, layers)?;
-            counters.add(&of_view);
-            sources.push(source);
+        let mut rows: Vec<Vec<SourceRow>> = vec![Vec::new(); offsets_m.len()];
+        let samples = &self.settings.samples.points;
+        // Surfaces of which no view sees anything are left out later.
+        let drawn = if layers == 1 { 1 } else { MAX_DRAWN };
+        let at_once = self.seen.rows_at_once(window.columns.len() * offsets_m.len(), drawn + samples.len());
+        let mut top = window.rows.start;
+        while top < window.rows.end {
+            let part = PixelWindow { rows: top..top.saturating_add(at_once).min(window.rows.end), ..window.clone() };
+            top = part.rows.end;
+            let from = |offset_m: &f64| -> Result<_> {
+                let from = self.views.viewpoint(*offset_m);
+                let hits = self.seen.hits(&from, part.clone(), drawn, samples)?;
+                Ok((*offset_m, from, hits))
+            };
+            let places: Vec<_> = offsets_m.iter().map(from).collect::<Result<_>>()?;
+            let view = |(offset_m, from, hits): &(f64, Viewpoint, PixelHits<'_>)| {
+                let acquisition = self.acquisition((*offset_m, from), layers);
+                self.bands(part.rows.clone(), |rows| acquisition.band(hits, rows, part.columns.clone()))
+            };
+            let found: Vec<Vec<(Vec<SourceRow>, Counters)>> = places.par_iter().map(view).collect::<Result<_>>()?;
+            for (rows, bands) in rows.iter_mut().zip(found) {
+                for (of_band, counted) in bands {
+                    rows.extend(of_band);
+                    counters.add(&counted);
+                }
+            }
         }
-        Ok((sources, counters))
+        let sources = offsets_m.iter().zip(rows).map(|(&offset_m, rows)| SourceView::of_rows(offset_m, rows));
+        Ok((sources.collect(), counters))
     }
 
-    /// The view from a place, as wide as output views.
-    pub fn whole_view(&self, offset_m: f64, layers: usize) -> Result<(SourceView, Counters)> {
-        self.view(offset_m, 0..self.views.size[0] as i32, layers)
-    }
-
-    /// A view in the middle, as much wider on each side as what the views at the ends show there, up to half of its width.
-    pub fn center(&self) -> Result<(SourceView, Counters)> {
-        let width = self.views.size[0] as i32;
-        let (narrow, _) = self.view(0.0, 0..width, 1)?;
-        let pixels = narrow.rows.iter().flat_map(|row| &row.pixels);
-        let columns = pixels.map(|pixel| self.views.columns_per_metre(f64::from(pixel.depth_m)).abs());
-        let most = columns.fold(0.0, f64::max) * 0.5 * self.views.baseline_m();
-        let wider = (most.ceil() as i32).min(width / 2);
-        self.view(0.0, -wider..width + wider, self.settings.layers)
-    }
-
-    /// The view from a place, of so many layers.
-    fn view(&self, offset_m: f64, columns: Range<i32>, layers: usize) -> Result<(SourceView, Counters)> {
-        let from = self.views.viewpoint(offset_m);
-        let pixels = PixelTracer::new(self.scene, &from);
+    fn acquisition<'v>(&'v self, (offset_m, from): (f64, &'v Viewpoint), layers: usize) -> RowAcquisition<'v> {
+        let pixels = PixelTracer::new(self.seen.scene, from);
         let focal = self.views.focal_pixels();
         let [first_m, last_m] = self.views.ends_m();
-        let acquisition = RowAcquisition {
+        RowAcquisition {
             pixels,
+            views: self.views,
             settings: self.settings,
             continuity: Continuity::new(focal * (last_m - first_m)),
             layers,
             focal_pixels: focal,
             reach_m: (offset_m - first_m).max(last_m - offset_m),
             reach: Reach { columns: [(offset_m - first_m) * focal, (last_m - offset_m) * focal] },
-        };
-        let height = self.views.size[1];
-        let bands: Vec<(Vec<SourceRow>, Counters)> = (0..height.div_ceil(TILE))
-            .into_par_iter()
-            .map(|band| {
-                self.monitor.check()?;
-                let rows = band * TILE..((band + 1) * TILE).min(height);
-                let found = acquisition.band(rows, columns.clone());
-                Ok(found)
-            })
-            .collect::<Result<_>>()?;
-        let mut counters = Counters::default();
-        let mut rows = Vec::with_capacity(height as usize);
-        for (of_band, counted) in bands {
-            counters.add(&counted);
-            rows.extend(of_band);
         }
-        let layer = |row: &SourceRow| row.pixels.last().map_or(0, |pixel| u32::from(pixel.layer) + 1);
-        let layers = rows.iter().map(layer).max().unwrap_or(0);
-        Ok((SourceView { offset_m, rows, layers }, counters))
+    }
+
+    /// Bands of scanlines, in their order.
+    fn bands<T: Send>(&self, rows: Range<u32>, of_band: impl Fn(Range<u32>) -> T + Sync) -> Result<Vec<T>> {
+        let tops = (0..rows.len() as u32).into_par_iter().step_by(TILE as usize);
+        tops.map(|top| {
+            self.monitor.check()?;
+            let top = rows.start + top;
+            Ok(of_band(top..(top + TILE).min(rows.end)))
+        })
+        .collect()
     }
 }

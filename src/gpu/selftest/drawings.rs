@@ -91,6 +91,10 @@ pub fn run(gpu: &Gpu, case: &DrawingCase) -> Result<DrawingResult> {
 
 /// Runs the pictures that a drawing takes part in.
 pub fn test_drawing(gpu: &Gpu, drawing: &'static Drawing) -> Result<KernelReport> {
+    #[cfg(feature = "epipolar")]
+    if drawing.name == kernels::TRIANGLES.name {
+        return super::triangles::test(gpu, drawing.name);
+    }
     let mut report = KernelReport::new(drawing.name);
     // Fragments are counted by a drawing of their own where depth hides some.
     let is_painter = drawing.name == kernels::QUADS_PAINTER.name;
@@ -119,14 +123,14 @@ fn looking(eye: DVec3, fov_y_deg: f64) -> Result<Camera> {
 }
 
 /// Tiles of an atlas of smooth colours: those of even numbers are opaque, others are leaves with soft edges.
-struct Builder {
+pub(super) struct Builder {
     mesh: Mesh,
     stq: Vec<Vec3>,
     random: Random,
 }
 
 impl Builder {
-    fn new() -> Builder {
+    pub(super) fn new() -> Builder {
         Builder { mesh: Mesh::default(), stq: Vec::new(), random: Random::new(SEED) }
     }
 
@@ -158,7 +162,7 @@ impl Builder {
     }
 
     /// The sides of a cube, each of 4 x 4 opaque tiles.
-    fn room(&mut self, middle: DVec3, reach: f64) {
+    pub(super) fn room(&mut self, middle: DVec3, reach: f64) {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         for side in 0..6 {
             let (across, down) = (axes[(side + 1) % 3], axes[(side + 2) % 3]);
@@ -173,7 +177,7 @@ impl Builder {
     }
 
     /// Leaves in all directions, from far to near.
-    fn leaves(&mut self, count: u32) {
+    pub(super) fn leaves(&mut self, count: u32) {
         for at in 0..count {
             let distance = 3.5 - 2.5 * f64::from(at) / f64::from(count);
             let direction = DVec3::new(self.part(), self.part(), self.part()).normalize_or(DVec3::X);
@@ -182,6 +186,11 @@ impl Builder {
             let tile = 2 * self.random.below(TILES * TILES / 2) + 1;
             self.quad(distance * direction - 0.5 * (sides[0] + sides[1]), sides, tile);
         }
+    }
+
+    /// The triangles alone.
+    pub(super) fn into_mesh(self) -> Mesh {
+        self.mesh
     }
 
     fn finish(self) -> QuadMesh {

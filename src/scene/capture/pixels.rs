@@ -42,7 +42,16 @@ pub fn halves(light: DVec3) -> [f16; 3] {
     light.min(DVec3::splat(f16::MAX.to_f64())).to_array().map(f16::from_f64)
 }
 
+/// The mean radiance of a pixel's samples.
+pub fn mean_light(samples: impl ExactSizeIterator<Item = DVec3>) -> [f16; 3] {
+    let count = samples.len();
+    halves(samples.fold(DVec3::ZERO, |sum, light| sum + light) / count as f64)
+}
+
 impl<'a> PixelTracer<'a> {
+    /// Rows and columns that share a list of objects in view.
+    pub const TILE: u32 = 16;
+
     pub fn new(scene: &'a SceneAtTime, from: &'a Viewpoint) -> PixelTracer<'a> {
         PixelTracer { scene, from, axes: from.projection.axes().map(|axes| axes.map(|axis| from.turned(axis))) }
     }
@@ -54,10 +63,7 @@ impl<'a> PixelTracer<'a> {
 
     /// The mean radiance of a pixel, by its upper left corner.
     pub fn color(&self, [left, top]: [f64; 2], samples: &SamplePattern, candidates: &[usize]) -> [f16; 3] {
-        let points = &samples.points;
-        let look = |[x, y]: [f64; 2]| self.trace([left + x, top + y], candidates).color;
-        let sum = points.iter().fold(DVec3::ZERO, |sum, &point| sum + look(point));
-        halves(sum / points.len() as f64)
+        mean_light(samples.points.iter().map(|[x, y]| self.trace([left + x, top + y], candidates).color))
     }
 
     /// The ray through a position in the image, in pixels; also beside a flat image.

@@ -1,0 +1,171 @@
+//! Surfaces that pixels show: by rays, or by the triangles that a rasteriser found at them (Epipolar 3.1 to 3.3).
+//!
+//! A drawing names triangles alone. Hits are computed from them as for rays, so that distances and light have the same bits wherever both
+//! find the same triangle; edges of triangles may lie a part of a pixel elsewhere. Where a ray misses the triangle that was drawn,
+//! and where there are more than [`MAX_DRAWN`], the ray is traced.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::mesh::Ray;
+use crate::scene::capture::{PixelTracer, Viewpoint};
+use crate::scene::{FirstHit, SceneAtTime};
+
+/// Triangles behind each other that are drawn at most; pixels with more are traced.
+pub const MAX_DRAWN: usize = 32;
+/// Bytes of numbers of triangles that are held at once.
+const MAX_DRAWN_BYTES: usize = 256 << 20;
+
+/// Pixels of a flat image.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PixelWindow {
+    pub columns: Range<i32>,
+    pub rows: Range<u32>,
+}
+
+/// Numbers of triangles among those of all meshes of a scene, from 1; 0 for none. Layers, nearest first, of pixels row by row.
+pub type TriangleLayers = Vec<Vec<u32>>;
+
+/// Draws the triangles of a scene.
+pub trait TriangleDrawing: Sync {
+    /// Those at a place in each pixel, 0.5 its middle, at most so many behind each other. `None` where rays are to be traced instead.
+    fn draw(
+        &self,
+        from: &Viewpoint,
+        window: &PixelWindow,
+        place: [f64; 2],
+        most_layers: usize,
+    ) -> Result<Option<TriangleLayers>>;
+}
+
+/// A scene, and what draws its triangles, if anything does.
+#[derive(Clone, Copy)]
+pub struct DrawnScene<'a> {
+    pub scene: &'a SceneAtTime,
+    pub drawing: Option<&'a dyn TriangleDrawing>,
+}
+
+impl<'a> From<&'a SceneAtTime> for DrawnScene<'a> {
+    fn from(scene: &'a SceneAtTime) -> DrawnScene<'a> {
+        DrawnScene { scene, drawing: None }
+    }
+}
+
+/// What pixels of a window show.
+pub struct PixelHits<'a> {
+    scene: &'a SceneAtTime,
+    drawn: Option<DrawnPixels>,
+}
+
+struct DrawnPixels {
+    window: PixelWindow,
+    /// At the middles of pixels.
+    middles: TriangleLayers,
+    /// By sample, the nearest ones.
+    samples: Vec<Vec<u32>>,
+}
+
+impl<'a> DrawnScene<'a> {
+    /// Scanlines whose triangles are drawn at once: so many columns, layers and samples.
+    pub fn rows_at_once(&self, columns: usize, drawn: usize) -> u32 {
+        let bytes = size_of::<u32>() * columns.max(1) * drawn.max(1);
+        let rows = (MAX_DRAWN_BYTES / bytes) as u32 / PixelTracer::TILE * PixelTracer::TILE;
+        if self.drawing.is_some() { rows.max(PixelTracer::TILE) } else { u32::MAX }
+    }
+
+    /// Draws a window, if drawings are at hand, with so many layers at the middles of pixels, and the nearest ones at samples.
+    pub fn hits(
+        &self,
+        from: &Viewpoint,
+        window: PixelWindow,
+        layers: usize,
+        samples: &[[f64; 2]],
+    ) -> Result<PixelHits<'a>> {
+        let DrawnScene { scene, drawing } = *self;
+        let drawn = drawing.map(|drawing| draw(drawing, from, window, layers, samples)).transpose()?.flatten();
+        Ok(PixelHits { scene, drawn })
+    }
+}
+
+fn draw(
+    drawing: &dyn TriangleDrawing,
+    from: &Viewpoint,
+    window: PixelWindow,
+    layers: usize,
+    samples: &[[f64; 2]],
+) -> Result<Option<DrawnPixels>> {
+    let Some(middles) = drawing.draw(from, &window, [0.5; 2], layers)? else { return Ok(None) };
+    let mut nearest = Vec::new();
+    for &place in samples {
+        let Some(layers) = drawing.draw(from, &window, place, 1)? else { return Ok(None) };
+        nearest.extend(layers.into_iter().take(1));
+    }
+    Ok(Some(DrawnPixels { window, middles, samples: nearest }))
+}
+
+impl PixelHits<'_> {
+    /// All surfaces at the middle of a pixel, as [`SceneAtTime::all_hits`].
+    pub fn all(&self, pixel: [i32; 2], ray: &Ray, candidates: &[usize]) -> Vec<FirstHit> {
+        let candidates = candidates.iter().copied();
+        let Some(drawn) = &self.drawn else { return self.scene.all_hits(ray, candidates) };
+        let at = drawn.index(pixel);
+        let numbers: Vec<u32> = drawn.middles.iter().map(|layer| layer[at]).take_while(|number| *number > 0).collect();
+        // A triangle beside the one that was drawn, or one behind all that were.
+        let met = numbers.iter().map(|&number| self.scene.hit_of_triangle(ray, number as usize - 1));
+        let (Some(met), true) = (met.collect::<Option<Vec<_>>>(), numbers.len() < MAX_DRAWN) else {
+            return self.scene.all_hits(ray, candidates);
+        };
+        let solid = met.into_iter().filter(|(_, is_hole)| !is_hole).map(|(hit, _)| hit);
+        self.scene.with_objects(solid, ray, candidates)
+    }
+
+    /// The nearest surface at the middle of a pixel, as [`SceneAtTime::first_hit`].
+    pub fn nearest(&self, pixel: [i32; 2], ray: &Ray, candidates: &[usize]) -> Option<FirstHit> {
+        self.first_of(pixel, self.drawn.as_ref().and_then(|drawn| drawn.middles.first()), ray, candidates)
+    }
+
+    /// The nearest surface at a sample of a pixel.
+    pub fn first(&self, pixel: [i32; 2], sample: usize, ray: &Ray, candidates: &[usize]) -> Option<FirstHit> {
+        self.first_of(pixel, self.drawn.as_ref().and_then(|drawn| drawn.samples.get(sample)), ray, candidates)
+    }
+
+    fn first_of(&self, pixel: [i32; 2], layer: Option<&Vec<u32>>, ray: &Ray, candidates: &[usize]) -> Option<FirstHit> {
+        let candidates = candidates.iter().copied();
+        let Some((drawn, layer)) = self.drawn.as_ref().zip(layer) else { return self.scene.first_hit(ray, candidates) };
+        match layer[drawn.index(pixel)] {
+            0 => self.scene.with_objects(None, ray, candidates).into_iter().next(),
+            number => match self.scene.hit_of_triangle(ray, number as usize - 1) {
+                Some((hit, false)) => self.scene.with_objects(Some(hit), ray, candidates).into_iter().next(),
+                _ => self.scene.first_hit(ray, candidates),
+            },
+        }
+    }
+}
+
+impl DrawnPixels {
+    fn index(&self, [column, row]: [i32; 2]) -> usize {
+        let PixelWindow { columns, rows } = &self.window;
+        (row - rows.start as i32) as usize * columns.len() + (column - columns.start) as usize
+    }
+}
+
+impl PixelWindow {
+    /// Tangents at its edges: left and right, top and bottom.
+    pub fn tangents(&self, from: &Viewpoint) -> [[f64; 2]; 2] {
+        let corner = |column: i32, row: u32| from.projection.plane([f64::from(column), f64::from(row)]);
+        let [left, top] = corner(self.columns.start, self.rows.start);
+        let [right, bottom] = corner(self.columns.end, self.rows.end);
+        [[left, right], [top, bottom]]
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        [self.columns.len() as u32, self.rows.len() as u32]
+    }
+}
+
+/// Forward, right and down in the world, of length 1; `None` for a panorama.
+pub fn axes(from: &Viewpoint) -> Option<[DVec3; 3]> {
+    from.projection.axes().map(|axes| axes.map(|axis| from.turned(axis)))
+}

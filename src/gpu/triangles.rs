@@ -1,0 +1,157 @@
+//! Draws the triangles of a scene by the rasteriser of a device: layer by layer, what each pixel shows (Epipolar 3.1 to 3.3).
+
+use glam::DVec3;
+
+use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::drawing::{
+    self, DEPTH_FORMAT, DrawingPipeline, INDEX_FORMAT, Window, cleared, farthest_m, read_indices,
+};
+use crate::gpu::kernels;
+use crate::gpu::layout::{DrawnPicture, words_of};
+use crate::scene::SceneAtTime;
+use crate::scene::capture::Viewpoint;
+
+/// Words of a corner: its position.
+const CORNER_WORDS: usize = 3;
+/// Triangles of a batch: 36 MiB of corners.
+const BATCH: usize = 1 << 20;
+/// Before the first pass, no depth in the buffer is as near.
+const NOTHING_BEFORE: f32 = 2.0;
+
+pub struct GpuTriangles<'a> {
+    gpu: &'a Gpu,
+    pipeline: DrawingPipeline,
+    /// Corners, and their number.
+    batches: Vec<(wgpu::Buffer, u32)>,
+    /// Corners of the box around all triangles.
+    bounds: [DVec3; 2],
+}
+
+/// What passes draw into, by turns.
+struct Targets {
+    layers: [wgpu::TextureView; 2],
+    textures: [wgpu::Texture; 2],
+    depth: wgpu::TextureView,
+}
+
+impl<'a> GpuTriangles<'a> {
+    /// Sends the triangles of all meshes to a device, in their order.
+    pub fn new(gpu: &'a Gpu, scene: &SceneAtTime) -> Result<GpuTriangles<'a>> {
+        let corners =
+            || scene.meshes.iter().flat_map(|mesh| (0..mesh.mesh.triangles.len()).map(|at| mesh.mesh.corners(at)));
+        let mut batches = Vec::new();
+        let (mut words, mut left) = (Vec::new(), corners().peekable());
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        while let Some(triangle) = left.next() {
+            for corner in triangle {
+                (low, high) = (low.min(corner), high.max(corner));
+                words.extend(corner.as_vec3().to_array().map(f32::to_bits));
+            }
+            if words.len() == 3 * CORNER_WORDS * BATCH || left.peek().is_none() {
+                batches.push((gpu.filled("corners", &words)?, (words.len() / CORNER_WORDS) as u32));
+                words.clear();
+            }
+        }
+        Ok(GpuTriangles {
+            gpu,
+            pipeline: DrawingPipeline::new(gpu, &kernels::TRIANGLES)?,
+            batches,
+            bounds: [low, high],
+        })
+    }
+
+    fn targets(&self, size: [u32; 2]) -> Result<Targets> {
+        let layer = || drawing::texture(self.gpu, "triangles", size, INDEX_FORMAT);
+        let textures = [layer()?, layer()?];
+        let depth = drawing::texture(self.gpu, "depth", size, DEPTH_FORMAT)?;
+        Ok(Targets {
+            layers: [0, 1].map(|at| drawing::array_view(&textures[at])),
+            textures,
+            depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
+        })
+    }
+
+    /// Clears a layer as what lies before the first one.
+    fn clear(&self, texture: &wgpu::Texture) -> Result<()> {
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let green = f64::from(NOTHING_BEFORE.to_bits());
+        let color = wgpu::Color { g: green, ..wgpu::Color::TRANSPARENT };
+        let attachment = cleared(&view, color);
+        self.gpu.submit("triangles", |encoder| {
+            encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("triangles"),
+                color_attachments: &[attachment],
+                ..wgpu::RenderPassDescriptor::default()
+            });
+        })
+    }
+
+    /// Draws all triangles behind a layer into the other one.
+    fn pass(&self, picture: &wgpu::Buffer, targets: &Targets, into: usize) -> Result<()> {
+        let view = targets.textures[into].create_view(&wgpu::TextureViewDescriptor::default());
+        let depth_ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: Some(depth_ops),
+            stencil_ops: None,
+        };
+        let descriptor = wgpu::RenderPassDescriptor {
+            label: Some("triangles"),
+            color_attachments: &[cleared(&view, wgpu::Color::TRANSPARENT)],
+            depth_stencil_attachment: Some(depth),
+            ..wgpu::RenderPassDescriptor::default()
+        };
+        let groups = self.batches.iter().map(|(corners, _)| {
+            self.pipeline.bind(self.gpu, |name| match name {
+                "picture" => Some(picture.as_entire_binding()),
+                "corners" => Some(corners.as_entire_binding()),
+                "before" => Some(wgpu::BindingResource::TextureView(&targets.layers[1 - into])),
+                _ => None,
+            })
+        });
+        let groups = groups.collect::<Result<Vec<_>>>()?;
+        self.gpu.submit("triangles", |encoder| {
+            let mut pass = encoder.begin_render_pass(&descriptor);
+            pass.set_pipeline(&self.pipeline.pipeline);
+            for (first, ((_, count), group)) in (0..).step_by(BATCH).zip(self.batches.iter().zip(&groups)) {
+                pass.set_bind_group(0, group, &[]);
+                pass.draw(0..*count, first..first + 1);
+            }
+        })
+    }
+}
+
+impl TriangleDrawing for GpuTriangles<'_> {
+    fn draw(
+        &self,
+        from: &Viewpoint,
+        window: &PixelWindow,
+        place: [f64; 2],
+        most_layers: usize,
+    ) -> Result<Option<TriangleLayers>> {
+        let Some(axes) = axes(from) else { return Ok(None) };
+        let size = window.size();
+        if self.batches.is_empty() || most_layers == 0 {
+            return Ok(Some(Vec::new()));
+        }
+        let seen = Window { eye: from.position, axes, tangents: window.tangents(from), size, sample: place };
+        let picture = DrawnPicture::new(&seen, farthest_m(self.bounds, from.position));
+        let picture = self.gpu.filled("picture", &words_of(&[picture]))?;
+        let targets = self.targets(size)?;
+        self.clear(&targets.textures[1])?;
+        let mut layers = Vec::new();
+        for layer in 0..most_layers {
+            let into = layer % 2;
+            self.pass(&picture, &targets, into)?;
+            let found: Vec<u32> =
+                read_indices(self.gpu, &targets.textures[into])?.into_iter().map(|[at, _]| at).collect();
+            if layer > 0 && found.iter().all(|number| *number == 0) {
+                break;
+            }
+            layers.push(found);
+        }
+        Ok(Some(layers))
+    }
+}
