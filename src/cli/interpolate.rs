@@ -26,7 +26,7 @@ use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::fingerprint::{Fingerprint, digest};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Silent};
 use crate::report::machine;
 
 pub use args::Args;
@@ -51,7 +51,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse("--rasterize draws the triangles of scenes: leave it out for containers and captured images");
     }
     let by_columns = args.by_columns() && matches!(input, Input::Scene(_));
-    let (loaded, need) = input.need(args, &views, by_columns);
+    let (loaded, need) = input.need(args, &views, &args.acquire_settings()?, &Silent)?;
     let grid = args.grid_of(views);
     // Views that are made together.
     let count = match by_columns {

@@ -4,21 +4,21 @@ use std::path::Path;
 
 use half::f16;
 
-use super::acquire::{Culling, SourceBands};
+use super::acquire::{AcquireSettings, Acquisition, SourceBands};
 use super::grid;
 use super::interpolate::Coverage;
 use super::lines::Line;
 use super::pipeline::RowsAtOnce;
-use super::source::SourcePixel;
+use super::source::{SourcePixel, SourceRow, SourceView};
 use super::view_store::Storage;
 use super::views::OutputViews;
 use crate::error::Result;
 use crate::memory::{Budget, Need};
+use crate::monitor::Monitor;
+use crate::scene::SceneAtTime;
 
-/// Pixels of a source view with culling over those of its first layer, where pixels are very small: as measured in cluttered scenes.
-const LAYERS: f64 = 4.6;
-/// Columns of an image whose pixels hide one of these layers.
-const COLUMNS_WITHOUT_A_LAYER: f64 = 960.0;
+/// Scanlines that are acquired to measure what all take.
+const MEASURED_ROWS: u32 = 8;
 /// Bytes of all output views above which they are held in a file, unless a budget says more or less.
 const USUAL_VIEW_BYTES: u64 = 2 << 30;
 /// Bytes of bands of sources, and of strips of views, that are enough for speed.
@@ -42,40 +42,70 @@ const HIT_BYTES: u64 = 3 * 72;
 /// Source views that a run needs.
 #[derive(Debug, Clone, Copy)]
 pub struct SourceNeed {
-    /// Pixels of all of them, for each pixel of an output view.
-    pub pixels: f64,
+    /// Bytes for each pixel of an output view.
+    pub pixel_bytes: f64,
+    /// Lines for each pixel of an output view.
+    pub pixel_lines: f64,
     /// Whether they are acquired by bands; else they are all there from the beginning.
     pub by_bands: bool,
     /// Whether columns of a grid are made, each with all its views.
     pub by_columns: bool,
-    /// Bytes of the highlights of a pixel, where the scene has any ([`crate::scene::SceneAtTime::gloss_bytes`]).
-    pub gloss_bytes: u64,
 }
 
 impl SourceNeed {
-    /// Of two views at the ends, or one that is twice as wide, with what is behind their surfaces.
-    pub fn layered(views: &OutputViews, settings: (usize, Culling), gloss_bytes: u64) -> SourceNeed {
-        let (most, culling) = (settings.0 as f64, settings.1);
-        let culled = (LAYERS - COLUMNS_WITHOUT_A_LAYER / f64::from(views.size[0].max(1))).max(1.0);
-        let layers = if culling == Culling::Off { most } else { culled.min(most) };
-        SourceNeed { pixels: 2.0 * layers, by_bands: true, by_columns: false, gloss_bytes }
+    /// Of so many images.
+    pub fn images(count: u32) -> SourceNeed {
+        let pixel_bytes = f64::from(count) * size_of::<SourcePixel>() as f64;
+        SourceNeed { pixel_bytes, pixel_lines: f64::from(count), by_bands: false, by_columns: false }
     }
 
-    /// Of so many views, with their nearest surfaces alone.
-    pub fn whole(views: u32, gloss_bytes: u64) -> SourceNeed {
-        SourceNeed { pixels: f64::from(views), by_bands: false, by_columns: false, gloss_bytes }
+    /// Of a scene: as some scanlines, spread over the picture, say. Hierarchical acquisitions have as many sources as are allowed.
+    pub fn measured(
+        scene: &SceneAtTime,
+        views: &OutputViews,
+        settings: &AcquireSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<SourceNeed> {
+        let is_hierarchical = settings.acquisition == Acquisition::Hierarchical;
+        let (acquisition, layers) = match is_hierarchical {
+            true => (Acquisition::Dual, 1),
+            false => (settings.acquisition, settings.layers),
+        };
+        let settings = AcquireSettings { acquisition, layers, ..settings.clone() };
+        let Some(bands) = SourceBands::plan(scene.into(), views, &settings, monitor)? else {
+            return Ok(SourceNeed::images(settings.hierarchy.max_sources as u32));
+        };
+        let (height, mut bytes, mut lines, mut count) = (views.size[1], 0, 0, 0);
+        for at in 0..MEASURED_ROWS.min(height) {
+            let row = (2 * u64::from(at) + 1) * u64::from(height) / (2 * u64::from(MEASURED_ROWS.min(height)));
+            let (sources, _) = bands.rows(row as u32..row as u32 + 1)?;
+            bytes += sources.iter().flat_map(|source| &source.rows).map(SourceRow::bytes).sum::<u64>();
+            lines += sources.iter().map(SourceView::pixel_count).sum::<u64>();
+            count = count.max(sources.len());
+        }
+        let of_all = match is_hierarchical {
+            true => settings.hierarchy.max_sources as f64 / count.max(1) as f64,
+            false => 1.0,
+        };
+        let each = of_all / (f64::from(views.size[0]) * f64::from(MEASURED_ROWS.min(height).max(1)));
+        Ok(SourceNeed {
+            pixel_bytes: bytes as f64 * each,
+            pixel_lines: lines as f64 * each,
+            by_bands: !is_hierarchical,
+            by_columns: false,
+        })
     }
 
     /// Of a grid that is made by columns: of two rows, of the columns between them that are made at once, and of one that is turned.
     #[must_use]
     pub fn by_columns(self) -> SourceNeed {
-        let pixels = (3.0 + grid::COLUMNS_AT_ONCE as f64) * self.pixels;
-        SourceNeed { pixels, by_bands: false, by_columns: true, ..self }
+        let pixel_bytes = (3.0 + grid::COLUMNS_AT_ONCE as f64) * self.pixel_bytes;
+        SourceNeed { pixel_bytes, by_bands: false, by_columns: true, ..self }
     }
 
     /// Bytes of so many pixels of an output view.
     fn bytes(&self, pixels: u64) -> u64 {
-        (self.pixels * (pixels * (size_of::<SourcePixel>() as u64 + self.gloss_bytes)) as f64) as u64
+        (self.pixel_bytes * pixels as f64) as u64
     }
 }
 
@@ -107,7 +137,7 @@ pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Lim
     let whole = if sources.by_bands { 0 } else { sources.bytes(width * height) };
     // A widened window has twice as many columns.
     let hits = 2 * width * u64::from(SourceBands::ROWS) * HIT_BYTES * threads;
-    let lines = (sources.pixels * (width * (size_of::<Line>() + HIGHLIGHT_BYTES) as u64) as f64) as u64 * threads;
+    let lines = (sources.pixel_lines * (width * (size_of::<Line>() + HIGHLIGHT_BYTES) as u64) as f64) as u64 * threads;
     let strip_row = STRIP_PIXEL_BYTES * count * width;
     let strips = budget.bytes.map_or(u64::MAX, |bytes| bytes / STRIPS_OF_BUDGET).min(USUAL_STRIP_BYTES);
     let strip_rows = match sources.by_columns {
@@ -153,7 +183,7 @@ mod tests {
     fn bands_shrink_before_views_go_to_a_file_and_a_budget_is_kept_or_refused() {
         let folder = std::env::temp_dir();
         let views = views([1920, 1080], 500);
-        let need = SourceNeed::layered(&views, (10, Culling::Full), 200);
+        let need = SourceNeed { pixel_bytes: 1800.0, pixel_lines: 8.0, by_bands: true, by_columns: false };
         let of = |count: usize, megabytes: Option<u64>| {
             let budget = megabytes.map_or(Budget::UNLIMITED, |megabytes| Budget::of(megabytes * 1_000_000));
             plan(&views, count, need, &Limits { budget, held: 100_000_000, threads: 2, folder: &folder })

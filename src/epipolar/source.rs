@@ -41,6 +41,13 @@ pub struct SourceRow {
     pub gloss: Vec<Gloss>,
 }
 
+impl SourceRow {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(&self.pixels[..]) as u64 + self.gloss.iter().map(Gloss::bytes).sum::<u64>()
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct SourceView {
     /// Metres to the right of the middle of the output views.

@@ -71,6 +71,11 @@ pub struct Gloss {
 }
 
 impl Gloss {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> u64 {
+        (size_of::<Gloss>() + size_of_val(&self.lights[..])) as u64
+    }
+
     /// Radiance of the highlights towards an eye.
     pub fn towards(&self, eye: DVec3) -> DVec3 {
         let Some(direction) = (self.point - eye).try_normalize() else { return DVec3::ZERO };
@@ -119,13 +124,6 @@ impl SceneAtTime {
             }
         };
         Radiance { steady: DVec3::ZERO, of_eye }
-    }
-
-    /// Bytes of a [`Gloss`] that one light reaches; 0 where no surface has highlights.
-    pub fn gloss_bytes(&self) -> u64 {
-        let is_glossy = self.objects.iter().any(|object| !object.material.phong.is_matt())
-            || self.meshes.iter().flat_map(|mesh| mesh.materials.iter()).any(|material| !material.phong.is_matt());
-        if is_glossy { (size_of::<Gloss>() + size_of::<[DVec3; 2]>()) as u64 } else { 0 }
     }
 
     /// The highlights of a surface, `None` where it has none, or is a mirror or glass.

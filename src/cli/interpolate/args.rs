@@ -391,14 +391,18 @@ impl Args {
         Ok(())
     }
 
-    pub(super) fn settings(&self, plan: Plan, has_scene: bool) -> Result<Settings> {
-        let acquire = AcquireSettings {
+    pub(super) fn acquire_settings(&self) -> Result<AcquireSettings> {
+        Ok(AcquireSettings {
             acquisition: self.acquire,
             layers: self.layers as usize,
             culling: self.culling,
             hierarchy: self.hierarchy(),
             ..AcquireSettings::new(SamplePattern::new(self.samples)?)
-        };
+        })
+    }
+
+    pub(super) fn settings(&self, plan: Plan, has_scene: bool) -> Result<Settings> {
+        let acquire = self.acquire_settings()?;
         let coalesce = match self.coalesce_depth {
             Some(metres) => Coalescing::Depth(metres),
             None if self.coalesce > 0.0 => Coalescing::Disparity(self.coalesce),

@@ -8,13 +8,14 @@ use crate::cli::refuse;
 use crate::container::header::is_container;
 use crate::dataset::manifest::{MANIFEST_NAME, is_dataset};
 use crate::decode::Decoder;
-use crate::epipolar::acquire::Acquisition;
+use crate::epipolar::acquire::AcquireSettings;
 use crate::epipolar::captured::CapturedSources;
 use crate::epipolar::memory::SourceNeed;
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::reference::Reference;
 use crate::fingerprint::{digest, file_state};
+use crate::monitor::Monitor;
 use crate::report::machine;
 use crate::scene::{LightRays, Play, Scene, SceneAtTime};
 
@@ -69,26 +70,25 @@ impl Input {
         }
     }
 
-    /// Memory that it takes, with the program, and the source views that are held beside it. Of a grid that is made by columns, those of
-    /// two rows, and of some columns between them.
-    pub fn need(&self, args: &Args, views: &OutputViews, by_columns: bool) -> (u64, SourceNeed) {
+    /// Memory that it takes, with the program, and the source views that are held beside it.
+    pub fn need(
+        &self,
+        args: &Args,
+        views: &OutputViews,
+        acquire: &AcquireSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<(u64, SourceNeed)> {
         let resident = || machine::memory_bytes().unwrap_or(PROGRAM_BYTES);
-        match self {
-            Input::Images(_) => (resident(), SourceNeed::whole(args.probe.len() as u32, 0)),
-            Input::Field(_) => (resident(), SourceNeed::whole(args.max_sources, 0)),
+        Ok(match self {
+            Input::Images(_) => (resident(), SourceNeed::images(args.probe.len() as u32)),
+            Input::Field(_) => (resident(), SourceNeed::images(args.max_sources)),
             Input::Scene(scene) => {
                 let scene = scene.at(0.0);
-                let gloss_bytes = scene.gloss_bytes();
-                let need = match args.acquire {
-                    Acquisition::Hierarchical => SourceNeed::whole(args.max_sources, gloss_bytes),
-                    Acquisition::Center | Acquisition::Dual => {
-                        SourceNeed::layered(views, (args.layers as usize, args.culling), gloss_bytes)
-                    }
-                };
+                let need = SourceNeed::measured(&scene, views, acquire, monitor)?;
                 // What loading has freed is used again.
-                (PROGRAM_BYTES + scene.bytes(), if by_columns { need.by_columns() } else { need })
+                (PROGRAM_BYTES + scene.bytes(), if args.by_columns() { need.by_columns() } else { need })
             }
-        }
+        })
     }
 
     pub fn views(&mut self, args: &Args) -> Result<OutputViews> {
