@@ -160,8 +160,9 @@ impl HeatMap {
             drawing.line(&[[right, y], [right + 3.0, y]], Stroke::solid(palette::TEXT, 1.0));
             drawing.text_beside([right + 6.0, y], tick(label));
         }
-        let scale = if shades.log { ", logarithmic" } else { "" };
-        let name = name(&format!("{}{scale}", self.unit), bottom - top + 60.0).up();
+        let words = [&self.unit[..], if shades.log { "logarithmic" } else { "" }];
+        let words = words.into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>();
+        let name = name(&words.join(", "), bottom - top + 60.0).up();
         drawing.text([f64::from(drawing.width) - MARGIN, (top + bottom) / 2.0], name);
     }
 }
