@@ -43,6 +43,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
     let views = input.views(args)?;
+    if !matches!(input, Input::Scene(_)) {
+        // Scenes have all frames.
+        input.frame(args, args.frame_range().last)?;
+    }
     args.check_outputs()?;
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
     notes.iter().for_each(|note| global.note(note));
@@ -88,7 +92,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut run =
         Run { args, progress: &progress, device: &device, outputs, measured: &mut measured, frame: frames.first };
     if let Some(outputs) = &mut run.outputs {
-        outputs.begin(&fingerprint(args, &input, &grid, &settings), all, (args.resume, global))?;
+        outputs.begin(&fingerprint(args, &input, &grid, (&settings, &device)), all, (args.resume, global))?;
     }
     let summary = run.all_frames(&mut input, &grid, settings).map_err(|error| match &mut run.outputs {
         Some(outputs) => outputs.stopped(error, all),
@@ -131,7 +135,12 @@ fn pictures_bytes(args: &Args, views: &OutputViews, outputs: Option<&Outputs>) -
 }
 
 /// Everything that pictures depend on.
-fn fingerprint(args: &Args, input: &Input, grid: &GridViews, settings: &Settings) -> Fingerprint {
+fn fingerprint(
+    args: &Args,
+    input: &Input,
+    grid: &GridViews,
+    (settings, device): (&Settings, &Device<'_>),
+) -> Fingerprint {
     let (acquire, interpolate, holes) = (&settings.acquire, &settings.interpolate, settings.holes);
     let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps, args.rasterize);
     let mut fields = Fingerprint::of_program();
@@ -143,6 +152,8 @@ fn fingerprint(args: &Args, input: &Input, grid: &GridViews, settings: &Settings
         "the views",
         digest(format!("{grid:?} {:?} {:?} {:?}", args.grid, args.view_range, args.frames.frames).as_bytes()),
     ));
+    // Rasterisers differ in edges.
+    fields.push(("the device", if args.rasterize { device.name() } else { String::new() }));
     fields.push(("the files", format!("{:?} {:?}", args.output, args.quilt)));
     fields.push(("the input", input.contents(args)));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())

@@ -38,7 +38,7 @@ pub fn draw(
     for top in (0..height).step_by(at_once as usize) {
         let rows = top..(top + at_once).min(height);
         let window = PixelWindow { columns: 0..width as i32, rows: rows.clone() };
-        let hits = seen.hits(&from, window, 0, &samples.points)?;
+        let hits = seen.hits(&from, window, 0, &samples.points, monitor)?;
         let of_row = |row: u32| -> Result<Vec<[f16; 3]>> {
             monitor.check()?;
             let mut light = Vec::with_capacity(width as usize);

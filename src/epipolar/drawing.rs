@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::mesh::Ray;
+use crate::monitor::Monitor;
 use crate::scene::capture::{PixelTracer, Viewpoint};
 use crate::scene::{FirstHit, SceneAtTime};
 
@@ -82,9 +83,11 @@ impl<'a> DrawnScene<'a> {
         window: PixelWindow,
         layers: usize,
         samples: &[[f64; 2]],
+        monitor: &dyn Monitor,
     ) -> Result<PixelHits<'a>> {
         let DrawnScene { scene, drawing } = *self;
-        let drawn = drawing.map(|drawing| draw(drawing, from, window, layers, samples)).transpose()?.flatten();
+        let drawn =
+            drawing.map(|drawing| draw(drawing, from, window, (layers, samples), monitor)).transpose()?.flatten();
         Ok(PixelHits { scene, drawn })
     }
 }
@@ -93,12 +96,14 @@ fn draw(
     drawing: &dyn TriangleDrawing,
     from: &Viewpoint,
     window: PixelWindow,
-    layers: usize,
-    samples: &[[f64; 2]],
+    (layers, samples): (usize, &[[f64; 2]]),
+    monitor: &dyn Monitor,
 ) -> Result<Option<DrawnPixels>> {
+    monitor.check()?;
     let Some(middles) = drawing.draw(from, &window, [0.5; 2], layers)? else { return Ok(None) };
     let mut nearest = Vec::new();
     for &place in samples {
+        monitor.check()?;
         let Some(layers) = drawing.draw(from, &window, place, 1)? else { return Ok(None) };
         nearest.extend(layers.into_iter().take(1));
     }

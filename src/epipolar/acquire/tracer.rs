@@ -51,7 +51,7 @@ impl SourceTracer<'_> {
             top = part.rows.end;
             let from = |offset_m: &f64| -> Result<_> {
                 let from = self.views.viewpoint(*offset_m);
-                let hits = self.seen.hits(&from, part.clone(), drawn, samples)?;
+                let hits = self.seen.hits(&from, part.clone(), drawn, samples, self.monitor)?;
                 Ok((*offset_m, from, hits))
             };
             let places: Vec<_> = offsets_m.iter().map(from).collect::<Result<_>>()?;

@@ -108,7 +108,7 @@ fn surfaces(seen: DrawnScene<'_>, (views, offset_m): (&OutputViews, f64)) -> Res
     let from = views.viewpoint(offset_m);
     let [width, height] = views.size;
     let window = PixelWindow { columns: 0..width as i32, rows: 0..height };
-    let hits = seen.hits(&from, window, MAX_DRAWN, &[])?;
+    let hits = seen.hits(&from, window, MAX_DRAWN, &[], &Silent)?;
     let pixels = PixelTracer::new(seen.scene, &from);
     let all: Vec<usize> = (0..seen.scene.objects.len()).collect();
     let places = (0..height as i32).flat_map(|row| (0..width as i32).map(move |column| [column, row]));
