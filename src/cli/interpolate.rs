@@ -43,10 +43,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
     let views = input.views(args)?;
-    if !matches!(input, Input::Scene(_)) {
-        // Scenes have all frames.
-        input.frame(args, args.frame_range().last)?;
-    }
     args.check_outputs()?;
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
     notes.iter().for_each(|note| global.note(note));

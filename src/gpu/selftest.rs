@@ -9,6 +9,8 @@ mod gathered;
 mod nodes;
 pub mod pictures;
 mod plans;
+#[cfg(feature = "simplify")]
+mod rooms;
 #[cfg(feature = "epipolar")]
 pub mod slices;
 pub mod streams;

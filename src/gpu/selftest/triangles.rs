@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::{DVec3, Vec2};
 
-use super::drawings::Builder;
+use super::rooms::Builder;
 use crate::epipolar::brute_force;
 use crate::epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelWindow};
 use crate::epipolar::views::{OutputViews, Spread};
