@@ -202,9 +202,7 @@ impl Encode<'_> {
     fn is_input(&self, path: &Path) -> bool {
         let Ok(output) = path.canonicalize() else { return false };
         let same = |file: PathBuf| file.canonicalize().is_ok_and(|file| file == output);
-        encode::selected_groups(self.source, self.settings)
-            .iter()
-            .any(|of| of.group.frames.iter().any(|frame| self.source.file(of.group, frame).is_ok_and(same)))
+        self.source.files().any(same)
     }
 
     /// Blocks lose more than the search for keyframes allows.

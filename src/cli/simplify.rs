@@ -6,12 +6,13 @@ mod report;
 mod unfinished;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::cli::output;
+use crate::cli::outputs::{self, Output};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
+use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
+use crate::dataset::manifest::manifest_path;
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
 use crate::memory::Need;
@@ -47,7 +48,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let evaluated_images = held_out_images + if args.is_evaluated() { capture.images.len() } else { 0 };
     let steps = pipeline::steps(capture.images.len()) + evaluated_images as u64;
     let progress = Progress::start(global, "simplifying", steps)?;
-    check_outputs(args, &capture)?;
+    let captures: Vec<&Capture> = std::iter::once(&capture).chain(&held_out).collect();
+    check_outputs(args, &captures)?;
     let fingerprint = unfinished::fingerprint(&args.input, &settings, &capture);
     let (mut unfinished, words) = UnfinishedScene::open(&args.output, fingerprint, (args.resume, global))?;
     let selected = match words {
@@ -73,21 +75,35 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Refuses outputs that are files of the input, and those in a folder that does not exist.
-fn check_outputs(args: &Args, capture: &Capture) -> Result<()> {
-    let inputs = capture.files().into_iter().chain([args.input.clone()]);
-    let inputs: Vec<PathBuf> = inputs.filter_map(|path| path.canonicalize().ok()).collect();
-    let is_input = |path: &PathBuf| path.canonicalize().is_ok_and(|path| inputs.contains(&path));
-    for path in args.outputs().all() {
+/// Refuses outputs that are inputs or each other, and those that cannot be made.
+fn check_outputs(args: &Args, captures: &[&Capture]) -> Result<()> {
+    let mut all: Vec<Output> = args.outputs().all().into_iter().map(|path| (option_of(args, &path), path)).collect();
+    for (_, path) in &all {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            return Err(Error::Usage(format!("{}: there is no folder {}", path.display(), folder.display())));
+            return refuse(format!("{}: there is no folder {}", args.output.display(), folder.display()));
+        }
+        if path.is_dir() {
+            return refuse(format!("{}: a folder, where a file is to be written", path.display()));
         }
     }
-    match args.outputs().all().into_iter().find(is_input) {
-        Some(path) => Err(Error::Usage(format!("{}: a file of the input would be overwritten", path.display()))),
-        None => Ok(()),
+    if let Some(path) = &args.plot {
+        if path.exists() && !path.is_dir() {
+            return refuse(format!("--plot {}: a file, where a folder was expected", path.display()));
+        }
+        all.push(("--plot", path.clone()));
     }
+    let of_path = |path: &PathBuf| [path.clone(), manifest_path(path)];
+    let named = [&args.input].into_iter().chain(&args.held_out).flat_map(of_path);
+    let meshes = args.region.iter().map(PathBuf::from);
+    let inputs: Vec<PathBuf> =
+        captures.iter().flat_map(|capture| capture.all_files()).chain(named).chain(meshes).collect();
+    outputs::check(&all, &inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())
+}
+
+/// The option that an output is named by.
+fn option_of(args: &Args, path: &Path) -> &'static str {
+    if args.ktx2.as_deref() == Some(path) { "--ktx2" } else { "-o" }
 }
 
 /// What is made of a scene.

@@ -13,6 +13,11 @@ use crate::image::{Face, FrameRange, NormalPlane, ReadLimits, Sequence, exr, png
 pub struct NormalFiles(BTreeMap<(usize, Face), Sequence>);
 
 impl NormalFiles {
+    /// Files of all frames.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.0.values().flat_map(Sequence::files)
+    }
+
     /// Those of the manifest in a folder. `first_faces` are of the files of a frame, `frames` of the probes.
     pub fn of(manifest: &Manifest, folder: &Path, first_faces: &[Face], frames: &[FrameRange]) -> Result<NormalFiles> {
         let mut files = BTreeMap::new();

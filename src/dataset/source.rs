@@ -504,6 +504,11 @@ impl Source {
         planes(&path).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
+    /// The image files of all frames, of every kind.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.sequences.values().flat_map(Sequence::files).chain(self.normals.files())
+    }
+
     pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
         self.path(group.kind, group, frame)
     }

@@ -72,6 +72,14 @@ impl Reference {
         groups.filter_map(|group| source.file(group, frame).ok()).collect()
     }
 
+    /// The image files of all frames, of every kind; none of a container.
+    pub fn all_files(&self) -> Vec<PathBuf> {
+        match &self.files {
+            Images::Dataset(source) => source.files().collect(),
+            Images::Container(_) => Vec::new(),
+        }
+    }
+
     pub fn new(source: Source) -> Result<Reference> {
         let mut images = Vec::new();
         for (at, group) in source.groups().iter().enumerate().filter(|(_, group)| group.kind == StreamKind::Color) {

@@ -260,6 +260,11 @@ impl Sequence {
         Ok(Sequence { pattern, frames })
     }
 
+    /// The files of all frames.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.frames.iter().map(|frame| self.path(frame))
+    }
+
     fn of_file(path: &Path, frames: Option<FrameRange>) -> Result<Sequence> {
         let name = path
             .file_name()

@@ -14,7 +14,9 @@ use super::points::MergedPoint;
 use super::short_cuts::ShortCuts;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use crate::effort::Effort;
+use crate::error::Result;
 use crate::math::random::Random;
+use crate::monitor::Monitor;
 
 /// K of Seurat 4.2.
 pub const MAX_TILES: usize = 8;
@@ -102,12 +104,15 @@ impl Extent {
 }
 
 /// Tilings of all cells, by level. Cells without points have none, and cost nothing.
+///
+/// # Errors
+/// [`crate::error::Error::Interrupted`] where the monitor says so.
 pub fn candidates(
     points: &[MergedPoint],
     extent: &Extent,
-    settings: &CandidateSettings,
-    short_cuts: ShortCuts,
-) -> Vec<CandidateLevel> {
+    (settings, short_cuts): (&CandidateSettings, ShortCuts),
+    monitor: &dyn Monitor,
+) -> Result<Vec<CandidateLevel>> {
     let mut sorted: Vec<(u32, WeightedPoint)> = points
         .iter()
         .map(|point| {
@@ -138,15 +143,16 @@ pub fn candidates(
             let fitted: Vec<(usize, Vec<Tiling>)> = runs
                 .into_par_iter()
                 .map(|(order, run)| {
+                    monitor.check()?;
                     let cell = cell_of(level, order);
-                    (cell.index(), tilings(cell, &points[run], extent, settings))
+                    Ok((cell.index(), tilings(cell, &points[run], extent, settings)))
                 })
-                .collect();
+                .collect::<Result<_>>()?;
             let mut tilings = vec![Vec::new(); TreeCell::count(level)];
             for (index, fitted) in fitted {
                 tilings[index] = fitted;
             }
-            CandidateLevel { level, tilings }
+            Ok(CandidateLevel { level, tilings })
         })
         .collect()
 }
@@ -295,6 +301,7 @@ impl Clusters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Silent;
 
     const EXTENT: Extent = Extent { least_m: 0.01, most_m: 100.0, margin: 0.01 };
 
@@ -312,7 +319,7 @@ mod tests {
         // Every other ray ends on a wall four times as far away.
         let layers = (0..).zip(grid(24)).map(|(at, direction)| direction * if at % 2 == 0 { 1.0 } else { 4.0 });
         let settings = CandidateSettings { levels: [0, 1], ..CandidateSettings::of(Effort::Normal) };
-        let levels = candidates(&points(layers), &EXTENT, &settings, ShortCuts::Taken);
+        let levels = candidates(&points(layers), &EXTENT, (&settings, ShortCuts::Taken), &Silent).unwrap();
         let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
         assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
         assert!(tilings[1].planes.len() == 2 && tilings[1].energy < 1e-6, "{:?}", tilings[1]);
@@ -327,7 +334,7 @@ mod tests {
         let wall = grid(24).map(|direction| direction / (1.0 + 0.4 * direction.y - 0.3 * direction.z));
         let points = points(wall);
         let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast) };
-        let levels = candidates(&points, &EXTENT, &settings, ShortCuts::Taken);
+        let levels = candidates(&points, &EXTENT, (&settings, ShortCuts::Taken), &Silent).unwrap();
         let tiling = &levels[0].tilings[TreeCell::ROOTS[0].index()][0];
         assert_eq!(tiling.planes.len(), 1);
         let across = |distance_m: f64| {
@@ -341,7 +348,8 @@ mod tests {
     #[test]
     fn more_tiles_never_fit_worse() {
         let bumps = grid(40).map(|direction| direction * (2.0 + (5.0 * direction.y).sin() * (7.0 * direction.z).cos()));
-        let levels = candidates(&points(bumps), &EXTENT, &CandidateSettings::of(Effort::Fast), ShortCuts::Taken);
+        let fast = CandidateSettings::of(Effort::Fast);
+        let levels = candidates(&points(bumps), &EXTENT, (&fast, ShortCuts::Taken), &Silent).unwrap();
         for level in &levels[1..] {
             for tilings in &level.tilings {
                 assert!(tilings.is_sorted_by(|a, b| a.energy > b.energy && a.planes.len() < b.planes.len()));

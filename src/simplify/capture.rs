@@ -91,7 +91,8 @@ impl Capture {
         let all = reference.images.iter().enumerate();
         let indices: Vec<usize> = all.filter(|(_, image)| image.frames.contains(frame)).map(|(at, _)| at).collect();
         if indices.is_empty() {
-            return Err(Error::Usage(format!("there is no image of frame {frame}")));
+            let last = reference.images.iter().map(|image| image.frames.last).max().unwrap_or(0);
+            return Err(Error::Usage(format!("there is no image of frame {frame}; the frames are {first} to {last}")));
         }
         let image = |&at: &usize| {
             let image = &reference.images[at];
@@ -119,6 +120,14 @@ impl Capture {
         match &self.rays {
             Rays::Reference { frame, .. } => *frame,
             Rays::Manifest(_) | Rays::Memory(_) => 0,
+        }
+    }
+
+    /// The image files of its input, also of other frames.
+    pub fn all_files(&self) -> Vec<PathBuf> {
+        match &self.rays {
+            Rays::Reference { reference, .. } => reference.all_files(),
+            Rays::Manifest(_) | Rays::Memory(_) => self.files(),
         }
     }
 

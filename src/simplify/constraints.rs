@@ -18,6 +18,13 @@ pub struct Constraint {
     pub sample: Option<u32>,
 }
 
+impl Constraint {
+    /// The place in texels of a square texture: 0 is the middle of the first one.
+    pub fn texel(&self, side: usize) -> [f32; 2] {
+        self.at.map(|at| at.clamp(0.0, 1.0) * (side - 1) as f32)
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FreeSpace {
     /// Rays are traced.

@@ -130,7 +130,7 @@ pub enum TileChoice {
     /// The nearest to a surface at this distance, in metres.
     NearestTo(f64),
     Farthest,
-    /// That which is drawn first, behind all others.
+    /// The rearmost in drawing order.
     First,
 }
 

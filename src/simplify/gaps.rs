@@ -63,13 +63,13 @@ pub struct Account<'a> {
 }
 
 impl Account<'_> {
-    /// Replaces the rectangle of a tile where the budgets are still kept.
+    /// Replaces the rectangle of a tile of the selection where the budgets are still kept.
     fn replace(&mut self, tile: &mut QuadTile, rect: PlaneRect) -> bool {
         let (face, plane) = (tile.cell.face, tile.plane);
         let shares = self.shares.of(tile.cell.level, tile.cell.index());
         let mut used = self.used;
         add_cost(&mut used, shares, &self.model.of_tile(face, tile.rect, plane), -1.0);
-        add_cost(&mut used, shares, &self.model.of_tile(face, rect, plane), 1.0);
+        add_cost(&mut used, &self.shares.of_rect(face, rect), &self.model.of_tile(face, rect, plane), 1.0);
         let is_kept = keeps(&used, &self.capacity);
         if is_kept {
             self.used = used;
@@ -110,7 +110,7 @@ impl Coverage {
         })
     }
 
-    /// Pixels whose rays are excused count as covered.
+    /// Ignores gap pixels for which the predicate holds.
     pub fn cover(&mut self, is_excused: impl Fn(&Ray) -> bool) {
         let excused: Vec<[u32; 2]> = self.gap_pixels().filter(|gap| is_excused(&gap.ray)).map(|gap| gap.at).collect();
         for [column, row] in excused {

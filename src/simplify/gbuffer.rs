@@ -11,7 +11,7 @@ use super::samples::{PixelChoice, Sample, SampleRules};
 use super::shading::LightBuffer;
 use super::short_cuts::ShortCuts;
 use super::texture_sizes::Layout;
-use super::textures::constraints_by_tile;
+use super::textures::{constraints_by_tile, for_each_tile};
 use super::tiles::TileSet;
 use crate::error::{Error, Result};
 use crate::image::{MaterialPlane, NormalPlane, Plane};
@@ -74,15 +74,10 @@ impl TexturedTiles<'_> {
 
     fn add(&self, samples: &[Sample], values: &Plane<[f32; 3]>, buffers: &mut Buffers) {
         let (found, _) = constraints_by_tile(self.tiles, self.solid_threshold, samples, |_| FreeSpace::Ignore);
-        let runs: Vec<_> = found.chunk_by(|a, b| a.tile == b.tile).collect();
-        buffers.par_iter_mut().enumerate().for_each(|(tile, buffer)| {
-            let Ok(run) = runs.binary_search_by_key(&(tile as u32), |run| run[0].tile) else { return };
-            let last = (self.layout.places[tile].side - 1) as f32;
-            for constraint in runs[run] {
-                let Some(sample) = constraint.sample else { continue };
-                let value = values.data()[samples[sample as usize].pixel as usize];
-                buffer.add(constraint.at.map(|at| at.clamp(0.0, 1.0) * last), value);
-            }
+        for_each_tile(&found, buffers, |buffer, constraint| {
+            let Some(sample) = constraint.sample else { return };
+            let value = values.data()[samples[sample as usize].pixel as usize];
+            buffer.add(constraint.texel(buffer.side()), value);
         });
     }
 

@@ -17,6 +17,9 @@ const TEXEL_BYTES: u64 = 96;
 const PLANE_SHARE: f64 = 1.91;
 /// Texels by which the side of a tile grows: it is dilated on both sides, and rounded up.
 const SIDE_GROWTH: f64 = 9.0;
+/// Bytes by pixel of a picture of alpha, and by triangle that it is drawn of; each thread has one.
+const ALPHA_PIXEL_BYTES: u64 = 8;
+const TRIANGLE_BYTES: u64 = 400;
 /// Tables of candidates and of the shares of views.
 const FIXED_BYTES: u64 = 128 << 20;
 
@@ -31,8 +34,12 @@ pub fn bytes(capture: &Capture, settings: &Settings) -> u64 {
     // The sum of (side + growth)², of tiles that have this area together, is largest where all are alike.
     let texels = (area + 2.0 * SIDE_GROWTH * (tiles * area).sqrt() + SIDE_GROWTH.powi(2) * tiles) as u64;
     let compared = (rayon::current_num_threads().min(MOST_AT_ONCE) as u64).saturating_mul(COMPARED_PIXEL_BYTES);
+    let pictures = (pixels.saturating_mul(ALPHA_PIXEL_BYTES))
+        .saturating_add((settings.budgets.triangles as u64).saturating_mul(TRIANGLE_BYTES))
+        .saturating_mul(rayon::current_num_threads() as u64);
     pixels
         .saturating_mul(PIXEL_BYTES + compared)
+        .saturating_add(pictures)
         .saturating_add(points * POINT_BYTES)
         .saturating_add(texels.saturating_mul(TEXEL_BYTES))
         .saturating_add(FIXED_BYTES)

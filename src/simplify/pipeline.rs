@@ -14,7 +14,7 @@ use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, SampleRules};
-use super::selected::{Counts, SOLID_THRESHOLD, SelectedTiles, cost_model, select};
+use super::selected::{Counts, Reserve, SOLID_THRESHOLD, SelectedTiles, cost_model, select};
 use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
 use super::short_cuts::ShortCuts;
@@ -112,6 +112,7 @@ pub struct Simplified {
     pub surfaces: Option<SurfaceAtlas>,
     pub region: ViewingRegion,
     pub selection: Selection,
+    pub reserve: Reserve,
     /// Triangles, area in spheres, overdraw of the view with the most.
     pub used: [f64; 3],
     pub counts: Counts,
@@ -154,7 +155,7 @@ pub fn texture(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Simplified> {
-    let SelectedTiles { region, extent, seen, tiles, selection, counts, durations, mut notes } = selected;
+    let SelectedTiles { region, extent, seen, tiles, selection, reserve, counts, durations, mut notes } = selected;
     let [merge, candidates, of_selection] = durations;
     let mut stages = Stages { merge, candidates, selection: of_selection, ..Stages::default() };
     let mut counters =
@@ -199,8 +200,11 @@ pub fn texture(
         monitor.check()?;
         Ok(cracks::picture(&coarse.scene, &region, &tiles, image))
     };
-    let of_images: Vec<_> = capture.images.par_iter().map(of_image).collect::<Result<_>>()?;
-    of_images.iter().flatten().for_each(|picture| extensions.add(picture));
+    // Few pictures at once: each has the pixels of an image.
+    for images in capture.images.chunks(rayon::current_num_threads()) {
+        let pictures: Vec<_> = images.par_iter().map(of_image).collect::<Result<_>>()?;
+        pictures.iter().flatten().for_each(|picture| extensions.add(picture));
+    }
     drop(coarse);
     let mut used = selection.used;
     let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
@@ -249,6 +253,7 @@ pub fn texture(
         used_texels: layout.places.iter().map(|place| u64::from(place.side).pow(2)).sum(),
         used: [used[0], used[1], used[2..].iter().copied().fold(0.0, f64::max)],
         selection,
+        reserve,
         stages,
         counters,
         seen,

@@ -4,8 +4,8 @@
 //!
 //! Voxels are those of six grids in perspective: a face of the cube is divided into squares, and distance in steps of the same
 //! relative size, so that voxels are about as long as they are wide. Reservoir sampling picks the sample of each voxel that
-//! has the least random number; that number depends on the sample's place and its number in the input, so the order of work does not matter. Where there
-//! are more voxels than the limit, all voxels grow to twice their size: which size is reached depends on the samples alone, too.
+//! has the least random number; that number depends on the sample's place and its number in the input, so the order of work does not
+//! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is reached depends on the samples alone, too.
 
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;

@@ -112,7 +112,16 @@ impl SampleRules<'_> {
             let origin = ray.origin - self.region.middle;
             // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
             let direction = ray.direction.as_vec3().as_dvec3();
-            let distance_m = match ray.distance_m <= self.region.before_sky(origin) {
+            let before_sky = self.region.before_sky(origin);
+            if before_sky <= 0.0 {
+                let error = Error::Usage(format!(
+                    "{}: its camera stands outside of the sky, a cube of 400 times the size of the viewing region; give a larger \
+                     `region`, or leave out the camera",
+                    capture.images[image].name
+                ));
+                return Err(capture.in_file(image, error));
+            }
+            let distance_m = match ray.distance_m <= before_sky {
                 true => ray.distance_m,
                 false => ray.distance_m.min(self.region.to_sky(origin, direction)),
             };

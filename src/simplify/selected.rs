@@ -7,14 +7,14 @@ use glam::DVec3;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
-use super::cost::{CostModel, ViewShares};
+use super::cost::{CostModel, MOST_PARTS, ViewShares};
 use super::fit::TilePlane;
 use super::gaps::SeenDirections;
 use super::gbuffer;
 use super::points::PointMerger;
 use super::region::ViewingRegion;
 use super::samples::{PixelChoice, SampleRules};
-use super::selection::{Bounds, Budgets, CONSTRAINTS, Problem, SelectedTiling, Selection};
+use super::selection::{Bounds, CONSTRAINTS, Problem, SelectedTiling, Selection};
 use super::settings::{Settings, SurfaceAtlases, TilingKind};
 use super::tiles::{QuadTile, TileSet};
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell};
@@ -62,11 +62,24 @@ pub struct SelectedTiles {
     /// In drawing order.
     pub tiles: Vec<QuadTile>,
     pub selection: Selection,
+    pub reserve: Reserve,
     pub counts: Counts,
     /// Of merging, candidates and selection.
     pub durations: [Duration; 3],
     pub notes: Vec<String>,
 }
+
+/// Budgets that the selection leaves to tiles that are extended over gaps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reserve {
+    /// Part of each budget, 0 to 1.
+    pub share: f64,
+    /// No selection within the whole budgets has less energy.
+    pub dual: f64,
+}
+
+/// Radii of viewing regions, in metres.
+const RADII_M: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Selects the tiles of a capture.
 pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<SelectedTiles> {
@@ -105,7 +118,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     if settings.tiling == TilingKind::Uniform {
         fitting.levels = [UNIFORM_LEVEL.min(finest); 2];
     }
-    let levels = candidates(&points, &extent, &fitting, settings.short_cuts);
+    let levels = candidates(&points, &extent, (&fitting, settings.short_cuts), monitor)?;
     let cells = || levels.iter().flat_map(|level| &level.tilings);
     let counts = Counts {
         samples,
@@ -125,20 +138,24 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
         Effort::Normal => (600, 1e-3),
         Effort::Exhaustive => (3000, 1e-5),
     };
-    let select = |budgets: &Budgets, iterations: usize| {
-        Problem::new(&costs, fitting.levels[0], &shares, budgets).solve(iterations, gap)
+    let problem = |share: f64| {
+        let budgets = settings.budgets.scaled(1.0 - share);
+        Problem::new(&costs, fitting.levels[0], &shares, &budgets)
     };
-    let reserved = select(&settings.budgets.scaled(1.0 - GAP_SHARE), iterations);
+    let select = |share: f64, iterations: usize| problem(share).solve(iterations, gap, monitor);
+    let reserved = select(GAP_SHARE, iterations);
     let small = SOLID_THRESHOLD * SOLID_THRESHOLD * samples as f64;
-    let least = || -> Result<f64> { Ok(select(&settings.budgets, iterations / GAP_ITERATIONS)?.primal) };
-    let selection = match reserved {
-        Ok(reserved) if reserved.primal <= small || reserved.primal <= GAP_ENERGY * least()? => reserved,
-        _ => select(&settings.budgets, iterations)?,
+    let least = || -> Result<f64> { Ok(select(0.0, iterations / GAP_ITERATIONS)?.primal) };
+    let (share, selection) = match reserved {
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        Ok(reserved) if reserved.primal <= small || reserved.primal <= GAP_ENERGY * least()? => (GAP_SHARE, reserved),
+        _ => (0.0, select(0.0, iterations)?),
     };
+    let reserve = Reserve { share, dual: problem(0.0).bound(&selection.prices) };
     let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
     let tiles = TileSet::new(&selection.tilings, &levels, &model).tiles;
     let durations = [merged, fitted - merged, begun.elapsed() - fitted];
-    Ok(SelectedTiles { region, extent, seen, tiles, selection, counts, durations, notes })
+    Ok(SelectedTiles { region, extent, seen, tiles, selection, reserve, counts, durations, notes })
 }
 
 pub(super) fn cost_model(
@@ -167,21 +184,38 @@ fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<St
             region.radius()
         ));
     }
-    match region.radius().is_finite() && region.radius() > 0.0 {
-        true => Ok(region),
-        false => Err(Error::Usage("the viewing region has no extent and no surface is near: give a `region`".into())),
+    if !region.radius().is_finite() || region.radius() <= 0.0 {
+        return Err(Error::Usage("the viewing region has no extent and no surface is near: give a `region`".into()));
     }
+    // Vertices are in single precision.
+    let place = region.middle.abs().max_element();
+    if !RADII_M.contains(&region.radius()) || place * f64::from(f32::EPSILON) > region.radius() {
+        return Err(Error::Usage(format!(
+            "the viewing region has a radius of {:e} m and lies {place:e} m from the origin, which single precision cannot tell apart: \
+             scale the scene, or move it to the origin",
+            region.radius()
+        )));
+    }
+    if !capture.images.iter().any(|image| region.admits(image.eye - region.middle)) {
+        notes.push(
+            "no camera stands in the viewing region: what its eyes see and no camera saw is missing; see `region`"
+                .into(),
+        );
+    }
+    Ok(region)
 }
 
 impl SelectedTiles {
     /// All but region and notes.
     pub fn to_words(&self) -> Vec<u64> {
-        let Selection { tilings, primal, dual, iterations, convergence, used } = &self.selection;
+        let Selection { tilings, primal, dual, prices, iterations, convergence, used } = &self.selection;
         let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
         let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells];
         words.extend(self.durations.map(|duration| duration.as_nanos() as u64));
         words.extend([self.extent.least_m, self.extent.most_m, self.extent.margin].map(f64::to_bits));
         words.extend([primal.to_bits(), dual.to_bits(), *iterations as u64]);
+        words.extend([self.reserve.share, self.reserve.dual].map(f64::to_bits));
+        words.extend(prices.map(f64::to_bits));
         words.extend(used.map(f64::to_bits));
         words.push(convergence.len() as u64);
         words.extend(convergence.iter().flat_map(|bounds| [bounds.dual.to_bits(), bounds.primal.to_bits()]));
@@ -262,6 +296,8 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
     let durations = [words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
     let extent = Extent { least_m: words.float()?, most_m: words.float()?, margin: words.float()? };
     let (primal, dual, iterations) = (words.float()?, words.float()?, words.word()? as usize);
+    let reserve = Reserve { share: words.float()?, dual: words.float()? };
+    let prices = words.floats::<CONSTRAINTS>()?;
     let used = words.floats::<CONSTRAINTS>()?;
     let convergence = words.list(|words| Some(Bounds { dual: words.float()?, primal: words.float()? }))?;
     let tilings = words.list(|words| Some(SelectedTiling { cell: words.cell()?, tiling: words.word()? as usize }))?;
@@ -273,9 +309,9 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
             divisions: [words.small()?, words.small()?],
         };
         let is_met = tile.corners().iter().all(|corner| corner.is_finite());
-        (is_met && tile.divisions.iter().all(|parts| *parts > 0)).then_some(tile)
+        (is_met && tile.divisions.iter().all(|parts| (1..=MOST_PARTS).contains(parts))).then_some(tile)
     })?;
     let seen = SeenDirections::of_words(words.0.as_slice())?;
-    let selection = Selection { tilings, primal, dual, iterations, convergence, used };
-    Some(SelectedTiles { region, extent, seen, tiles, selection, counts, durations, notes })
+    let selection = Selection { tilings, primal, dual, prices, iterations, convergence, used };
+    Some(SelectedTiles { region, extent, seen, tiles, selection, reserve, counts, durations, notes })
 }

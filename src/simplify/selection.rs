@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::cost::{TilingCost, VIEWS, ViewShares};
 use super::tree::{MAX_LEVEL, TreeCell};
 use crate::error::{Error, Result};
+use crate::monitor::Monitor;
 
 /// Budgets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,8 +86,10 @@ pub struct Selection {
     pub tilings: Vec<SelectedTiling>,
     /// Energy of the selection.
     pub primal: f64,
-    /// No valid tiling that keeps all budgets has less energy.
+    /// No valid tiling that keeps the budgets of the problem has less energy.
     pub dual: f64,
+    /// Prices of the resources at which the dual was reached.
+    pub prices: Use,
     pub iterations: usize,
     /// Bounds before the first iteration and after each.
     pub convergence: Vec<Bounds>,
@@ -204,14 +207,26 @@ impl<'a> Problem<'a> {
         keeps(used, &self.capacity)
     }
 
+    /// The least energy that a valid tiling within the budgets can have, by the Lagrangian at any prices of at least 0.
+    pub fn bound(&self, prices: &Use) -> f64 {
+        self.bound_of(&self.best(prices, 1.0), prices)
+    }
+
+    fn bound_of(&self, solution: &Solution, prices: &Use) -> f64 {
+        solution.priced - prices.iter().zip(&self.capacity).map(|(price, capacity)| price * capacity).sum::<f64>()
+    }
+
     /// Solves the problem in at most so many iterations, or until the gap is small enough.
-    pub fn solve(&self, iterations: usize, gap: f64) -> Result<Selection> {
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for budgets that no tiling keeps; [`Error::Interrupted`] where the monitor says so.
+    pub fn solve(&self, iterations: usize, gap: f64, monitor: &dyn Monitor) -> Result<Selection> {
         let mut prices = [0.0; CONSTRAINTS];
         let free = self.best(&prices, 1.0);
         if free.tilings.is_empty() || self.is_feasible(&free.used) {
             let dual = free.priced;
             let primal = free.energy;
-            return Ok(self.selection(free, vec![Bounds { dual, primal }]));
+            return Ok(self.selection(free, vec![Bounds { dual, primal }], prices));
         }
         let mut best_prices = prices;
         let mut dual = free.priced;
@@ -223,9 +238,9 @@ impl<'a> Problem<'a> {
         let mut convergence = vec![Bounds { dual, primal: upper(&primal) }];
         let (mut factor, mut without_progress) = (1.0, 0);
         for iteration in 0..iterations {
+            monitor.check()?;
             let solution = self.best(&prices, 1.0);
-            let bound = solution.priced
-                - prices.iter().zip(&self.capacity).map(|(price, capacity)| price * capacity).sum::<f64>();
+            let bound = self.bound_of(&solution, &prices);
             if bound > dual {
                 (dual, best_prices) = (bound, prices);
                 without_progress = 0;
@@ -271,7 +286,7 @@ impl<'a> Problem<'a> {
         if let Some(last) = convergence.last_mut() {
             last.primal = primal.energy;
         }
-        Ok(self.selection(primal, convergence))
+        Ok(self.selection(primal, convergence, best_prices))
     }
 
     /// Prices at which the tiling of least price is feasible, found by raising those of what is short and lowering the others by
@@ -348,11 +363,11 @@ impl<'a> Problem<'a> {
         })
     }
 
-    fn selection(&self, solution: Solution, convergence: Vec<Bounds>) -> Selection {
+    fn selection(&self, solution: Solution, convergence: Vec<Bounds>, prices: Use) -> Selection {
         let Solution { tilings, energy, used, .. } = solution;
         let dual = convergence.last().map_or(f64::NEG_INFINITY, |bounds| bounds.dual);
         let iterations = convergence.len().saturating_sub(1);
-        Selection { tilings, primal: energy, dual, iterations, convergence, used }
+        Selection { tilings, primal: energy, dual, prices, iterations, convergence, used }
     }
 }
 
@@ -362,6 +377,7 @@ const _: () = assert!(MAX_LEVEL <= 10);
 mod tests {
     use super::*;
     use crate::math::random::Random;
+    use crate::monitor::Silent;
 
     const LEVELS: u32 = 3;
 
@@ -420,12 +436,17 @@ mod tests {
                 let every = all(&problem, TreeCell::ROOTS[0]);
                 let best = every.iter().filter(|(_, used)| problem.is_feasible(used)).map(|(energy, _)| *energy);
                 let best = best.fold(f64::INFINITY, f64::min);
-                let found = problem.solve(400, 0.0).unwrap();
+                let found = problem.solve(400, 0.0, &Silent).unwrap();
                 let energy: f64 =
                     found.tilings.iter().map(|chosen| problem.of_cell(chosen.cell)[chosen.tiling].energy).sum();
                 assert!((energy - found.primal).abs() < 1e-12);
                 assert!(keeps(&found.used, &budgets.capacity()));
                 assert!(found.dual <= best + 1e-9 && best <= found.primal + 1e-9, "{found:?} {best}");
+                assert!((problem.bound(&found.prices) - found.dual).abs() <= 1e-9);
+                // Prices that were found within smaller budgets bound the larger ones, too.
+                let larger = Problem::new(&costs, 0, &shares, &budgets.scaled(1.25));
+                let least = every.iter().filter(|(_, used)| larger.is_feasible(used)).map(|(energy, _)| *energy);
+                assert!(larger.bound(&found.prices) <= least.fold(f64::INFINITY, f64::min) + 1e-9);
                 cases += 1;
                 exact += u32::from(found.primal <= best + 1e-9);
             }
@@ -450,7 +471,7 @@ mod tests {
         let (costs, shares) = (of_levels([10.0, 3.0, 0.01]), ViewShares::of_trees());
         let solve = |triangles: f64| {
             let budgets = Budgets { triangles, area: 1.0, peak_overdraw: 10.0 };
-            Problem::new(&costs, 0, &shares, &budgets).solve(400, 0.0).unwrap()
+            Problem::new(&costs, 0, &shares, &budgets).solve(400, 0.0, &Silent).unwrap()
         };
         let fine = solve(32.0);
         assert!(fine.tilings.len() == 16 && (fine.primal - 0.16).abs() < 1e-12, "{fine:?}");
@@ -461,7 +482,7 @@ mod tests {
     fn bounds_approach_each_other() {
         let (costs, shares) = (costs(3), ViewShares::of_trees());
         let budgets = Budgets { triangles: 14.0, area: 0.4, peak_overdraw: 2.5 };
-        let found = Problem::new(&costs, 0, &shares, &budgets).solve(200, 0.0).unwrap();
+        let found = Problem::new(&costs, 0, &shares, &budgets).solve(200, 0.0, &Silent).unwrap();
         assert_eq!(found.convergence.len(), found.iterations + 1);
         assert!(found.convergence.is_sorted_by(|a, b| a.dual <= b.dual && a.primal >= b.primal));
         let last = found.convergence[found.iterations];
@@ -472,8 +493,9 @@ mod tests {
     #[test]
     fn a_budget_that_cannot_be_kept_is_named_with_the_least_that_can() {
         let (costs, shares) = (costs(1), ViewShares::of_trees());
-        let said =
-            |budgets: Budgets| Problem::new(&costs, 0, &shares, &budgets).solve(50, 0.0).unwrap_err().to_string();
+        let said = |budgets: Budgets| {
+            Problem::new(&costs, 0, &shares, &budgets).solve(50, 0.0, &Silent).unwrap_err().to_string()
+        };
         let wide = Budgets { triangles: 1e9, area: 1e9, peak_overdraw: 1e9 };
         let few = said(Budgets { triangles: 1.0, ..wide });
         assert!(few.contains("triangles") && few.ends_with("is 2"), "{few}");

@@ -27,6 +27,10 @@ impl LightBuffer {
         LightBuffer { side, sums: vec![[0.0; 4]; side * side] }
     }
 
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
     /// Adds light at a place in texels: 0 is the middle of the first one.
     pub fn add(&mut self, [x, y]: [f32; 2], [r, g, b]: [f32; 3]) {
         let range = |at: f32| {

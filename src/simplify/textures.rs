@@ -68,16 +68,11 @@ impl<'a> TextureBuilder<'a> {
         self.uncovered += uncovered;
         self.solid += found.iter().filter(|constraint| constraint.sample.is_some()).count() as u64;
         self.free += found.iter().filter(|constraint| constraint.sample.is_none()).count() as u64;
-        let runs: Vec<&[Constraint]> = found.chunk_by(|a, b| a.tile == b.tile).collect();
-        self.buffers.par_iter_mut().enumerate().for_each(|(tile, buffers)| {
-            let Ok(run) = runs.binary_search_by_key(&(tile as u32), |run| run[0].tile) else { return };
-            let last = (buffers.side - 1) as f32;
-            for constraint in runs[run] {
-                let at = constraint.at.map(|at| at.clamp(0.0, 1.0) * last);
-                buffers.bitmap.add(at, constraint.sample.is_some());
-                if let Some(sample) = constraint.sample {
-                    buffers.light.add(at, samples[sample as usize].color);
-                }
+        for_each_tile(&found, &mut self.buffers, |buffers, constraint| {
+            let at = constraint.texel(buffers.side);
+            buffers.bitmap.add(at, constraint.sample.is_some());
+            if let Some(sample) = constraint.sample {
+                buffers.light.add(at, samples[sample as usize].color);
             }
         });
     }
@@ -98,6 +93,20 @@ impl<'a> TextureBuilder<'a> {
             textures: finished.into_iter().map(|(texture, _)| texture).collect(),
         }
     }
+}
+
+/// Adds constraints, in the order of tiles, to the buffers of their tiles.
+pub(super) fn for_each_tile<B: Send>(
+    found: &[Constraint],
+    buffers: &mut [B],
+    add: impl Fn(&mut B, &Constraint) + Sync,
+) {
+    let runs: Vec<&[Constraint]> = found.chunk_by(|a, b| a.tile == b.tile).collect();
+    buffers.par_iter_mut().enumerate().for_each(|(tile, buffer)| {
+        if let Ok(run) = runs.binary_search_by_key(&(tile as u32), |run| run[0].tile) {
+            runs[run].iter().for_each(|constraint| add(buffer, constraint));
+        }
+    });
 }
 
 /// Constraints of samples, in the order of tiles and then of samples, and the number of samples that no tile lies along.

@@ -236,3 +236,28 @@ fn a_run_that_stops_keeps_its_tiles_and_resumes_to_the_same_bytes() {
     fine(&line.replace("quads", "whole"), folder.path());
     assert!(bytes == fs::read(folder.path().join("whole.glb")).unwrap());
 }
+
+#[test]
+fn no_file_of_the_input_is_overwritten() {
+    let folder = room();
+    let at = |name: &str| folder.path().join(name);
+    let files = ["room/lightfield.json", "room/probe_00/face_px/depth.0000.exr"];
+    let before: Vec<Vec<u8>> = files.iter().map(|name| fs::read(at(name)).unwrap()).collect();
+    for input in ["room", "room/lightfield.json"] {
+        for file in files {
+            let line = format!("simplify {input} -o quads.glb --triangles 400 --atlas 128 --effort fast --ktx2 {file}");
+            let said = refused(&line, folder.path());
+            assert!(said.contains("would be overwritten"), "{said}");
+        }
+    }
+    assert_eq!(before, files.map(|name| fs::read(at(name)).unwrap()));
+}
+
+#[test]
+fn an_atlas_that_is_too_small_leaves_nothing_to_resume() {
+    let folder = room();
+    let said = refused("simplify room -o quads.glb --triangles 400 --atlas 4 --effort fast", folder.path());
+    assert!(said.contains("atlas") && !said.contains("--resume"), "{said}");
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["room"]);
+}

@@ -37,7 +37,8 @@ use crate::simplify::texture_sizes::Sizing;
     90 degrees. Cracks: pixels of the capture with less than half alpha.\n\n\
     --json has, beside PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images: released_psnr_db, what the evaluator of the released \
     program would have printed, which left out translucent pixels and added 24.07 dB; random_poses, cracks seen from 64 places in the \
-    region; selection, the energy of the quads (primal) and the least that any selection could have (dual).")]
+    region; selection, the energy of the quads (primal) and a lower bound of it (dual), within the budgets less the part that is \
+    reserved for quads that are extended over gaps, and a bound within the whole budgets (dual_of_budgets).")]
 pub struct Args {
     /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]

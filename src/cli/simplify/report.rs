@@ -93,6 +93,10 @@ struct SelectionReport {
     primal: f64,
     gap: f64,
     iterations: usize,
+    /// Part of the budgets that the selection leaves to tiles that are extended over gaps.
+    reserved: f64,
+    /// No selection within the whole budgets has less energy.
+    dual_of_budgets: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -181,6 +185,8 @@ impl Report {
                 primal: selection.primal,
                 gap: selection.gap(),
                 iterations: selection.iterations,
+                reserved: simplified.reserve.share,
+                dual_of_budgets: simplified.reserve.dual,
             },
             budgets: vec![
                 BudgetReport { name: "triangles", limit: f64::from(args.triangles), used: triangles },
@@ -212,7 +218,7 @@ impl Report {
         });
         format!(
             "{files}{} triangles, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
-             {:.1}% of the least\n{}{}{:.1} s",
+             {:.1}% of the least in {:.0}% of the budgets\n{}{}{:.1} s",
             self.triangles,
             self.projected_area,
             self.peak_overdraw,
@@ -220,6 +226,7 @@ impl Report {
             self.atlas_height,
             100.0 * self.atlas_occupancy,
             100.0 * self.selection.gap,
+            100.0 * (1.0 - self.selection.reserved),
             self.evaluation.as_ref().map_or(String::new(), EvaluationReport::text),
             held_out,
             self.seconds.as_secs_f64(),

@@ -48,8 +48,11 @@ impl<'a> UnfinishedScene<'a> {
         let mut unfinished = UnfinishedScene { file, path, fingerprint, has_tiles: false };
         let words = match (left, resume) {
             (Some(records), true) => {
-                // An error leaves them as they are.
-                let words = unfinished.words_of(&records).map_err(|error| unfinished.kept(error))?;
+                let words = unfinished.words_of(&records);
+                if words.is_err() {
+                    unfinished.file.keep()?;
+                }
+                let words = words?;
                 say("resuming with the tiles that were selected");
                 Some(words)
             }
@@ -103,9 +106,10 @@ impl<'a> UnfinishedScene<'a> {
         Ok(())
     }
 
-    /// An error after which a later process can resume, where there are tiles.
+    /// The error that stopped a run; after an interrupt or an error of the system a later process can resume, where there are tiles.
     pub fn stopped(&mut self, error: Error) -> Error {
-        if self.has_tiles && self.file.is_resumable() { self.kept(error) } else { error }
+        let may_succeed = matches!(error, Error::Interrupted | Error::Io { .. });
+        if may_succeed && self.has_tiles && self.file.is_resumable() { self.kept(error) } else { error }
     }
 
     fn kept(&mut self, error: Error) -> Error {
