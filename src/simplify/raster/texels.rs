@@ -28,17 +28,19 @@ impl<'a> Texels<'a> {
 
     /// Light, not multiplied by alpha, and alpha; (0, 0) is the top left corner, coordinates are clamped.
     pub fn sample(&self, at: [f64; 2]) -> Vec4 {
-        let texel = |at: usize| {
-            let [r, g, b, alpha] = self.texture.pixels[at];
-            let [r, g, b] = match self.light {
-                Some(light) => light[at].map(f16::to_f32),
-                None => [r, g, b].map(|code| self.of_codes[usize::from(code)]),
-            };
-            Vec4::new(r, g, b, self.alpha[usize::from(alpha)])
+        let ([a, b, c, d], [along, down]) = self.around(at);
+        let (above, below) = (self.texel(a).lerp(self.texel(b), along), self.texel(c).lerp(self.texel(d), along));
+        above.lerp(below, down)
+    }
+
+    #[inline(always)]
+    fn texel(&self, at: usize) -> Vec4 {
+        let [r, g, b, alpha] = self.texture.pixels[at];
+        let [r, g, b] = match self.light {
+            Some(light) => light[at].map(f16::to_f32),
+            None => [r, g, b].map(|code| self.of_codes[usize::from(code)]),
         };
-        let (texels, [along, down]) = self.around(at);
-        let [a, b, c, d] = texels.map(texel);
-        a.lerp(b, along).lerp(c.lerp(d, along), down)
+        Vec4::new(r, g, b, self.alpha[usize::from(alpha)])
     }
 
     /// Alpha of [`Self::sample`].

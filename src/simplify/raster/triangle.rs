@@ -9,6 +9,9 @@ use glam::DVec3;
 
 use crate::math::Camera;
 
+/// Rows by which rounding moves a corner, at most.
+const ROUNDING_ROWS: f64 = 0.0625;
+
 /// A function of the pixel: `constant + across · x + down · y`.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
@@ -105,9 +108,8 @@ impl Pixels {
             return Some([0, self.size[1]]);
         }
         let rows = corners.map(|at| (at.y / at.z - self.first[1]) / self.step[1]);
-        // A pixel more than rounding could move it.
-        let first = rows.into_iter().fold(f64::INFINITY, f64::min).floor() - 1.0;
-        let last = rows.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() + 1.0;
+        let first = (rows.into_iter().fold(f64::INFINITY, f64::min) - ROUNDING_ROWS).floor();
+        let last = (rows.into_iter().fold(f64::NEG_INFINITY, f64::max) + ROUNDING_ROWS).ceil();
         let clamp = |at: f64| at.clamp(0.0, f64::from(self.size[1])) as u32;
         Some([clamp(first), clamp(last)])
     }
@@ -127,40 +129,76 @@ impl Edge {
         Edge { side, to_border: -side.across.recip(), owns_border }
     }
 
-    /// The part of a row inside, `offset` being the place of the sample in its pixel.
-    fn clip(&self, pixels: Range<u32>, [offset, y]: [f64; 2]) -> Range<u32> {
-        let side = self.side.row(y);
-        // The same value for the same edge of another triangle, with the opposite sign; it grows or falls along the row.
-        let inside = |x: u32| {
-            let side = side.at(f64::from(x) + offset);
-            side > 0.0 || side == 0.0 && self.owns_border
+    /// Whether it holds at a column of a row. The function has the same value for the same edge of another triangle, with the opposite sign.
+    #[inline]
+    fn is_inside(&self, row: Along, x: f64) -> bool {
+        let side = row.at(x);
+        side > 0.0 || side == 0.0 && self.owns_border
+    }
+}
+
+/// Up to five half-planes, by the way their functions go along a row: pixels after a border, before one, and whole rows.
+#[derive(Debug, Clone, Copy)]
+struct Edges {
+    all: [Edge; 5],
+    /// Ends of those that grow, of those that fall, and of the others.
+    ends: [usize; 3],
+}
+
+impl Default for Edges {
+    fn default() -> Edges {
+        let side = Affine { constant: 0.0, across: 0.0, down: 0.0 };
+        Edges { all: [Edge { side, to_border: 0.0, owns_border: false }; 5], ends: [0; 3] }
+    }
+}
+
+impl Edges {
+    fn add(&mut self, edge: Edge) {
+        let across = edge.side.across;
+        let kind = if across > 0.0 {
+            0
+        } else if across < 0.0 {
+            1
+        } else {
+            2
         };
-        let Range { mut start, mut end } = pixels;
-        // In this order what is no number is the start. Steps from there find the border, wherever rounding puts it.
-        let border = (side.start * self.to_border - offset).max(f64::from(start)).min(f64::from(end)) as u32;
-        let border = (border + 1).min(end);
-        if side.across > 0.0 {
-            let least = start;
-            start = border;
-            while start > least && inside(start - 1) {
-                start -= 1;
-            }
-            while start < end && !inside(start) {
-                start += 1;
-            }
-        } else if side.across < 0.0 {
-            let most = end;
-            end = border;
-            while end < most && inside(end) {
-                end += 1;
-            }
-            while end > start && !inside(end - 1) {
-                end -= 1;
-            }
-        } else if !inside(start) {
-            end = start;
+        let place = self.ends[kind];
+        self.all.copy_within(place..self.ends[2], place + 1);
+        self.all[place] = edge;
+        self.ends[kind..].iter_mut().for_each(|end| *end += 1);
+    }
+
+    /// The columns of a row inside all, `offset` being the place of the sample in its pixel. The functions grow or fall along the row,
+    /// so each is asked beside the border only, where rounding may have put it on the other side.
+    fn span(&self, y: f64, width: u32, offset: f64) -> Range<u32> {
+        let (growing, others) = self.all[..self.ends[2]].split_at(self.ends[0]);
+        let (falling, level) = others.split_at(self.ends[1] - self.ends[0]);
+        let is_inside = |edges: &[Edge], column: u32| {
+            let x = f64::from(column) + offset;
+            edges.iter().all(|edge| edge.is_inside(edge.side.row(y), x))
+        };
+        if !is_inside(level, 0) {
+            return 0..0;
         }
-        start..end
+        // In this order what is no number counts as the side of the image.
+        let border = |edge: &Edge| edge.side.row(y).start * edge.to_border - offset;
+        let first = growing.iter().fold(0.0, |first, edge| border(edge).max(first)).min(f64::from(width));
+        let last = falling.iter().fold(f64::from(width), |last, edge| border(edge).min(last)).max(-1.0);
+        let mut start = if first > 0.0 { (first as u32 + 1).min(width) } else { 0 };
+        let mut end = ((last + 1.0) as u32).min(width);
+        while start > 0 && is_inside(growing, start - 1) {
+            start -= 1;
+        }
+        while start < width && !is_inside(growing, start) {
+            start += 1;
+        }
+        while end < width && is_inside(falling, end) {
+            end += 1;
+        }
+        while end > start && !is_inside(falling, end - 1) {
+            end -= 1;
+        }
+        start..end.max(start)
     }
 }
 
@@ -170,10 +208,8 @@ pub struct Triangle {
     pub rows: [u32; 2],
     /// Whether all its texels are: the others are looked at. The caller says so.
     pub is_opaque: bool,
-    /// Where the weights of its corners are above 0.
-    edges: [Edge; 3],
-    /// Near and far, where the camera has them.
-    range: Option<[Edge; 2]>,
+    /// Where the weights of its corners are above 0, and near and far, where the camera has them.
+    edges: Edges,
     /// Sum of the weights.
     pub sum: Affine,
     /// The sum times homogeneous texture coordinates.
@@ -203,23 +239,22 @@ impl Triangle {
         let total = |factors: [f64; 3]| (0..3).fold(none, |sum, at| sum.plus(weights[at], factors[at]));
         let sum = total([1.0; 3]);
         let [near_m, far_m] = pixels.depth_m;
-        let range = (near_m > 0.0 || far_m < f64::INFINITY).then(|| {
-            let is_beyond_near = if near_m > 0.0 {
-                Affine { constant: volume / near_m, ..none }.plus(sum, -1.0)
-            } else {
-                Affine { constant: 1.0, ..none }
-            };
+        let mut edges = Edges::default();
+        [0, 1, 2].map(edge).into_iter().for_each(|edge| edges.add(edge));
+        if near_m > 0.0 {
+            let is_beyond_near = Affine { constant: volume / near_m, ..none }.plus(sum, -1.0);
+            edges.add(Edge::new(is_beyond_near, true));
+        }
+        if far_m < f64::INFINITY {
             let is_before_far = Affine { constant: -volume / far_m, ..none }.plus(sum, 1.0);
-            [is_beyond_near, is_before_far].map(|side| Edge::new(side, true))
-        });
+            edges.add(Edge::new(is_before_far, true));
+        }
         let stq = [0, 1, 2].map(|axis| total(stq.map(|stq| stq[axis])));
-        Some(Triangle { rows, is_opaque: false, edges: [0, 1, 2].map(edge), range, sum, stq, volume })
+        Some(Triangle { rows, is_opaque: false, edges, sum, stq, volume })
     }
 
     /// The pixels of a row whose samples it covers; a sample lies at `offset` in its pixel.
     pub fn span(&self, row: u32, width: u32, offset: [f64; 2]) -> Range<u32> {
-        let at = [offset[0], f64::from(row) + offset[1]];
-        let range = self.range.iter().flatten();
-        self.edges.iter().chain(range).fold(0..width, |pixels, edge| edge.clip(pixels, at))
+        self.edges.span(f64::from(row) + offset[1], width, offset[0])
     }
 }
