@@ -177,7 +177,7 @@ fn fingerprint(
         digest(format!("{grid:?} {:?} {:?} {:?}", args.grid, args.view_range, args.frames.frames).as_bytes()),
     ));
     // Rasterisers differ in edges.
-    fields.push(("the device", if args.rasterize { device.name() } else { String::new() }));
+    fields.push(("the device", device.name()));
     fields.push(("the files", format!("{:?} {:?}", args.output, args.quilt)));
     fields.push(("the input", input.contents(args)));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
@@ -331,7 +331,7 @@ impl Run<'_, '_> {
                     return self.cast_all(&wanted, first, &cast);
                 }
                 let begun = Instant::now();
-                let (sources, counters) = field.sources(views, self.args, progress)?;
+                let (sources, counters) = field.sources(views, self.args, (backend, progress))?;
                 let acquired = begun.elapsed();
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
                 let request = Request { views, wanted, settings, backend };

@@ -56,8 +56,8 @@ const DEFAULT_SIZE: u32 = 512;
     behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
     at infinity do. --rows stacks such lines. `render --views` counts probes, `interpolate --views` output views.\n\n\
     Mirrors and glass of a scene are ray cast in every view; so are holes, unless --holes says otherwise. The source views of a container \
-    are rendered from it. --device moves pixels, and draws triangles with --rasterize; light, highlights and all that is ray cast are \
-    the CPU's.\n\n\
+    are rendered from it. --device moves pixels, with the same bits as the CPU, and adds highlights, in single precision; with --rasterize it \
+    draws triangles. Light of source views and all that is ray cast are the CPU's.\n\n\
     Views of a line are written when all their scanlines are interpolated; --resume keeps what was written.\n\n\
     --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
     pictures in write_seconds."
@@ -196,7 +196,7 @@ pub struct Args {
     /// Resume a stopped run into the same files, with the same options; start anew if there is none
     #[arg(long, conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
     pub resume: bool,
-    /// Interpolating device; the pictures do not depend on it, but for --rasterize [default: cpu]
+    /// Interpolating device; only highlights depend on it, by rounding, and edges with --rasterize [default: cpu]
     #[arg(long, value_parser = one_of(DEVICES))]
     pub device: Option<DeviceChoice>,
     #[command(flatten)]
