@@ -48,10 +48,10 @@ fn blend_of(item: Item) -> Job {
     return Job(item.unit, 0u, first, next, weight);
 }
 
-@compute @workgroup_size(PLAN_WORKGROUP)
+@compute @workgroup_size(SUM_WORKGROUP)
 fn plan_cells(@builtin(local_invocation_index) local: u32) {
     var before = 0u;
-    for (var first = 0u; first < items.count; first += PLAN_WORKGROUP) {
+    for (var first = 0u; first < items.count; first += SUM_WORKGROUP) {
         let at = first + local;
         var job: Job;
         var work = 0u;
@@ -65,7 +65,7 @@ fn plan_cells(@builtin(local_invocation_index) local: u32) {
         if (at < items.count) {
             jobs.list[at] = job;
         }
-        before += sums[PLAN_WORKGROUP - 1u];
+        before += sums[SUM_WORKGROUP - 1u];
     }
     if (local == 0u) {
         finish_plan(before);

@@ -73,10 +73,10 @@ fn next_record(item: Item) -> u32 {
     return landing.record;
 }
 
-@compute @workgroup_size(PLAN_WORKGROUP)
+@compute @workgroup_size(SUM_WORKGROUP)
 fn plan_records(@builtin(local_invocation_index) local: u32) {
     var before = 0u;
-    for (var first = 0u; first < items.count; first += PLAN_WORKGROUP) {
+    for (var first = 0u; first < items.count; first += SUM_WORKGROUP) {
         let at = first + local;
         var record = NONE;
         var work = 0u;
@@ -90,7 +90,7 @@ fn plan_records(@builtin(local_invocation_index) local: u32) {
         if (at < items.count) {
             jobs.list[at] = Job(items.list[at].unit, end, record, NONE, 0u);
         }
-        before += sums[PLAN_WORKGROUP - 1u];
+        before += sums[SUM_WORKGROUP - 1u];
     }
     if (local == 0u) {
         finish_plan(before);

@@ -1,5 +1,5 @@
-// Light of winners, as `Shader` of src/epipolar/interpolate.rs without highlights. An invocation shades a pixel. Needs `unpack`, `pack`
-// and `between`.
+// Light of winners, as `Shader` of src/epipolar/interpolate.rs without highlights. An invocation shades a pixel. Needs `unpack`, `pack`,
+// `between` and `beside_of`.
 
 @group(0) @binding(0) var<storage, read> block: SliceBlock;
 // The first line of each scanline, and the end of the last.
@@ -8,6 +8,15 @@
 @group(0) @binding(3) var<storage, read> winners: array<vec2u>;
 // Half floats, and SHOWN_….
 @group(0) @binding(4) var<storage, read_write> pixels: array<vec2u>;
+// A bit for each line: whether a pixel lacks its highlight.
+@group(0) @binding(5) var<storage, read_write> wanted: array<atomic<u32>>;
+
+fn want(line: u32, kind: u32) {
+    let bit = 1u << (line % 32u);
+    if (kind == LIGHT_GLOSS && (atomicLoad(&wanted[line / 32u]) & bit) == 0u) {
+        atomicOr(&wanted[line / 32u], bit);
+    }
+}
 
 fn light_of(winner: vec2u, start: u32) -> vec2u {
     if (winner.x == NONE) {
@@ -22,12 +31,7 @@ fn light_of(winner: vec2u, start: u32) -> vec2u {
     if (kind == LIGHT_TRACED) {
         return vec2u(0u, SHOWN_OPTICAL << 16u);
     }
-    var beside = at;
-    if ((winner.y & WINNER_AFTER) != 0u) {
-        beside = at + 1u;
-    } else if ((winner.y & WINNER_BEFORE) != 0u) {
-        beside = at - 1u;
-    }
+    let beside = beside_of(at, winner.y);
     let other = lights[beside];
     let other_kind = other.steady_b >> 16u;
     let weight = select(winner.y & 0xffu, 0u, other_kind == LIGHT_TRACED);
@@ -36,6 +40,8 @@ fn light_of(winner: vec2u, start: u32) -> vec2u {
         unpack(vec2u(other.steady_rg, other.steady_b)),
     );
     let color = pack(between(colors[0], colors[1], weight));
+    want(at, kind);
+    want(beside, other_kind);
     let is_glossy = kind == LIGHT_GLOSS || other_kind == LIGHT_GLOSS;
     return vec2u(color.x, color.y | (select(0u, SHOWN_GLOSS, is_glossy) << 16u));
 }

@@ -40,6 +40,23 @@ struct LineLight {
     own_b: u32,
 }
 
+// A place along the line of eyes where the highlight of a line is known.
+struct LineSplit {
+    // Radiance.
+    light: vec3f,
+    // 0 at the first view to 1 at the last.
+    place: f32,
+}
+
+// Rows of pixels.
+struct PixelRows {
+    width: u32,
+    rows: u32,
+    // Pixels from a row to the next.
+    stride: u32,
+    spare: u32,
+}
+
 const NONE: u32 = 0xffffffffu;
 const WORKGROUP: u32 = 64u;
 const SLICE_WORKGROUP: u32 = 256u;

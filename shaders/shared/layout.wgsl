@@ -167,7 +167,6 @@ struct PyramidJobs {
 
 const NONE: u32 = 0xffffffffu;
 const WORKGROUP: u32 = 64u;
-const PLAN_WORKGROUP: u32 = 256u;
 const MAX_GROUPS: u32 = 65535u;
 const NODE_HEADER_WORDS: u32 = 12u;
 const LEVELS: u32 = 9u;

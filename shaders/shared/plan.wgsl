@@ -1,25 +1,4 @@
-// What planning kernels share: sums along the list of items, and the size of the dispatch that follows. Needs `items`,
-// `jobs` and `dispatch`.
-
-var<workgroup> sums: array<u32, PLAN_WORKGROUP>;
-
-// The sum of the values of all invocations up to this one; all of them call it together.
-fn running_sum(local: u32, value: u32) -> u32 {
-    // Nobody may still read the sums of the call before.
-    workgroupBarrier();
-    sums[local] = value;
-    workgroupBarrier();
-    for (var reach = 1u; reach < PLAN_WORKGROUP; reach *= 2u) {
-        var more = 0u;
-        if (local >= reach) {
-            more = sums[local - reach];
-        }
-        workgroupBarrier();
-        sums[local] += more;
-        workgroupBarrier();
-    }
-    return sums[local];
-}
+// What planning kernels share: the size of the dispatch that follows. Needs `items`, `jobs` and `dispatch`.
 
 // Says how much work there is; one invocation calls it.
 fn finish_plan(total: u32) {

@@ -305,7 +305,7 @@ impl Run<'_, '_> {
                     return self.cast_all(range, first, &cast);
                 }
                 let begun = Instant::now();
-                let (sources, counters) = field.sources(views, self.args, progress)?;
+                let (sources, counters) = field.sources(views, self.args, (backend, progress))?;
                 let acquired = begun.elapsed();
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
                 let request = Request { views, range, settings, backend };

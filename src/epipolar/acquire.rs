@@ -5,12 +5,12 @@
 //! one is a layer: listing 3.2 of the thesis asks for a depth that is not less than that of the last layer, which finds that layer again.
 
 mod bands;
-mod erosion;
 mod hierarchical;
 mod row;
 mod settings;
 mod tracer;
 
+use super::backend::Backend;
 use super::counters::Counters;
 use super::drawing::{DrawnScene, PixelWindow};
 use super::source::{SourceView, in_order};
@@ -27,7 +27,7 @@ pub fn acquire<'a>(
     seen: impl Into<DrawnScene<'a>>,
     views: &OutputViews,
     settings: &AcquireSettings,
-    monitor: &dyn Monitor,
+    (backend, monitor): (&dyn Backend, &dyn Monitor),
 ) -> Result<(Vec<SourceView>, Counters)> {
     let seen = seen.into();
     if let Some(bands) = SourceBands::plan(seen, views, settings, monitor)? {
@@ -36,7 +36,7 @@ pub fn acquire<'a>(
     let tracer = SourceTracer { seen, views, settings, monitor };
     let window = PixelWindow { columns: 0..views.size[0] as i32, rows: 0..views.size[1] };
     let make = |offsets_m: &[f64]| tracer.views(offsets_m, &window, 1);
-    let (sources, counters) = hierarchical(views, &settings.hierarchy, make)?;
+    let (sources, counters) = hierarchical(views, &settings.hierarchy, backend, make)?;
     let sources = in_order(sources);
     let counters = counters.of_sources(&sources);
     Ok((sources, counters))

@@ -92,7 +92,7 @@ pub fn interpolate_grid<'a>(
     let mut sources = Vec::new();
     let seen = seen.into();
     for views in &ends {
-        let (of_row, counters) = acquire(seen, views, &settings.acquire, monitor)?;
+        let (of_row, counters) = acquire(seen, views, &settings.acquire, (*backend, monitor))?;
         summary.counters.add(&counters);
         sources.push(of_row);
     }

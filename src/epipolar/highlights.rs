@@ -20,7 +20,7 @@ const LEAST_ERROR: f64 = 0.5 / 255.0 / 12.92;
 /// Radiance of highlights along the line of eyes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Highlight {
-    /// Places, 0 at the first view to 1 at the last, rising, and the radiance towards each.
+    /// As [`Self::places`].
     splits: Vec<(f64, DVec3)>,
 }
 
@@ -90,6 +90,11 @@ impl Highlight {
     /// Splits, ends among them.
     pub fn splits(&self) -> usize {
         self.splits.len()
+    }
+
+    /// Places of the splits, 0 at the first view to 1 at the last, rising, and the radiance towards each.
+    pub fn places(&self) -> &[(f64, DVec3)] {
+        &self.splits
     }
 
     /// Radiance at a place, 0 to 1.

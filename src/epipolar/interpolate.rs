@@ -118,6 +118,18 @@ impl<'a> Interpolator<'a> {
         &self.sources[usize::from(line.source)].rows[row].pixels[line.pixel as usize]
     }
 
+    /// Splits of a line at most, ends among them.
+    pub fn most_splits(&self) -> usize {
+        self.settings.splits.saturating_add(2)
+    }
+
+    /// Place of a view on the line of eyes, 0 for the first to 1 for the last.
+    pub fn eye_place(&self, view: usize) -> f64 {
+        let offsets_m = &self.views.offsets_m;
+        let baseline_m = self.views.baseline_m();
+        if baseline_m > 0.0 { (offsets_m[view] - offsets_m[0]) / baseline_m } else { 0.0 }
+    }
+
     /// Whether a scanline has lines with highlights.
     pub fn has_gloss(&self, row: usize) -> bool {
         self.sources.iter().any(|source| !source.rows[row].gloss.is_empty())
@@ -252,7 +264,7 @@ impl<'a> Shader<'a> {
         } else {
             blended(pixel.steady, other.steady, weight)
         };
-        let highlight = |at: u32| self.highlight(at as usize, view);
+        let highlight = |at: u32| Some(self.highlight(at as usize)?.at(self.of.eye_place(view)));
         match (highlight(at), highlight(beside)) {
             (None, None) => (steady, Coverage::Covered),
             (a, b) => {
@@ -289,15 +301,13 @@ impl<'a> Shader<'a> {
         SourcePixel { column, depth_m: pixel.depth_m, layer: layer as u8, light, steady, own }
     }
 
-    fn highlight(&self, line: usize, view: usize) -> Option<DVec3> {
+    /// The highlight of a line; `None` where it has none.
+    pub fn highlight(&self, line: usize) -> Option<&Highlight> {
         let cell = self.highlights.get(line)?;
         let Light::Gloss(gloss) = self.source_pixel(&self.lines[line]).light else { return None };
         let source = &self.of.sources[usize::from(self.lines[line].source)].rows[self.row];
         let of = || Highlight::new(&source.gloss[gloss as usize], &self.of.eyes, self.of.settings.splits);
-        let offsets_m = &self.of.views.offsets_m;
-        let baseline_m = self.of.views.baseline_m();
-        let place = if baseline_m > 0.0 { (offsets_m[view] - offsets_m[0]) / baseline_m } else { 0.0 };
-        Some(cell.get_or_init(of).at(place))
+        Some(cell.get_or_init(of))
     }
 }
 

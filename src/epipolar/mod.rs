@@ -14,7 +14,8 @@
 //! 4. [`highlights`]: light that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.
 //!
-//! [`backend`]: stages 3 and 4 on the CPU, or elsewhere, and [`drawing`] of triangles for stage 2. [`grid`] makes columns between two
+//! [`backend`]: stages 3 and 4 on the CPU, or elsewhere, and [`drawing`] of triangles for stage 2, whose active pixels are [`compact`].
+//! [`erosion`] is a stopping rule of stage 2. [`grid`] makes columns between two
 //! rows (7.2). [`layers`] decides between the frames of a sequence how many layers are acquired (3.4.4). [`pipeline`] runs all stages,
 //! band by band; views gather in [`view_store`], and [`memory`] plans what a run takes. [`brute_force`] renders every view, which is the truth.
 
@@ -23,9 +24,11 @@ pub mod backend;
 pub mod brute_force;
 pub mod captured;
 pub mod coalesce;
+pub mod compact;
 pub mod continuity;
 pub mod counters;
 pub mod drawing;
+pub mod erosion;
 pub mod fill;
 pub mod grid;
 pub mod highlights;

@@ -138,7 +138,7 @@ pub fn interpolate<'a>(
     let truth = Some(Truth { scene: seen.scene, samples: &settings.samples });
     let begun = Instant::now();
     let Some(bands) = SourceBands::plan(seen, views, settings, monitor)? else {
-        let (sources, counters) = acquire(seen, views, settings, monitor)?;
+        let (sources, counters) = acquire(seen, views, settings, (request.backend, monitor))?;
         let acquired = begun.elapsed();
         let mut summary = between((&sources, truth), request, monitor, take)?;
         summary.counters.add(&counters);

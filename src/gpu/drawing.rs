@@ -191,14 +191,27 @@ pub fn read_indices(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<[u32; 2]>>
     Ok(indices)
 }
 
-/// Gives each row of a texture in words, some at its end without meaning.
-fn read_rows(gpu: &Gpu, texture: &wgpu::Texture, texel_bytes: usize, mut take: impl FnMut(&[u32])) -> Result<()> {
+/// Rows of a texture in a buffer.
+#[derive(Debug, Clone, Copy)]
+pub struct Band {
+    pub top: u32,
+    pub rows: u32,
+    /// Bytes from a row to the next.
+    pub pitch: u32,
+}
+
+/// Gives all rows of a texture in buffers, some rows in each.
+pub fn copy_rows(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    texel_bytes: usize,
+    mut take: impl FnMut(&wgpu::Buffer, Band) -> Result<()>,
+) -> Result<()> {
     let (width, height) = (texture.width(), texture.height());
     // Devices copy whole multiples of 256 bytes a row.
     let pitch = (width * texel_bytes as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     for [top, rows] in bands(height, u64::from(pitch)) {
-        let words = pitch as usize / 4 * rows as usize;
-        let buffer = gpu.buffer("picture", words, wgpu::BufferUsages::empty())?;
+        let buffer = gpu.buffer("picture", pitch as usize / 4 * rows as usize, wgpu::BufferUsages::empty())?;
         gpu.submit("picture", |encoder| {
             let layout =
                 wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: Some(rows) };
@@ -206,13 +219,22 @@ fn read_rows(gpu: &Gpu, texture: &wgpu::Texture, texel_bytes: usize, mut take: i
             let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
             encoder.copy_texture_to_buffer(rows_of(texture, top), to, size);
         })?;
-        let found = gpu.read(&buffer, words)?;
+        take(&buffer, Band { top, rows, pitch })?;
+    }
+    Ok(())
+}
+
+/// Gives each row of a texture in words, some at its end without meaning.
+fn read_rows(gpu: &Gpu, texture: &wgpu::Texture, texel_bytes: usize, mut take: impl FnMut(&[u32])) -> Result<()> {
+    copy_rows(gpu, texture, texel_bytes, |buffer, Band { rows, pitch, .. }| {
+        let words = pitch as usize / 4 * rows as usize;
+        let found = gpu.read(buffer, words)?;
         if found.len() != words {
             return Err(Error::unsupported(format!("{}: a picture was not read back", gpu.info.name)));
         }
         found.chunks_exact(pitch as usize / 4).for_each(&mut take);
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// What a camera sees in a window of its picture.

@@ -1,10 +1,14 @@
-//! Interpolates views on a device, the same bits as on the CPU (Epipolar 3.3.2).
+//! Interpolates views on a device (Epipolar 3.3.2).
 //!
 //! Enters: source views and output views. Leaves: the output views before their holes are filled. The CPU makes the lines of source
 //! pixels, which it holds in lists anyway, and sends them, some scanlines at a time. The device finds the winners of all pixels and
-//! shades them; pixels with a highlight it marks, and the CPU adds that to them.
+//! shades them. It marks the lines whose highlights pixels show; the CPU places splits for these, and the device adds the highlights
+//! between them, in floats: all other light has the same bits.
 
 pub mod block;
+pub mod compact;
+pub mod erosion;
+pub mod highlights;
 
 use std::ops::Range;
 
@@ -12,19 +16,23 @@ use rayon::prelude::*;
 
 use crate::epipolar::backend::Backend;
 use crate::epipolar::counters::Counters;
-use crate::epipolar::interpolate::{Coverage, InterpolatedView, Interpolator, Shader};
+use crate::epipolar::erosion::Moves;
+use crate::epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
 use crate::epipolar::lines::Line;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::harness::groups;
-use crate::gpu::kernels::{self, Kernel};
+use crate::gpu::harness::dispatch;
+use crate::gpu::kernels;
 use crate::gpu::layout::{SLICE_COLUMNS, SliceBlock, words_of};
 use crate::image::Plane;
 use crate::monitor::Monitor;
-use block::{LineWords, color_of, coverage_of, covered, is_glossy, places, winner_of};
+use block::{LineWords, color_of, coverage_of, places};
+use highlights::{Highlights, SplitWords};
 
 /// Lines that are sent at once, if one scanline does not have more: 64 MiB of lines, and as much of light.
 const LINES: usize = 4 << 20;
+/// Splits that are sent at once, if one scanline does not have more: 64 MiB.
+const SPLITS: usize = 4 << 20;
 /// Pixels of output views that are found at once, if one scanline does not have more: 64 MiB of winners, and as much of light.
 const PIXELS: usize = 8 << 20;
 /// Words of a winner, and of a pixel.
@@ -62,10 +70,8 @@ impl<'a> GpuInterpolator<'a> {
         lines.iter().for_each(|(_, of_row)| counters.add(of_row));
         let lines: Vec<&[Line]> = lines.iter().map(|(lines, _)| &lines[..]).collect();
         let words = LineWords::new(of, rows.start, &lines);
-        let glossy =
-            rows.clone().zip(&lines).map(|(row, lines)| of.has_gloss(row).then(|| Shader::new(of, lines, row)));
-        let mut shaders: Vec<Option<Shader<'_>>> = glossy.collect();
-        let has_gloss = shaders.iter().any(Option::is_some);
+        let mut highlights = Highlights::new(of, rows.start, &lines);
+        let line_count: usize = lines.iter().map(|lines| lines.len()).sum();
         let scanline = rows.len() * width;
         let at_once = (self.pixels / scanline).clamp(1, views.views.len().max(1));
         let buffer = |label, words| gpu.buffer(label, words, wgpu::BufferUsages::empty());
@@ -78,6 +84,7 @@ impl<'a> GpuInterpolator<'a> {
             winners: buffer("winners", PIXEL_WORDS * at_once * scanline)?,
             pixels: buffer("pixels", PIXEL_WORDS * at_once * scanline)?,
             fragments: buffer("fragments", at_once * rows.len())?,
+            wanted: buffer("wanted", line_count.div_ceil(32))?,
         };
         let first_view = views.first;
         for (at, shown) in views.views.chunks_mut(at_once).enumerate() {
@@ -91,17 +98,18 @@ impl<'a> GpuInterpolator<'a> {
             gpu.write("fragments", &buffers.fragments, &vec![0; shown.len() * rows.len()])?;
             let pixel_count = shown.len() * scanline;
             let workgroups = shown.len() * rows.len() * width.div_ceil(SLICE_COLUMNS as usize);
-            self.dispatch(&kernels::SLICES, &buffers, workgroups)?;
-            self.dispatch(
-                &kernels::LINE_LIGHT,
-                &buffers,
-                pixel_count.div_ceil(kernels::LINE_LIGHT.workgroup as usize),
-            )?;
-            let mut pixels = gpu.read(&buffers.pixels, PIXEL_WORDS * pixel_count)?;
-            if has_gloss {
-                let winners = gpu.read(&buffers.winners, PIXEL_WORDS * pixel_count)?;
-                add_highlights(&mut shaders, range, (&mut pixels, &winners));
+            dispatch(gpu, &kernels::SLICES, workgroups, |name| buffers.named(name))?;
+            let workgroups = pixel_count.div_ceil(kernels::LINE_LIGHT.workgroup as usize);
+            dispatch(gpu, &kernels::LINE_LIGHT, workgroups, |name| buffers.named(name))?;
+            if let Some(highlights) = &mut highlights {
+                let wanted = gpu.read(&buffers.wanted, line_count.div_ceil(32))?;
+                let splits = highlights.words(&wanted);
+                if !splits.splits.is_empty() {
+                    let eyes: Vec<f32> = range.map(|view| of.eye_place(view) as f32).collect();
+                    add_highlights(gpu, &buffers, workgroups, (&splits, &eyes))?;
+                }
             }
+            let pixels = gpu.read(&buffers.pixels, PIXEL_WORDS * pixel_count)?;
             counters.fragments +=
                 gpu.read(&buffers.fragments, shown.len() * rows.len())?.into_iter().map(u64::from).sum::<u64>();
             let strip = rows.start - of.rows.start..rows.end - of.rows.start;
@@ -109,29 +117,23 @@ impl<'a> GpuInterpolator<'a> {
             counters.hole_pixels += holes;
             counters.depth_tests_won += pixel_count as u64 - holes;
         }
-        counters.splits = shaders.iter().flatten().map(Shader::splits).sum();
+        counters.splits = highlights.map_or(0, |highlights| highlights.splits());
         Ok(counters)
-    }
-
-    fn dispatch(&self, kernel: &'static Kernel, buffers: &Buffers, workgroups: usize) -> Result<()> {
-        let pipeline = self.gpu.pipeline(kernel)?;
-        self.gpu.compute(kernel.name, |pass| {
-            let group = self.gpu.bind(&pipeline, |name| Some(buffers.named(name)?.as_entire_binding()));
-            pass.set_pipeline(&pipeline.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            let [x, y] = groups(workgroups as u32);
-            pass.dispatch_workgroups(x, y, 1);
-        })
     }
 
     /// The end of the scanlines from one on whose lines are sent at once.
     fn band_end(&self, of: &Interpolator<'_>, first: usize) -> usize {
         let lines = |row: usize| of.sources.iter().map(|source| source.rows[row].pixels.len()).sum::<usize>();
         let most = (first + (self.pixels / of.views.size[0] as usize).max(1)).min(of.rows.end);
-        let mut sum = lines(first);
+        let splits = |row: usize| {
+            let glossy = of.sources.iter().map(|source| source.rows[row].gloss.len()).sum::<usize>();
+            glossy.saturating_mul(of.most_splits())
+        };
+        let (mut line_sum, mut split_sum) = (lines(first), splits(first));
         let fits = |row: &usize| {
-            sum += lines(*row);
-            sum <= self.lines
+            line_sum += lines(*row);
+            split_sum = split_sum.saturating_add(splits(*row));
+            line_sum <= self.lines && split_sum <= SPLITS
         };
         (first + 1..most).take_while(fits).last().map_or(first + 1, |row| row + 1)
     }
@@ -152,6 +154,7 @@ struct Buffers {
     winners: wgpu::Buffer,
     pixels: wgpu::Buffer,
     fragments: wgpu::Buffer,
+    wanted: wgpu::Buffer,
 }
 
 impl Buffers {
@@ -166,6 +169,7 @@ impl Buffers {
             "winners" => &self.winners,
             "pixels" => &self.pixels,
             "fragments" => &self.fragments,
+            "wanted" => &self.wanted,
             _ => return None,
         })
     }
@@ -196,22 +200,28 @@ impl Backend for GpuInterpolator<'_> {
         }
         Ok((views, counters))
     }
+
+    fn eroded(&self, moves: &Moves) -> Result<u64> {
+        erosion::eroded(self.gpu, moves)
+    }
 }
 
-/// Adds highlights to the pixels that lack them: of scanlines, of all views in a range.
-fn add_highlights(shaders: &mut [Option<Shader<'_>>], views: Range<usize>, (pixels, winners): (&mut [u32], &[u32])) {
-    let words = (pixels.len() / shaders.len()).max(1);
-    let rows = shaders.par_iter_mut().zip(pixels.par_chunks_mut(words).zip(winners.par_chunks(words)));
-    rows.for_each(|(shader, (pixels, winners))| {
-        let Some(shader) = shader else { return };
-        let (pixels, winners) = (pixels.as_chunks_mut().0, winners.as_chunks().0);
-        let width = pixels.len() / views.len();
-        for (at, (pixel, winner)) in pixels.iter_mut().zip(winners).enumerate() {
-            if is_glossy(*pixel) {
-                *pixel = covered(shader.pixel(winner_of(*winner), views.start + at / width).0);
-            }
-        }
-    });
+/// Adds highlights to the pixels that lack them; `eyes` are the places of the views.
+fn add_highlights(
+    gpu: &Gpu,
+    buffers: &Buffers,
+    workgroups: usize,
+    (splits, eyes): (&SplitWords, &[f32]),
+) -> Result<()> {
+    let split_starts = gpu.filled("split_starts", &splits.starts)?;
+    let eyes = gpu.filled("eyes", &words_of(eyes))?;
+    let splits = gpu.filled("splits", &splits.splits)?;
+    dispatch(gpu, &kernels::LINE_HIGHLIGHTS, workgroups, |name| match name {
+        "split_starts" => Some(&split_starts),
+        "splits" => Some(&splits),
+        "eyes" => Some(&eyes),
+        other => buffers.named(other),
+    })
 }
 
 /// Puts scanlines into views; answers the number of holes.

@@ -43,6 +43,23 @@ pub fn groups(count: u32) -> [u32; 2] {
     [x, count.div_ceil(x).max(1)]
 }
 
+/// Runs a kernel once, with buffers by the names of its bindings.
+pub fn dispatch<'b>(
+    gpu: &Gpu,
+    kernel: &'static Kernel,
+    workgroups: usize,
+    named: impl Fn(&str) -> Option<&'b wgpu::Buffer>,
+) -> Result<()> {
+    let pipeline = gpu.pipeline(kernel)?;
+    gpu.compute(kernel.name, |pass| {
+        let group = gpu.bind(&pipeline, |name| Some(named(name)?.as_entire_binding()));
+        pass.set_pipeline(&pipeline.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let [x, y] = groups(workgroups as u32);
+        pass.dispatch_workgroups(x, y, 1);
+    })
+}
+
 const MOST_REPEATS: f64 = 100.0;
 
 impl KernelReport {

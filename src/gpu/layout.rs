@@ -114,7 +114,8 @@ mod tests {
 
     fn rows() -> Vec<Row> {
         let kernels = KERNELS.iter().map(|kernel| {
-            let renders = kernel.files.iter().any(|file| file.path.starts_with("march/"));
+            let is_light = |path: &str| path.starts_with("march/") || path == "epipolar/highlights.wgsl";
+            let renders = kernel.files.iter().any(|file| is_light(file.path));
             Row::new(kernel.name, kernel.bindings, &kernel.source(), renders)
         });
         kernels
@@ -162,6 +163,12 @@ mod tests {
         assert_eq!(LEVELS as usize, runtime::LEVELS);
         #[cfg(feature = "simplify")]
         assert_eq!(DEPTH_BITS_LEFT_OUT, crate::simplify::raster::DEPTH_BITS_LEFT_OUT);
+        #[cfg(feature = "epipolar")]
+        {
+            use crate::epipolar::erosion;
+            assert_eq!(EROSION_REACH as usize, erosion::REACH);
+            assert_eq!((MOVE_BITS, EROSION_TOLERANCE as i32), (erosion::MOVE_BITS, erosion::TOLERANCE));
+        }
         assert_eq!(NODE_HEADER_WORDS as usize * 4, runtime::HEADER_BYTES);
     }
 
@@ -191,7 +198,7 @@ mod tests {
             let rows = bindings.iter().enumerate();
             let rows: Vec<_> = rows.map(|(at, b)| (at as u32, b.name.to_owned(), b.is_written())).collect();
             assert_eq!(bound, rows, "bindings of {name}");
-            // Decoding is exact to the bit, so its kernels have no floats.
+            // Decoding is exact to the bit, so its kernels have no floats; neither do those of slices, but for highlights.
             for (_, found) in module.types.iter().filter(|_| !renders) {
                 let scalar = found.inner.scalar_kind();
                 assert!(scalar != Some(naga::ScalarKind::Float), "{name} has a float");

@@ -6,11 +6,15 @@ mod cells;
 #[cfg(feature = "simplify")]
 pub mod drawings;
 mod gathered;
+#[cfg(feature = "epipolar")]
+pub mod highlights;
 mod nodes;
 pub mod pictures;
 mod plans;
 #[cfg(feature = "simplify")]
 mod rooms;
+#[cfg(feature = "epipolar")]
+mod rows;
 #[cfg(feature = "epipolar")]
 pub mod slices;
 pub mod streams;
@@ -47,6 +51,9 @@ pub enum Inputs {
     Words(fn(u64) -> Vec<Case>),
     /// Light fields and cameras; pictures must agree with the CPU's within bounds.
     Pictures,
+    /// Views with highlights, which must agree with the CPU's within the same bounds; all other light has the same bits.
+    #[cfg(feature = "epipolar")]
+    Highlights,
 }
 
 pub static ROWS: &[Row] = &[
@@ -78,12 +85,24 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::SLICES, inputs: Words(slices::winners) },
     #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::LINE_LIGHT, inputs: Words(slices::light) },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::LINE_HIGHLIGHTS, inputs: Inputs::Highlights },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::ACTIVE_COUNTS, inputs: Words(rows::active_counts) },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::COMPACT, inputs: Words(rows::compacted) },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::EROSION_EDGES, inputs: Words(rows::erosion_edges) },
+    #[cfg(feature = "epipolar")]
+    Row { kernel: &kernels::EROSION, inputs: Words(rows::erosion) },
 ];
 
 pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
     let cases = match row.inputs {
         Words(cases) => cases(seed),
         Inputs::Pictures => return pictures::test(gpu, row.kernel),
+        #[cfg(feature = "epipolar")]
+        Inputs::Highlights => return highlights::test(gpu, row.kernel.name),
     };
     let mut report = KernelReport::new(row.kernel.name);
     for (at, case) in cases.iter().enumerate() {

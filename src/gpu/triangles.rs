@@ -1,13 +1,16 @@
-//! Draws the triangles of a scene by the rasteriser of a device: layer by layer, what each pixel shows (Epipolar 3.1 to 3.3).
+//! Draws the triangles of a scene by the rasteriser of a device: layer by layer, what each pixel shows (Epipolar 3.1 to 3.3). Of
+//! layers that show little, the active pixels come back (3.3.2).
 
 use glam::DVec3;
 
+use crate::epipolar::compact::spread;
 use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::drawing::{
     self, DEPTH_FORMAT, DrawingPipeline, INDEX_FORMAT, Window, cleared, farthest_m, read_indices,
 };
+use crate::gpu::epipolar::compact::active_pixels;
 use crate::gpu::kernels;
 use crate::gpu::layout::{DrawnPicture, words_of};
 use crate::scene::SceneAtTime;
@@ -20,8 +23,24 @@ const BATCH: usize = 1 << 20;
 /// Before the first pass, no depth in the buffer is as near.
 const NOTHING_BEFORE: f32 = 2.0;
 
+/// A layer is compacted where the one before shows something in less than this part of its pixels.
+const SPARSE: usize = 8;
+
+/// How layers come back from a device; what they show does not depend on it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Readback {
+    /// All pixels.
+    Whole,
+    /// Those that show something.
+    Compacted,
+    /// The former, until a layer shows little.
+    #[default]
+    BySize,
+}
+
 pub struct GpuTriangles<'a> {
     gpu: &'a Gpu,
+    readback: Readback,
     pipeline: DrawingPipeline,
     /// Corners, and their number.
     batches: Vec<(wgpu::Buffer, u32)>,
@@ -56,10 +75,16 @@ impl<'a> GpuTriangles<'a> {
         }
         Ok(GpuTriangles {
             gpu,
+            readback: Readback::default(),
             pipeline: DrawingPipeline::new(gpu, &kernels::TRIANGLES)?,
             batches,
             bounds: [low, high],
         })
+    }
+
+    #[must_use]
+    pub fn with_readback(self, readback: Readback) -> Self {
+        GpuTriangles { readback, ..self }
     }
 
     fn targets(&self, size: [u32; 2]) -> Result<Targets> {
@@ -123,6 +148,27 @@ impl<'a> GpuTriangles<'a> {
     }
 }
 
+impl GpuTriangles<'_> {
+    /// What a layer shows, and the number of pixels that show something, given that of the layer before.
+    fn read(&self, layer: &wgpu::Texture, before: usize) -> Result<(Vec<u32>, usize)> {
+        let pixels = layer.width() as usize * layer.height() as usize;
+        let is_compacted = match self.readback {
+            Readback::Whole => false,
+            Readback::Compacted => true,
+            Readback::BySize => before < pixels / SPARSE,
+        };
+        if is_compacted {
+            let active = active_pixels(self.gpu, layer)?;
+            let mut found = vec![0; pixels];
+            spread(&active, &mut found);
+            return Ok((found, active.len()));
+        }
+        let found: Vec<u32> = read_indices(self.gpu, layer)?.into_iter().map(|[at, _]| at).collect();
+        let active = found.iter().filter(|number| **number != 0).count();
+        Ok((found, active))
+    }
+}
+
 impl TriangleDrawing for GpuTriangles<'_> {
     fn draw(
         &self,
@@ -141,13 +187,13 @@ impl TriangleDrawing for GpuTriangles<'_> {
         let picture = self.gpu.filled("picture", &words_of(&[picture]))?;
         let targets = self.targets(size)?;
         self.clear(&targets.textures[1])?;
-        let mut layers = Vec::new();
+        let (mut layers, mut active) = (Vec::new(), usize::MAX);
         for layer in 0..most_layers {
             let into = layer % 2;
             self.pass(&picture, &targets, into)?;
-            let found: Vec<u32> =
-                read_indices(self.gpu, &targets.textures[into])?.into_iter().map(|[at, _]| at).collect();
-            if layer > 0 && found.iter().all(|number| *number == 0) {
+            let found;
+            (found, active) = self.read(&targets.textures[into], active)?;
+            if layer > 0 && active == 0 {
                 break;
             }
             layers.push(found);

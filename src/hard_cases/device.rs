@@ -1,5 +1,5 @@
 //! Hard cases on a graphics device: streams decoded in order and entered anywhere must equal the CPU's in every word; pictures
-//! must agree within bounds, and interpolated views in every pixel.
+//! must agree within bounds, and interpolated views in every pixel, but for highlights.
 
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};

@@ -6,9 +6,10 @@ use glam::DVec3;
 use half::f16;
 
 use crate::epipolar::acquire::{AcquireSettings, acquire};
+use crate::epipolar::backend::Cpu;
 use crate::epipolar::brute_force;
 use crate::epipolar::fill::{HoleFilling, Truth};
-use crate::epipolar::highlights::EyeLine;
+use crate::epipolar::highlights::{EyeLine, Highlight};
 use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator};
 use crate::epipolar::lines::{LineSpace, moved};
 use crate::epipolar::pipeline::{Request, RowsAtOnce, Settings, between};
@@ -17,6 +18,7 @@ use crate::epipolar::view_store::Storage;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::epipolar::visibility::hidden_m;
 use crate::error::Result;
+use crate::gpu::selftest::highlights;
 use crate::gpu::selftest::slices::InterpolationCase;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::math::{Camera, Lens};
@@ -59,6 +61,10 @@ pub(super) fn cases() -> Vec<HardCase> {
     let highlights = group("best place of a highlight", "of the cosine");
     // A search in thousandths is no better than the closed form, but for rounding.
     cases.push(highlights.case("lights on, along, before and behind the line", Bound::AtMost(1e-9), best_places));
+    let lights = group("highlights", "other radiance at splits");
+    cases.push(
+        lights.none("lamps at the ends of the line, on it and beyond, few splits and many", highlights_at_splits),
+    );
     let scenes = group("scene to views", "other pixels than by ray casting");
     for size_m in SIZES {
         cases.push(scenes.none(format!("views of sources, scene of {size_m:e} m"), move || own_views(size_m)));
@@ -259,6 +265,31 @@ fn best_places() -> Result<Measured> {
     Ok(worst)
 }
 
+/// Highlights have their own radiance at both ends, at the best place of a lamp, and at all splits, whose number is limited.
+fn highlights_at_splits() -> Result<Measured> {
+    let (mut wrong, cases) = (Measured::count(0), highlights::cases()?);
+    for case in &cases {
+        let (eyes, limit) = (EyeLine::new(&case.views), case.settings.splits);
+        let [first_m, last_m] = case.views.ends_m();
+        let eye = |place: f64| case.views.eye(first_m).lerp(case.views.eye(last_m), place);
+        let rows = case.sources.iter().flat_map(|source| &source.rows);
+        for (at, gloss) in rows.flat_map(|row| &row.gloss).enumerate() {
+            let highlight = Highlight::new(gloss, &eyes, limit);
+            let places = highlight.places();
+            let is_ordered = places.windows(2).all(|pair| pair[0].0 < pair[1].0);
+            let is_exact = places.iter().all(|&(place, light)| {
+                let exact = gloss.towards(eye(place));
+                // An eye is found by another sum here.
+                highlight.at(place) == light && (light - exact).abs().max_element() <= 1e-6 * exact.max_element()
+            });
+            let has_ends = places[0].0 == 0.0 && (first_m == last_m || places[places.len() - 1].0 == 1.0);
+            let is_few = (1..=limit + 2).contains(&places.len());
+            wrong.count_if(!(is_ordered && is_exact && has_ends && is_few), || format!("{}: {at}", case.label));
+        }
+    }
+    Ok(wrong.with_interpolations(cases))
+}
+
 fn ball(size_m: f64) -> SceneAtTime {
     let matt = |red: f64| Material::diffuse(Texture::Solid(DVec3::new(red, 0.5, 0.5)));
     let center = DVec3::new(0.0, 0.0, -4.0) * size_m;
@@ -297,7 +328,7 @@ fn settings() -> Result<Settings> {
 /// Pixels of some views that differ from ray casting.
 fn different(scene: &SceneAtTime, views: &OutputViews, compared: &[usize]) -> Result<Measured> {
     let (mut wrong, settings) = (Measured::count(0), settings()?);
-    let (sources, _) = acquire(scene, views, &settings.acquire, &Silent)?;
+    let (sources, _) = acquire(scene, views, &settings.acquire, (&Cpu, &Silent))?;
     let truth = Truth { scene, samples: &settings.acquire.samples };
     between((&sources, Some(truth)), &Request::all(views, &settings), &Silent, |view, picture| {
         if !compared.contains(&view) {

@@ -2,13 +2,17 @@
 //!
 //! `cargo bench --bench interpolate [-- SCENE..]` renders views of each scene, and without one of built-in ones: for 10, 100 and 500
 //! views the times that ray casting takes longer, what a further view costs of one that is ray cast, and the exponent of time over
-//! pixels. Medians of the turns; a PSNR stands beside each time.
+//! pixels. Where there is a graphics device, the same views are interpolated on it; one source's triangles are drawn and read back whole and
+//! compacted; and erosion between two sources is measured. Medians of the turns; a PSNR stands beside each time.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use lightfold::epipolar::acquire::AcquireSettings;
+use lightfold::epipolar::acquire::{AcquireSettings, acquire};
+use lightfold::epipolar::backend::{Backend, Cpu};
 use lightfold::epipolar::brute_force;
+use lightfold::epipolar::drawing::{MAX_DRAWN, PixelWindow, TriangleDrawing};
+use lightfold::epipolar::erosion::Moves;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::InterpolateSettings;
 use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, interpolate};
@@ -17,6 +21,10 @@ use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::error::{Error, Result};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
+use lightfold::gpu::Gpu;
+use lightfold::gpu::device::Pick;
+use lightfold::gpu::epipolar::GpuInterpolator;
+use lightfold::gpu::triangles::{GpuTriangles, Readback};
 use lightfold::image::ToneMap;
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
@@ -33,30 +41,73 @@ fn main() -> Result<()> {
     if scenes.is_empty() {
         scenes = ["interior", "courtyard"].map(str::to_owned).into();
     }
-    println!("{:<12}  {:>5}  {:>9}  {:>9}  {:>8}  {:>8}", "", "views", "seconds", "ray cast", "x faster", "PSNR dB");
+    let gpu = Gpu::open(&Pick::Best).ok();
+    match &gpu {
+        Some(gpu) => println!("the device is {}, {}", gpu.info.name, gpu.info.kind),
+        None => println!("there is no graphics device"),
+    }
+    println!("{:<18}  {:>5}  {:>9}  {:>9}  {:>8}  {:>8}", "", "views", "seconds", "ray cast", "x faster", "PSNR dB");
     for name in scenes {
         let scene = Scene::open(&name, Play::First)?.0.at(0.0);
-        measure(&name, &scene)?;
+        measure(&name, &scene, gpu.as_ref())?;
+        if let Some(gpu) = &gpu {
+            stages(&scene, gpu)?;
+        }
     }
     Ok(())
 }
 
-fn measure(name: &str, scene: &SceneAtTime) -> Result<()> {
+/// Milliseconds of stages of the acquisition, on the CPU and on a device.
+fn stages(scene: &SceneAtTime, gpu: &Gpu) -> Result<()> {
+    let (views, on_device) = (views(2, SIZE)?, GpuInterpolator::new(gpu));
+    let (sources, _) = acquire(scene, &views, &AcquireSettings::new(samples()?), (&Cpu, &Silent))?;
+    let moves = Moves::between(&views, [&sources[0], &sources[1]]);
+    let [on_cpu, on_device] =
+        [&Cpu as &dyn Backend, &on_device].map(|backend| seconds(|| backend.eroded(&moves).map(drop)));
+    println!("erosion of two sources: {:.2} ms, on the device {:.2} ms", 1e3 * on_cpu?, 1e3 * on_device?);
+    if scene.meshes.is_empty() {
+        println!();
+        return Ok(());
+    }
+    let (from, window) = (views.viewpoint(0.0), PixelWindow { columns: 0..SIZE[0] as i32, rows: 0..SIZE[1] });
+    let draw = |readback: Readback| -> Result<f64> {
+        let triangles = GpuTriangles::new(gpu, scene)?.with_readback(readback);
+        seconds(|| triangles.draw(&from, &window, [0.5; 2], MAX_DRAWN).map(|layers| drop(black_box(layers))))
+    };
+    let [whole, compacted, by_size] = [Readback::Whole, Readback::Compacted, Readback::BySize].map(draw);
+    println!(
+        "layers of triangles: read back whole {:.1} ms, compacted {:.1} ms, by size {:.1} ms\n",
+        1e3 * whole?,
+        1e3 * compacted?,
+        1e3 * by_size?
+    );
+    Ok(())
+}
+
+fn measure(name: &str, scene: &SceneAtTime, gpu: Option<&Gpu>) -> Result<()> {
     let cast = seconds(|| {
         let views = views(1, SIZE)?;
         black_box(brute_force::render(scene, (&views, 0.0), &samples()?, &Silent)?);
         Ok(())
     })?;
     let mut of_count = Vec::new();
-    for count in COUNTS {
-        let seconds = interpolated(scene, &views(count, SIZE)?)?;
+    let row = |label: &str, count: u32, backend: &dyn Backend| -> Result<f64> {
+        let seconds = interpolated((scene, backend), &views(count, SIZE)?)?;
         let all = cast * f64::from(count);
-        let psnr_db = psnr_db(scene, &views(count, SIZE)?)?;
-        println!("{name:<12}  {count:>5}  {seconds:>9.3}  {all:>9.3}  {:>8.1}  {psnr_db:>8.2}", all / seconds);
-        of_count.push(seconds);
+        let psnr_db = psnr_db((scene, backend), &views(count, SIZE)?)?;
+        println!("{label:<18}  {count:>5}  {seconds:>9.3}  {all:>9.3}  {:>8.1}  {psnr_db:>8.2}", all / seconds);
+        Ok(seconds)
+    };
+    for count in COUNTS {
+        of_count.push(row(name, count, &Cpu)?);
+    }
+    if let Some(gpu) = gpu {
+        for count in COUNTS {
+            row(&format!("{name}, device"), count, &GpuInterpolator::new(gpu))?;
+        }
     }
     let slope = (of_count[2] - of_count[1]) / f64::from(COUNTS[2] - COUNTS[1]);
-    let small = interpolated(scene, &views(100, SIZE.map(|side| side / 2))?)?;
+    let small = interpolated((scene, &Cpu), &views(100, SIZE.map(|side| side / 2))?)?;
     println!(
         "a further view costs {:.3} of one that is ray cast; time grows with the {:.2}th power of pixels\n",
         slope / cast,
@@ -87,10 +138,10 @@ fn settings() -> Result<Settings> {
     })
 }
 
-fn interpolated(scene: &SceneAtTime, views: &OutputViews) -> Result<f64> {
+fn interpolated((scene, backend): (&SceneAtTime, &dyn Backend), views: &OutputViews) -> Result<f64> {
     let settings = settings()?;
     seconds(|| {
-        interpolate(scene, &Request::all(views, &settings), &Silent, |_, picture| {
+        interpolate(scene, &Request { backend, ..Request::all(views, &settings) }, &Silent, |_, picture| {
             black_box(picture);
             Ok(())
         })
@@ -99,10 +150,10 @@ fn interpolated(scene: &SceneAtTime, views: &OutputViews) -> Result<f64> {
 }
 
 /// Over ten of the views.
-fn psnr_db(scene: &SceneAtTime, views: &OutputViews) -> Result<f64> {
+fn psnr_db((scene, backend): (&SceneAtTime, &dyn Backend), views: &OutputViews) -> Result<f64> {
     let (settings, mut sum) = (settings()?, Similarity::empty());
     let step = views.count() as usize / 10;
-    interpolate(scene, &Request::all(views, &settings), &Silent, |view, picture| {
+    interpolate(scene, &Request { backend, ..Request::all(views, &settings) }, &Silent, |view, picture| {
         if view % step != step / 2 {
             return Ok(());
         }

@@ -357,6 +357,8 @@ fn main() {
         Trial::test("epipolar::scenes", epipolar::scenes),
         Trial::test("epipolar::sizes", epipolar::sizes),
         Trial::test("epipolar::sources", epipolar::sources),
+        Trial::test("epipolar::erosion", epipolar::erosion),
+        Trial::test("epipolar::compaction", epipolar::compaction),
         Trial::test("epipolar::commands", epipolar::commands),
         Trial::test("hard_cases", hard_cases),
         Trial::test("random_streams", random_streams),

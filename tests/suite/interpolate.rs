@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquire};
+use lightfold::epipolar::backend::Cpu;
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::{InterpolateSettings, Interpolator};
@@ -156,7 +157,7 @@ fn short_cuts_and_bands_and_threads_do_not_change_the_picture() {
 #[test]
 fn the_order_of_sources_does_not_matter_and_doubled_ones_are_one() {
     let (scene, views) = (scene("interior"), views(VIEWS, Spread::Baseline(0.4), f64::INFINITY));
-    let (sources, _) = acquire(&scene, &views, &settings(|_| {}).acquire, &Silent).unwrap();
+    let (sources, _) = acquire(&scene, &views, &settings(|_| {}).acquire, (&Cpu, &Silent)).unwrap();
     let of = |sources: Vec<lightfold::epipolar::source::SourceView>| {
         let sources = in_order(sources);
         let interpolator = Interpolator::new(&views, &sources, InterpolateSettings::default());

@@ -5,6 +5,7 @@ use std::path::Path;
 use lightfold::epipolar::acquire::{
     AcquireSettings, Acquisition, Hierarchy, SourcePlacement, StoppingRule, acquire, hierarchical,
 };
+use lightfold::epipolar::backend::Cpu;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::image::{ReadLimits, exr, png};
 use lightfold::math::{Camera, Lens};
@@ -240,7 +241,7 @@ fn sources_are_added_until_little_is_missing() {
             hierarchy,
             ..AcquireSettings::new(SamplePattern::new(1).unwrap())
         };
-        let (sources, _) = acquire(&scene, &views, &settings, &Silent).unwrap();
+        let (sources, _) = acquire(&scene, &views, &settings, (&Cpu, &Silent)).unwrap();
         sources.iter().map(|source| source.offset_m).collect::<Vec<f64>>()
     };
     for stop in [StoppingRule::Holes, StoppingRule::Erosion] {
@@ -258,6 +259,6 @@ fn sources_are_added_until_little_is_missing() {
     let none = Hierarchy { hole_threshold_percent: 0.0, time: Some(std::time::Duration::ZERO), ..Hierarchy::default() };
     assert_eq!(places(none), [-0.75, 0.75]);
     // What makes a source may fail.
-    let failed = hierarchical(&views, &none, |_| Err(lightfold::error::Error::Interrupted));
+    let failed = hierarchical(&views, &none, &Cpu, |_| Err(lightfold::error::Error::Interrupted));
     assert!(failed.is_err());
 }

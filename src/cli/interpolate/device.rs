@@ -10,6 +10,7 @@ use crate::cli::device::or_on_cpu;
 use crate::epipolar::backend::{Backend, Cpu};
 use crate::epipolar::counters::Counters;
 use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers};
+use crate::epipolar::erosion::Moves;
 use crate::epipolar::interpolate::{InterpolatedView, Interpolator};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -43,6 +44,13 @@ impl<'a> Device<'a> {
         };
         let gpu = self.gpu.get().filter(|_| self.rasterizes);
         Ok(or_on_cpu((gpu, choice), global, on_gpu, || Ok(None))?.0)
+    }
+
+    /// Runs work on the graphics device, or on the CPU from where that fails.
+    fn run<T>(&self, on_gpu: impl FnOnce(&Gpu) -> Result<T>, on_cpu: impl FnOnce() -> Result<T>) -> Result<T> {
+        let (done, name) = or_on_cpu((self.gpu.get(), self.choice), self.global, on_gpu, on_cpu)?;
+        self.gpu.set(self.gpu.get().filter(|gpu| gpu.info.name == name));
+        Ok(done)
     }
 
     /// The name of the graphics device, or `cpu`.
@@ -90,8 +98,10 @@ impl Backend for Device<'_> {
     ) -> Result<(Vec<InterpolatedView>, Counters)> {
         let on_gpu = |gpu: &Gpu| GpuInterpolator::new(gpu).views(of, range.clone(), monitor);
         let on_cpu = || Cpu.views(of, range.clone(), monitor);
-        let (views, name) = or_on_cpu((self.gpu.get(), self.choice), self.global, on_gpu, on_cpu)?;
-        self.gpu.set(self.gpu.get().filter(|gpu| gpu.info.name == name));
-        Ok(views)
+        self.run(on_gpu, on_cpu)
+    }
+
+    fn eroded(&self, moves: &Moves) -> Result<u64> {
+        self.run(|gpu| GpuInterpolator::new(gpu).eroded(moves), || Cpu.eroded(moves))
     }
 }

@@ -7,6 +7,7 @@ use half::f16;
 use super::args::Args;
 use crate::decode::Decoder;
 use crate::epipolar::acquire::{Acquisition, hierarchical};
+use crate::epipolar::backend::Backend;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::source::{SourceView, in_order};
 use crate::epipolar::views::OutputViews;
@@ -49,7 +50,7 @@ impl<'a> LightField<'a> {
         &self,
         views: &OutputViews,
         args: &Args,
-        monitor: &dyn Monitor,
+        (backend, monitor): (&dyn Backend, &dyn Monitor),
     ) -> Result<(Vec<SourceView>, Counters)> {
         let make = |offsets_m: &[f64]| {
             let sources = offsets_m.iter().map(|&offset_m| self.source(views, offset_m, monitor));
@@ -61,7 +62,7 @@ impl<'a> LightField<'a> {
             _ if ends_m[0] == ends_m[1] => vec![ends_m[0]],
             Acquisition::Dual => ends_m.to_vec(),
             Acquisition::Hierarchical => {
-                let (sources, counters) = hierarchical(views, &args.hierarchy(), make)?;
+                let (sources, counters) = hierarchical(views, &args.hierarchy(), backend, make)?;
                 return Ok(counted(sources, counters));
             }
         };

@@ -6,9 +6,10 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use super::erosion::eroded_percent;
 use super::settings::{Hierarchy, SourcePlacement, StoppingRule};
+use crate::epipolar::backend::Backend;
 use crate::epipolar::counters::Counters;
+use crate::epipolar::erosion::eroded_percent;
 use crate::epipolar::interpolate::hole_percent;
 use crate::epipolar::source::SourceView;
 use crate::epipolar::views::OutputViews;
@@ -22,6 +23,7 @@ const PARTS: u32 = 8;
 pub fn hierarchical(
     views: &OutputViews,
     settings: &Hierarchy,
+    backend: &dyn Backend,
     mut make: impl FnMut(&[f64]) -> Result<(Vec<SourceView>, Counters)>,
 ) -> Result<(Vec<SourceView>, Counters)> {
     let begun = Instant::now();
@@ -44,7 +46,7 @@ pub fn hierarchical(
         }
         let missing = match settings.stop {
             StoppingRule::Holes => hole_percent(views, &gap.pair, next_m),
-            StoppingRule::Erosion => eroded_percent(views, gap.pair),
+            StoppingRule::Erosion => eroded_percent(views, gap.pair, backend)?,
         };
         if missing <= settings.hole_threshold_percent {
             continue;

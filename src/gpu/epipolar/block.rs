@@ -7,11 +7,10 @@ use rayon::prelude::*;
 
 use crate::epipolar::interpolate::{Coverage, Interpolator};
 use crate::epipolar::lines::Line;
-use crate::epipolar::slice::Winner;
 use crate::epipolar::source::{Light, SourcePixel};
 use crate::gpu::layout::{
-    LIGHT_GLOSS, LIGHT_TRACED, LINE_FIRST, LINE_JOINS, LineLight, NONE, SHOWN_GLOSS, SHOWN_HOLE, SHOWN_OPTICAL,
-    SliceLine, SlicePlace, WINNER_AFTER, WINNER_BEFORE, words_of,
+    LIGHT_GLOSS, LIGHT_TRACED, LINE_FIRST, LINE_JOINS, LineLight, SHOWN_HOLE, SHOWN_OPTICAL, SliceLine, SlicePlace,
+    words_of,
 };
 use crate::gpu::pictures::{pack_halves, unpack_halves};
 
@@ -78,17 +77,7 @@ pub fn places(of: &Interpolator<'_>, views: Range<usize>) -> Vec<SlicePlace> {
     (0..of.sources.len()).flat_map(|source| views.clone().map(move |view| (source, view))).map(place).collect()
 }
 
-/// A winner of a kernel.
-pub fn winner_of([line, rest]: [u32; 2]) -> Option<Winner> {
-    let beside = match rest {
-        _ if rest & WINNER_AFTER != 0 => line.wrapping_add(1),
-        _ if rest & WINNER_BEFORE != 0 => line.wrapping_sub(1),
-        _ => line,
-    };
-    (line != NONE).then_some(Winner { line, beside, weight: rest as u8 })
-}
-
-/// Light of a pixel, without highlights.
+/// Light of a pixel.
 pub fn color_of(pixel: [u32; 2]) -> [f16; 3] {
     unpack_halves(pixel).map(f16::from_bits)
 }
@@ -99,11 +88,6 @@ pub fn coverage_of([_, rest]: [u32; 2]) -> Coverage {
         SHOWN_OPTICAL => Coverage::Optical,
         _ => Coverage::Covered,
     }
-}
-
-/// Whether a pixel lacks its highlight.
-pub fn is_glossy([_, rest]: [u32; 2]) -> bool {
-    rest >> 16 == SHOWN_GLOSS
 }
 
 /// A pixel that lacks nothing.

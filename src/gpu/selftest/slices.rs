@@ -9,6 +9,7 @@ use half::f16;
 use crate::epipolar::backend::{Backend, Cpu};
 use crate::epipolar::coalesce::Coalescing;
 use crate::epipolar::counters::Counters;
+use crate::epipolar::fill::picture;
 use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator, Shader};
 use crate::epipolar::lines::Line;
 use crate::epipolar::slice::{Slice, Winner};
@@ -22,6 +23,7 @@ use crate::gpu::layout::{
     NONE, SHOWN_GLOSS, SHOWN_HOLE, SHOWN_OPTICAL, SLICE_COLUMNS, SLICE_WORKGROUP, SliceBlock, WINNER_AFTER,
     WINNER_BEFORE, WINNER_OWN, words_of,
 };
+use crate::gpu::render::agreement::Agreement;
 use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -38,40 +40,73 @@ pub struct InterpolationCase {
 /// What differs between views of a device and of the CPU.
 #[derive(Debug, Clone, Default)]
 pub struct InterpolationResult {
-    /// Pixels of other light or coverage, and counters.
+    /// Pixels of other light or coverage, and counters; of views with highlights, pixels that differ by more than is allowed, too.
     pub mismatches: u64,
     pub first: Option<String>,
 }
 
-/// Interpolates all views on a device and on the CPU.
+impl InterpolationResult {
+    fn differ(&mut self, count: u64, place: impl FnOnce() -> String) {
+        self.mismatches += count;
+        if count > 0 {
+            self.first.get_or_insert_with(place);
+        }
+    }
+}
+
+/// Interpolates all views on a device and on the CPU: without highlights all bits must be equal, and with them the views must agree.
 pub fn run(on_device: &GpuInterpolator<'_>, case: &InterpolationCase) -> Result<InterpolationResult> {
-    let of = Interpolator::new(&case.views, &case.sources, case.settings);
+    let mut result = InterpolationResult::default();
+    let is_glossy = case.sources.iter().flat_map(|source| &source.rows).any(|row| !row.gloss.is_empty());
+    let steady = on_both(on_device, case, &without_highlights(&case.sources), &mut result)?;
+    for (view, [found, expected]) in steady.iter().enumerate() {
+        for (pixel, (found, expected)) in pixels(found).iter().zip(pixels(expected)).enumerate() {
+            let place = || format!("{}: view {view}, pixel {pixel} is {found:x?} and not {expected:x?}", case.label);
+            result.differ(u64::from(*found != expected), place);
+        }
+    }
+    let shown = if is_glossy { on_both(on_device, case, &case.sources, &mut result)? } else { Vec::new() };
+    for (view, [found, expected]) in shown.iter().enumerate() {
+        let [found, expected] = [picture(found)?, picture(expected)?];
+        let agreement = Agreement::of_images(&found, &expected, [0; 2])?;
+        result.differ(agreement.mismatches(), || format!("{}: view {view}: {agreement:?}", case.label));
+    }
+    Ok(result)
+}
+
+/// The views of a device and of the CPU, whose counters must be equal.
+fn on_both(
+    on_device: &GpuInterpolator<'_>,
+    case: &InterpolationCase,
+    sources: &[SourceView],
+    result: &mut InterpolationResult,
+) -> Result<Vec<[InterpolatedView; 2]>> {
+    let of = Interpolator::new(&case.views, sources, case.settings);
     let all = 0..case.views.offsets_m.len();
     let (found, counted) = on_device.views(&of, all.clone(), &Silent)?;
     let (expected, mut counters) = Cpu.views(&of, all, &Silent)?;
-    let mut result = InterpolationResult::default();
-    let mut differ = |place: &dyn Fn() -> String| {
-        result.mismatches += 1;
-        result.first.get_or_insert_with(|| format!("{}: {}", case.label, place()));
-    };
-    let pixels = |view: &InterpolatedView| -> Vec<([u16; 3], Coverage)> {
-        let bits = view.color.data().iter().map(|light| light.map(f16::to_bits));
-        bits.zip(view.coverage.data().iter().copied()).collect()
-    };
-    for (view, (found, expected)) in found.iter().zip(&expected).enumerate() {
-        for (pixel, (found, expected)) in pixels(found).iter().zip(pixels(expected)).enumerate() {
-            if *found != expected {
-                differ(&|| format!("view {view}, pixel {pixel} is {found:x?} and not {expected:x?}"));
-            }
-        }
-    }
     // Fragments have no order on a device.
     let pixels = case.views.size.iter().map(|&side| u64::from(side)).product::<u64>() * expected.len() as u64;
     (counters.depth_tests_won, counters.pixels_by_layer) = (pixels - counters.hole_pixels, Default::default());
-    if counted != counters || found.len() != expected.len() {
-        differ(&|| format!("{counted:?} and not {counters:?}"));
+    let differs = counted != counters || found.len() != expected.len();
+    result.differ(u64::from(differs), || format!("{}: {counted:?} and not {counters:?}", case.label));
+    Ok(found.into_iter().zip(expected).map(|(found, expected)| [found, expected]).collect())
+}
+
+fn without_highlights(sources: &[SourceView]) -> Vec<SourceView> {
+    let mut sources = sources.to_vec();
+    for row in sources.iter_mut().flat_map(|source| &mut source.rows) {
+        row.gloss.clear();
+        for pixel in &mut row.pixels {
+            pixel.light = if pixel.light == Light::Traced { Light::Traced } else { Light::Steady };
+        }
     }
-    Ok(result)
+    sources
+}
+
+fn pixels(view: &InterpolatedView) -> Vec<([u16; 3], Coverage)> {
+    let bits = view.color.data().iter().map(|light| light.map(f16::to_bits));
+    bits.zip(view.coverage.data().iter().copied()).collect()
 }
 
 /// Widths and numbers of views: one, odd, those of a workgroup and beside.
@@ -225,11 +260,23 @@ pub(super) fn winners(seed: u64) -> Vec<Case> {
 
 pub(super) fn light(seed: u64) -> Vec<Case> {
     let case = |input: InterpolationCase| {
-        let (mut winners, mut shown) = (Vec::new(), Vec::new());
+        let (mut winners, mut shown, mut glossy) = (Vec::new(), Vec::new(), Vec::new());
         let (mut buffers, fragments, pixels) = dispatch(&input, |of, (row, view), lines, expected| {
             winners.extend(expected.words);
-            shown.extend(pixel_of(of, (row, view), lines, expected));
+            let pixel = pixel_of(of, (row, view), lines, expected);
+            shown.extend(pixel);
+            if pixel[1] >> 16 == SHOWN_GLOSS {
+                let shown = expected.winner.iter().flat_map(|winner| [winner.line, winner.beside]);
+                glossy.extend(shown.filter(|&line| is_gloss(of, row, &lines[line as usize])).map(|line| (row, line)));
+            }
         });
+        let starts = &buffers["starts"];
+        let mut wanted = vec![0; starts[ROWS].div_ceil(32) as usize];
+        for (row, line) in glossy {
+            let line = starts[row] + line;
+            wanted[line as usize / 32] |= 1 << (line % 32);
+        }
+        buffers.insert("wanted", vec![0; wanted.len()]);
         buffers.insert("winners", winners);
         buffers.insert("pixels", vec![0xdead_beef; shown.len()]);
         Case {
@@ -237,24 +284,27 @@ pub(super) fn light(seed: u64) -> Vec<Case> {
             buffers,
             invocations: pixels as u32,
             inputs: fragments.len() as u64,
-            expected: vec![("pixels", shown)],
+            expected: vec![("pixels", shown), ("wanted", wanted)],
             pixels,
         }
     };
     inputs(seed).into_iter().map(case).collect()
 }
 
+fn is_gloss(of: &Interpolator<'_>, row: usize, line: &Line) -> bool {
+    matches!(of.source_pixel(row, line).light, Light::Gloss(_))
+}
+
 /// The words of a pixel. Its scanline has no gloss, so that the CPU adds no highlight to its light.
 fn pixel_of(of: &Interpolator<'_>, (row, view): (usize, usize), lines: &[Line], expected: &Expected) -> [u32; 2] {
     let (color, coverage) = Shader::new(of, lines, row).pixel(expected.winner, view);
-    let is_gloss = |line: &Line| matches!(of.source_pixel(row, line).light, Light::Gloss(_));
     let is_own = expected.words[1] & WINNER_OWN != 0;
     let lines = expected.winner.iter().flat_map(|winner| [winner.line, winner.beside]).map(|at| &lines[at as usize]);
     let [low, high] = covered(color);
     let kind = match coverage {
         Coverage::Hole => SHOWN_HOLE,
         Coverage::Optical => SHOWN_OPTICAL,
-        Coverage::Covered if !is_own && lines.into_iter().any(is_gloss) => SHOWN_GLOSS,
+        Coverage::Covered if !is_own && lines.into_iter().any(|line| is_gloss(of, row, line)) => SHOWN_GLOSS,
         Coverage::Covered => 0,
     };
     [low, high | kind << 16]

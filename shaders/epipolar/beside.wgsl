@@ -1,0 +1,12 @@
+// The line that a winner is blended with.
+
+// Of a line and the second word of the winner.
+fn beside_of(at: u32, rest: u32) -> u32 {
+    if ((rest & WINNER_AFTER) != 0u) {
+        return at + 1u;
+    }
+    if ((rest & WINNER_BEFORE) != 0u) {
+        return at - 1u;
+    }
+    return at;
+}

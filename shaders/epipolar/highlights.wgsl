@@ -1,0 +1,65 @@
+// Adds highlights along the line of eyes to the pixels that lack them (Epipolar 3.5, 7.3), as src/epipolar/highlights.rs: linear between
+// splits. An invocation shades a pixel. Needs `beside_of`.
+
+@group(0) @binding(0) var<storage, read> block: SliceBlock;
+// The first line of each scanline, and the end of the last.
+@group(0) @binding(1) var<storage, read> starts: array<u32>;
+@group(0) @binding(2) var<storage, read> winners: array<vec2u>;
+// The first split of each line, and the end of the last; a line without highlights has none.
+@group(0) @binding(3) var<storage, read> split_starts: array<u32>;
+@group(0) @binding(4) var<storage, read> splits: array<LineSplit>;
+// Places of the views, 0 for the first of all to 1 for the last.
+@group(0) @binding(5) var<storage, read> eyes: array<f32>;
+// Half floats, and SHOWN_….
+@group(0) @binding(6) var<storage, read_write> pixels: array<vec2u>;
+
+// Radiance of a line's highlight, as a vec4 whose last part has no meaning.
+fn highlight(line: u32, place: f32) -> vec4f {
+    let begin = split_starts[line];
+    let end = split_starts[line + 1u];
+    if (begin == end) {
+        return vec4f();
+    }
+    var after = begin;
+    while (after < end && splits[after].place <= place) {
+        after++;
+    }
+    let from = splits[max(after, begin + 1u) - 1u];
+    let to = splits[min(after, end - 1u)];
+    // Before the first split and behind the last one both are the same.
+    var part = 0.0;
+    if (to.place > from.place) {
+        part = (place - from.place) / (to.place - from.place);
+    }
+    return mix(vec4f(from.light, 0.0), vec4f(to.light, 0.0), part);
+}
+
+// Bits of the nearest half float to a number, the even one of two: from 0 to the greatest one, and what lies beyond is moved there.
+fn half_of(number: f32) -> u32 {
+    let light = clamp(number, 0.0, 65504.0);
+    // Below this, halves are multiples of 2^-24.
+    if (light < 6.103515625e-5) {
+        return u32(round(light * 16777216.0));
+    }
+    let bits = bitcast<u32>(light);
+    return (bits + 0xfffu + ((bits >> 13u) & 1u) - 0x38000000u) >> 13u;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn add_highlights(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let at = id.x + id.y * groups.x * WORKGROUP;
+    if (at >= block.width * block.rows * block.views) {
+        return;
+    }
+    let pixel = pixels[at];
+    if (pixel.y >> 16u != SHOWN_GLOSS) {
+        return;
+    }
+    let winner = winners[at];
+    let line = starts[at / (block.width * block.views)] + winner.x;
+    let place = eyes[(at / block.width) % block.views];
+    let lights = array<vec4f, 2>(highlight(line, place), highlight(beside_of(line, winner.y), place));
+    let steady = vec4f(unpack2x16float(pixel.x), unpack2x16float(pixel.y & 0xffffu));
+    let light = steady + mix(lights[0], lights[1], f32(winner.y & 0xffu) / 255.0);
+    pixels[at] = vec2u(half_of(light.x) | (half_of(light.y) << 16u), half_of(light.z));
+}

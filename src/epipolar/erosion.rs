@@ -1,0 +1,114 @@
+//! Erosion: an estimate of what two source views miss between them, without interpolation (Epipolar 3.3.1).
+//!
+//! A pixel is at an edge where it moves otherwise than the mean of five pixels of its scanline. Counts of edges, summed from the
+//! left, differ between a pixel and the place that it has in the other source where an edge lies on that way: what is behind the edge may
+//! come into view. Listing 3.6 of the thesis counts the pixels that are not marked so. Moves are integers, so that devices count the same.
+
+use rayon::prelude::*;
+
+use super::backend::Backend;
+use super::source::SourceView;
+use super::views::OutputViews;
+use crate::error::Result;
+
+/// Pixels on each side of the one in the middle of the window.
+pub const REACH: usize = 2;
+/// Parts of a pixel in moves.
+pub const MOVE_BITS: u32 = 8;
+/// Moves by which a pixel within a surface differs from the mean: one column.
+pub const TOLERANCE: i32 = 1 << MOVE_BITS;
+/// Columns that a pixel moves at most, so that five times as many fit 32 bits: more leaves every image.
+const MOST_COLUMNS: f64 = (1 << 18) as f64;
+
+/// By how much the pixels of scanlines move to another source, 1/256 pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Moves {
+    /// Pixels of a scanline, at least 1.
+    pub width: usize,
+    /// Scanline by scanline.
+    pub columns: Vec<i32>,
+}
+
+/// Pixels in percent, of two sources from left to right, from which the way to their place in the other one crosses an edge.
+pub fn eroded_percent(views: &OutputViews, pair: [&SourceView; 2], backend: &dyn Backend) -> Result<f64> {
+    Ok(50.0 * backend.eroded(&Moves::between(views, pair))? as f64 / views.size.map(f64::from).iter().product::<f64>())
+}
+
+impl Moves {
+    /// Of the first layers of two sources, from left to right: the scanlines of the first, then those of the second.
+    pub fn between(views: &OutputViews, [left, right]: [&SourceView; 2]) -> Moves {
+        let columns = views.focal_pixels() * (right.offset_m - left.offset_m);
+        let width = views.size[0] as usize;
+        // Surfaces move to the left, as the eye moves to the right.
+        let rows = [(left, -columns), (right, columns)].into_iter().flat_map(|(source, columns)| {
+            (0..views.size[1] as usize)
+                .into_par_iter()
+                .flat_map_iter(move |row| moves_of_row(source, row, (width, columns)))
+                .collect::<Vec<i32>>()
+        });
+        Moves { width, columns: rows.collect() }
+    }
+
+    /// Pixels from which an edge lies on the way to their place in the other source.
+    pub fn eroded(&self) -> u64 {
+        self.columns.par_chunks(self.width).map(|moves| u64::from(eroded(moves, &edges(moves)))).sum()
+    }
+}
+
+/// Moves of a scanline, 0 where there is no pixel, where a surface at 1 m moves by so many columns.
+fn moves_of_row(source: &SourceView, row: usize, (width, columns): (usize, f64)) -> Vec<i32> {
+    let mut moves = vec![0; width];
+    for pixel in source.rows[row].pixels.iter().filter(|pixel| pixel.layer == 0) {
+        if let Some(at) = usize::try_from(pixel.column).ok().and_then(|column| moves.get_mut(column)) {
+            let moved = (columns / f64::from(pixel.depth_m)).clamp(-MOST_COLUMNS, MOST_COLUMNS);
+            *at = (moved * f64::from(1 << MOVE_BITS)).round() as i32;
+        }
+    }
+    moves
+}
+
+/// Edges up to each pixel of a scanline.
+pub fn edges(moves: &[i32]) -> Vec<u32> {
+    let is_edge = |at: usize| {
+        let beside = &moves[at.saturating_sub(REACH)..(at + REACH + 1).min(moves.len())];
+        let count = beside.len() as i32;
+        (count * moves[at] - beside.iter().sum::<i32>()).abs() > count * TOLERANCE
+    };
+    let count = |sum: &mut u32, at: usize| {
+        *sum += u32::from(is_edge(at));
+        Some(*sum)
+    };
+    (0..moves.len()).scan(0, count).collect()
+}
+
+/// Pixels of a scanline from which an edge lies on the way to their place in the other source.
+pub fn eroded(moves: &[i32], edges: &[u32]) -> u32 {
+    let is_eroded = |(at, moved): (usize, &i32)| {
+        let end = at as i32 + ((moved + (1 << (MOVE_BITS - 1))) >> MOVE_BITS);
+        // What leaves the image is not missing in it.
+        usize::try_from(end).ok().and_then(|end| edges.get(end)).is_some_and(|end| *end != edges[at])
+    };
+    moves.iter().enumerate().map(|pixel| u32::from(is_eroded(pixel))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_is_whole_and_a_step_hides_as_much_as_it_moves() {
+        let marked = |inverse: &[f64], columns: f64| {
+            let moves: Vec<i32> = inverse.iter().map(|inverse| (256.0 * inverse * columns).round() as i32).collect();
+            Moves { width: inverse.len(), columns: moves }.eroded()
+        };
+        assert_eq!(marked(&[0.5; 60], -20.0), 0);
+        // A near wall before a far one: 10 and 2 columns.
+        let mut step = vec![0.5; 60];
+        step[30..].fill(0.1);
+        let [small, large] = [-8.0, -20.0].map(|columns| marked(&step, columns));
+        assert!(small > 0 && large > small, "{small} {large}");
+        // Slants of less than a column a pixel have no edges.
+        let slant: Vec<f64> = (0..60).map(|at| 0.5 + 0.001 * f64::from(at)).collect();
+        assert_eq!(marked(&slant, -20.0), 0);
+    }
+}
