@@ -50,7 +50,7 @@ impl<'a> UnfinishedScene<'a> {
             (Some(records), true) => {
                 let words = unfinished.words_of(&records);
                 if words.is_err() {
-                    unfinished.file.keep()?;
+                    unfinished.file.keep().map_err(|error| Error::io(path, error))?;
                 }
                 let words = words?;
                 say("resuming with the tiles that were selected");
