@@ -1,6 +1,14 @@
 // Adds highlights along the line of eyes to the pixels that lack them (Epipolar 3.5, 7.3), as src/epipolar/highlights.rs: linear between
 // splits. An invocation shades a pixel. Needs `beside_of`.
 
+// A place along the line of eyes where the highlight of a line is known.
+struct LineSplit {
+    // Radiance.
+    light: vec3f,
+    // 0 at the first view to 1 at the last.
+    place: f32,
+}
+
 @group(0) @binding(0) var<storage, read> block: SliceBlock;
 // The first line of each scanline, and the end of the last.
 @group(0) @binding(1) var<storage, read> starts: array<u32>;

@@ -40,14 +40,6 @@ struct LineLight {
     own_b: u32,
 }
 
-// A place along the line of eyes where the highlight of a line is known.
-struct LineSplit {
-    // Radiance.
-    light: vec3f,
-    // 0 at the first view to 1 at the last.
-    place: f32,
-}
-
 // Rows of pixels.
 struct PixelRows {
     width: u32,

@@ -118,7 +118,9 @@ mod tests {
             let of = Interpolator::new(&case.views, &case.sources, case.settings);
             let count = case.views.offsets_m.len();
             let (_, counters) = of.views(0..count, &Silent).unwrap();
-            assert!(counters.splits > 100, "{}: {counters:?}", case.label);
+            // Views in one place are those of the source, which shows its own light.
+            let is_own = case.views.baseline_m() == 0.0;
+            assert!(is_own || counters.splits > 100, "{}: {counters:?}", case.label);
         }
     }
 }
