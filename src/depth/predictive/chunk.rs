@@ -5,7 +5,7 @@ use crate::container::fields::Fields;
 use crate::depth::predictive::contexts;
 use crate::depth::predictive::magnitude::{CANDIDATES, CHANGES, Classes, ESCAPES};
 use crate::depth::predictive::pixel::{
-    Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_CANDIDATE, SYMBOL_KEEP,
+    Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_CANDIDATE, SYMBOL_KEEP, Steps,
 };
 use crate::depth::predictive::plane::{Plane, Side};
 use crate::depth::predictive::settings::{MAX_FRAMES, MAX_SIDE, PredictiveHeader, UnitArea};
@@ -206,51 +206,69 @@ impl FrameDecoder<'_, '_> {
         match self.symbol(context) {
             0 => 0,
             symbol => {
-                let magnitude = self.rest(&CHANGES, (symbol - 1) / 2 % CHANGES.bits.len()) as i32;
+                let magnitude = rest(&mut self.stream, &CHANGES, (symbol - 1) / 2) as i32;
                 if symbol % 2 == 1 { -magnitude } else { magnitude }
             }
         }
     }
 
-    fn rest<const COUNT: usize>(&mut self, classes: &Classes<COUNT>, class: usize) -> u32 {
-        classes.least[class] + self.stream.bits(classes.bits[class].into())
-    }
-
     fn pixels(&mut self, area: Area) {
-        let later = self.tile.later();
+        let (later, steps) = (self.tile.later(), self.tile.steps);
+        let mut symbols = PixelSymbols { stream: self.stream.clone(), tables: self.tables };
         for y in area.y..area.y + area.height {
-            let start = self.tile.at(area.x as isize, y as isize);
-            let corrections = y * self.tile.width + area.x;
-            for x in 0..area.width {
-                let around = self.tile.around(start + x, self.tile.corrections[corrections + x]);
-                self.tile.pixels[start + x] = self.pixel(&around, later);
+            let (above, row, corrections) = self.tile.rows(area.x, y, area.width);
+            let (mut left, mut above_left, mut over) = (row[0], above[0], above[1]);
+            for ((pixel, &above_right), &correction) in row[1..].iter_mut().zip(&above[2..]).zip(corrections) {
+                let around = Around { left, above: over, above_left, above_right, before: *pixel, correction };
+                left = symbols.pixel(&around, &steps, later);
+                *pixel = left;
+                (above_left, over) = (over, above_right);
             }
         }
+        self.stream = symbols.stream;
+    }
+}
+
+/// Reads a number's raw bits behind its class.
+fn rest<const COUNT: usize>(stream: &mut entropy::Decoder<'_>, classes: &Classes<COUNT>, class: usize) -> u32 {
+    classes.least[class] + stream.bits(classes.bits[class].into())
+}
+
+struct PixelSymbols<'a> {
+    stream: entropy::Decoder<'a>,
+    tables: TableSet,
+}
+
+impl PixelSymbols<'_> {
+    #[inline(always)]
+    fn symbol(&mut self, context: usize) -> usize {
+        self.stream.symbol(self.tables.distribution(context))
     }
 
     #[inline(always)]
-    fn pixel(&mut self, around: &Around, later: usize) -> Pixel {
+    fn pixel(&mut self, around: &Around, steps: &Steps, later: usize) -> Pixel {
         let above = contexts::pixel_above(&around.above, &around.above_right, later);
         let symbol = self.symbol(contexts::pixel(&around.left, above));
-        let steps = self.tile.steps;
         match symbol {
-            0..SYMBOL_KEEP => around.predict(&steps).with_residual(RESIDUALS[symbol], &steps),
+            0..SYMBOL_KEEP => around.predict(steps).with_residual(RESIDUALS[symbol], steps),
             SYMBOL_KEEP => around.before.kept(),
             SYMBOL_BACKGROUND => Pixel::BACKGROUND,
-            SYMBOL_CANDIDATE..SYMBOL_ABOVE => {
-                let which = symbol - SYMBOL_CANDIDATE;
-                let class = self.symbol(contexts::candidate(which));
-                let magnitude = self.rest(&CANDIDATES, class) as i32;
-                let residual = if magnitude > 0 && self.stream.bits(1) == 1 { -magnitude } else { magnitude };
-                let prediction = around.predict(&steps);
-                around.candidates(&prediction, &steps).pixels[which].on_surface(residual, &steps)
-            }
-            _ => {
-                let class = self.symbol(contexts::escape(&around.left, &around.above, &around.above_right));
-                let magnitude = self.rest(&ESCAPES, class) as i32;
-                let residual = if symbol == SYMBOL_ABOVE { magnitude } else { -magnitude };
-                around.predict(&steps).escaped(residual, &steps)
-            }
+            _ => self.far_pixel(around, steps, symbol),
         }
+    }
+
+    /// A pixel on another surface, or with a residual of three steps or more.
+    fn far_pixel(&mut self, around: &Around, steps: &Steps, symbol: usize) -> Pixel {
+        let prediction = around.predict(steps);
+        if symbol < SYMBOL_ABOVE {
+            let which = symbol - SYMBOL_CANDIDATE;
+            let class = self.symbol(contexts::candidate(which));
+            let magnitude = rest(&mut self.stream, &CANDIDATES, class) as i32;
+            let residual = if magnitude > 0 && self.stream.bits(1) == 1 { -magnitude } else { magnitude };
+            return around.candidates(&prediction, steps).pixels[which].on_surface(residual, steps);
+        }
+        let class = self.symbol(contexts::escape(&around.left, &around.above, &around.above_right));
+        let magnitude = rest(&mut self.stream, &ESCAPES, class) as i32;
+        prediction.escaped(if symbol == SYMBOL_ABOVE { magnitude } else { -magnitude }, steps)
     }
 }

@@ -1,6 +1,8 @@
 //! What the projection does to planes (depth.md 15.3): of distances in a cube face, the logarithm of distance over depth at each
 //! pixel; and the curvature that a plane has in logarithms of depth.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use crate::depth::domain::integer_log2;
 use crate::depth::predictive::settings::UnitArea;
 
@@ -47,28 +49,69 @@ impl Projection {
             return vec![0; count];
         }
         let side = area.image[0];
-        let square = |at: u32| {
-            let twice = (2 * at + 1).abs_diff(side);
-            twice * twice
-        };
-        let base = integer_log2(side * side);
         let mut out = Vec::with_capacity(count);
+        let face = FaceLogs::of(side);
         for y in top..top + height {
-            let row = side * side + square(y);
-            out.extend((left..left + width).map(|x| self.correction(integer_log2(row + square(x)) - base)));
+            match &face {
+                Some(face) => {
+                    let row = &face.logs[(y * side + left) as usize..][..width as usize];
+                    out.extend(row.iter().map(|&log| self.correction(log.into())));
+                }
+                None => out.extend((left..left + width).map(|x| self.correction(log_at(side, [x, y])))),
+            }
         }
         out
     }
 
-    /// Half of a logarithm in Q24, in 256ths of a code.
+    /// Half of a logarithm in Q14, in 256ths of a code.
     fn correction(self, log: u32) -> i32 {
-        (((log >> 10) * self.octave) >> 7) as i32
+        ((log * self.octave) >> 7) as i32
     }
 
     pub fn curvature(self) -> Curvature {
         // Codes for each factor of e of depth: octave / ln 2.
         let codes = (self.octave * 2955) >> 11;
         Curvature { codes: codes as i32, factor: if codes == 0 { 0 } else { (1 << 22) / codes } }
+    }
+}
+
+/// Logarithm, in 16,384ths of a factor of two, of the square of distance over depth at a pixel of a cube face.
+fn log_at(side: u32, pixel: [u32; 2]) -> u32 {
+    let [x, y] = pixel.map(|at| {
+        let twice = (2 * at + 1).abs_diff(side);
+        twice * twice
+    });
+    (integer_log2(side * side + x + y) - integer_log2(side * side)) >> 10
+}
+
+/// [`log_at`] of all pixels of a face, row by row; units of all streams share it.
+struct FaceLogs {
+    side: u32,
+    logs: Vec<u16>,
+}
+
+impl FaceLogs {
+    /// Faces up to this side are kept, 8 MiB.
+    const MOST_SIDE: u32 = 2048;
+    /// Faces of so many sides are kept, those used last.
+    const KEPT: usize = 2;
+
+    fn of(side: u32) -> Option<Arc<FaceLogs>> {
+        static KEPT: Mutex<Vec<Arc<FaceLogs>>> = Mutex::new(Vec::new());
+        if side > FaceLogs::MOST_SIDE {
+            return None;
+        }
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(at) = kept.iter().position(|face| face.side == side) {
+            return Some(Arc::clone(&kept[at]));
+        }
+        let logs = (0..side * side).map(|at| log_at(side, [at % side, at / side]) as u16).collect();
+        let face = Arc::new(FaceLogs { side, logs });
+        if kept.len() == FaceLogs::KEPT {
+            kept.remove(0);
+        }
+        kept.push(Arc::clone(&face));
+        Some(face)
     }
 }
 

@@ -227,6 +227,15 @@ impl Tile {
         }
     }
 
+    /// For `width` pixels from (x, y) on: the row above from one pixel further left to one further right, their own row from one
+    /// further left, and their corrections.
+    #[inline(always)]
+    pub fn rows(&mut self, x: usize, y: usize, width: usize) -> (&[Pixel], &mut [Pixel], &[i32]) {
+        let (before, row) = self.pixels.split_at_mut((y + 1) * self.stride + x);
+        let above = &before[y * self.stride + x..][..width + 2];
+        (above, &mut row[..width + 1], &self.corrections[y * self.width + x..][..width])
+    }
+
     /// Writes the codes of an area to a picture of the unit.
     pub fn show(&self, area: Area, picture: &mut [u16]) {
         for y in area.y..area.y + area.height {
