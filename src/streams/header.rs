@@ -237,8 +237,8 @@ impl CodecHeader {
     /// keyframes; half floats are held as keys as well.
     pub fn held_pixel_bytes(&self) -> u64 {
         match self {
-            // A pixel of the predictor with its correction, and a row and two columns around them.
-            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => 64,
+            // Two codes, what prediction holds of a pixel (16, with a margin), and its correction.
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => 32,
             CodecHeader::Depth(_) => 4,
             CodecHeader::Material(_) => 6,
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => 12,

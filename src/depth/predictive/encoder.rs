@@ -11,7 +11,7 @@ use crate::effort::Effort;
 use crate::error::Result;
 
 /// A chunk is closed early when its symbols take this much memory for each pixel of the unit.
-pub const CLOSE_AT_BYTES_A_PIXEL: usize = 64;
+pub const CLOSE_AT_BYTES_A_PIXEL: usize = 128;
 
 #[derive(Debug)]
 pub struct PredictiveEncoder {

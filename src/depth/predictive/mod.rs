@@ -24,6 +24,8 @@ pub mod projection;
 mod search;
 pub mod settings;
 pub mod tables;
+#[cfg(all(test, feature = "encode"))]
+mod tests;
 pub mod tile;
 
 pub use chunk::PredictiveChunk;
