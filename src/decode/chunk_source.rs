@@ -47,6 +47,12 @@ impl<'a> ChunkSource<'a> {
             .ok_or_else(|| Error::invalid(format!("no chunk holds frame {frame}")).in_file(self.reader.path()))
     }
 
+    /// Lists a chunk as damaged.
+    pub fn damage(&mut self, chunk: &ChunkEntry, error: Error) -> Error {
+        self.damaged.insert(chunk.key, DamagedChunk::new(chunk, &error));
+        self.reader.blame(chunk, error)
+    }
+
     /// Reads and parses a chunk; one that fails is listed in `damaged`.
     pub fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Payload) -> Result<T>) -> Result<T> {
         if let Some(known) = self.damaged.get(&chunk.key) {
@@ -54,10 +60,7 @@ impl<'a> ChunkSource<'a> {
         }
         let start = Instant::now();
         let buffer = std::mem::take(&mut self.buffer);
-        let parsed = self.reader.load_into(chunk, buffer).and_then(parse).map_err(|error| {
-            self.damaged.insert(chunk.key, DamagedChunk::new(chunk, &error));
-            self.reader.blame(chunk, error)
-        })?;
+        let parsed = self.reader.load_into(chunk, buffer).and_then(parse).map_err(|error| self.damage(chunk, error))?;
         self.cost.fetching += start.elapsed();
         self.cost.bytes_read += u64::from(chunk.stored_bytes);
         Ok(parsed)

@@ -13,6 +13,7 @@ use crate::decode::damage::DamagedChunk;
 use crate::decode::pixels::{Conversion, PixelsMut, UnitPixels};
 use crate::decode::transform::TransformState;
 use crate::depth::TemporalChunk;
+use crate::depth::predictive::UnitArea;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::streams::{CodecHeader, ColorCoding, ColorFormat, DepthChunk, PictureChunk, StreamInfo};
@@ -56,10 +57,10 @@ macro_rules! with_state {
 impl<'a> UnitDecoder<'a> {
     pub(super) fn new(reader: &'a Reader, stream: &StreamInfo, unit: u32, buffer: Vec<u8>) -> UnitDecoder<'a> {
         let rect @ [_, _, width, height] = stream.entry.unit_rect(unit);
-        let size = [width, height];
+        let (size, area) = ([width, height], stream.unit_area(unit));
         let state = match &stream.header {
-            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.window(), *header)),
-            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, *header)),
+            CodecHeader::Depth(header) => State::Depth(TemporalState::new(area, header.window(), *header)),
+            CodecHeader::Material(header) => State::Material(TemporalState::new(area, header.temporal.window, *header)),
             CodecHeader::Color(header) => match (header.format, &header.coding) {
                 (ColorFormat::EightBit(_), ColorCoding::Cells(_)) => {
                     State::Color8(CellState::new(header.cell_of_bytes(size)))
@@ -159,7 +160,7 @@ impl<'a> UnitDecoder<'a> {
 
 #[derive(Debug)]
 struct TemporalState<C: PictureChunk> {
-    size: [u32; 2],
+    area: UnitArea,
     window: u8,
     header: C::Header,
     picture: Vec<C::Pixel>,
@@ -169,8 +170,8 @@ struct TemporalState<C: PictureChunk> {
 }
 
 impl<C: PictureChunk> TemporalState<C> {
-    fn new(size: [u32; 2], window: u8, header: C::Header) -> Self {
-        TemporalState { size, window, header, picture: Vec::new(), chunk: None, at: None }
+    fn new(area: UnitArea, window: u8, header: C::Header) -> Self {
+        TemporalState { area, window, header, picture: Vec::new(), chunk: None, at: None }
     }
 
     fn shows(&self, chunk: usize, target: u32) -> bool {
@@ -183,18 +184,22 @@ impl<C: PictureChunk> TemporalState<C> {
             if let Some((_, old)) = self.chunk.take() {
                 source.buffer = old.into_spare();
             }
-            let (header, size) = (&self.header, self.size);
-            let parsed = source.fetch(&entry, |payload| C::parse(header, payload, size, entry.key.frame_count))?;
+            let (header, area) = (&self.header, self.area);
+            let parsed = source.fetch(&entry, |payload| C::parse(header, payload, area, entry.key.frame_count))?;
             self.chunk = Some((index, parsed));
             self.at = None;
         }
-        let Some((_, chunk)) = &self.chunk else { return Ok(0) };
+        let Some((_, chunk)) = &mut self.chunk else { return Ok(0) };
         let start = Instant::now();
         if self.picture.is_empty() {
-            self.picture.resize(self.size[0] as usize * self.size[1] as usize, C::Pixel::default());
+            let [width, height] = self.area.size();
+            self.picture.resize(width as usize * height as usize, C::Pixel::default());
         }
         let target = frame - entry.key.first_frame;
-        let updated = chunk.advance(&mut self.picture, self.at, target, self.window);
+        // After a failure it is unknown which frame the picture shows.
+        let at = self.at.take();
+        let updated = chunk.advance(&mut self.picture, at, target, self.window);
+        let updated = updated.map_err(|error| source.damage(&entry, error))?;
         self.at = Some(target);
         source.cost.applying += start.elapsed();
         Ok(updated)

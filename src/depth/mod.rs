@@ -31,6 +31,7 @@ pub mod nodes;
 pub mod open_chunk;
 pub mod platelet;
 pub mod precision;
+pub mod predictive;
 #[cfg(feature = "encode")]
 pub mod quadtree;
 pub mod quantise;

@@ -10,6 +10,7 @@ use crate::color::transform::blocks::padded_pixels;
 use crate::dataset::SourceGroup;
 use crate::decode::memory;
 use crate::depth::open_chunk::CLOSE_AT_BYTES;
+use crate::depth::predictive::encoder::CLOSE_AT_BYTES_A_PIXEL;
 use crate::encode::source::{FrameSource, GroupRef};
 use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
 use crate::error::Result;
@@ -193,10 +194,16 @@ fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
         (StreamKind::Material, _) => 7,
         (_, DepthCodec::Blocks) => 1,
         (_, DepthCodec::Tree) => 8,
+        // A symbol and what follows it are held as four words.
+        (_, DepthCodec::Predictive) => 32,
         _ => 5,
     };
     let frame = pixels * pixel_halves / 2;
-    let open = (frames * frame).min(units * CLOSE_AT_BYTES as u64 + frame);
+    let most = match (group.kind, settings.depth.codec) {
+        (StreamKind::Depth, DepthCodec::Predictive) => pixels * CLOSE_AT_BYTES_A_PIXEL as u64,
+        _ => units * CLOSE_AT_BYTES as u64,
+    };
+    let open = (frames * frame).min(most + frame);
     pixels * TILE_WORK_BYTES + open + compressing(settings, open / units.max(1))
 }
 

@@ -107,6 +107,7 @@ fn name_of_codec(codec: DepthCodec) -> &'static str {
         DepthCodec::Boxes => "aabb",
         DepthCodec::BoxesInBlocks => "aabb with bc5 blocks",
         DepthCodec::Blocks => "bc4w",
+        DepthCodec::Predictive => "predictive",
     }
 }
 
@@ -126,6 +127,7 @@ fn words_of_efforts(depth: Effort, color: Effort) -> String {
 
 fn words_of_tiles(tiles: TileSize) -> String {
     match tiles {
+        TileSize::Usual => "usual".to_owned(),
         TileSize::PerSide(tiles) => format!("{tiles} per side"),
         TileSize::Pixels(side) => format!("{side} in pixels"),
     }

@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::container::index::{MAX_FRAME, MAX_SIZE};
 use crate::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry, Writer};
 use crate::dataset::SourceGroup;
+use crate::depth::predictive::projection::Shape;
 use crate::depth::{DepthRange, Quantiser};
 use crate::encode::budget::{self, ColorMemory};
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
@@ -24,7 +25,7 @@ use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::{Error, Result};
-use crate::image::{DepthPlane, Projection, StreamKind};
+use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
@@ -295,7 +296,7 @@ impl<W: Write> Job<'_, W> {
                 range,
                 background: presented_background(self.source.background(), range),
                 kind: self.source.depth_kind(),
-                coding: self.settings.depth_coding(range)?,
+                coding: self.settings.depth_coding(range, self.shape_of(group.group))?,
             });
             let Some(part) = self.begin(group, &header)? else { continue };
             let mut coder = GroupCoder::new(group.group, header, self.settings)?;
@@ -306,6 +307,15 @@ impl<W: Write> Job<'_, W> {
             })?;
         }
         Ok(())
+    }
+
+    /// How pixels of a group lie to the viewing axis; unknown for distances of a view.
+    fn shape_of(&self, group: &SourceGroup) -> Shape {
+        match (self.source.depth_kind(), group.faces == [Face::View]) {
+            (DepthKind::Planar, _) => Shape::Planar,
+            (DepthKind::Distance, false) if group.width == group.height => Shape::CubeDistance,
+            _ => Shape::None,
+        }
     }
 
     /// Declares the streams of a group; `None` where an earlier run has completed it.

@@ -11,6 +11,8 @@ use crate::depth::block::MAX_TILE;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
+use crate::depth::predictive::PredictiveHeader;
+use crate::depth::predictive::projection::{Projection, Shape};
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{DepthRange, TemporalSettings};
 use crate::effort::Effort;
@@ -22,6 +24,8 @@ use crate::streams::{ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCo
 
 /// Sides of tiles are multiples of this many pixels, so that they can be halved down to blocks.
 const TILE_ALIGN: u32 = 8;
+/// Side of the tiles of predictive depth unless another is asked for.
+const PREDICTIVE_TILE: u32 = 128;
 
 /// Depth codecs (depth.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -37,6 +41,8 @@ pub enum DepthCodec {
     BoxesInBlocks,
     /// BC4w blocks, without a bound.
     Blocks,
+    /// Predicted codes with residuals: the fewest bytes.
+    Predictive,
 }
 
 /// Largest error of a decoded depth.
@@ -151,6 +157,8 @@ pub enum TileSize {
     PerSide(u32),
     /// Pixels, rounded up to a multiple of 8.
     Pixels(u32),
+    /// Those of the codec: 128 pixels for predictive depth, half of the face for all others.
+    Usual,
 }
 
 impl TileSize {
@@ -159,6 +167,7 @@ impl TileSize {
         let side = match self {
             TileSize::PerSide(tiles) => face_side.div_ceil(tiles.max(face_side.div_ceil(most))),
             TileSize::Pixels(side) => side.min(face_side).min(most),
+            TileSize::Usual => return TileSize::PerSide(2).side(face_side, most),
         };
         side.next_multiple_of(TILE_ALIGN)
     }
@@ -205,7 +214,7 @@ impl Default for EncodeSettings {
             temporal: TemporalSettings::default(),
             material: MaterialSettings::default(),
             depth: DepthSettings::default(),
-            tiles: TileSize::PerSide(2),
+            tiles: TileSize::Usual,
             near_m: None,
             far_m: None,
             cell: 64,
@@ -287,9 +296,17 @@ impl EncodeSettings {
         let boxes = matches!(self.depth.codec, DepthCodec::Boxes | DepthCodec::BoxesInBlocks);
         size.map(|side| match kind {
             StreamKind::Color => self.cell.min(MAX_SIZE),
-            StreamKind::Depth if !boxes => self.tiles.side(side, MAX_TILE),
+            StreamKind::Depth if !boxes => self.depth_tiles().side(side, MAX_TILE),
             StreamKind::Depth | StreamKind::Material => self.tiles.side(side, u32::MAX),
         })
+    }
+
+    /// Tiles of depth: those asked for, or the codec's usual ones.
+    fn depth_tiles(&self) -> TileSize {
+        match (self.tiles, self.depth.codec) {
+            (TileSize::Usual, DepthCodec::Predictive) => TileSize::Pixels(PREDICTIVE_TILE),
+            (tiles, _) => tiles,
+        }
     }
 
     pub(super) fn nodes(&self, bound: u16) -> NodeSettings {
@@ -298,7 +315,8 @@ impl EncodeSettings {
         NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
     }
 
-    pub(super) fn depth_coding(&self, range: DepthRange) -> Result<DepthCoding> {
+    /// `shape` is how pixels lie to the viewing axis.
+    pub(super) fn depth_coding(&self, range: DepthRange, shape: Shape) -> Result<DepthCoding> {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let nodes = || {
             // A probe that sees one distance, or nothing, has no span for a logarithm.
@@ -312,6 +330,12 @@ impl EncodeSettings {
             DepthCodec::Quadtree => DepthCoding::Nodes(nodes()?),
             DepthCodec::Tree => DepthCoding::Tree(NodeHeader { window: 1, epsilon: 0, ..nodes()? }),
             DepthCodec::Blocks => DepthCoding::Blocks,
+            DepthCodec::Predictive => DepthCoding::Predictive(PredictiveHeader {
+                bound: self.depth.error.codes(range),
+                epsilon,
+                keyframe_interval,
+                projection: Projection::new(shape, range),
+            }),
         })
     }
 }

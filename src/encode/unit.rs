@@ -14,10 +14,12 @@ use crate::depth::block_chunk::encoder::BlockEncoder;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::NodeEncoder;
 use crate::depth::nodes::Grid;
+use crate::depth::predictive::UnitArea;
+use crate::depth::predictive::encoder::PredictiveEncoder;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
-use crate::encode::EncodeSettings;
 use crate::encode::budget::ColorMemory;
 use crate::encode::group::{Coded, GroupCoder};
+use crate::encode::{DepthSettings, EncodeSettings};
 use crate::error::{Error, Result};
 use crate::image::Plane;
 use crate::monitor::Monitor;
@@ -28,6 +30,7 @@ enum Unit {
     DepthNodes(Box<NodeEncoder>),
     DepthTree(Box<TreeEncoder>),
     DepthBlocks(BlockEncoder),
+    DepthPredictive(Box<PredictiveEncoder>),
     Material(TemporalEncoder<[u8; 3]>),
     Color8(CellEncoder<u8>),
     ColorHalf(CellEncoder<HalfKey>),
@@ -95,8 +98,7 @@ pub(super) struct UnitJob {
 
 impl UnitJob {
     pub fn new(coder: &GroupCoder<'_>, memory: &ColorMemory, place: UnitPlace) -> Result<UnitJob> {
-        let [_, _, width, height] = place.rect;
-        let mut encoder = Unit::new(coder, [width, height], memory)?;
+        let mut encoder = Unit::new(coder, place.rect, memory)?;
         match &mut encoder {
             Unit::Transform8(encoder) => encoder.start = place.search,
             Unit::TransformHalf(encoder) => encoder.start = place.search,
@@ -133,10 +135,11 @@ impl UnitJob {
 }
 
 impl Unit {
-    fn new(coder: &GroupCoder<'_>, size: [u32; 2], memory: &ColorMemory) -> Result<Unit> {
-        let [width, height] = size;
+    fn new(coder: &GroupCoder<'_>, rect: [u32; 4], memory: &ColorMemory) -> Result<Unit> {
+        let [_, _, width, height] = rect;
+        let (size, area) = ([width, height], UnitArea { rect, image: [coder.group.width, coder.group.height] });
         Ok(match &coder.header {
-            CodecHeader::Depth(header) => Unit::of_depth(header, Grid { width, height }, coder.settings)?,
+            CodecHeader::Depth(header) => Unit::of_depth(header, area, coder.settings)?,
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }) => {
                 Unit::Material(TemporalEncoder::new(width, *temporal))
             }
@@ -156,7 +159,9 @@ impl Unit {
         })
     }
 
-    fn of_depth(header: &DepthHeader, grid: Grid, settings: &EncodeSettings) -> Result<Unit> {
+    fn of_depth(header: &DepthHeader, area: UnitArea, settings: &EncodeSettings) -> Result<Unit> {
+        let [width, height] = area.size();
+        let grid = Grid { width, height };
         Ok(match header.coding {
             DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
             DepthCoding::BoxesInBlocks(temporal) => {
@@ -175,6 +180,10 @@ impl Unit {
                 let interval = settings.temporal.keyframe_interval;
                 Unit::DepthBlocks(BlockEncoder::new(grid, settings.depth.effort, interval))
             }
+            DepthCoding::Predictive(header) => {
+                let DepthSettings { decide, effort, .. } = settings.depth;
+                Unit::DepthPredictive(Box::new(PredictiveEncoder::new(&header, area, decide, effort)?))
+            }
         })
     }
 
@@ -184,6 +193,7 @@ impl Unit {
             (Unit::DepthNodes(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect), None),
             (Unit::DepthTree(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::DepthBlocks(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
+            (Unit::DepthPredictive(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
             (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
             (Unit::ColorHalf(encoder), Coded::Half(plane)) => {
@@ -206,6 +216,7 @@ impl Unit {
             Unit::DepthNodes(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthTree(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthBlocks(encoder) => Ok(encoder.finish().into_iter().collect()),
+            Unit::DepthPredictive(encoder) => Ok(encoder.finish().into_iter().collect()),
             Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::Color8(encoder) => encoder.finish(&EightBit),
             Unit::ColorHalf(encoder) => encoder.finish(coder.pu21()?),

@@ -9,6 +9,15 @@ pub const LOW: u32 = 1 << 16;
 /// Most bits of one raw value.
 const RAW_BITS: u32 = 12;
 
+/// Where a decoder stands in its bytes, for [`Decoder::resume`].
+#[derive(Debug, Clone, Copy)]
+pub struct Mark {
+    state: u32,
+    /// Bytes that are not read.
+    left: usize,
+    missing: bool,
+}
+
 #[derive(Debug, Clone)]
 pub struct Decoder<'a> {
     state: u32,
@@ -31,6 +40,16 @@ impl<'a> Decoder<'a> {
                 Decoder { state: LOW + short, words: &[], missing: false }
             }
         }
+    }
+
+    pub fn mark(&self) -> Mark {
+        Mark { state: self.state, left: self.words.len(), missing: self.missing }
+    }
+
+    /// Goes on where another decoder of the same bytes stood.
+    pub fn resume(bytes: &'a [u8], mark: Mark) -> Self {
+        let words = bytes.len().checked_sub(mark.left).and_then(|at| bytes.get(at..)).unwrap_or_default();
+        Decoder { state: mark.state, words, missing: mark.missing }
     }
 
     #[inline(always)]
@@ -178,6 +197,7 @@ mod tests {
             let bytes = encoder.finish();
             let mut decoder = Decoder::new(&bytes);
             for (which, symbol, value, count) in (0..length).map(step) {
+                decoder = Decoder::resume(&bytes, decoder.mark());
                 assert_eq!(decoder.symbol(&distributions[which]), symbol);
                 assert_eq!(decoder.bits(count), value & ((1 << count) - 1));
             }

@@ -36,7 +36,10 @@ impl Family {
             CodecHeader::Depth(header) => match header.coding {
                 DepthCoding::Boxes(_) => (&kernels::BOXES_CODES, Codes),
                 DepthCoding::BoxesInBlocks(_) => (&kernels::BOXES_BC5, Codes),
-                DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks => (&kernels::NODES, Codes),
+                // Predictive chunks are refused when they are prepared.
+                DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks | DepthCoding::Predictive(_) => {
+                    (&kernels::NODES, Codes)
+                }
             },
             CodecHeader::Material(header) if header.in_blocks => (&kernels::BOXES_BC1, Bytes),
             CodecHeader::Material(_) => (&kernels::BOXES_MATERIAL, Bytes),
@@ -89,7 +92,7 @@ impl Family {
                         Unit { window, domain: parts.kind as u32, base: parts.base, scale: parts.scale, ..plain }
                     }
                     // Each frame is whole: none is needed before another.
-                    DepthCoding::Blocks => plain,
+                    DepthCoding::Blocks | DepthCoding::Predictive(_) => plain,
                 }
             }
         }

@@ -13,11 +13,12 @@ use crate::color::transform::steps::Steps;
 use crate::color::transform::{Domain, Keyed, Tables, TransformChunk};
 use crate::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
 use crate::container::{ChunkPlace, Payload};
+use crate::depth::predictive::UnitArea;
 use crate::depth::records::Body;
 use crate::depth::runtime::Runtime;
 use crate::depth::{TemporalChunk, Texel};
 use crate::entropy::rans;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::layout::{
     BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record, WORKGROUP,
 };
@@ -94,11 +95,16 @@ pub fn prepare(
     place: ChunkPlace,
 ) -> Result<Prepared> {
     Ok(match header {
-        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, UnitArea::whole(size), frames)? {
             DepthChunk::Boxes(chunk) => of_boxes(&chunk, size),
             DepthChunk::Nodes(chunk) => of_nodes(&chunk.runtime),
             DepthChunk::Tree(chunk) => of_nodes(&chunk.leaves.runtime),
             DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
+            DepthChunk::Predictive(_) => {
+                return Err(Error::unsupported(
+                    "predictive depth cannot be decoded on a device: choose the CPU, or encode with another depth codec",
+                ));
+            }
         },
         CodecHeader::Material(header) => {
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)

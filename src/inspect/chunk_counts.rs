@@ -8,8 +8,10 @@ use crate::depth::block_chunk::BlockChunk;
 use crate::depth::block_tiles::{BlockTileCount, Layout};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
+use crate::depth::predictive::PredictiveChunk;
 use crate::depth::records::{Body, Record, TemporalChunk};
 use crate::depth::tree_chunk::TreeChunk;
+use crate::error::Result;
 use crate::streams::{DepthChunk, StreamChunk};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -85,16 +87,27 @@ pub(super) struct ChunkMeasure {
     pub transform: TransformCount,
 }
 
-pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> ChunkMeasure {
-    match chunk {
+pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> Result<ChunkMeasure> {
+    Ok(match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => count_records(chunk),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => count_nodes(chunk),
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => count_tree(chunk),
         StreamChunk::Depth(DepthChunk::Blocks(chunk)) => count_blocks(chunk, pixels, frames),
+        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => count_predictive(chunk)?,
         StreamChunk::Material(chunk) => count_records(chunk),
         StreamChunk::Color8(chunk) => count_color(chunk, frames),
         StreamChunk::ColorHalf(chunk) => count_color(chunk, frames),
-    }
+    })
+}
+
+/// All bytes are of the first frame, with which a chunk is read.
+fn count_predictive(chunk: &PredictiveChunk) -> Result<ChunkMeasure> {
+    let event = |(frame, updated_pixels)| {
+        let cost = FrameCost { keyframe_units: u64::from(frame == 0), updated_pixels, ..FrameCost::default() };
+        Event { frame, cost }
+    };
+    let events = (0..).zip(chunk.updated_pixels()?).map(event).collect();
+    Ok(ChunkMeasure { events, ..ChunkMeasure::default() })
 }
 
 fn count_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkMeasure {

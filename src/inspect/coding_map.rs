@@ -89,7 +89,7 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
         let (mut changed, mut keyframes) = (Frames::new(), Frames::new());
         for chunk in index.unit_chunks(stream.index, unit) {
             monitor.check()?;
-            let counted = survey_chunk(&parsed(decoder, stream, chunk)?, chunk.key.frame_count);
+            let counted = survey_chunk(&parsed(decoder, stream, chunk)?, chunk.key.frame_count)?;
             cell.blocks += counted.keyframes_in_blocks;
             cell.samples += counted.keyframes_in_samples;
             cell.transformed += counted.transformed_keyframes;
@@ -133,7 +133,7 @@ pub fn coding_map(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<
         let chunk = chunk_of(decoder.reader().index().unit_chunks(stream.index, unit), frame)
             .ok_or_else(|| Error::Usage(format!("frame {frame} is not one of the stream's frames")))?;
         let at = frame - chunk.key.first_frame;
-        Ok((rect, unit_map(&parsed(decoder, stream, chunk)?, [rect[2], rect[3]], at)))
+        Ok((rect, unit_map(&parsed(decoder, stream, chunk)?, [rect[2], rect[3]], at)?))
     })?;
     let mut map = CodingMap { frame, patches: vec![], parts: 0, written_units: 0, keyframe_units: 0 };
     for ([left, top, _, _], unit) in units {

@@ -182,7 +182,7 @@ impl Measure<'_> {
         if self.settings.check == Check::ListAll {
             parsed.check_window(self.stream, frames)?;
         }
-        let mut counted = count_chunk(&parsed, pixels, frames);
+        let mut counted = count_chunk(&parsed, pixels, frames)?;
         // What belongs to the whole chunk is read with its first frame.
         let counted_bytes: u64 = counted.events.iter().map(|event| event.cost.bytes).sum();
         if let Some(first) = counted.events.first_mut() {

@@ -11,6 +11,7 @@ use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::runtime::Runtime;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::depth::{Texel, block_chunk};
+use crate::error::Result;
 use crate::inspect::patch::{Patch, Writing};
 use crate::streams::{DepthChunk, StreamChunk};
 
@@ -34,7 +35,7 @@ pub(super) struct ChunkSurvey {
 }
 
 /// The map of frame `at` of a chunk of a unit of `size` (width, height) pixels.
-pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap {
+pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> Result<UnitMap> {
     let grid = Grid { width: size[0], height: size[1] };
     let patches = match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => of_record(chunk, at),
@@ -44,11 +45,16 @@ pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap 
             let bc4w = |place| (place, Writing::Function(Function::Bc4w));
             of_places(grid, block_chunk::places(grid).map(bc4w))
         }
+        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => {
+            let is_written = chunk.updated_pixels()?.get(at as usize).is_some_and(|&pixels| pixels > 0);
+            let rect = [0, 0, size[0], size[1]];
+            is_written.then_some(Patch { rect, writing: Writing::Values, part: 0 }).into_iter().collect()
+        }
         StreamChunk::Material(chunk) => of_record(chunk, at),
-        StreamChunk::Color8(chunk) => return of_color(chunk, at),
-        StreamChunk::ColorHalf(chunk) => return of_color(chunk, at),
+        StreamChunk::Color8(chunk) => return Ok(of_color(chunk, at)),
+        StreamChunk::ColorHalf(chunk) => return Ok(of_color(chunk, at)),
     };
-    UnitMap { patches, keyframe: at == 0 }
+    Ok(UnitMap { patches, keyframe: at == 0 })
 }
 
 fn nodes_at(runtime: &Runtime, at: u32) -> Vec<(Place, Function)> {
@@ -152,18 +158,19 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
     UnitMap { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
 }
 
-pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> ChunkSurvey {
+pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> Result<ChunkSurvey> {
     let changed = match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => changes(chunk),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(&chunk.runtime),
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => node_changes(&chunk.leaves.runtime),
         // Each frame is complete.
         StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
+        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => (0..).zip(chunk.updated_pixels()?).skip(1).collect(),
         StreamChunk::Material(chunk) => changes(chunk),
-        StreamChunk::Color8(chunk) => return survey_color(chunk, frames),
-        StreamChunk::ColorHalf(chunk) => return survey_color(chunk, frames),
+        StreamChunk::Color8(chunk) => return Ok(survey_color(chunk, frames)),
+        StreamChunk::ColorHalf(chunk) => return Ok(survey_color(chunk, frames)),
     };
-    ChunkSurvey { changed, ..ChunkSurvey::default() }
+    Ok(ChunkSurvey { changed, ..ChunkSurvey::default() })
 }
 
 fn changes<T: Texel>(chunk: &TemporalChunk<T>) -> Vec<(u32, u64)> {

@@ -9,6 +9,8 @@ use crate::color::transform::{Tables, region};
 use crate::container::PayloadKind;
 use crate::container::{ChunkEntry, StreamEntry};
 use crate::depth::block_tiles::Layout;
+use crate::depth::predictive::PredictiveHeader;
+use crate::depth::predictive::projection::Shape;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
 use crate::image::{DepthKind, StreamKind};
@@ -19,6 +21,7 @@ pub const DEPTH_NODES: [u8; 4] = *b"DQPN";
 pub const DEPTH_TREE: [u8; 4] = *b"DQTR";
 pub const DEPTH_BLOCKS: [u8; 4] = *b"DB4W";
 pub const DEPTH_AABB_BC5: [u8; 4] = *b"DAB5";
+pub const DEPTH_PREDICTIVE: [u8; 4] = *b"DPRD";
 pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
 pub const MATERIAL_AABB_BC1: [u8; 4] = *b"MAB1";
 pub const COLOR_CELLS_8: [u8; 4] = *b"CCL8";
@@ -49,6 +52,8 @@ pub enum DepthCoding {
     /// The quadtree itself, with all leaves as they are.
     Tree(NodeHeader),
     Blocks,
+    /// Predicted codes with residuals.
+    Predictive(PredictiveHeader),
 }
 
 /// Coding of nodes; decoders need the window and the domain.
@@ -112,8 +117,13 @@ impl DepthHeader {
         match self.coding {
             DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => temporal.window,
             DepthCoding::Nodes(nodes) => nodes.window,
-            DepthCoding::Tree(_) | DepthCoding::Blocks => 1,
+            DepthCoding::Tree(_) | DepthCoding::Blocks | DepthCoding::Predictive(_) => 1,
         }
+    }
+
+    /// Whether the coding needs a cube face.
+    pub fn is_of_cube(&self) -> bool {
+        matches!(self.coding, DepthCoding::Predictive(header) if header.projection.shape == Shape::CubeDistance)
     }
 
     /// Largest error of a decoded surface in codes (depth.md 6); `None` without a bound.
@@ -122,6 +132,7 @@ impl DepthHeader {
             DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => Some(temporal.epsilon),
             DepthCoding::Nodes(nodes) => Some(nodes.bound.saturating_add(nodes.epsilon)),
             DepthCoding::Tree(_) => Some(0),
+            DepthCoding::Predictive(header) => Some(header.bound.saturating_add(header.epsilon)),
             DepthCoding::Blocks => None,
         }
     }
@@ -186,6 +197,7 @@ impl CodecHeader {
                 DepthCoding::Nodes(_) => DEPTH_NODES,
                 DepthCoding::Tree(_) => DEPTH_TREE,
                 DepthCoding::Blocks => DEPTH_BLOCKS,
+                DepthCoding::Predictive(_) => DEPTH_PREDICTIVE,
             },
             CodecHeader::Material(MaterialHeader { in_blocks: false, .. }) => MATERIAL_AABB,
             CodecHeader::Material(MaterialHeader { in_blocks: true, .. }) => MATERIAL_AABB_BC1,
@@ -212,6 +224,7 @@ impl CodecHeader {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => {
                 PayloadKind::Unaligned
             }
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => PayloadKind::Bytes,
             CodecHeader::Depth(_) | CodecHeader::Material(_) => PayloadKind::Mixed,
             CodecHeader::Color(header) if header.blocks().is_some() => PayloadKind::Blocks,
             CodecHeader::Color(ColorHeader { coding: ColorCoding::Transform(_), .. }) => PayloadKind::Bytes,
@@ -224,6 +237,8 @@ impl CodecHeader {
     /// keyframes; half floats are held as keys as well.
     pub fn held_pixel_bytes(&self) -> u64 {
         match self {
+            // Two codes, what prediction holds of a pixel (16, with a margin), and its correction.
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => 32,
             CodecHeader::Depth(_) => 4,
             CodecHeader::Material(_) => 6,
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => 12,
@@ -274,6 +289,7 @@ impl CodecHeader {
             DEPTH_NODES => "quadtree",
             DEPTH_TREE => "quadtree-intermediate",
             DEPTH_BLOCKS => "bc4w",
+            DEPTH_PREDICTIVE => "predictive",
             _ => "aabb",
         }
     }

@@ -8,6 +8,9 @@ use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
 use crate::depth::block::MAX_TILE;
 use crate::depth::domain::DomainKind;
+use crate::depth::predictive::PredictiveHeader;
+use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::quantise::FAR_CODE;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
@@ -15,8 +18,8 @@ use crate::image::{DepthKind, StreamKind};
 use crate::streams::header::{
     COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, COLOR_TRANSFORM_8,
     COLOR_TRANSFORM_HALF, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5,
-    DEPTH_BLOCKS, DEPTH_NODES, DEPTH_TREE, DepthCoding, DepthHeader, MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader,
-    NodeHeader,
+    DEPTH_BLOCKS, DEPTH_NODES, DEPTH_PREDICTIVE, DEPTH_TREE, DepthCoding, DepthHeader, MATERIAL_AABB,
+    MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
 };
 
 /// Planes of the transform codec: red, green and blue.
@@ -40,6 +43,7 @@ impl CodecHeader {
                     }
                     DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(&nodes, &mut out),
                     DepthCoding::Blocks => {}
+                    DepthCoding::Predictive(predictive) => write_predictive(&predictive, &mut out),
                 }
             }
             CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
@@ -70,12 +74,15 @@ impl CodecHeader {
         let header = match (StreamKind::from_index(stream.kind), stream.codec) {
             (
                 Some(StreamKind::Depth),
-                codec @ (DEPTH_AABB | DEPTH_AABB_BC5 | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS),
+                codec @ (DEPTH_AABB | DEPTH_AABB_BC5 | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS | DEPTH_PREDICTIVE),
             ) => {
                 let header = read_depth(&mut fields, codec)?;
                 let in_boxes = codec == DEPTH_AABB || codec == DEPTH_AABB_BC5;
                 if !in_boxes && stream.unit_width.max(stream.unit_height) > MAX_TILE {
                     return Err(fields.error(format!("tiles of more than {MAX_TILE} pixels")));
+                }
+                if header.is_of_cube() && stream.width != stream.height {
+                    return Err(fields.error("a cube face that is not square"));
                 }
                 CodecHeader::Depth(header)
             }
@@ -126,6 +133,7 @@ fn read_depth(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<DepthHeader> {
             }
         },
         DEPTH_BLOCKS => DepthCoding::Blocks,
+        DEPTH_PREDICTIVE => DepthCoding::Predictive(read_predictive(fields)?),
         DEPTH_AABB_BC5 => DepthCoding::BoxesInBlocks(read_temporal(fields)?),
         _ => DepthCoding::Boxes(read_temporal(fields)?),
     };
@@ -158,6 +166,33 @@ fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
     let domain = DomainParts { kind, base: fields.u32()?, scale: fields.u32()? };
     domain.domain().map_err(|error| fields.error(error.to_string()))?;
     Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
+}
+
+fn write_predictive(header: &PredictiveHeader, out: &mut Vec<u8>) {
+    out.put_u16(header.bound);
+    out.put_u16(header.epsilon);
+    out.put_u32(header.keyframe_interval);
+    out.put_u16(header.projection.shape as u16);
+    out.put_u16(0);
+    out.put_u32(header.projection.octave);
+}
+
+fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
+    let (bound, epsilon, keyframe_interval) = (fields.u16()?, fields.u16()?, fields.u32()?);
+    if bound > FAR_CODE {
+        return Err(fields.error(format!("a bound of {bound} codes, at most {FAR_CODE} are legal")));
+    }
+    if keyframe_interval == 0 {
+        return Err(fields.error("a keyframe interval of 0 frames"));
+    }
+    let (shape, reserved, octave) = (fields.u16()?, fields.u16()?, fields.u32()?);
+    let known = u8::try_from(shape).ok().and_then(Shape::from_byte);
+    let shape = known.ok_or_else(|| fields.error(format!("projection {shape} is unknown")))?;
+    let projection = Projection { shape, octave };
+    if reserved != 0 || !projection.is_legal() {
+        return Err(fields.error(format!("projection {} with {octave} codes for a factor of two", shape as u8)));
+    }
+    Ok(PredictiveHeader { bound, epsilon, keyframe_interval, projection })
 }
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
@@ -261,6 +296,12 @@ mod tests {
             depth(DepthCoding::Nodes(nodes)),
             depth(DepthCoding::Tree(NodeHeader { window: 1, ..nodes })),
             depth(DepthCoding::Blocks),
+            depth(DepthCoding::Predictive(PredictiveHeader {
+                bound: 100,
+                epsilon: 3,
+                keyframe_interval: 64,
+                projection: Projection { shape: Shape::Planar, octave: 9731 },
+            })),
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }),
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }),
             color(tone, None),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::container::{Index, OpenLimits, StreamEntry};
 use crate::depth::DepthRange;
+use crate::depth::predictive::UnitArea;
 use crate::error::{Error, Result};
 use crate::image::{Face, FrameRange, StreamKind};
 use crate::streams::header::CodecHeader;
@@ -31,6 +32,11 @@ impl StreamInfo {
     /// Width and height of an image in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.entry.width, self.entry.height]
+    }
+
+    #[doc(hidden)]
+    pub fn unit_area(&self, unit: u32) -> UnitArea {
+        UnitArea { rect: self.entry.unit_rect(unit), image: self.size() }
     }
 
     /// Number of tiles or cells of an image; they are numbered row by row.

@@ -1,6 +1,7 @@
 //! Chunks of depth and material: a keyframe and changes, by which a picture is updated in place.
 
 use crate::container::Payload;
+use crate::depth::predictive::UnitArea;
 use crate::depth::records::TemporalChunk;
 use crate::error::Result;
 use crate::streams::header::MaterialHeader;
@@ -10,11 +11,14 @@ pub trait PictureChunk: Sized {
     type Pixel: Copy + Default;
     type Header;
 
-    fn parse(header: &Self::Header, payload: Payload, size: [u32; 2], frames: u32) -> Result<Self>;
+    fn parse(header: &Self::Header, payload: Payload, area: UnitArea, frames: u32) -> Result<Self>;
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
     /// most `window` frames; returns the number of pixels written.
-    fn advance(&self, picture: &mut [Self::Pixel], at: Option<u32>, target: u32, window: u8) -> u64;
+    ///
+    /// # Errors
+    /// A chunk that is decoded frame by frame, and damaged.
+    fn advance(&mut self, picture: &mut [Self::Pixel], at: Option<u32>, target: u32, window: u8) -> Result<u64>;
 
     fn check_window(&self, window: u8, frames: u32) -> Result<()>;
 
@@ -26,12 +30,12 @@ impl PictureChunk for TemporalChunk<[u8; 3]> {
     type Pixel = [u8; 3];
     type Header = MaterialHeader;
 
-    fn parse(header: &MaterialHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<Self> {
-        TemporalChunk::parse(header.layout(), payload, size, frames)
+    fn parse(header: &MaterialHeader, payload: Payload, area: UnitArea, frames: u32) -> Result<Self> {
+        TemporalChunk::parse(header.layout(), payload, area.size(), frames)
     }
 
-    fn advance(&self, picture: &mut [[u8; 3]], at: Option<u32>, target: u32, window: u8) -> u64 {
-        TemporalChunk::advance(self, picture, at, target, window)
+    fn advance(&mut self, picture: &mut [[u8; 3]], at: Option<u32>, target: u32, window: u8) -> Result<u64> {
+        Ok(TemporalChunk::advance(self, picture, at, target, window))
     }
 
     fn check_window(&self, window: u8, frames: u32) -> Result<()> {

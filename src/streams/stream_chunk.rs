@@ -19,11 +19,11 @@ pub enum StreamChunk {
 
 impl StreamChunk {
     pub fn parse(stream: &StreamInfo, index: &Index, chunk: &ChunkEntry, payload: Payload) -> Result<StreamChunk> {
-        let ([_, _, width, height], frames) = (stream.entry.unit_rect(chunk.key.unit), chunk.key.frame_count);
-        let size = [width, height];
+        let (area, frames) = (stream.unit_area(chunk.key.unit), chunk.key.frame_count);
+        let size = area.size();
         Ok(match &stream.header {
-            CodecHeader::Depth(header) => StreamChunk::Depth(DepthChunk::parse(header, payload, size, frames)?),
-            CodecHeader::Material(header) => StreamChunk::Material(PictureChunk::parse(header, payload, size, frames)?),
+            CodecHeader::Depth(header) => StreamChunk::Depth(DepthChunk::parse(header, payload, area, frames)?),
+            CodecHeader::Material(header) => StreamChunk::Material(PictureChunk::parse(header, payload, area, frames)?),
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 StreamChunk::Color8(header.chunks_of_bytes(size).parse(payload, frames, index.place(chunk))?)
             }

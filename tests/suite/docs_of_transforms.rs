@@ -3,7 +3,7 @@
 use lightfold::color::transform::authored::{Author, Question, contexts_of};
 use lightfold::color::transform::basis::{COSINES, LENGTHS};
 use lightfold::color::transform::blocks::{Block, MAX_FRAMES};
-use lightfold::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES, Family};
+use lightfold::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES};
 use lightfold::color::transform::domain::{ChromaSlopes, Domain};
 use lightfold::color::transform::palette::CACHED;
 use lightfold::color::transform::payload::Header;
@@ -12,6 +12,7 @@ use lightfold::color::transform::steps::{StepIndices, Steps};
 use lightfold::color::transform::tables::{BUILT_IN, MOST_OWN};
 use lightfold::color::transform::{Tables, TransformChunk};
 use lightfold::entropy::Encoder;
+use lightfold::entropy::Family;
 
 use crate::docs::{hex_bytes, read, table};
 

@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 
 use lightfold::color::transform::Tables;
-use lightfold::color::transform::contexts::{ALPHABETS, FAMILIES, Family, NODE};
+use lightfold::color::transform::contexts::{ALPHABETS, FAMILIES, NODE};
 use lightfold::color::transform::domain::ChromaSlopes;
 use lightfold::color::transform::payload::Header;
 use lightfold::color::transform::region::{Content, Region};
 use lightfold::color::transform::steps::StepIndices;
 use lightfold::container::fields::Fields;
 use lightfold::container::serialize::PutFields;
+use lightfold::entropy::Family;
 
 use crate::samples::Random;
 

@@ -15,7 +15,7 @@ MAX_CHUNK_BYTES = 1 << 30
 EXPANSION = (1, 16384, 32768)
 NODE_CODECS = (b"DQPN", b"DQTR", b"DB4W")
 PIXEL_BYTES = {
-    **{(1, codec): 2 for codec in (b"DAAB", b"DAB5", *NODE_CODECS)},
+    **{(1, codec): 2 for codec in (b"DAAB", b"DAB5", b"DPRD", *NODE_CODECS)},
     **{(2, codec): 3 for codec in (b"MAAB", b"MAB1")},
     **{(0, codec): 3 for codec in (b"CCL8", b"CCB1", b"CCB7", b"CTR8")},
     **{(0, codec): 6 for codec in (b"CCLH", b"CCB6", b"CTRH")},

@@ -16,6 +16,7 @@ from cells import TRANSFORMS, decode_cell, decode_transform, read_color_header
 from container import NODE_CODECS, PIXEL_BYTES, read_foot, read_head, read_index
 from fields import Refused, check
 from nodes import decode_blocks, decode_nodes, read_node_header
+from predictive import decode_predictive, read_predictive_header
 
 
 def decode_stream(data, stream):
@@ -23,6 +24,8 @@ def decode_stream(data, stream):
     check(pixel, "the codec is unknown")
     if stream.kind == 0:
         sets = read_color_header(stream)
+    elif stream.codec == b"DPRD":
+        predictive = read_predictive_header(stream)
     elif stream.codec in NODE_CODECS:
         window, domain = read_node_header(stream)
     else:
@@ -34,6 +37,8 @@ def decode_stream(data, stream):
             pictures = decode_transform(data, chunks, width, height, TRANSFORMS[stream.codec], sets)
         elif stream.kind == 0:
             pictures = decode_cell(data, chunks, width, height, pixel // 3, stream.codec)
+        elif stream.codec == b"DPRD":
+            pictures = decode_predictive(data, chunks, (left, top, width, height), stream.width, predictive)
         elif stream.codec == b"DB4W":
             pictures = decode_blocks(data, chunks, width, height)
         elif stream.codec in NODE_CODECS:

@@ -141,7 +141,9 @@ class Substream:
             self.x = self.x << 16 | self.words.take("H")
 
     def symbol(self, family, context=0):
-        slots = self.tables[DISTRIBUTION[FIRST[family] + context]]
+        return self.owner(self.tables[DISTRIBUTION[FIRST[family] + context]])
+
+    def owner(self, slots):
         symbol, frequency, place = slots[self.x % 4096]
         self.x = frequency * (self.x >> 12) + place
         self.renormalise()
@@ -166,7 +168,7 @@ class Substream:
 
     def finish(self):
         self.words.finish()
-        check(self.x == 1 << 16, "a substream does not end with its tree")
+        check(self.x == 1 << 16, "a substream does not end with its last symbol")
 
 
 # color.md 6.4 to 6.6 -------------------------------------------------------------------------------------------------

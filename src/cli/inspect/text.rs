@@ -10,6 +10,7 @@ use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};
 use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
+use crate::depth::predictive::PredictiveHeader;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
 use crate::image::StreamKind;
@@ -267,6 +268,10 @@ fn setting(stats: &StreamStats<'_>) -> String {
                     nodes.keyframe_interval
                 ),
                 DepthCoding::Blocks => format!("BC4w blocks without a bound, tile {units}"),
+                DepthCoding::Predictive(PredictiveHeader { bound, epsilon, keyframe_interval, .. }) => {
+                    let epsilon = if epsilon > 0 { format!(" and {epsilon} in time") } else { String::new() };
+                    format!("predictive, ±{bound} codes{epsilon}, keyframe every {keyframe_interval}, tile {units}")
+                }
             };
             format!("{coding}, {}", header.kind.name())
         }

@@ -27,6 +27,11 @@ const DEPTH_CODECS: &Choices<DepthCodec> = &[
         DepthCodec::Quadtree,
         "Modelling functions in a quadtree, within --max-error of the source at every pixel",
     ),
+    (
+        "predictive",
+        DepthCodec::Predictive,
+        "Predicted codes with residuals, within --max-error of the source at every pixel, in the fewest bytes",
+    ),
     ("aabb", DepthCodec::Boxes, "Raw codes in boxes around changed pixels"),
     ("bc4w", DepthCodec::Blocks, "32 bytes for 8x8 pixels, without an error bound"),
 ];
@@ -66,11 +71,11 @@ pub struct DepthArgs {
     /// defaults to 100
     #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(DEPTH_BLOCKS), default_value = "none")]
     pub depth_block: InBlocks,
-    /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless [default: 100]
+    /// Largest error of a decoded depth in 16-bit log codes, for quadtree and predictive; 0 is lossless [default: 100]
     #[arg(long, alias = "error", value_name = "CODES", conflicts_with = "max_error_relative",
         value_parser = clap::value_parser!(u16).range(..=65534))]
     pub max_error: Option<u16>,
-    /// Largest error of a decoded depth relative to the depth, such as 0.1%, for quadtree
+    /// Largest error of a decoded depth relative to the depth, such as 0.1%, for quadtree and predictive
     #[arg(long, alias = "error-relative", value_name = "SHARE", value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
     #[command(flatten)]
@@ -127,7 +132,7 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "FRAMES", default_value_t = TemporalSettings::default().keyframe_interval,
         value_parser = clap::value_parser!(u32).range(1..))]
     pub keyframe_interval: u32,
-    /// Width and height of a tile in pixels, rounded up to a multiple of 8 [default: half of the face]
+    /// Width and height of a tile in pixels, rounded up to a multiple of 8 [default: half of the face, 128 for predictive]
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub depth_tile: Option<u32>,
     /// Tiles along each side of a face: the older form of --depth-tile

@@ -7,13 +7,13 @@ use crate::color::transform::basis::LENGTHS;
 use crate::color::transform::blocks::{Block, regions};
 use crate::color::transform::coder::{Coder, SourceCoder};
 use crate::color::transform::contexts::{
-    FAMILIES, Family, LAST, LATER_PIXEL, LEVELS, NODE, PALETTE_COLOR, PALETTE_SIZE, PIXEL, PLANES,
+    FAMILIES, LAST, LATER_PIXEL, LEVELS, NODE, PALETTE_COLOR, PALETTE_SIZE, PIXEL, PLANES,
 };
 use crate::color::transform::payload::Header;
 use crate::color::transform::region::{PARTS, QUARTERS, Region, TRANSFORM};
 use crate::color::transform::tables::TableSet;
 use crate::color::transform::{Keyed, Tables};
-use crate::entropy::Encoder;
+use crate::entropy::{Encoder, Family};
 use crate::error::{Error, Result};
 
 /// How symbols are chosen at random.

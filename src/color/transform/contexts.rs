@@ -2,30 +2,8 @@
 
 use crate::color::transform::basis::{LENGTHS, length_index};
 use crate::color::transform::blocks::Shape;
+use crate::entropy::Family;
 
-/// Symbols of one kind: their contexts, the values that they have, and the distributions that their contexts share.
-#[derive(Debug, Clone, Copy)]
-pub struct Family {
-    pub first_context: usize,
-    pub contexts: usize,
-    pub alphabet: usize,
-    pub first_cluster: usize,
-    pub clusters: usize,
-}
-
-impl Family {
-    const fn after(before: Family, contexts: usize, alphabet: usize, clusters: usize) -> Family {
-        Family {
-            first_context: before.first_context + before.contexts,
-            contexts,
-            alphabet,
-            first_cluster: before.first_cluster + before.clusters,
-            clusters,
-        }
-    }
-}
-
-const NONE: Family = Family { first_context: 0, contexts: 0, alphabet: 0, first_cluster: 0, clusters: 0 };
 const SIZES: usize = 4;
 /// Classes of channels: luma, chroma.
 const COLORS: usize = 2;
@@ -39,7 +17,7 @@ const OTHER_CLASSES: usize = 3;
 pub const CLASSES_OF_SUMS: [u8; 12] = [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7];
 
 /// Kind of a node.
-pub const NODE: Family = Family::after(NONE, SIZES * (LENGTHS.len() + 1), 4, 8);
+pub const NODE: Family = Family::first(SIZES * (LENGTHS.len() + 1), 4, 8);
 /// Number of coded planes of a channel.
 pub const PLANES: Family = Family::after(NODE, 3 * SIZES * 3, 16, 8);
 /// Whether a plane before the last has levels.
@@ -85,19 +63,7 @@ pub const CONTEXTS: usize = LATER_PIXEL.first_context + LATER_PIXEL.contexts;
 pub const CLUSTERS: usize = LATER_PIXEL.first_cluster + LATER_PIXEL.clusters;
 
 /// Values of symbols of each cluster.
-pub const ALPHABETS: [u8; CLUSTERS] = {
-    let mut alphabets = [0; CLUSTERS];
-    let mut at = 0;
-    while at < FAMILIES.len() {
-        let mut cluster = 0;
-        while cluster < FAMILIES[at].clusters {
-            alphabets[FAMILIES[at].first_cluster + cluster] = FAMILIES[at].alphabet as u8;
-            cluster += 1;
-        }
-        at += 1;
-    }
-    alphabets
-};
+pub const ALPHABETS: [u8; CLUSTERS] = Family::alphabets(&FAMILIES);
 
 pub fn node(shape: Shape) -> usize {
     let length = length_index(shape.frames).unwrap_or(LENGTHS.len());

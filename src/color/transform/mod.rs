@@ -25,7 +25,6 @@ pub mod region;
 pub mod scan;
 pub mod steps;
 pub mod tables;
-pub mod text_reader;
 
 pub use domain::{Domain, Keyed};
 pub use reconstruct::TransformChunk;

@@ -4,9 +4,9 @@
 use std::sync::{Arc, LazyLock};
 
 use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES};
-use crate::color::transform::text_reader::TextReader;
 use crate::container::fields::Fields;
 use crate::entropy::Distribution;
+use crate::entropy::text_reader::TextReader;
 use crate::error::Result;
 
 /// Built-in sets.
@@ -35,7 +35,7 @@ static BUILT_IN_TABLES: BuiltIn = {
     let mut sets = [[Distribution::CERTAIN; CLUSTERS]; BUILT_IN];
     let mut set = 0;
     while set < BUILT_IN {
-        sets[set] = reader.set();
+        sets[set] = reader.set(&ALPHABETS);
         set += 1;
     }
     assert!(reader.is_at_end() && reader.fault().is_none(), "formats/color-tables.txt breaks color.md 6.7");

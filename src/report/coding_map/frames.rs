@@ -132,7 +132,7 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
 fn part_word(header: &CodecHeader) -> Option<&'static str> {
     let CodecHeader::Depth(header) = header else { return None };
     match header.coding {
-        DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => None,
+        DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) | DepthCoding::Predictive(_) => None,
         DepthCoding::Blocks => Some("block"),
         DepthCoding::Nodes(_) | DepthCoding::Tree(_) => Some("node"),
     }

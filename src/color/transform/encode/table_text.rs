@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
-use crate::color::transform::contexts::FAMILIES;
+use crate::color::transform::contexts::{ALPHABETS, FAMILIES};
 use crate::color::transform::tables::{CLUSTER_OF, TableSet};
-use crate::color::transform::text_reader::{Fault, TextReader};
+use crate::entropy::text_reader::{Fault, TextReader};
 use crate::error::{Error, Result};
 use crate::files::open_regular;
 
@@ -37,7 +37,7 @@ pub fn read(text: &[u8]) -> Result<Vec<TableSet>> {
     }
     let mut sets = Vec::new();
     while sets.is_empty() || !reader.is_at_end() {
-        let distributions = reader.set();
+        let distributions = reader.set(&ALPHABETS);
         check(&reader)?;
         sets.push(TableSet::new(distributions));
     }

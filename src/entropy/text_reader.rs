@@ -1,9 +1,8 @@
-//! Reads entropy tables in the text form of formats/color-tables.txt (color.md 6.7). The compiler reads the built-in sets with it,
-//! an encoder the set of a stream.
+//! Reads entropy tables in the text form of formats/color-tables.txt (color.md 6.7, depth.md 15.8). The compiler reads the
+//! built-in sets with it, an encoder the set of a stream.
 
-use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, Family};
 use crate::entropy::distribution::SLOTS;
-use crate::entropy::{Distribution, SYMBOLS};
+use crate::entropy::{Distribution, Family, SYMBOLS};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
@@ -67,11 +66,12 @@ impl<'a> TextReader<'a> {
         (family.first_cluster + self.number(family.clusters as u16 - 1) as usize) as u8
     }
 
-    pub const fn set(&mut self) -> [Distribution; CLUSTERS] {
+    /// The distributions of all clusters, whose symbols have as many values as `alphabets` says.
+    pub const fn set<const CLUSTERS: usize>(&mut self, alphabets: &[u8; CLUSTERS]) -> [Distribution; CLUSTERS] {
         let mut set = [Distribution::CERTAIN; CLUSTERS];
         let mut cluster = 0;
         while cluster < CLUSTERS && self.fault.is_none() {
-            set[cluster] = self.distribution(ALPHABETS[cluster] as usize);
+            set[cluster] = self.distribution(alphabets[cluster] as usize);
             cluster += 1;
         }
         set

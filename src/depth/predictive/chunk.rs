@@ -1,0 +1,274 @@
+//! A chunk of predictive coding: a table set's number and one substream, from which frames are decoded in order (depth.md 15.2).
+
+use crate::container::Payload;
+use crate::container::fields::Fields;
+use crate::depth::predictive::contexts;
+use crate::depth::predictive::magnitude::{CANDIDATES, CHANGES, Classes, ESCAPES};
+use crate::depth::predictive::pixel::{
+    Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_CANDIDATE, SYMBOL_KEEP, Steps,
+};
+use crate::depth::predictive::plane::{Plane, Side};
+use crate::depth::predictive::settings::{MAX_FRAMES, MAX_SIDE, PredictiveHeader, UnitArea};
+use crate::depth::predictive::tables::TableSet;
+use crate::depth::predictive::tile::{Area, BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES, Tile};
+use crate::entropy;
+use crate::entropy::rans::Mark;
+use crate::error::{Error, Result};
+
+const SECTION: &str = "depth.md 15";
+/// Bytes before the substream.
+const HEAD: usize = 1;
+
+#[derive(Debug, Clone)]
+pub struct PredictiveChunk {
+    payload: Payload,
+    header: PredictiveHeader,
+    area: UnitArea,
+    frames: u32,
+    tables: TableSet,
+    state: Option<State>,
+}
+
+/// A unit between two frames.
+#[derive(Debug, Clone)]
+struct State {
+    tile: Tile,
+    mark: Mark,
+    /// The next frame to be decoded.
+    next: u32,
+}
+
+impl PredictiveChunk {
+    /// Checks what can be told without decoding.
+    pub fn parse(
+        payload: impl Into<Payload>,
+        header: PredictiveHeader,
+        area: UnitArea,
+        frames: u32,
+    ) -> Result<PredictiveChunk> {
+        let payload = payload.into();
+        let mut fields = Fields::new(&payload, 0, SECTION);
+        let set = fields.u8()?;
+        let tables =
+            TableSet::new(set.into()).ok_or_else(|| fields.error_at(0, format!("table set {set} is unknown")))?;
+        if frames > MAX_FRAMES {
+            return Err(fields.error(format!("a chunk of {frames} frames, at most {MAX_FRAMES} are legal")));
+        }
+        if area.size().iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
+            return Err(fields.error(format!("a tile of {:?} pixels: sides are 1 to {MAX_SIDE}", area.size())));
+        }
+        Ok(PredictiveChunk { payload, header, area, frames, tables, state: None })
+    }
+
+    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target`; answers how many
+    /// pixels were coded on the way.
+    ///
+    /// # Errors
+    /// A substream that ends before its last frame does, or goes on behind it.
+    pub fn advance(&mut self, picture: &mut [u16], at: Option<u32>, target: u32) -> Result<u64> {
+        if at == Some(target) {
+            return Ok(0);
+        }
+        let mut state = match self.state.take() {
+            Some(state) if state.next <= target + 1 => state,
+            Some(mut state) => {
+                state.tile.clear();
+                State { mark: entropy::Decoder::new(&self.payload[HEAD..]).mark(), next: 0, ..state }
+            }
+            None => State {
+                tile: Tile::new(&self.header, self.area)?,
+                mark: entropy::Decoder::new(&self.payload[HEAD..]).mark(),
+                next: 0,
+            },
+        };
+        // A picture that another decoder's frame is in, or none, is written whole.
+        let is_ours = at.is_some_and(|at| at + 1 == state.next);
+        let mut updated = 0;
+        let mut stream = entropy::Decoder::resume(&self.payload[HEAD..], state.mark);
+        while state.next <= target {
+            let mut frame = FrameDecoder { stream, tables: self.tables, tile: &mut state.tile, picture, updated: 0 };
+            frame.decode();
+            (stream, updated) = (frame.stream, updated + frame.updated);
+            state.next += 1;
+            let is_last = state.next == self.frames;
+            if stream.is_short() || is_last && !stream.finished() {
+                let problem = if stream.is_short() { "ends too early" } else { "does not end with its last frame" };
+                return Err(Error::invalid(format!("a substream that {problem} ({SECTION})")));
+            }
+        }
+        state.mark = stream.mark();
+        if !is_ours {
+            let [width, height] = [state.tile.width, state.tile.height];
+            state.tile.show(Area { x: 0, y: 0, width, height }, picture);
+            updated = updated.max((width * height) as u64);
+        }
+        self.state = Some(state);
+        Ok(updated)
+    }
+
+    /// Decodes all frames, for a verifier.
+    pub fn check(&self) -> Result<()> {
+        self.updated_pixels().map(|_| ())
+    }
+
+    /// Pixels that each frame codes; all in the first.
+    ///
+    /// # Errors
+    /// As for [`Self::advance`].
+    pub fn updated_pixels(&self) -> Result<Vec<u64>> {
+        let mut chunk = PredictiveChunk { state: None, ..self.clone() };
+        let [width, height] = self.area.size().map(|side| side as usize);
+        let mut picture = vec![0; width * height];
+        (0..self.frames).map(|frame| chunk.advance(&mut picture, frame.checked_sub(1), frame)).collect()
+    }
+
+    pub fn into_spare(self) -> Vec<u8> {
+        self.payload.into_spare()
+    }
+}
+
+struct FrameDecoder<'a, 'b> {
+    stream: entropy::Decoder<'a>,
+    tables: TableSet,
+    tile: &'b mut Tile,
+    picture: &'b mut [u16],
+    updated: u64,
+}
+
+impl FrameDecoder<'_, '_> {
+    fn symbol(&mut self, context: usize) -> usize {
+        self.stream.symbol(self.tables.distribution(context))
+    }
+
+    fn decode(&mut self) {
+        if self.symbol(contexts::frame(self.tile.later())) == 1 {
+            for block in 0..self.tile.blocks.len() {
+                self.block(block);
+            }
+        } else if !self.tile.is_later {
+            self.picture.fill(u16::MAX);
+        }
+        self.tile.is_later = true;
+    }
+
+    fn block(&mut self, at: usize) {
+        let area = self.tile.area(at);
+        let mode = self.symbol(self.tile.mode_context(at));
+        self.tile.blocks[at].mode = mode;
+        if mode == SAME {
+            if !self.tile.is_later {
+                self.tile.show(area, self.picture);
+            }
+            return;
+        }
+        match mode {
+            BACKGROUND => self.tile.fill_background(area),
+            PIXELS => self.pixels(area),
+            QUARTERS => {
+                for quarter in self.tile.quarters(area) {
+                    match self.symbol(self.tile.small_mode_context(quarter)) {
+                        0 => self.pixels(quarter),
+                        mode => {
+                            let mut plane = self.tile.small_plane_from(quarter, (mode - 1) % SOURCES);
+                            if mode > SOURCES {
+                                plane = self.changed(plane, Side::Quarter);
+                            }
+                            self.tile.fill_plane::<SMALL>(quarter, &plane);
+                        }
+                    }
+                }
+            }
+            _ => {
+                let mut plane = self.tile.plane_from(at, (mode - PLANES) % SOURCES);
+                if mode >= PLANES + SOURCES {
+                    plane = self.changed(plane, Side::Block);
+                }
+                self.tile.fill_plane::<BLOCK>(area, &plane);
+                self.tile.blocks[at].plane = plane;
+            }
+        }
+        self.tile.blocks[at].content = mode;
+        self.tile.show(area, self.picture);
+        self.updated += (area.width * area.height) as u64;
+    }
+
+    fn changed(&mut self, plane: Plane, side: Side) -> Plane {
+        let (mut change, mut before) = ([0; 3], 0);
+        for (number, value) in change.iter_mut().enumerate() {
+            *value = self.change(contexts::change(side, number, before));
+            before = *value;
+        }
+        plane.changed(change, self.tile.change_steps(side))
+    }
+
+    /// A signed number: 0, or twice its class and 1, or 2 where it is positive.
+    fn change(&mut self, context: usize) -> i32 {
+        match self.symbol(context) {
+            0 => 0,
+            symbol => {
+                let magnitude = rest(&mut self.stream, &CHANGES, (symbol - 1) / 2) as i32;
+                if symbol % 2 == 1 { -magnitude } else { magnitude }
+            }
+        }
+    }
+
+    fn pixels(&mut self, area: Area) {
+        let (later, steps) = (self.tile.later(), self.tile.steps);
+        let mut symbols = PixelSymbols { stream: self.stream.clone(), tables: self.tables };
+        for y in area.y..area.y + area.height {
+            let (above, row, corrections) = self.tile.rows(area.x, y, area.width);
+            let (mut left, mut above_left, mut over) = (row[0], above[0], above[1]);
+            for ((pixel, &above_right), &correction) in row[1..].iter_mut().zip(&above[2..]).zip(corrections) {
+                let around = Around { left, above: over, above_left, above_right, before: *pixel, correction };
+                left = symbols.pixel(&around, &steps, later);
+                *pixel = left;
+                (above_left, over) = (over, above_right);
+            }
+        }
+        self.stream = symbols.stream;
+    }
+}
+
+/// Reads a number's raw bits behind its class.
+fn rest<const COUNT: usize>(stream: &mut entropy::Decoder<'_>, classes: &Classes<COUNT>, class: usize) -> u32 {
+    classes.least[class] + stream.bits(classes.bits[class].into())
+}
+
+struct PixelSymbols<'a> {
+    stream: entropy::Decoder<'a>,
+    tables: TableSet,
+}
+
+impl PixelSymbols<'_> {
+    #[inline(always)]
+    fn symbol(&mut self, context: usize) -> usize {
+        self.stream.symbol(self.tables.distribution(context))
+    }
+
+    #[inline(always)]
+    fn pixel(&mut self, around: &Around, steps: &Steps, later: usize) -> Pixel {
+        let above = contexts::pixel_above(&around.above, &around.above_right, later);
+        let symbol = self.symbol(contexts::pixel(&around.left, above));
+        match symbol {
+            0..SYMBOL_KEEP => around.predict(steps).with_residual(RESIDUALS[symbol], steps),
+            SYMBOL_KEEP => around.before.kept(),
+            SYMBOL_BACKGROUND => Pixel::BACKGROUND,
+            _ => self.far_pixel(around, steps, symbol),
+        }
+    }
+
+    /// A pixel on another surface, or with a residual of three steps or more.
+    fn far_pixel(&mut self, around: &Around, steps: &Steps, symbol: usize) -> Pixel {
+        let prediction = around.predict(steps);
+        if symbol < SYMBOL_ABOVE {
+            let which = symbol - SYMBOL_CANDIDATE;
+            let class = self.symbol(contexts::candidate(which));
+            let magnitude = rest(&mut self.stream, &CANDIDATES, class) as i32;
+            let residual = if magnitude > 0 && self.stream.bits(1) == 1 { -magnitude } else { magnitude };
+            return around.candidates(&prediction, steps).pixels[which].on_surface(residual, steps);
+        }
+        let class = self.symbol(contexts::escape(&around.left, &around.above, &around.above_right));
+        let magnitude = rest(&mut self.stream, &ESCAPES, class) as i32;
+        prediction.escaped(if symbol == SYMBOL_ABOVE { magnitude } else { -magnitude }, steps)
+    }
+}

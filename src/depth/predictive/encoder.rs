@@ -1,0 +1,64 @@
+//! Encodes the frames of one unit into chunks, each of which starts anew.
+
+use crate::container::EncodedChunk;
+use crate::depth::mode_decision::Decide;
+use crate::depth::predictive::price::{Prices, Recorder};
+use crate::depth::predictive::search::{FrameSearch, SearchSettings};
+use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader, UnitArea};
+use crate::depth::predictive::tables::TableSet;
+use crate::depth::predictive::tile::Tile;
+use crate::effort::Effort;
+use crate::error::Result;
+
+/// A chunk is closed early when its symbols take this much memory for each pixel of the unit.
+pub const CLOSE_AT_BYTES_A_PIXEL: usize = 128;
+
+#[derive(Debug)]
+pub struct PredictiveEncoder {
+    settings: SearchSettings,
+    keyframe_interval: u32,
+    prices: Prices,
+    tile: Tile,
+    recorder: Recorder,
+    first_frame: u32,
+    next_frame: u32,
+}
+
+impl PredictiveEncoder {
+    pub fn new(header: &PredictiveHeader, area: UnitArea, decide: Decide, effort: Effort) -> Result<PredictiveEncoder> {
+        let error_weight = match decide {
+            Decide::Size => 0.0,
+            Decide::Mse => 1.0,
+        };
+        let (bound, epsilon) = (header.bound, header.epsilon);
+        Ok(PredictiveEncoder {
+            settings: SearchSettings { bound, epsilon, error_weight, effort },
+            keyframe_interval: header.keyframe_interval.min(MAX_FRAMES),
+            prices: Prices::new(TableSet::usual(bound)),
+            tile: Tile::new(header, area)?,
+            recorder: Recorder::default(),
+            first_frame: 0,
+            next_frame: 0,
+        })
+    }
+
+    /// Takes in a frame of the unit, row by row; answers the chunk before it, if it begins another.
+    pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
+        let frames = self.next_frame - self.first_frame;
+        let is_full =
+            frames >= self.keyframe_interval || self.recorder.held_bytes() >= CLOSE_AT_BYTES_A_PIXEL * source.len();
+        let finished = if is_full { self.finish() } else { None };
+        self.next_frame += 1;
+        let Self { tile, prices, settings, recorder: sink, .. } = self;
+        FrameSearch { tile, source, prices, settings: *settings, sink }.run();
+        finished
+    }
+
+    pub fn finish(&mut self) -> Option<EncodedChunk> {
+        let (first_frame, frame_count) = (self.first_frame, self.next_frame - self.first_frame);
+        self.first_frame = self.next_frame;
+        self.tile.clear();
+        let payload = std::mem::take(&mut self.recorder).finish();
+        (frame_count > 0).then_some(EncodedChunk { first_frame, frame_count, payload })
+    }
+}

@@ -1,0 +1,32 @@
+//! Near-lossless predictive coding of depth: error-bounded prediction of log codes, closed loop in space and time (depth.md 15).
+//!
+//! A unit is coded in blocks of 8x8 pixels: as in the frame before, background, a plane carried on from the left or from above,
+//! four blocks of 4x4 pixels, or pixel by pixel. Pixels are predicted with slopes that each residual corrects; residuals are in
+//! steps of 2E + 1 codes. Codes are held without the curvature that the projection gives to planes ([`projection`]). Symbols
+//! have static distributions in contexts of symbols that are decoded already.
+//!
+//! Based on: M. J. Weinberger, G. Seroussi, G. Sapiro, *The LOCO-I Lossless Image Compression Algorithm*, 2000, for near-lossless
+//! residuals and contexts.
+
+pub mod chunk;
+pub mod contexts;
+#[cfg(feature = "encode")]
+pub mod encoder;
+#[cfg(feature = "encode")]
+mod fit;
+pub mod magnitude;
+pub mod pixel;
+pub mod plane;
+#[cfg(feature = "encode")]
+mod price;
+pub mod projection;
+#[cfg(feature = "encode")]
+mod search;
+pub mod settings;
+pub mod tables;
+#[cfg(all(test, feature = "encode"))]
+mod tests;
+pub mod tile;
+
+pub use chunk::PredictiveChunk;
+pub use settings::{PredictiveHeader, UnitArea};

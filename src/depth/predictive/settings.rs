@@ -1,0 +1,38 @@
+//! What a header says of predictive coding, and where a unit lies in its image (depth.md 3, 15.1).
+
+use crate::depth::predictive::projection::Projection;
+
+/// Chunks have at most this many frames.
+pub const MAX_FRAMES: u32 = 4096;
+/// Sides of units.
+pub const MAX_SIDE: u32 = 1024;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PredictiveHeader {
+    /// E: residuals are in steps of 2E + 1 codes.
+    pub bound: u16,
+    /// Change of the source, in codes on top of the bound, below which a pixel is not updated.
+    pub epsilon: u16,
+    pub keyframe_interval: u32,
+    pub projection: Projection,
+}
+
+/// A unit in its image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnitArea {
+    /// Left, top, width and height in pixels.
+    pub rect: [u32; 4],
+    /// Width and height of the image.
+    pub image: [u32; 2],
+}
+
+impl UnitArea {
+    /// A unit that is its whole image.
+    pub fn whole(size: [u32; 2]) -> UnitArea {
+        UnitArea { rect: [0, 0, size[0], size[1]], image: size }
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        [self.rect[2], self.rect[3]]
+    }
+}
