@@ -9,15 +9,15 @@ struct SliceBlock {
     spare: u32,
 }
 
-// A line of a scanline.
-struct SliceLine {
-    // Column of the pixel's middle in its own view, 1/256 pixels.
+// Lines of a scanline that move together, one pixel after another.
+struct SliceRun {
+    // Column of the first pixel's middle in its own view, 1/256 pixels.
     column: i32,
     // 1/4096 pixels over the baseline.
     disparity: i32,
-    // Bits of the planar distance.
-    depth: u32,
-    // The source, and LINE_….
+    // The first line, counted from the first of its scanline.
+    first: u32,
+    // The source, RUN_…, and the number of lines above RUN_LENGTH_BITS.
     flags: u32,
 }
 
@@ -55,10 +55,11 @@ const SLICE_WORKGROUP: u32 = 256u;
 // Columns that a workgroup finds winners of.
 const SLICE_COLUMNS: u32 = 1024u;
 
-// The next line shows the next pixel of the same surface.
-const LINE_JOINS: u32 = 65536u;
-// The line is of the first layer.
-const LINE_FIRST: u32 = 131072u;
+// The next run begins with the next pixel of the same surface.
+const RUN_JOINS: u32 = 65536u;
+// The lines are of the first layer.
+const RUN_FIRST: u32 = 131072u;
+const RUN_LENGTH_BITS: u32 = 18u;
 
 // A winner is two words: the line, counted from the first of its scanline, or NONE; the weight of the line beside it in 255ths, and
 // whether that is the line after it or the one before.

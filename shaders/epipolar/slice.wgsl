@@ -1,101 +1,134 @@
 // The lines that pixels show (Epipolar 3.3.2), as src/epipolar/slice.rs. A workgroup finds the winners of some columns of a scanline of
-// a view: the least depth of each first, then the least line of those that have it. Needs `moved`.
+// a view: the least depth of each first, then the least run of those that have it. Needs `moved`.
 
 @group(0) @binding(0) var<storage, read> block: SliceBlock;
 // The first line of each scanline, and the end of the last.
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
-@group(0) @binding(2) var<storage, read> lines: array<SliceLine>;
-@group(0) @binding(3) var<storage, read> places: array<SlicePlace>;
-@group(0) @binding(4) var<storage, read_write> winners: array<vec2u>;
-// Pixels that lines and spans cover, added by scanline of a view.
-@group(0) @binding(5) var<storage, read_write> fragments: array<atomic<u32>>;
+// The same of runs.
+@group(0) @binding(2) var<storage, read> run_starts: array<u32>;
+@group(0) @binding(3) var<storage, read> runs: array<SliceRun>;
+// By line, bits of planar distances.
+@group(0) @binding(4) var<storage, read> depths: array<u32>;
+@group(0) @binding(5) var<storage, read> places: array<SlicePlace>;
+@group(0) @binding(6) var<storage, read_write> winners: array<vec2u>;
+// Pixels that runs and the spans between them cover, added by scanline of a view.
+@group(0) @binding(7) var<storage, read_write> fragments: array<atomic<u32>>;
 
 // By column: the high and the low half of a key.
-var<workgroup> depths: array<atomic<u32>, SLICE_COLUMNS>;
+var<workgroup> nearest: array<atomic<u32>, SLICE_COLUMNS>;
 var<workgroup> words: array<atomic<u32>, SLICE_COLUMNS>;
 var<workgroup> fragment_count: atomic<u32>;
 
-fn place_of(line: SliceLine, view: u32) -> SlicePlace {
-    return places[(line.flags & 0xffffu) * block.views + view];
+fn place_of(run: SliceRun, view: u32) -> SlicePlace {
+    return places[(run.flags & 0xffffu) * block.views + view];
 }
 
-fn column_of(line: SliceLine, place: SlicePlace) -> i32 {
-    return line.column + moved(line.disparity, place.place);
+// Of the first line.
+fn column_of(run: SliceRun, place: SlicePlace) -> i32 {
+    return run.column + moved(run.disparity, place.place);
 }
 
-fn is_own(line: SliceLine, place: SlicePlace) -> bool {
-    return (line.flags & LINE_FIRST) != 0u && place.place == 0;
+fn length_of(run: SliceRun) -> i32 {
+    return i32(run.flags >> RUN_LENGTH_BITS);
 }
 
-// Pixels of a line or of a span: columns within those of the workgroup, from their first.
+fn joins_next(run: SliceRun) -> bool {
+    return (run.flags & RUN_JOINS) != 0u;
+}
+
+fn is_own(run: SliceRun, place: SlicePlace) -> bool {
+    return (run.flags & RUN_FIRST) != 0u && place.place == 0;
+}
+
+// Pixels of a run or of a span: columns within those of the workgroup, from their first.
 struct Cover {
     begin: u32,
     end: u32,
-    depth: u32,
 }
 
-fn cover(begin: i32, end: i32, depth: u32, tile: vec2i) -> Cover {
+fn cover(begin: i32, end: i32, tile: vec2i) -> Cover {
     let first = clamp(begin, tile.x, tile.y);
     let last = clamp(end, first, tile.y);
-    return Cover(u32(first - tile.x), u32(last - tile.x), depth);
+    return Cover(u32(first - tile.x), u32(last - tile.x));
 }
 
-// What a line covers.
-fn cover_of_line(line: SliceLine, place: SlicePlace, tile: vec2i) -> Cover {
-    let column = column_of(line, place) >> COLUMN_BITS;
+// What the lines of a run cover.
+fn cover_of_run(run: SliceRun, place: SlicePlace, tile: vec2i) -> Cover {
+    let column = column_of(run, place) >> COLUMN_BITS;
+    return cover(column, column + length_of(run), tile);
+}
+
+// The line of a run at the first column of the workgroup, if the run went on as far.
+fn line_at_tile(start: u32, run: SliceRun, place: SlicePlace, tile: vec2i) -> i32 {
+    return i32(start + run.first) + tile.x - (column_of(run, place) >> COLUMN_BITS);
+}
+
+fn depth_of_line(line: i32, run: SliceRun, place: SlicePlace) -> u32 {
     // Its own view shows the first layer as it was, whatever lies before it between the middles of pixels.
-    let depth = select(line.depth + place.bias, 0u, is_own(line, place));
-    return cover(column, column + 1, depth, tile);
+    return select(depths[line] + place.bias, 0u, is_own(run, place));
 }
 
-// What lies between a line and the next one, which it joins.
-fn cover_of_span(at: u32, line: SliceLine, place: SlicePlace, tile: vec2i) -> Cover {
-    let next = lines[at + 1u];
-    let columns = vec2i(column_of(line, place), column_of(next, place)) >> vec2u(COLUMN_BITS);
-    return cover(columns.x + 1, columns.y, max(line.depth, next.depth) + place.bias, tile);
+// What lies between a run and the next one, which it joins.
+fn cover_of_span(at: u32, run: SliceRun, place: SlicePlace, tile: vec2i) -> Cover {
+    let columns = vec2i(column_of(run, place), column_of(runs[at + 1u], place)) >> vec2u(COLUMN_BITS);
+    return cover(columns.x + length_of(run), columns.y, tile);
 }
 
-fn put_depths(covered: Cover) {
-    for (var column = covered.begin; column < covered.end; column++) {
-        atomicMin(&depths[column], covered.depth);
+fn depth_of_span(start: u32, run: SliceRun, place: SlicePlace) -> u32 {
+    let next = start + run.first + u32(length_of(run));
+    return max(depths[next - 1u], depths[next]) + place.bias;
+}
+
+fn put_word(column: u32, depth: u32, word: u32) {
+    if (atomicLoad(&nearest[column]) == depth) {
+        atomicMin(&words[column], word);
     }
 }
 
-fn put_words(covered: Cover, word: u32) {
-    for (var column = covered.begin; column < covered.end; column++) {
-        if (atomicLoad(&depths[column]) == covered.depth) {
-            atomicMin(&words[column], word);
-        }
-    }
-}
-
-// The two words of a winner: its line, whether a span of it won, and the line beside it that it is blended with.
-fn winner(start: u32, word: u32, column: i32, view: u32) -> vec2u {
-    let at = start + (word >> 1u);
-    let line = lines[at];
-    let place = place_of(line, view);
-    let own = select(0u, WINNER_OWN, is_own(line, place));
-    let line_column = column_of(line, place);
+// The two words of a winner: its line, and the line beside it that it is blended with; by its run and whether a span of that won.
+fn winner(first_run: u32, word: u32, column: i32, view: u32) -> vec2u {
+    let at = first_run + (word >> 1u);
+    let run = runs[at];
+    let place = place_of(run, view);
+    let own = select(0u, WINNER_OWN, is_own(run, place));
+    let run_column = column_of(run, place);
+    // The line of the run, and its column. Between two runs it is the last one.
+    let last = length_of(run) - 1;
+    let of_run = select(column - (run_column >> COLUMN_BITS), last, (word & 1u) != 0u);
+    let line = run.first + u32(of_run);
+    let line_column = run_column + (of_run << COLUMN_BITS);
     let right_of_line = (column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1u)) - line_column;
     // A line before the middle of the pixel is blended with the one after it, and the other way round.
     var side = 0u;
-    var beside = at;
-    if (right_of_line > 0 && ((line.flags & LINE_JOINS) != 0u || (word & 1u) != 0u)) {
-        side = WINNER_AFTER;
-        beside = at + 1u;
-    } else if (right_of_line < 0 && at > start && (lines[max(at, 1u) - 1u].flags & LINE_JOINS) != 0u) {
-        side = WINNER_BEFORE;
-        beside = at - 1u;
+    var parted = 0;
+    if (right_of_line > 0) {
+        if (of_run < last) {
+            side = WINNER_AFTER;
+            parted = 1 << COLUMN_BITS;
+        } else if (joins_next(run)) {
+            side = WINNER_AFTER;
+            parted = column_of(runs[at + 1u], place) - line_column;
+        }
+    } else if (right_of_line < 0) {
+        if (of_run > 0) {
+            side = WINNER_BEFORE;
+            parted = -(1 << COLUMN_BITS);
+        } else if (at > first_run) {
+            let before = runs[max(at, 1u) - 1u];
+            if (joins_next(before)) {
+                side = WINNER_BEFORE;
+                parted = column_of(before, place) + ((length_of(before) - 1) << COLUMN_BITS) - line_column;
+            }
+        }
     }
-    let parted = column_of(lines[beside], place) - line_column;
     // Lines that have come closer, or changed places, are not blended.
     if (side == 0u || sign(parted) != sign(right_of_line)) {
-        return vec2u(word >> 1u, own);
+        return vec2u(line, own);
     }
     let shift = select(0u, COLUMN_BITS, abs(parted) >= (1 << 22u));
     let columns = abs(vec2i(right_of_line, parted)) >> vec2u(shift);
     let weight = min((255 * columns.x + columns.y / 2) / columns.y, 255);
-    return vec2u(word >> 1u, u32(weight) | side | own);
+    return vec2u(line, u32(weight) | side | own);
 }
 
 @compute @workgroup_size(SLICE_WORKGROUP)
@@ -115,34 +148,49 @@ fn find_winners(
     let left = (group % tiles) * SLICE_COLUMNS;
     let tile = vec2i(i32(left), i32(min(left + SLICE_COLUMNS, block.width)));
     let start = starts[row];
-    let end = starts[row + 1u];
+    let first_run = run_starts[row];
+    let end = run_starts[row + 1u];
     for (var column = local; column < SLICE_COLUMNS; column += SLICE_WORKGROUP) {
-        atomicStore(&depths[column], NONE);
+        atomicStore(&nearest[column], NONE);
         atomicStore(&words[column], NONE);
     }
     workgroupBarrier();
     var count = 0u;
-    for (var at = start + local; at < end; at += SLICE_WORKGROUP) {
-        let line = lines[at];
-        let place = place_of(line, view);
-        let of_line = cover_of_line(line, place, tile);
-        put_depths(of_line);
-        count += of_line.end - of_line.begin;
-        if ((line.flags & LINE_JOINS) != 0u) {
-            let of_span = cover_of_span(at, line, place, tile);
-            put_depths(of_span);
+    for (var at = first_run + local; at < end; at += SLICE_WORKGROUP) {
+        let run = runs[at];
+        let place = place_of(run, view);
+        let of_run = cover_of_run(run, place, tile);
+        let line = line_at_tile(start, run, place, tile);
+        for (var column = of_run.begin; column < of_run.end; column++) {
+            atomicMin(&nearest[column], depth_of_line(line + i32(column), run, place));
+        }
+        count += of_run.end - of_run.begin;
+        if (joins_next(run)) {
+            let of_span = cover_of_span(at, run, place, tile);
+            let depth = depth_of_span(start, run, place);
+            for (var column = of_span.begin; column < of_span.end; column++) {
+                atomicMin(&nearest[column], depth);
+            }
             count += of_span.end - of_span.begin;
         }
     }
     atomicAdd(&fragment_count, count);
     workgroupBarrier();
-    for (var at = start + local; at < end; at += SLICE_WORKGROUP) {
-        let line = lines[at];
-        let place = place_of(line, view);
-        let word = (at - start) << 1u;
-        put_words(cover_of_line(line, place, tile), word);
-        if ((line.flags & LINE_JOINS) != 0u) {
-            put_words(cover_of_span(at, line, place, tile), word | 1u);
+    for (var at = first_run + local; at < end; at += SLICE_WORKGROUP) {
+        let run = runs[at];
+        let place = place_of(run, view);
+        let word = (at - first_run) << 1u;
+        let of_run = cover_of_run(run, place, tile);
+        let line = line_at_tile(start, run, place, tile);
+        for (var column = of_run.begin; column < of_run.end; column++) {
+            put_word(column, depth_of_line(line + i32(column), run, place), word);
+        }
+        if (joins_next(run)) {
+            let of_span = cover_of_span(at, run, place, tile);
+            let depth = depth_of_span(start, run, place);
+            for (var column = of_span.begin; column < of_span.end; column++) {
+                put_word(column, depth, word | 1u);
+            }
         }
     }
     workgroupBarrier();
@@ -150,7 +198,7 @@ fn find_winners(
         let word = atomicLoad(&words[column - left]);
         var found = vec2u(NONE, 0u);
         if (word != NONE) {
-            found = winner(start, word, i32(column), view);
+            found = winner(first_run, word, i32(column), view);
         }
         winners[scanline * block.width + column] = found;
     }

@@ -1,13 +1,12 @@
 //! Primitive coalescing (Epipolar 3.4.3): runs of lines that move together.
 //!
 //! A run is a block of 2^n neighbours of one surface, aligned to a multiple of its length, whose disparities differ by no more than the
-//! threshold: all get the middle of them, so that no column is wrong by more than half of the threshold. The blocks are the nodes of a
-//! pyramid of least and greatest disparities, found from the finest level up.
+//! threshold. A view draws it as one primitive: all of its lines move by the middle of their disparities, so that no column is wrong by
+//! more than half of the threshold, and keep their own depths. The blocks are the nodes of a pyramid of least and greatest disparities,
+//! found from the finest level up.
 //!
-//! Listings 3.12 and 3.13 of the thesis compare depths, where the error in columns depends on the distance, too; mark what ends a run by a depth of 1, which a
-//! pixel may have; and look up the node of the image's width, not of the pixel's column.
-
-use std::ops::Range;
+//! Listings 3.12 and 3.13 of the thesis compare depths, where the error in columns depends on the distance, too; mark what ends a run by
+//! a depth of 1, which a pixel may have; and look up the node of the image's width, not of the pixel's column.
 
 use super::lines::{COLUMN_BITS, Line};
 
@@ -44,8 +43,39 @@ impl Coalescing {
     }
 }
 
-/// Divides the lines of a scanline into runs, and gives the lines of each the same disparity.
-pub fn coalesce(lines: &mut [Line], coalescing: Coalescing) -> Vec<Range<usize>> {
+/// Lines of one surface in columns that follow each other, which move together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Run {
+    /// Index of the first line.
+    pub first: u32,
+    /// Lines, a power of two.
+    pub length: u32,
+    /// Column of the first line in its own view, 1/256 pixels.
+    pub column: i32,
+    /// 1/4096 pixels over the baseline.
+    pub disparity: i32,
+    pub source: u16,
+    /// Whether the next run begins with the next pixel of the same surface.
+    pub joins_next: bool,
+    /// Whether the lines are of the first layer.
+    pub is_first: bool,
+}
+
+/// All lines of a scanline, and the runs that they form, both in their order.
+#[derive(Debug, Clone, Default)]
+pub struct LineRuns {
+    pub lines: Vec<Line>,
+    pub runs: Vec<Run>,
+}
+
+impl LineRuns {
+    pub fn new(lines: Vec<Line>, coalescing: Coalescing) -> LineRuns {
+        LineRuns { runs: runs(&lines, coalescing), lines }
+    }
+}
+
+/// Divides lines into the longest runs.
+fn runs(lines: &[Line], coalescing: Coalescing) -> Vec<Run> {
     let mut runs = Vec::with_capacity(lines.len());
     let mut at = 0;
     while at < lines.len() {
@@ -68,9 +98,16 @@ pub fn coalesce(lines: &mut [Line], coalescing: Coalescing) -> Vec<Range<usize>>
             }
             (length, least, most) = (longer, low, high);
         }
-        let middle = least.disparity + (most.disparity.abs_diff(least.disparity) / 2) as i32;
-        lines[at..at + length].iter_mut().for_each(|line| line.disparity = middle);
-        runs.push(at..at + length);
+        let Line { column, source, is_first, .. } = lines[at];
+        runs.push(Run {
+            first: at as u32,
+            length: length as u32,
+            column,
+            disparity: least.disparity + (most.disparity.abs_diff(least.disparity) / 2) as i32,
+            source,
+            joins_next: lines[at + length - 1].joins_next,
+            is_first,
+        });
         at += length;
     }
     runs
@@ -93,24 +130,36 @@ mod tests {
         disparities.iter().enumerate().map(line).collect()
     }
 
+    fn by(pixels: f64) -> Coalescing {
+        if pixels > 0.0 { Coalescing::Disparity(pixels) } else { Coalescing::Off }
+    }
+
+    fn lengths(lines: &[Line], coalescing: Coalescing) -> Vec<u32> {
+        let runs = runs(lines, coalescing);
+        let ends = runs.iter().scan(0, |end, run| {
+            assert_eq!(run.first, *end);
+            *end += run.length;
+            Some(*end)
+        });
+        assert_eq!(ends.last(), Some(lines.len() as u32));
+        runs.iter().map(|run| run.length).collect()
+    }
+
     #[test]
     fn runs_are_aligned_blocks_within_the_threshold() {
         let mut disparities = vec![4096; 16];
         disparities[11] += 5000;
-        let mut coalesced = lines(&disparities);
-        let by = |pixels: f64| if pixels > 0.0 { Coalescing::Disparity(pixels) } else { Coalescing::Off };
-        let runs = coalesce(&mut coalesced, by(1.0));
-        assert_eq!(runs, [0..8, 8..10, 10..11, 11..12, 12..16]);
-        assert_eq!(coalesced, lines(&disparities));
+        let uneven = lines(&disparities);
+        assert_eq!(lengths(&uneven, by(1.0)), [8, 2, 1, 1, 4]);
         // With a larger threshold all are one, in the middle of them.
-        assert_eq!(coalesce(&mut coalesced, by(2.0)).len(), 1);
-        assert!(coalesced.iter().all(|line| line.disparity == 4096 + 2500));
+        assert_eq!(lengths(&uneven, by(2.0)), [16]);
+        assert_eq!(runs(&uneven, by(2.0))[0].disparity, 4096 + 2500);
         // Without one, and across an edge, none are.
-        let mut alone = lines(&disparities);
-        assert_eq!(coalesce(&mut alone, by(0.0)).len(), 16);
+        assert_eq!(lengths(&uneven, by(0.0)), [1; 16]);
         let mut parted = lines(&[0; 4]);
         parted[0].joins_next = false;
-        assert_eq!(coalesce(&mut parted, by(9.0)), [0..1, 1..2, 2..4]);
+        assert_eq!(lengths(&parted, by(9.0)), [1, 1, 2]);
+        assert_eq!(runs(&parted, by(9.0)).iter().map(|run| run.joins_next).collect::<Vec<_>>(), [false, true, false]);
     }
 
     #[test]
@@ -118,11 +167,11 @@ mod tests {
         let at_depths = |depths_m: [f32; 4], metres: f64| {
             let mut lines = lines(&[0, 4096, 8192, 12_288]);
             lines.iter_mut().zip(depths_m).for_each(|(line, depth_m)| line.depth = depth_m.to_bits());
-            coalesce(&mut lines, Coalescing::Depth(metres))
+            lengths(&lines, Coalescing::Depth(metres))
         };
-        assert_eq!(at_depths([1.0, 1.1, 1.2, 1.3], 0.5).len(), 1);
-        assert_eq!(at_depths([1.0, 1.1, 1.6, 1.7], 0.25), [0..2, 2..4]);
-        assert_eq!(at_depths([f32::INFINITY; 4], 0.0).len(), 1);
-        assert_eq!(at_depths([1.0, 1.1, 1.2, 1.3], 0.0).len(), 4);
+        assert_eq!(at_depths([1.0, 1.1, 1.2, 1.3], 0.5), [4]);
+        assert_eq!(at_depths([1.0, 1.1, 1.6, 1.7], 0.25), [2, 2]);
+        assert_eq!(at_depths([f32::INFINITY; 4], 0.0), [4]);
+        assert_eq!(at_depths([1.0, 1.1, 1.2, 1.3], 0.0), [1; 4]);
     }
 }

@@ -15,8 +15,9 @@ pub struct Counters {
     pub offset_skipped: u64,
     /// Surfaces behind a pixel that hides them from all views.
     pub masked_pixels: u64,
+    /// Primitives that each view draws: lines, and runs of lines that move together as one.
     pub lines: u64,
-    /// Lines that follow the one beside them.
+    /// Pixels of sources that share the primitive of a run, beside the first of each run.
     pub coalesced_pixels: u64,
     /// Pixels of output views that lines and the spans between them cover, once for each.
     pub fragments: u64,

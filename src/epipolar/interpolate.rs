@@ -7,7 +7,7 @@ use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::coalesce::{Coalescing, coalesce};
+use super::coalesce::{Coalescing, LineRuns};
 use super::counters::Counters;
 use super::highlights::{EyeLine, Highlight};
 use super::lines::{Line, LineSpace};
@@ -105,12 +105,11 @@ impl<'a> Interpolator<'a> {
     }
 
     /// The lines of a scanline, counted.
-    pub fn lines(&self, row: usize) -> (Vec<Line>, Counters) {
-        let mut lines = self.space.lines(self.sources, row);
-        let runs = coalesce(&mut lines, self.settings.coalesce);
-        let coalesced_pixels = (lines.len() - runs.len()) as u64;
-        let counters = Counters { lines: lines.len() as u64, coalesced_pixels, ..Counters::default() };
-        (lines, counters)
+    pub fn lines(&self, row: usize) -> (LineRuns, Counters) {
+        let lines = LineRuns::new(self.space.lines(self.sources, row), self.settings.coalesce);
+        let drawn = lines.runs.len() as u64;
+        let coalesced_pixels = lines.lines.len() as u64 - drawn;
+        (lines, Counters { lines: drawn, coalesced_pixels, ..Counters::default() })
     }
 
     /// The pixel that a line of a scanline stands for.
@@ -137,13 +136,13 @@ impl<'a> Interpolator<'a> {
 
     fn row(&self, row: usize, range: Range<usize>) -> (Vec<ViewRow>, Counters) {
         let (lines, mut counters) = self.lines(row);
-        let shader = Shader::new(self, &lines, row);
+        let shader = Shader::new(self, &lines.lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
             let winners: Vec<Option<Winner>> = slice.view(view, &mut counters).collect();
             for winner in winners.iter().flatten() {
-                let layer = shader.source_pixel(&lines[winner.line as usize]).layer;
+                let layer = shader.source_pixel(&lines.lines[winner.line as usize]).layer;
                 counters.pixels_by_layer[usize::from(layer)] += 1;
             }
             let pixels: ViewRow = winners.into_iter().map(|winner| shader.pixel(winner, view)).collect();
@@ -175,11 +174,9 @@ impl Interpolator<'_> {
     }
 
     fn layered_row(&self, row: usize, range: Range<usize>, layers: usize) -> Vec<SourceRow> {
-        let mut lines = self.space.lines(self.sources, row);
-        coalesce(&mut lines, self.settings.coalesce);
-        let shader = Shader::new(self, &lines, row);
+        let (lines, mut counters) = self.lines(row);
+        let shader = Shader::new(self, &lines.lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
-        let mut counters = Counters::default();
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
             let mut out = SourceRow::default();
@@ -193,7 +190,7 @@ impl Interpolator<'_> {
                         *nearest = u32::MAX;
                         continue;
                     };
-                    let line = &lines[winner.line as usize];
+                    let line = &lines.lines[winner.line as usize];
                     *nearest = self.space.behind(line.depth);
                     out.pixels.push(shader.source_of(winner, (view, layer, column), &mut out.gloss));
                 }
@@ -213,7 +210,7 @@ pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64)
     let between = views.at(vec![offsets_m[0], offset_m, offsets_m[offsets_m.len() - 1]]);
     let space = LineSpace::new(&between, &offsets_m);
     let holes = |row: usize| {
-        let lines = space.lines(sources.iter().copied(), row);
+        let lines = LineRuns::new(space.lines(sources.iter().copied(), row), Coalescing::Off);
         let mut slice = Slice::new(&space, &lines, views.size[0]);
         slice.view(1, &mut Counters::default()).filter(Option::is_none).count() as u64
     };

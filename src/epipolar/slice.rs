@@ -1,15 +1,19 @@
 //! A slice: one scanline of all output views (Epipolar 3.3.2).
 //!
-//! Enters: the lines of a scanline. Leaves: the line that every pixel of every view shows. A line covers the pixel that its column lies
-//! in; where the next line shows the same surface and has parted from it, both cover the pixels between them. Of all that cover a pixel
-//! the one with the least key wins: a line of the first layer in the view of its own source, else the nearest, with a bias by the
-//! distance from the source; then the first in the order of lines.
+//! Enters: the lines of a scanline, in runs. Leaves: the line that every pixel of every view shows. The lines of a run cover the pixels
+//! from that which the column of the first lies in, each one; where the next run shows the same surface and has parted from it, both cover
+//! the pixels between them. Of all that cover a pixel the one with the least key wins: a line of the first layer in the view of its own
+//! source, else the nearest, with a bias by the distance from the source; then the first in the order of runs. The lines of a run cover
+//! different pixels, so that the order of runs is that of lines.
 //!
 //! Listing 3.7 of the thesis replaces what a pixel shows and never puts anything where nothing was. In listing 3.9 the right end of a quad
 //! moves the other way than its left end (appendix B.4 has the sign right), and its loop over splits runs one too far.
 
+use std::ops::Range;
+
+use super::coalesce::{LineRuns, Run};
 use super::counters::Counters;
-use super::lines::{COLUMN_BITS, Line, LineSpace, moved};
+use super::lines::{COLUMN_BITS, LineSpace, moved};
 
 /// Key of a pixel that nothing covers.
 const NOTHING: u64 = u64::MAX;
@@ -29,22 +33,26 @@ pub struct Winner {
 /// The winners of one scanline of a view.
 pub struct Slice<'a> {
     space: &'a LineSpace,
-    lines: &'a [Line],
+    runs: &'a [Run],
+    /// Of lines.
+    depths: Vec<u32>,
     width: u32,
     keys: Vec<u64>,
+    /// Of the first line of each run, in the view.
     columns: Vec<i32>,
     /// By column, depths that lines must lie behind; empty where all are drawn.
     nearest: Vec<u32>,
 }
 
 impl<'a> Slice<'a> {
-    pub fn new(space: &'a LineSpace, lines: &'a [Line], width: u32) -> Slice<'a> {
+    pub fn new(space: &'a LineSpace, LineRuns { lines, runs }: &'a LineRuns, width: u32) -> Slice<'a> {
         Slice {
             space,
-            lines,
+            runs,
+            depths: lines.iter().map(|line| line.depth).collect(),
             width,
             keys: vec![NOTHING; width as usize],
-            columns: vec![0; lines.len()],
+            columns: vec![0; runs.len()],
             nearest: Vec::new(),
         }
     }
@@ -69,50 +77,55 @@ impl<'a> Slice<'a> {
         (0..self.width).map(|column| self.winner(column))
     }
 
-    /// Draws all lines.
+    /// Draws all runs.
     pub fn draw(&mut self, view: usize, counters: &mut Counters) {
         self.keys.fill(NOTHING);
         let mut at = 0;
-        while let Some(first) = self.lines.get(at) {
+        while let Some(first) = self.runs.get(at) {
             let source = first.source;
-            let end = at + self.lines[at..].partition_point(|line| line.source == source);
+            let end = at + self.runs[at..].partition_point(|run| run.source == source);
             self.draw_source(at..end, self.space.place(usize::from(source), view), counters);
             at = end;
         }
     }
 
-    /// Draws the lines of one source.
-    fn draw_source(&mut self, lines: std::ops::Range<usize>, place: i32, counters: &mut Counters) {
+    /// Draws the runs of one source.
+    fn draw_source(&mut self, range: Range<usize>, place: i32, counters: &mut Counters) {
         let bias = self.space.bias_at(place);
         let width = self.width as i32;
-        for at in lines.clone() {
-            let line = &self.lines[at];
-            self.columns[at] = line.column + moved(line.disparity, place);
+        for (column, run) in self.columns[range.clone()].iter_mut().zip(&self.runs[range.clone()]) {
+            *column = run.column + moved(run.disparity, place);
         }
         let nearest = &self.nearest;
-        let mut cover = |from: i32, to: i32, depth: u32, key: u64| {
-            for column in from.max(0)..to.min(width) {
-                if nearest.get(column as usize).is_some_and(|nearest| depth <= *nearest) {
-                    continue;
-                }
-                let held = &mut self.keys[column as usize];
-                counters.fragments += 1;
-                if key < *held {
-                    *held = key;
-                    counters.depth_tests_won += 1;
-                }
+        let mut cover = |column: i32, depth: u32, key: u64| {
+            if nearest.get(column as usize).is_some_and(|nearest| depth <= *nearest) {
+                return;
+            }
+            let held = &mut self.keys[column as usize];
+            counters.fragments += 1;
+            if key < *held {
+                *held = key;
+                counters.depth_tests_won += 1;
             }
         };
-        for at in lines {
-            let line = &self.lines[at];
-            let column = self.columns[at] >> COLUMN_BITS;
+        for at in range {
+            let run = &self.runs[at];
+            let depths = &self.depths[run.first as usize..];
+            let first = self.columns[at] >> COLUMN_BITS;
+            let end = first + run.length as i32;
             // Its own view shows the first layer as it was, whatever lies before it between the middles of pixels.
-            let depth = if line.is_first && place == 0 { 0 } else { line.depth.saturating_add(bias) };
-            cover(column, column + 1, line.depth, u64::from(depth) << 32 | (at as u64) << 1);
-            if line.joins_next {
+            let is_own = run.is_first && place == 0;
+            let word = (at as u64) << 1;
+            for column in first.max(0)..end.min(width) {
+                let depth = depths[(column - first) as usize];
+                let key = if is_own { 0 } else { depth.saturating_add(bias) };
+                cover(column, depth, u64::from(key) << 32 | word);
+            }
+            if run.joins_next {
                 let next = self.columns[at + 1] >> COLUMN_BITS;
-                let farther = line.depth.max(self.lines[at + 1].depth);
-                cover(column + 1, next, farther, u64::from(farther.saturating_add(bias)) << 32 | (at as u64) << 1 | 1);
+                let farther = depths[run.length as usize - 1].max(depths[run.length as usize]);
+                let key = u64::from(farther.saturating_add(bias)) << 32 | word | 1;
+                (end.max(0)..next.min(width)).for_each(|column| cover(column, farther, key));
             }
         }
     }
@@ -123,23 +136,30 @@ impl<'a> Slice<'a> {
             return None;
         }
         let (at, is_span) = (((key as u32) >> 1) as usize, key & 1 == 1);
+        let (run, first) = (&self.runs[at], self.columns[at]);
+        // The line of the run, and its column. Between two runs it is the last one.
+        let last = run.length as i32 - 1;
+        let of_run = if is_span { last } else { column as i32 - (first >> COLUMN_BITS) };
+        let (line, line_column) = (run.first + of_run as u32, first + (of_run << COLUMN_BITS));
         let middle = ((column as i32) << COLUMN_BITS) + (1 << (COLUMN_BITS - 1));
-        let right_of_line = middle - self.columns[at];
+        let right_of_line = middle - line_column;
         // A line before the middle of the pixel is blended with the one after it, and the other way round.
         let beside = match right_of_line {
             0 => None,
-            1.. => (self.lines[at].joins_next || is_span).then_some(at + 1),
-            _ => at.checked_sub(1).filter(|&before| self.lines[before].joins_next),
+            1.. if of_run < last => Some((line + 1, 1 << COLUMN_BITS)),
+            1.. => run.joins_next.then(|| (line + 1, self.columns[at + 1] - line_column)),
+            _ if of_run > 0 => Some((line - 1, -(1 << COLUMN_BITS))),
+            _ => at.checked_sub(1).filter(|&before| self.runs[before].joins_next).map(|before| {
+                let last = self.runs[before].length as i32 - 1;
+                (line - 1, self.columns[before] + (last << COLUMN_BITS) - line_column)
+            }),
         };
-        let parted = beside.map(|beside| (self.columns[beside] - self.columns[at], beside));
         // Lines that have come closer, or changed places, are not blended.
-        let weight = parted.filter(|(parted, _)| parted.signum() == right_of_line.signum()).map(|(parted, beside)| {
-            let shift = if parted.abs() >= FAR_APART { COLUMN_BITS } else { 0 };
-            let [part, whole] = [right_of_line, parted].map(|columns| columns.abs() >> shift);
-            (beside as u32, ((255 * part + whole / 2) / whole).min(255) as u8)
-        });
-        let (beside, weight) = weight.unwrap_or((at as u32, 0));
-        Some(Winner { line: at as u32, beside, weight })
+        let parted = beside.filter(|(_, parted)| parted.signum() == right_of_line.signum());
+        let Some((beside, parted)) = parted else { return Some(Winner { line, beside: line, weight: 0 }) };
+        let shift = if parted.abs() >= FAR_APART { COLUMN_BITS } else { 0 };
+        let [part, whole] = [right_of_line, parted].map(|columns| columns.abs() >> shift);
+        Some(Winner { line, beside, weight: ((255 * part + whole / 2) / whole).min(255) as u8 })
     }
 }
 
@@ -149,6 +169,8 @@ mod tests {
     use half::f16;
 
     use super::*;
+    use crate::epipolar::coalesce::Coalescing;
+    use crate::epipolar::lines::Line;
     use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
     use crate::epipolar::views::{OutputViews, Spread};
     use crate::math::{Camera, Lens};
@@ -180,11 +202,11 @@ mod tests {
     fn winners(views: &OutputViews, sources: &[SourceView]) -> (Vec<Line>, Vec<Vec<Option<Winner>>>, Counters) {
         let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
         let space = LineSpace::new(views, &offsets_m);
-        let lines = space.lines(sources, 0);
+        let runs = LineRuns::new(space.lines(sources, 0), Coalescing::Off);
         let mut counters = Counters::default();
-        let mut slice = Slice::new(&space, &lines, WIDTH);
+        let mut slice = Slice::new(&space, &runs, WIDTH);
         let all = (0..views.offsets_m.len()).map(|view| slice.view(view, &mut counters).collect()).collect();
-        (lines, all, counters)
+        (runs.lines, all, counters)
     }
 
     #[test]

@@ -15,10 +15,10 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::epipolar::backend::Backend;
+use crate::epipolar::coalesce::LineRuns;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::erosion::Moves;
 use crate::epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
-use crate::epipolar::lines::Line;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::harness::dispatch;
@@ -29,7 +29,7 @@ use crate::monitor::Monitor;
 use block::{LineWords, color_of, coverage_of, places};
 use highlights::{Highlights, SplitWords};
 
-/// Lines that are sent at once, if one scanline does not have more: 64 MiB of lines, and as much of light.
+/// Lines that are sent at once, if one scanline does not have more: 64 MiB of runs at most, and as much of light.
 const LINES: usize = 4 << 20;
 /// Splits that are sent at once, if one scanline does not have more: 64 MiB.
 const SPLITS: usize = 4 << 20;
@@ -65,20 +65,22 @@ impl<'a> GpuInterpolator<'a> {
     ) -> Result<Counters> {
         let gpu = self.gpu;
         let width = of.views.size[0] as usize;
-        let lines: Vec<(Vec<Line>, Counters)> = rows.clone().into_par_iter().map(|row| of.lines(row)).collect();
+        let lines: Vec<(LineRuns, Counters)> = rows.clone().into_par_iter().map(|row| of.lines(row)).collect();
         let mut counters = Counters::default();
         lines.iter().for_each(|(_, of_row)| counters.add(of_row));
-        let lines: Vec<&[Line]> = lines.iter().map(|(lines, _)| &lines[..]).collect();
+        let lines: Vec<&LineRuns> = lines.iter().map(|(lines, _)| lines).collect();
         let words = LineWords::new(of, rows.start, &lines);
         let mut highlights = Highlights::new(of, rows.start, &lines);
-        let line_count: usize = lines.iter().map(|lines| lines.len()).sum();
+        let line_count = words.depths.len();
         let scanline = rows.len() * width;
         let at_once = (self.pixels / scanline).clamp(1, views.views.len().max(1));
         let buffer = |label, words| gpu.buffer(label, words, wgpu::BufferUsages::empty());
         let mut buffers = Buffers {
             block: buffer("block", SliceBlock::WORDS)?,
             starts: gpu.filled("starts", &words.starts)?,
-            lines: gpu.filled("lines", &words.lines)?,
+            run_starts: gpu.filled("run_starts", &words.run_starts)?,
+            runs: gpu.filled("runs", &words.runs)?,
+            depths: gpu.filled("depths", &words.depths)?,
             lights: gpu.filled("lights", &words.lights)?,
             places: buffer("places", 0)?,
             winners: buffer("winners", PIXEL_WORDS * at_once * scanline)?,
@@ -148,7 +150,9 @@ struct NumberedViews<'v> {
 struct Buffers {
     block: wgpu::Buffer,
     starts: wgpu::Buffer,
-    lines: wgpu::Buffer,
+    run_starts: wgpu::Buffer,
+    runs: wgpu::Buffer,
+    depths: wgpu::Buffer,
     lights: wgpu::Buffer,
     places: wgpu::Buffer,
     winners: wgpu::Buffer,
@@ -163,7 +167,9 @@ impl Buffers {
         Some(match name {
             "block" => &self.block,
             "starts" => &self.starts,
-            "lines" => &self.lines,
+            "run_starts" => &self.run_starts,
+            "runs" => &self.runs,
+            "depths" => &self.depths,
             "lights" => &self.lights,
             "places" => &self.places,
             "winners" => &self.winners,

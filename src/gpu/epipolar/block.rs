@@ -5,52 +5,59 @@ use std::ops::Range;
 use half::f16;
 use rayon::prelude::*;
 
+use crate::epipolar::coalesce::{LineRuns, Run};
 use crate::epipolar::interpolate::{Coverage, Interpolator};
-use crate::epipolar::lines::Line;
 use crate::epipolar::source::{Light, SourcePixel};
 use crate::gpu::layout::{
-    LIGHT_GLOSS, LIGHT_TRACED, LINE_FIRST, LINE_JOINS, LineLight, SHOWN_HOLE, SHOWN_OPTICAL, SliceLine, SlicePlace,
-    words_of,
+    LIGHT_GLOSS, LIGHT_TRACED, LineLight, RUN_FIRST, RUN_JOINS, RUN_LENGTH_BITS, SHOWN_HOLE, SHOWN_OPTICAL, SlicePlace,
+    SliceRun, words_of,
 };
 use crate::gpu::pictures::{pack_halves, unpack_halves};
 
-/// The lines of some scanlines.
+/// The lines of some scanlines, and their runs.
 #[derive(Debug, Default)]
 pub struct LineWords {
     /// The first line of each scanline, and the end of the last.
     pub starts: Vec<u32>,
-    /// [`SliceLine`]s.
-    pub lines: Vec<u32>,
+    /// The first run of each scanline, and the end of the last.
+    pub run_starts: Vec<u32>,
+    /// [`SliceRun`]s.
+    pub runs: Vec<u32>,
+    /// Bits of planar distances.
+    pub depths: Vec<u32>,
     /// [`LineLight`]s.
     pub lights: Vec<u32>,
 }
 
 impl LineWords {
     /// Of the scanlines from one on.
-    pub fn new(of: &Interpolator<'_>, first_row: usize, rows: &[&[Line]]) -> LineWords {
-        let words = |(at, lines): (usize, &&[Line])| {
-            let light = |line: &Line| light_of(of.source_pixel(first_row + at, line));
-            let lights: Vec<LineLight> = lines.iter().map(light).collect();
-            [words_of(&lines.iter().map(slice_line).collect::<Vec<_>>()), words_of(&lights)]
+    pub fn new(of: &Interpolator<'_>, first_row: usize, rows: &[&LineRuns]) -> LineWords {
+        let words = |(at, of_row): (usize, &&LineRuns)| {
+            let lights = of_row.lines.iter().map(|line| light_of(of.source_pixel(first_row + at, line)));
+            let lights: Vec<LineLight> = lights.collect();
+            [words_of(&of_row.runs.iter().map(slice_run).collect::<Vec<_>>()), words_of(&lights)]
         };
         let words: Vec<[Vec<u32>; 2]> = rows.par_iter().enumerate().map(words).collect();
-        let mut all = LineWords { starts: vec![0], ..LineWords::default() };
-        for [lines, lights] in words {
-            all.lines.extend(lines);
+        let mut all = LineWords { starts: vec![0], run_starts: vec![0], ..LineWords::default() };
+        for (of_row, [runs, lights]) in rows.iter().zip(words) {
+            all.depths.extend(of_row.lines.iter().map(|line| line.depth));
+            all.runs.extend(runs);
             all.lights.extend(lights);
-            all.starts.push((all.lines.len() / SliceLine::WORDS) as u32);
+            all.starts.push(all.depths.len() as u32);
+            all.run_starts.push((all.runs.len() / SliceRun::WORDS) as u32);
         }
         all
     }
 }
 
-fn slice_line(line: &Line) -> SliceLine {
+fn slice_run(run: &Run) -> SliceRun {
     let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
-    SliceLine {
-        column: line.column,
-        disparity: line.disparity,
-        depth: line.depth,
-        flags: u32::from(line.source) | flag(line.joins_next, LINE_JOINS) | flag(line.is_first, LINE_FIRST),
+    let flags = flag(run.joins_next, RUN_JOINS) | flag(run.is_first, RUN_FIRST);
+    SliceRun {
+        column: run.column,
+        disparity: run.disparity,
+        first: run.first,
+        flags: u32::from(run.source) | flags | run.length << RUN_LENGTH_BITS,
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::epipolar::coalesce::LineRuns;
 use crate::epipolar::interpolate::{Interpolator, Shader};
 use crate::epipolar::lines::Line;
 use crate::gpu::layout::{LineSplit, words_of};
@@ -30,9 +31,9 @@ pub struct Highlights<'a> {
 
 impl<'a> Highlights<'a> {
     /// Of the lines of scanlines from one on; `None` where no line has a highlight.
-    pub fn new(of: &'a Interpolator<'a>, first_row: usize, lines: &[&'a [Line]]) -> Option<Highlights<'a>> {
-        let shader = |(row, lines): (usize, &'a [Line])| of.has_gloss(row).then(|| Shader::new(of, lines, row));
-        let rows = (first_row..).zip(lines.iter().copied()).map(|(row, lines)| (lines, shader((row, lines))));
+    pub fn new(of: &'a Interpolator<'a>, first_row: usize, lines: &[&'a LineRuns]) -> Option<Highlights<'a>> {
+        let shader = |row: usize, lines: &'a [Line]| of.has_gloss(row).then(|| Shader::new(of, lines, row));
+        let rows = (first_row..).zip(lines).map(|(row, of_row)| (&of_row.lines[..], shader(row, &of_row.lines)));
         let rows: Vec<_> = rows.collect();
         rows.iter().any(|(_, shader)| shader.is_some()).then_some(Highlights { rows })
     }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use half::f16;
 
 use crate::epipolar::backend::{Backend, Cpu};
-use crate::epipolar::coalesce::Coalescing;
+use crate::epipolar::coalesce::{Coalescing, LineRuns};
 use crate::epipolar::counters::Counters;
 use crate::epipolar::fill::picture;
 use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator, Shader};
@@ -200,13 +200,13 @@ fn dispatch(
     mut of_pixel: impl FnMut(&Interpolator<'_>, (usize, usize), &[Line], &Expected),
 ) -> (HashMap<&'static str, Vec<u32>>, Vec<u32>, u64) {
     let of = Interpolator::new(&input.views, &input.sources, input.settings);
-    let lines: Vec<Vec<Line>> = (0..ROWS).map(|row| of.lines(row).0).collect();
-    let words = LineWords::new(&of, 0, &lines.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let lines: Vec<LineRuns> = (0..ROWS).map(|row| of.lines(row).0).collect();
+    let words = LineWords::new(&of, 0, &lines.iter().collect::<Vec<_>>());
     let count = input.views.offsets_m.len();
     let [width, rows] = input.views.size;
     let mut fragments = Vec::new();
-    for (row, lines) in lines.iter().enumerate() {
-        let mut slice = Slice::new(&of.space, lines, width);
+    for (row, runs) in lines.iter().enumerate() {
+        let (lines, mut slice) = (&runs.lines, Slice::new(&of.space, runs, width));
         for view in 0..count {
             let mut counters = Counters::default();
             for winner in slice.view(view, &mut counters) {
@@ -222,7 +222,9 @@ fn dispatch(
     let buffers = [
         ("block", words_of(&[block])),
         ("starts", words.starts),
-        ("lines", words.lines),
+        ("run_starts", words.run_starts),
+        ("runs", words.runs),
+        ("depths", words.depths),
         ("lights", words.lights),
         ("places", words_of(&places(&of, 0..count))),
     ];
