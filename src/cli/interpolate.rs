@@ -7,25 +7,27 @@ mod light_field;
 mod outputs;
 mod report;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use half::f16;
 
+use crate::cli::output::{self, TextFile};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output, outputs as output_paths, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, outputs as output_paths, refuse};
 use crate::dataset::{CameraSet, PlacedCamera};
 use crate::epipolar::brute_force;
 use crate::epipolar::drawing::{DrawnScene, TriangleDrawing};
 use crate::epipolar::fill::Truth;
-use crate::epipolar::grid::{self, GridRequest, GridViews, interpolate_grid};
+use crate::epipolar::grid::{self, GridViews, interpolate_grid};
 use crate::epipolar::memory::{self, Limits};
 use crate::epipolar::pipeline::{Picture, Request, Settings, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::fingerprint::{Fingerprint, digest};
-use crate::monitor::{Monitor, Silent};
+use crate::monitor::Monitor;
 use crate::report::interpolation::Quality;
 use crate::report::machine;
 
@@ -42,15 +44,19 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
     let views = input.views(args)?;
+    let (range, frames) = (args.range()?, args.frame_range());
+    input.check_frames(args, frames)?;
     args.check_outputs()?;
+    // From here on a stop is noticed, and leaves no unfinished files.
+    let progress = Progress::start(global, "interpolating", 0)?;
+    let texts = TextOutputs::create(args)?;
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
     notes.iter().for_each(|note| global.note(note));
-    let (range, frames) = (args.range()?, args.frame_range());
     if args.rasterize && !matches!(input, Input::Scene(_)) {
         return refuse("--rasterize draws the triangles of scenes: leave it out for containers and captured images");
     }
     let by_columns = args.by_columns() && matches!(input, Input::Scene(_));
-    let (loaded, need) = input.need(args, &views, &args.acquire_settings()?, &Silent)?;
+    let (loaded, need) = input.need(args, &views, &args.acquire_settings()?, &progress)?;
     let grid = args.grid_of(views);
     // Views that are made together.
     let count = match by_columns {
@@ -71,10 +77,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     let settings = args.settings(plan, matches!(input, Input::Scene(_)))?;
     let gpu = args.gpu.open(args.device, global)?;
+    progress.check()?;
     let device = Device::new(gpu.as_ref(), args, global);
     let steps_of = |row: usize| {
-        let range = grid.in_row(&range, row);
-        Request { views: &grid.row, range, settings: &settings, backend: &device }.steps()
+        let wanted = runs(grid.in_row(&range, row));
+        Request { views: &grid.row, wanted, settings: &settings, backend: &device }.steps()
     };
     let interpolated = match by_columns {
         _ if args.brute_force => 0,
@@ -82,7 +89,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         false => (0..grid.ups_m.len()).map(steps_of).sum(),
     };
     let steps = interpolated + if args.brute_force || args.compare { range.len() as u64 } else { 0 };
-    let progress = Progress::start(global, "interpolating", frames.count() * steps)?;
+    progress.expect(frames.count() * steps);
     let all = (frames.count(), range.len() as u64);
     let mut run =
         Run { args, progress: &progress, device: &device, outputs, measured: &mut measured, frame: frames.first };
@@ -99,18 +106,39 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     measured.quality.commit()?;
     drop(progress);
     measured.device = device.name();
-    if let Some(path) = &args.cameras_out {
-        output::write_file(path, &cameras(&grid)?.to_json()?)?;
-    }
-    if let Some(path) = &args.csv {
-        output::write_file(path, &measured.quality.csv())?;
-    }
+    texts.write(&grid, &measured.quality)?;
     let report = Report::new(args, &grid.row, &summary, &measured).with_quilt(quilt);
     global.report(args.json, &report, || report.text())?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;
     }
     Ok(ExitStatus::Passed)
+}
+
+/// Files that are written at the end.
+struct TextOutputs<'a> {
+    cameras: Option<TextFile<'a>>,
+    csv: Option<TextFile<'a>>,
+}
+
+impl TextOutputs<'_> {
+    fn create(args: &Args) -> Result<TextOutputs<'_>> {
+        let [cameras, csv] =
+            [&args.cameras_out, &args.csv].map(|path| path.as_deref().map(TextFile::create).transpose());
+        Ok(TextOutputs { cameras: cameras?, csv: csv? })
+    }
+
+    fn write(self, grid: &GridViews, quality: &Quality) -> Result<()> {
+        if let Some(file) = self.cameras {
+            file.write(&cameras(grid)?.to_json()?)?;
+        }
+        self.csv.map_or(Ok(()), |file| file.write(&quality.csv()))
+    }
+}
+
+/// One run of views; none of no views.
+fn runs(range: Range<usize>) -> Vec<Range<usize>> {
+    Some(range).filter(|range| !range.is_empty()).into_iter().collect()
 }
 
 /// The folder of the outputs, or that which they are made in; without outputs that of temporary files.
@@ -212,7 +240,8 @@ impl Run<'_, '_> {
                 for row in 0..grid.ups_m.len() {
                     let views = grid.views_of(row)?;
                     let first = row * grid.row.offsets_m.len();
-                    for missing in self.missing(grid.in_row(&range, row), first)? {
+                    let missing = self.missing(grid.in_row(&range, row), first)?;
+                    if !missing.is_empty() {
                         of_frame.add(self.row((&now, drawing), (&views, missing), first, &settings)?);
                     }
                 }
@@ -230,11 +259,8 @@ impl Run<'_, '_> {
     /// The views of a grid, column by column.
     fn columns(&mut self, seen: DrawnScene<'_>, grid: &GridViews, settings: &Settings) -> Result<Summary> {
         let (range, count) = (self.args.range()?, grid.row.offsets_m.len());
-        let mut wanted = vec![false; grid.count()];
-        for missing in self.missing(range, 0)? {
-            wanted[missing].fill(true);
-        }
-        let (progress, request) = (self.progress, GridRequest { grid, wanted, settings, backend: self.device });
+        let wanted = self.missing(range, 0)?;
+        let (progress, request) = (self.progress, Request { views: grid, wanted, settings, backend: self.device });
         interpolate_grid(seen, &request, progress, |row, view, picture| {
             let views = grid.views_of(row)?;
             let cast = |view: usize| {
@@ -251,8 +277,8 @@ impl Run<'_, '_> {
     }
 
     /// The views of a row, whose first one has this number, that have no file yet: runs of neighbours.
-    fn missing(&self, range: std::ops::Range<usize>, first: usize) -> Result<Vec<std::ops::Range<usize>>> {
-        let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
+    fn missing(&self, range: Range<usize>, first: usize) -> Result<Vec<Range<usize>>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
         for view in range {
             let is_made = self.outputs.as_ref().map_or(Ok(false), |outputs| outputs.has(self.frame, first + view))?;
             match runs.last_mut() {
@@ -268,7 +294,7 @@ impl Run<'_, '_> {
     fn row(
         &mut self,
         (now, drawing): (&FrameInput<'_>, Option<&dyn TriangleDrawing>),
-        (views, range): (&OutputViews, std::ops::Range<usize>),
+        (views, wanted): (&OutputViews, Vec<Range<usize>>),
         first: usize,
         settings: &Settings,
     ) -> Result<Summary> {
@@ -285,14 +311,14 @@ impl Run<'_, '_> {
                         let color = brute_force::draw(seen, (views, views.offsets_m[view]), samples, progress)?;
                         Ok(RenderedImage::opaque(&color))
                     };
-                    return self.cast_all(range, first, if seen.drawing.is_some() { &draw } else { &cast });
+                    return self.cast_all(&wanted, first, if seen.drawing.is_some() { &draw } else { &cast });
                 }
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
-                interpolate(seen, &Request { views, range, settings, backend }, progress, take)
+                interpolate(seen, &Request { views, wanted, settings, backend }, progress, take)
             }
             FrameInput::Images(images) => {
                 let take = |view, picture: Picture| self.take((view, first), &picture, None);
-                let request = Request { views, range, settings, backend };
+                let request = Request { views, wanted, settings, backend };
                 between((&images.sources, None::<Truth<'_>>), &request, progress, take)
             }
             FrameInput::Field(field) => {
@@ -301,13 +327,13 @@ impl Run<'_, '_> {
                 }
                 let cast = |view: usize| field.picture(views, views.offsets_m[view], progress);
                 if self.args.brute_force {
-                    return self.cast_all(range, first, &cast);
+                    return self.cast_all(&wanted, first, &cast);
                 }
                 let begun = Instant::now();
                 let (sources, counters) = field.sources(views, self.args, (backend, progress))?;
                 let acquired = begun.elapsed();
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
-                let request = Request { views, range, settings, backend };
+                let request = Request { views, wanted, settings, backend };
                 let mut summary = between((&sources, None), &request, progress, take)?;
                 summary.stages.acquire += acquired;
                 summary.counters.add(&counters);
@@ -316,8 +342,8 @@ impl Run<'_, '_> {
         }
     }
 
-    fn cast_all(&mut self, range: std::ops::Range<usize>, first: usize, cast: &Cast<'_>) -> Result<Summary> {
-        for view in range {
+    fn cast_all(&mut self, wanted: &[Range<usize>], first: usize, cast: &Cast<'_>) -> Result<Summary> {
+        for view in wanted.iter().cloned().flatten() {
             let picture = self.cast(view, cast)?;
             self.put(first + view, &picture)?;
         }

@@ -48,9 +48,25 @@ pub fn print_text(text: &str) -> Result<()> {
 
 /// Writes a file whole, `-` for standard output.
 pub fn write_file(path: &Path, text: &str) -> Result<()> {
-    let mut file = OutputFile::create(path)?;
-    file.write_all(text.as_bytes()).map_err(|error| Error::io(path, error))?;
-    file.commit()
+    TextFile::create(path)?.write(text)
+}
+
+/// A file that is written at the end, and can be: its folder is there.
+pub struct TextFile<'a> {
+    path: &'a Path,
+    file: OutputFile,
+}
+
+impl TextFile<'_> {
+    pub fn create(path: &Path) -> Result<TextFile<'_>> {
+        Ok(TextFile { path, file: OutputFile::create(path)? })
+    }
+
+    /// Writes it whole.
+    pub fn write(mut self, text: &str) -> Result<()> {
+        self.file.write_all(text.as_bytes()).map_err(|error| Error::io(self.path, error))?;
+        self.file.commit()
+    }
 }
 
 /// Durations and counts of stages, one on each line: "seconds: merge 1.234", "count: points 7".

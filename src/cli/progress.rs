@@ -35,6 +35,11 @@ impl Progress {
         let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style).with_message(what);
         Ok(Progress { bar })
     }
+
+    /// Sets the number of steps, where it follows from what is read first.
+    pub fn expect(&self, steps: u64) {
+        self.bar.set_length(steps);
+    }
 }
 
 impl Drop for Progress {

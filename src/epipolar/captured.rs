@@ -27,6 +27,11 @@ pub struct CapturedSources {
 }
 
 impl CapturedSources {
+    /// Refuses probes, by name, without an image of a face in a frame.
+    pub fn check_probes(reference: &Reference, probes: &[String], face: Face, frame: u32) -> Result<()> {
+        probes.iter().try_for_each(|probe| find(reference, probe, face, frame).map(drop))
+    }
+
     /// The images of some probes, by name, and one face, in a frame.
     pub fn read(reference: &mut Reference, probes: &[String], face: Face, frame: u32) -> Result<CapturedSources> {
         let images = probes.iter().map(|probe| find(reference, probe, face, frame)).collect::<Result<Vec<_>>>()?;

@@ -8,11 +8,10 @@ use std::ops::Range;
 use std::time::Instant;
 
 use super::acquire::acquire;
-use super::backend::Backend;
 use super::drawing::DrawnScene;
 use super::fill::{Truth, fill, picture};
 use super::interpolate::{Coverage, InterpolatedView, Interpolator};
-use super::pipeline::{Picture, Settings, SourceReport, Summary};
+use super::pipeline::{Picture, Request, SourceReport, Summary};
 use super::source::{Light, SourcePixel, SourceRow, SourceView};
 use super::views::OutputViews;
 use crate::error::Result;
@@ -55,20 +54,11 @@ impl GridViews {
     }
 }
 
-/// What is to be rendered, and where.
-#[derive(Clone)]
-pub struct GridRequest<'a> {
-    pub grid: &'a GridViews,
-    /// By view, row by row: whether it is asked for.
-    pub wanted: Vec<bool>,
-    pub settings: &'a Settings,
-    pub backend: &'a dyn Backend,
-}
-
-impl GridRequest<'_> {
+impl Request<'_, GridViews> {
     /// Whether a view is asked for, by its row and its place there.
     fn wants(&self, row: usize, view: usize) -> bool {
-        self.wanted[row * self.grid.row.offsets_m.len() + view]
+        let number = row * self.views.row.offsets_m.len() + view;
+        self.wanted.iter().any(|range| range.contains(&number))
     }
 }
 
@@ -80,11 +70,11 @@ pub fn steps(grid: &GridViews) -> u64 {
 /// Renders the views of a grid that are asked for, and gives each with its row and its place there, column by column.
 pub fn interpolate_grid<'a>(
     seen: impl Into<DrawnScene<'a>>,
-    request: &GridRequest<'_>,
+    request: &Request<'_, GridViews>,
     monitor: &dyn Monitor,
     mut take: impl FnMut(usize, usize, Picture) -> Result<()>,
 ) -> Result<Summary> {
-    let GridRequest { grid, settings, backend, .. } = request;
+    let Request { views: grid, settings, backend, .. } = request;
     let mut summary = Summary::default();
     let last_row = grid.ups_m.len() - 1;
     let ends = [grid.views_of(0)?, grid.views_of(last_row)?];

@@ -4,7 +4,7 @@
 //! the last, in 1/4096 of a pixel. In another view it is moved by a part of that, the view's place relative to the line's own in units of
 //! 2^-24 of the baseline. The CPU and devices compute columns and keys from these integers alone.
 
-use super::continuity::Continuity;
+use super::continuity::{Continuity, Surfaces};
 use super::source::{SourcePixel, SourceView};
 use super::views::OutputViews;
 
@@ -107,31 +107,79 @@ impl LineSpace {
         (self.at_infinity - self.scale / f64::from(depth_m)).clamp(-most, most).round() as i32
     }
 
-    /// The lines of a scanline of all sources, in their order.
+    /// The lines of a scanline of all sources, in their order; those of a source surface by surface, from left to right.
     pub fn lines<'s>(&self, sources: impl IntoIterator<Item = &'s SourceView>, row: usize) -> Vec<Line> {
         let of = |(source, view): (usize, &SourceView)| self.lines_of(source as u16, &view.rows[row].pixels);
         sources.into_iter().enumerate().flat_map(of).collect()
     }
 
     fn lines_of(&self, source: u16, pixels: &[SourcePixel]) -> Vec<Line> {
-        let inverse = |at: usize| f64::from(pixels[at].depth_m).recip();
-        let is_next = |a: &SourcePixel, b: &SourcePixel| a.layer == b.layer && a.column + 1 == b.column;
-        let line = |(at, pixel): (usize, &SourcePixel)| {
-            let joins_next = pixels.get(at + 1).is_some_and(|next| {
-                let before = at.checked_sub(1).filter(|&before| is_next(&pixels[before], pixel)).map(inverse);
-                let after = pixels.get(at + 2).filter(|after| is_next(next, after)).map(|_| inverse(at + 2));
-                is_next(pixel, next) && self.continuity.joins(before, [inverse(at), inverse(at + 1)], after)
-            });
-            Line {
-                column: (pixel.column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
-                disparity: self.disparity(pixel.depth_m),
-                depth: pixel.depth_m.to_bits(),
-                pixel: at as u32,
-                source,
-                joins_next,
-                is_first: pixel.layer == 0,
+        let chains = Surfaces::new(pixels, self.continuity);
+        let mut lines = Vec::with_capacity(pixels.len());
+        for head in (0..pixels.len()).filter(|&at| !chains.has_left[at]) {
+            let mut here = Some(head);
+            while let Some(at) = here {
+                here = chains.right(at);
+                let pixel = &pixels[at];
+                lines.push(Line {
+                    column: (pixel.column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1)),
+                    disparity: self.disparity(pixel.depth_m),
+                    depth: pixel.depth_m.to_bits(),
+                    pixel: at as u32,
+                    source,
+                    joins_next: here.is_some(),
+                    is_first: pixel.layer == 0,
+                });
             }
+        }
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use half::f16;
+
+    use super::*;
+    use crate::epipolar::coalesce::{Coalescing, LineRuns};
+    use crate::epipolar::counters::Counters;
+    use crate::epipolar::slice::Slice;
+    use crate::epipolar::source::{Light, SourceRow};
+    use crate::epipolar::views::Spread;
+    use crate::math::{Camera, Lens};
+
+    #[test]
+    fn a_surface_behind_leaves_has_no_pinholes() {
+        // A curtain, slanted so that the last view sees it twice as wide, before a wall; leaves hide every third pixel of it.
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(60.0)).unwrap();
+        let views =
+            OutputViews::new(camera.with_aspect(2.0), [64, 32], 3, Spread::Baseline(0.5), f64::INFINITY).unwrap();
+        let pixel = |column: i32, depth_m: f32, layer: u8| {
+            let black = [f16::ZERO; 3];
+            SourcePixel { column, depth_m, layer, light: Light::Steady, steady: black, own: black }
         };
-        pixels.iter().enumerate().map(line).collect()
+        let curtain = |column: i32| (2.0 - f64::from(column) * 0.04).recip() as f32;
+        let is_leaf = |column: i32| column % 3 == 1;
+        let columns = 0..30;
+        let mut pixels: Vec<SourcePixel> =
+            columns.clone().map(|at| pixel(at, if is_leaf(at) { 0.3 } else { curtain(at) }, 0)).collect();
+        pixels.extend(columns.clone().map(|at| pixel(at, if is_leaf(at) { curtain(at) } else { 9.0 }, 1)));
+        pixels.extend(columns.filter(|&at| is_leaf(at)).map(|at| pixel(at, 9.0, 2)));
+        let row = SourceRow { pixels, gloss: Vec::new() };
+        let source = SourceView::of_rows(-0.25, vec![row]);
+        let space = LineSpace::new(&views, &[-0.25]);
+        let runs = LineRuns::new(space.lines([&source], 0), Coalescing::Off);
+        let (lines, mut slice) = (&runs.lines, Slice::new(&space, &runs, 64));
+        let shown: Vec<f32> = slice
+            .view(2, &mut Counters::default())
+            .map(|winner| winner.map_or(0.0, |winner| f32::from_bits(lines[winner.line as usize].depth)))
+            .collect();
+        let is_curtain = |depth_m: &f32| (0.4..3.0).contains(depth_m);
+        let first = shown.iter().position(is_curtain).unwrap();
+        let last = shown.iter().rposition(is_curtain).unwrap();
+        assert!(last - first > 35, "{shown:?}");
+        let through = shown[first..last].iter().filter(|depth_m| **depth_m > 3.0).count();
+        assert_eq!(through, 0, "{shown:?}");
     }
 }

@@ -40,12 +40,12 @@ pub struct RowsAtOnce {
     pub interpolated: u32,
 }
 
-/// What is to be rendered, and where.
+/// What is to be rendered, and where: some of the views of a line or of a grid.
 #[derive(Clone)]
-pub struct Request<'a> {
-    pub views: &'a OutputViews,
-    /// Some of the views.
-    pub range: Range<usize>,
+pub struct Request<'a, V = OutputViews> {
+    pub views: &'a V,
+    /// Numbers of views, rising; those of a grid are counted row by row.
+    pub wanted: Vec<Range<usize>>,
     pub settings: &'a Settings,
     pub backend: &'a dyn Backend,
 }
@@ -117,12 +117,12 @@ impl Summary {
 impl<'a> Request<'a> {
     /// All views, on the CPU.
     pub fn all(views: &'a OutputViews, settings: &'a Settings) -> Request<'a> {
-        Request { views, range: 0..views.offsets_m.len(), settings, backend: &Cpu }
+        Request { views, wanted: std::iter::once(0..views.offsets_m.len()).collect(), settings, backend: &Cpu }
     }
 
     /// Steps that a run reports to its monitor.
     pub fn steps(&self) -> u64 {
-        if self.range.is_empty() { 0 } else { u64::from(self.views.size[1]) }
+        self.wanted.len() as u64 * u64::from(self.views.size[1])
     }
 }
 
@@ -174,7 +174,8 @@ pub fn between(
 
 impl Request<'_> {
     fn store(&self) -> Result<ViewStore> {
-        ViewStore::new(&self.settings.storage, self.views.size, self.range.len())
+        let count = self.wanted.iter().map(ExactSizeIterator::len).sum();
+        ViewStore::new(&self.settings.storage, self.views.size, count)
     }
 
     /// Interpolates some scanlines of sources, the first of which is one of the views, in strips.
@@ -190,9 +191,13 @@ impl Request<'_> {
         for rows in parts(rows, self.settings.at_once.interpolated) {
             let first_row = first_row + rows.start;
             interpolator = interpolator.of_rows(rows);
-            let (strips, counters) = self.backend.views(&interpolator, self.range.clone(), monitor)?;
-            store.put(first_row, &strips)?;
-            summary.counters.add(&counters);
+            let mut first_view = 0;
+            for range in &self.wanted {
+                let (strips, counters) = self.backend.views(&interpolator, range.clone(), monitor)?;
+                store.put([first_view, first_row], &strips)?;
+                first_view += strips.len();
+                summary.counters.add(&counters);
+            }
         }
         summary.stages.interpolate += begun.elapsed();
         Ok(())
@@ -207,7 +212,7 @@ impl Request<'_> {
         mut take: impl FnMut(usize, Picture) -> Result<()>,
     ) -> Result<Summary> {
         let settings = self.settings;
-        for (at, view) in self.range.clone().enumerate() {
+        for (at, view) in self.wanted.iter().cloned().flatten().enumerate() {
             let begun = Instant::now();
             let mut of_view = store.take(at)?;
             summary.stages.interpolate += begun.elapsed();

@@ -49,19 +49,19 @@ impl ViewStore {
         Ok(ViewStore { size, held })
     }
 
-    /// Puts a strip into each view.
-    pub fn put(&mut self, first_row: usize, strips: &[InterpolatedView]) -> Result<()> {
+    /// Puts a strip into each view from one on.
+    pub fn put(&mut self, [first_view, first_row]: [usize; 2], strips: &[InterpolatedView]) -> Result<()> {
         let width = self.size[0] as usize;
         match &mut self.held {
-            Held::Memory(views) => views.par_iter_mut().zip(strips).for_each(|(view, strip)| {
+            Held::Memory(views) => views[first_view..].par_iter_mut().zip(strips).for_each(|(view, strip)| {
                 let pixels = first_row * width..first_row * width + strip.color.data().len();
                 view.color.data_mut()[pixels.clone()].copy_from_slice(strip.color.data());
                 view.coverage.data_mut()[pixels].copy_from_slice(strip.coverage.data());
             }),
             Held::File { file, folder } => {
                 let strips: Vec<Vec<u8>> = strips.par_iter().map(bytes_of).collect();
-                for (at, bytes) in strips.iter().enumerate() {
-                    let row = at as u64 * u64::from(self.size[1]) + first_row as u64;
+                for (view, bytes) in (first_view..).zip(&strips) {
+                    let row = view as u64 * u64::from(self.size[1]) + first_row as u64;
                     access(file, folder, (PIXEL_BYTES * width) as u64 * row, |file| file.write_all(bytes))?;
                 }
             }
@@ -156,7 +156,8 @@ mod tests {
             let mut store = ViewStore::new(&storage, size, 3).unwrap();
             for rows in [3..7, 0..3] {
                 let strips: Vec<_> = (0..3).map(|view| strip(view, rows.clone())).collect();
-                store.put(usize::from(rows.start), &strips).unwrap();
+                store.put([0, usize::from(rows.start)], &strips[..1]).unwrap();
+                store.put([1, usize::from(rows.start)], &strips[1..]).unwrap();
             }
             for view in [2, 0, 1] {
                 let (found, expected) = (store.take(usize::from(view)).unwrap(), strip(view, 0..7));

@@ -19,10 +19,10 @@ pub struct OutputFolder {
 
 /// Parents that were made for a folder; those that are empty are removed at the end.
 #[derive(Debug)]
-struct MadeFolders(Vec<PathBuf>);
+pub struct MadeFolders(Vec<PathBuf>);
 
 impl MadeFolders {
-    fn create(folder: &Path) -> std::io::Result<MadeFolders> {
+    pub fn create(folder: &Path) -> std::io::Result<MadeFolders> {
         let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
         let made = MadeFolders(missing.map(Path::to_path_buf).collect());
         std::fs::create_dir_all(folder)?;

@@ -5,8 +5,9 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use super::atomic::parent_of;
 use super::lock::{Locked, open_locked};
-use super::output_folder::{move_into, name_final_path};
+use super::output_folder::{MadeFolders, move_into, name_final_path};
 use crate::error::{Error, Result};
 
 /// Names in and around an unfinished folder.
@@ -32,6 +33,8 @@ pub struct PartialFolder {
     state: File,
     is_locked: bool,
     keep: bool,
+    /// Dropped after the folder in it is removed.
+    _made: MadeFolders,
 }
 
 impl PartialFolder {
@@ -56,6 +59,7 @@ impl PartialFolder {
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
         }
+        let made = MadeFolders::create(parent_of(&path)).map_err(io)?;
         std::fs::create_dir_all(&path).map_err(io)?;
         let Some(Locked { file, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
             return Err(Error::Usage(format!(
@@ -66,7 +70,7 @@ impl PartialFolder {
         };
         // On a full disk the state may be empty beside intact images.
         let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || kind.count(&path) > 0;
-        Ok(PartialFolder { kind, output: output.to_path_buf(), path, state: file, is_locked, keep })
+        Ok(PartialFolder { kind, output: output.to_path_buf(), path, state: file, is_locked, keep, _made: made })
     }
 
     /// False where the file system has no locks.
@@ -265,6 +269,13 @@ mod tests {
         let said = PartialFolder::open(&base.path().join("cap"), CAPTURE).unwrap_err().to_string();
         assert!(said.contains("leads nowhere"), "{said}");
         assert_eq!(names(base.path()), ["cap"]);
+    }
+
+    #[test]
+    fn parents_that_were_made_for_nothing_are_removed() {
+        let base = tempfile::tempdir().unwrap();
+        drop(PartialFolder::open(&base.path().join("new/deep/cap"), CAPTURE).unwrap());
+        assert_eq!(names(base.path()), [""; 0]);
     }
 
     #[test]

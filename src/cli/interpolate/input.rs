@@ -12,9 +12,11 @@ use crate::epipolar::acquire::AcquireSettings;
 use crate::epipolar::captured::CapturedSources;
 use crate::epipolar::memory::SourceNeed;
 use crate::epipolar::views::OutputViews;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::evaluate::reference::Reference;
 use crate::fingerprint::{digest, file_state};
+use crate::image::FrameRange;
+use crate::memory::Need;
 use crate::monitor::Monitor;
 use crate::report::machine;
 use crate::scene::{LightRays, Play, Scene, SceneAtTime};
@@ -54,9 +56,16 @@ impl Input {
                 path.display()
             ));
         }
+        let budget = args.memory.get();
+        let reading =
+            |bytes: u64| Need { what: "reading the scene", fixed: bytes, each: 0, instead: "a smaller scene" };
+        // A file is read whole.
+        budget.at_once(&reading(path.metadata().map_or(0, |of| of.len())), 1)?;
         let (scene, of_scene) = Scene::open(&args.input, Play::First)?;
         notes.extend(of_scene);
-        Ok(Input::Scene(Box::new(scene.subdivided(args.subdivide)?)))
+        let scene = scene.subdivided(args.subdivide)?;
+        budget.at_once(&reading(machine::peak_memory_bytes().unwrap_or(0)), 1)?;
+        Ok(Input::Scene(Box::new(scene)))
     }
 
     /// Identifies its contents: of files by their sizes and times.
@@ -89,6 +98,22 @@ impl Input {
                 (PROGRAM_BYTES + scene.bytes(), if args.by_columns() { need.by_columns() } else { need })
             }
         })
+    }
+
+    /// Refuses frames that a dataset or a container lacks.
+    pub fn check_frames(&self, args: &Args, frames: FrameRange) -> Result<()> {
+        let of_input = |error: Error| error.in_file(&args.input);
+        match self {
+            Input::Scene(_) => Ok(()),
+            Input::Images(images) => {
+                let check = |frame| CapturedSources::check_probes(images, &args.probe, args.face, frame);
+                frames.iter().try_for_each(check).map_err(of_input)
+            }
+            Input::Field(decoder) => [frames.first, frames.last]
+                .into_iter()
+                .try_for_each(|frame| LightField::open(args, decoder, frame).map(drop))
+                .map_err(of_input),
+        }
     }
 
     pub fn views(&mut self, args: &Args) -> Result<OutputViews> {

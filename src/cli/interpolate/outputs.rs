@@ -94,12 +94,13 @@ impl Outputs {
         Ok(Outputs { files, coding, kind, by_frame: true })
     }
 
-    /// Bytes of a pixel of a quilt, 0 for views of their own.
+    /// Bytes of a pixel of a quilt, and of what its file is made by; 0 for views of their own.
     pub fn quilt_pixel_bytes(&self) -> u64 {
         match (&self.kind, self.files.format) {
             (Kind::Views, _) => 0,
             (Kind::Quilts { .. }, FileFormat::Png) => 4,
-            (Kind::Quilts { .. }, FileFormat::Exr) => 8,
+            // Its channels, and the compressed file.
+            (Kind::Quilts { .. }, FileFormat::Exr) => 8 + 13,
         }
     }
 
