@@ -5,12 +5,11 @@ mod device;
 mod input;
 mod light_field;
 mod outputs;
-mod quality;
 mod report;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use half::f16;
 
@@ -29,13 +28,13 @@ use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::fingerprint::{Fingerprint, digest};
 use crate::monitor::Monitor;
+use crate::report::interpolation::Quality;
 use crate::report::machine;
 
 pub use args::Args;
 use device::Device;
 use input::{FrameInput, Input};
 use outputs::Outputs;
-use quality::Quality;
 use report::{Measured, Report};
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -389,18 +388,5 @@ impl Args {
         let outputs: Vec<output_paths::Output> =
             named.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))).collect();
         output_paths::check(&outputs, &[PathBuf::from(&self.input).as_path()])
-    }
-}
-
-impl Default for Measured {
-    fn default() -> Self {
-        Measured {
-            load: Duration::ZERO,
-            write: Duration::ZERO,
-            brute_force: Duration::ZERO,
-            memory_model_bytes: 0,
-            device: String::new(),
-            quality: Quality::default(),
-        }
     }
 }

@@ -19,7 +19,7 @@ use crate::error::Result;
 use crate::monitor::Monitor;
 pub use bands::SourceBands;
 pub use hierarchical::hierarchical;
-pub use settings::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
+pub use settings::{AcquireSettings, Acquisition, Culling, Hierarchy, Places, SourcePlacement, StoppingRule};
 use tracer::SourceTracer;
 
 /// Whole source views of a scene, by their places.

@@ -21,6 +21,8 @@ pub struct CapturedSources {
     pub size: [u32; 2],
     /// Metres from the first source to the last.
     pub length_m: f64,
+    /// Planar distance of the plane that does not move from source to source, `+inf` for parallel windows.
+    pub focus_m: f64,
     pub sources: Vec<SourceView>,
 }
 
@@ -38,24 +40,97 @@ impl CapturedSources {
         };
         let (camera, size) = (seen(reference.images[first].camera), reference.images[first].size);
         let right = camera.axes()[1];
-        let eyes: Vec<DVec3> = images.iter().map(|&image| reference.images[image].camera.eye()).collect();
-        let along = |eye: &DVec3| (*eye - eyes[0]).dot(right);
-        let (least, most) =
-            eyes.iter().map(along).fold((0f64, 0f64), |(least, most), at| (least.min(at), most.max(at)));
-        let middle = eyes[0] + 0.5 * (least + most) * right;
-        for (&image, eye) in images.iter().zip(&eyes) {
-            check(&reference.images[image], (&camera, size), *eye - middle, most - least)?;
+        let cameras: Vec<Camera> = images.iter().map(|&image| seen(reference.images[image].camera)).collect();
+        let along = |camera: &Camera| (camera.eye() - cameras[0].eye()).dot(right);
+        let by_place = |a: &&Camera, b: &&Camera| along(a).total_cmp(&along(b));
+        let (Some(left), Some(last)) = (cameras.iter().min_by(by_place), cameras.iter().max_by(by_place)) else {
+            return Err(Error::invalid("probes without a place"));
+        };
+        let (least, most) = (along(left), along(last));
+        let middle = camera.eye() + 0.5 * (least + most) * right;
+        let turned_in = across(left) - across(last);
+        // Where windows move against their cameras, the plane that stays is at the focus.
+        let focus_m = if turned_in > ALIKE { (most - least) / turned_in } else { f64::INFINITY };
+        let line = ProbeLine { first: camera, size, middle, length_m: most - least, focus_m };
+        for (&image, camera) in images.iter().zip(&cameras) {
+            line.check(&reference.images[image], camera)?;
         }
         let mut sources = Vec::new();
-        for (&image, eye) in images.iter().zip(&eyes) {
-            sources.push(source(reference, (image, frame), (*eye - middle).dot(right))?);
+        for (&image, camera) in images.iter().zip(&cameras) {
+            sources.push(source(reference, (image, frame), (camera.eye() - middle).dot(right))?);
         }
         Ok(CapturedSources {
-            camera: camera.moved(middle - eyes[0]),
+            camera: line.camera()?,
             size,
             length_m: most - least,
+            focus_m,
             sources: in_order(sources),
         })
+    }
+}
+
+/// Middle of a camera's image at distance 1, to the right.
+fn across(camera: &Camera) -> f64 {
+    0.5 * camera.window().u.iter().sum::<f64>()
+}
+
+/// The line that the cameras of probes stand on.
+struct ProbeLine {
+    /// Of the first probe that is named.
+    first: Camera,
+    size: [u32; 2],
+    middle: DVec3,
+    length_m: f64,
+    focus_m: f64,
+}
+
+impl ProbeLine {
+    /// Where the middle of an image lies at distance 1 whose camera stands at a place.
+    fn across_at(&self, eye: DVec3) -> f64 {
+        across(&self.first) - (eye - self.first.eye()).dot(self.first.axes()[1]) / self.focus_m
+    }
+
+    /// In the middle of the line.
+    fn camera(&self) -> Result<Camera> {
+        let camera = self.first.moved(self.middle - self.first.eye());
+        if self.focus_m == f64::INFINITY {
+            return Ok(camera);
+        }
+        let down = 0.5 * camera.window().v.iter().sum::<f64>();
+        camera.off_axis([self.across_at(self.middle), down])
+    }
+
+    fn check(&self, image: &ReferenceImage, camera: &Camera) -> Result<()> {
+        let refuse = |what: String| Err(Error::Usage(format!("probe {}, {}: {what}", image.probe, image.face.name())));
+        let is_near = |a: f64, b: f64| (a - b).abs() < ALIKE;
+        let is_alike = camera.axes().iter().zip(self.first.axes()).all(|(a, b)| (*a - b).length() < ALIKE)
+            && camera.half().iter().zip(self.first.half()).all(|(a, b)| is_near(*a, b));
+        if !is_alike || image.size != self.size {
+            return refuse(
+                "its image has another size, direction or field of view than that of the first probe".into(),
+            );
+        }
+        let [forward, _, down] = self.first.axes();
+        let from_middle = camera.eye() - self.middle;
+        let beside = [from_middle.dot(forward), from_middle.dot(down)];
+        let most = beside.into_iter().map(f64::abs).fold(0.0, f64::max);
+        if most > BESIDE_LINE * self.length_m {
+            return refuse(format!(
+                "it stands {most:.4} m off the line of the first probe's scanlines: choose probes side by side, and the face that \
+                 looks across their line"
+            ));
+        }
+        let ([found, wanted], [high, first_high]) = (
+            [across(camera), self.across_at(camera.eye())],
+            [camera, &self.first].map(|camera| 0.5 * camera.window().v.iter().sum::<f64>()),
+        );
+        if !is_near(found, wanted) || !is_near(high, first_high) {
+            return refuse(format!(
+                "its image is shifted by {found:.6} to the right and {high:.6} down at distance 1, where {wanted:.6} and \
+                 {first_high:.6} were expected: cameras must be parallel, or all have one focus"
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -80,27 +155,6 @@ fn is_mirrored(camera: &Camera) -> bool {
 /// The camera whose picture is not mirrored.
 fn seen(camera: Camera) -> Camera {
     if is_mirrored(&camera) { camera.mirrored() } else { camera }
-}
-
-fn check(image: &ReferenceImage, (camera, size): (&Camera, [u32; 2]), from_middle: DVec3, length_m: f64) -> Result<()> {
-    let refuse = |what: String| Err(Error::Usage(format!("probe {}, {}: {what}", image.probe, image.face.name())));
-    let other = seen(image.camera);
-    let is_alike = other.axes().iter().zip(camera.axes()).all(|(a, b)| (*a - b).length() < ALIKE)
-        && other.half().iter().zip(camera.half()).all(|(a, b)| (a - b).abs() < ALIKE)
-        && other.window() == camera.window();
-    if !is_alike || image.size != size {
-        return refuse("its image has another size, direction or field of view than that of the first probe".into());
-    }
-    let [forward, _, down] = camera.axes();
-    let beside = [from_middle.dot(forward), from_middle.dot(down)];
-    let most = beside.into_iter().map(f64::abs).fold(0.0, f64::max);
-    match most <= BESIDE_LINE * length_m {
-        true => Ok(()),
-        false => refuse(format!(
-            "it stands {most:.4} m off the line of the first probe's scanlines: choose probes side by side, and the face that looks \
-             across their line"
-        )),
-    }
 }
 
 /// The image of a probe that stands so many metres to the right of the middle.

@@ -87,7 +87,8 @@ fn runs(lines: &[Line], coalescing: Coalescing) -> Vec<Run> {
             let longer = 1usize << level;
             let is_aligned = column & (longer as i32 - 1) == 0;
             let Some(block) = lines.get(at..at + longer).filter(|_| is_aligned) else { break };
-            let is_joined = block[length - 1..longer - 1].iter().all(|line| line.joins_next);
+            let is_joined = block[length - 1..longer - 1].iter().all(|line| line.joins_next)
+                && block[length..].iter().all(|line| line.is_first == lines[at].is_first);
             let [mut low, mut high] = [least, most];
             for line in &block[length..] {
                 low = if line.disparity < low.disparity { *line } else { low };
@@ -160,6 +161,10 @@ mod tests {
         parted[0].joins_next = false;
         assert_eq!(lengths(&parted, by(9.0)), [1, 1, 2]);
         assert_eq!(runs(&parted, by(9.0)).iter().map(|run| run.joins_next).collect::<Vec<_>>(), [false, true, false]);
+        // A surface that goes on behind another one is not drawn as the first layer there.
+        let mut behind = lines(&[0; 4]);
+        behind[3].is_first = false;
+        assert_eq!(lengths(&behind, by(9.0)), [2, 1, 1]);
     }
 
     #[test]

@@ -17,6 +17,9 @@ pub const DEFAULT_SPLITS: usize = 8;
 /// Radiance by which a chord may err: half of the smallest step of 8-bit codes.
 const LEAST_ERROR: f64 = 0.5 / 255.0 / 12.92;
 
+/// A place, 0 at the first view to 1 at the last, and the radiance towards it.
+type Split = (f64, DVec3);
+
 /// Radiance of highlights along the line of eyes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Highlight {
@@ -58,31 +61,36 @@ impl EyeLine {
 }
 
 impl Highlight {
-    /// Of a surface, with at most `limit` splits between the ends.
+    /// Of a surface, with at most `limit` splits between the ends: at the best places of its lights, of which those come first whose
+    /// radiance is farthest above the chord between the ends; then in the middle of the interval whose chord errs most.
     pub fn new(gloss: &Gloss, eyes: &EyeLine, limit: usize) -> Highlight {
         let at = |place: f64| (place, gloss.towards(eyes.eye(place)));
-        let mut splits = vec![at(0.0)];
+        let first = at(0.0);
         if eyes.along == DVec3::ZERO {
-            return Highlight { splits };
+            return Highlight { splits: vec![first] };
         }
-        let mut best: Vec<f64> = gloss.mirrored().map(|direction| eyes.best_place(gloss.point, direction)).collect();
-        best.retain(|place| *place > 0.0 && *place < 1.0);
-        best.sort_by(f64::total_cmp);
-        best.dedup();
+        let last = at(1.0);
+        let places = gloss.mirrored().map(|direction| eyes.best_place(gloss.point, direction));
+        let mut best: Vec<Split> = places.filter(|place| *place > 0.0 && *place < 1.0).map(at).collect();
+        let above_chord = |split: &Split| (split.1 - first.1.lerp(last.1, split.0)).max_element();
+        best.sort_by(|a, b| above_chord(b).total_cmp(&above_chord(a)).then(a.0.total_cmp(&b.0)));
+        best.dedup_by_key(|split| split.0);
         best.truncate(limit);
-        splits.extend(best.iter().map(|&place| at(place)));
-        splits.push(at(1.0));
-        // The middles of all intervals, and by how much the chord errs there.
-        let probe = |pair: &[(f64, DVec3)]| {
+        best.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut splits = [vec![first], best, vec![last]].concat();
+        // The middle of an interval, and by how much the chord errs there.
+        let probe = |pair: &[Split]| {
             let middle = at(0.5 * (pair[0].0 + pair[1].0));
             (middle, (middle.1 - 0.5 * (pair[0].1 + pair[1].1)).abs().max_element())
         };
+        let has_more = splits.len() < limit + 2;
+        let mut probes: Vec<(Split, f64)> = if has_more { splits.windows(2).map(probe).collect() } else { Vec::new() };
         while splits.len() < limit + 2 {
-            let worst = splits.windows(2).map(probe).enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
-            match worst {
-                Some((before, (split, error))) if error > LEAST_ERROR => splits.insert(before + 1, split),
-                _ => break,
-            }
+            let worst = probes.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+            let Some((before, &(split, _))) = worst.filter(|(_, (_, error))| *error > LEAST_ERROR) else { break };
+            splits.insert(before + 1, split);
+            probes[before] = probe(&splits[before..before + 2]);
+            probes.insert(before + 1, probe(&splits[before + 1..before + 3]));
         }
         Highlight { splits }
     }
@@ -111,6 +119,81 @@ impl Highlight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Ray;
+    use crate::scene::trace::EyeLight;
+    use crate::scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Texture, Window};
+
+    const EYES: EyeLine = EyeLine { first: DVec3::new(-1.0, 1.0, 0.0), along: DVec3::new(2.0, 0.0, 0.0) };
+
+    /// The gloss of a floor where the middle eye sees it, 4 m away, under lamps of some radiances.
+    fn gloss(lamps: &[([f64; 3], f64)]) -> Gloss {
+        let floor = Quad { corner: DVec3::new(-9.0, 0.0, 9.0), u: DVec3::X * 18.0, v: DVec3::NEG_Z * 18.0 };
+        let phong = Phong { weight: DVec3::splat(0.5), exponent: 2000.0 };
+        let material = Material { phong, ..Material::diffuse(Texture::Solid(DVec3::splat(0.2))) };
+        let lamp = |&(position, radiance): &([f64; 3], f64)| Lamp {
+            position: DVec3::from_array(position),
+            radiance: DVec3::splat(radiance),
+            reach: f64::INFINITY,
+            window: Window::Smooth,
+            cone: None,
+        };
+        let light = Light { lamps: lamps.iter().map(lamp).collect(), suns: Vec::new(), sky: Sky::NONE };
+        let scene = SceneAtTime::new(vec![Object::new(Shape::Quad(floor), material)], light);
+        let eye = EYES.eye(0.5);
+        let ray = Ray::new(eye, DVec3::new(0.0, 0.0, -4.0) - eye).unwrap();
+        let hit = scene.first_hit(&ray, [0]).unwrap();
+        match scene.eye_light(&ray, &hit) {
+            EyeLight::Gloss(gloss) => gloss,
+            _ => panic!("a floor without gloss"),
+        }
+    }
+
+    /// A lamp whose highlight is brightest towards an eye: as far behind the floor's point as the eye is before it.
+    fn lamp_at(place: f64, radiance: f64) -> ([f64; 3], f64) {
+        ([-EYES.eye(place).x, 1.0, -8.0], radiance)
+    }
+
+    #[test]
+    fn of_more_lights_than_splits_the_brightest_have_them() {
+        let lamps = [lamp_at(0.2, 0.5), lamp_at(0.5, 2.0), lamp_at(0.8, 8.0)];
+        let gloss = gloss(&lamps);
+        let places = |limit: usize| -> Vec<f64> {
+            let highlight = Highlight::new(&gloss, &EYES, limit);
+            highlight.places().iter().map(|split| split.0).collect()
+        };
+        for wanted in [&[0.0, 1.0][..], &[0.0, 0.8, 1.0], &[0.0, 0.5, 0.8, 1.0], &[0.0, 0.2, 0.5, 0.8, 1.0]] {
+            let found = places(wanted.len() - 2);
+            let is_near = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9);
+            assert!(found.len() == wanted.len() && is_near, "{found:?} {wanted:?}");
+        }
+        // The others divide the intervals in the middle, where the chord errs most.
+        let many = places(20);
+        assert!(many.len() == 22 && many.windows(2).all(|pair| pair[0] < pair[1]), "{many:?}");
+    }
+
+    #[test]
+    fn one_split_shows_a_narrow_highlight_as_bright_as_it_is() {
+        let place = 0.3;
+        let gloss = gloss(&[lamp_at(place, 4.0)]);
+        let highlight = Highlight::new(&gloss, &EYES, 1);
+        let brightest = gloss.towards(EYES.eye(place));
+        assert!(brightest.x > 0.01 && (highlight.at(place) / brightest - 1.0).abs().max_element() < 1e-9);
+        // An even spread would have its split in the middle, where the highlight is dark.
+        let even = Highlight { splits: [0.0, 0.5, 1.0].map(|at| (at, gloss.towards(EYES.eye(at)))).into() };
+        assert!(even.at(place).x < 0.1 * brightest.x, "{} {}", even.at(place), brightest);
+    }
+
+    #[test]
+    fn highlights_at_the_first_view_and_the_last_need_no_split() {
+        for place in [0.0, 1.0] {
+            let gloss = gloss(&[lamp_at(place, 4.0)]);
+            for limit in [0, 1] {
+                let highlight = Highlight::new(&gloss, &EYES, limit);
+                assert_eq!(highlight.at(place), gloss.towards(EYES.eye(place)));
+                assert!(highlight.at(place).x > highlight.at(0.5).x && highlight.splits() <= limit + 2);
+            }
+        }
+    }
 
     #[test]
     fn the_best_place_is_where_the_direction_meets_the_line_best() {

@@ -255,12 +255,7 @@ impl<'a> Shader<'a> {
         if pixel.light == Light::Traced {
             return ([f16::ZERO; 3], Coverage::Optical);
         }
-        let other = self.source_pixel(&self.lines[beside as usize]);
-        let steady = if weight == 0 || other.light == Light::Traced {
-            pixel.steady
-        } else {
-            blended(pixel.steady, other.steady, weight)
-        };
+        let steady = self.steady(Winner { line: at, beside, weight });
         let highlight = |at: u32| Some(self.highlight(at as usize)?.at(self.of.eye_place(view)));
         match (highlight(at), highlight(beside)) {
             (None, None) => (steady, Coverage::Covered),
@@ -269,6 +264,16 @@ impl<'a> Shader<'a> {
                 let light = DVec3::from_array(steady.map(f16::to_f64)) + light;
                 (crate::scene::capture::halves(light), Coverage::Covered)
             }
+        }
+    }
+
+    /// Light without highlights; a mirror beside the line takes no part in it.
+    fn steady(&self, Winner { line, beside, weight }: Winner) -> [f16; 3] {
+        let [pixel, other] = [line, beside].map(|at| self.source_pixel(&self.lines[at as usize]));
+        match other.light {
+            _ if weight == 0 => pixel.steady,
+            Light::Traced => pixel.steady,
+            _ => blended(pixel.steady, other.steady, weight),
         }
     }
 
@@ -281,12 +286,7 @@ impl<'a> Shader<'a> {
     ) -> SourcePixel {
         let line = &self.lines[winner.line as usize];
         let pixel = self.source_pixel(line);
-        let other = self.source_pixel(&self.lines[winner.beside as usize]);
-        let steady = if winner.weight == 0 || other.light == Light::Traced {
-            pixel.steady
-        } else {
-            blended(pixel.steady, other.steady, winner.weight)
-        };
+        let steady = self.steady(winner);
         let light = match pixel.light {
             Light::Gloss(at) => {
                 gloss.push(self.of.sources[usize::from(line.source)].rows[self.row].gloss[at as usize].clone());

@@ -169,11 +169,11 @@ mod tests {
         let row = SourceRow { pixels, gloss: Vec::new() };
         let source = SourceView::of_rows(-0.25, vec![row]);
         let space = LineSpace::new(&views, &[-0.25]);
-        let lines = LineRuns::new(space.lines([&source], 0), Coalescing::Off);
-        let mut slice = Slice::new(&space, &lines, 64);
+        let runs = LineRuns::new(space.lines([&source], 0), Coalescing::Off);
+        let (lines, mut slice) = (&runs.lines, Slice::new(&space, &runs, 64));
         let shown: Vec<f32> = slice
             .view(2, &mut Counters::default())
-            .map(|winner| winner.map_or(0.0, |winner| f32::from_bits(lines.lines[winner.line as usize].depth)))
+            .map(|winner| winner.map_or(0.0, |winner| f32::from_bits(lines[winner.line as usize].depth)))
             .collect();
         let is_curtain = |depth_m: &f32| (0.4..3.0).contains(depth_m);
         let first = shown.iter().position(is_curtain).unwrap();

@@ -27,7 +27,7 @@ pub struct Settings {
     /// Results do not depend on it.
     pub at_once: RowsAtOnce,
     pub storage: Storage,
-    /// Whether pictures come before their holes are filled, too.
+    /// Also return each picture before hole filling.
     pub keeps_unfilled: bool,
 }
 

@@ -78,6 +78,13 @@ impl SourceView {
         SourceView { offset_m, rows: (0..height).map(row).collect(), layers: 1 }
     }
 
+    /// With all pixels so many columns farther to the left.
+    #[must_use]
+    pub fn moved_left(mut self, columns: i32) -> SourceView {
+        self.rows.iter_mut().flat_map(|row| &mut row.pixels).for_each(|pixel| pixel.column -= columns);
+        self
+    }
+
     /// With the pixels of its rows.
     pub fn of_rows(offset_m: f64, rows: Vec<SourceRow>) -> SourceView {
         let layers = |row: &SourceRow| row.pixels.last().map_or(0, |pixel| u32::from(pixel.layer) + 1);

@@ -22,7 +22,7 @@ const PIXELS_A_JOB: usize = 1 << 16;
 pub enum Storage {
     #[default]
     Memory,
-    /// A file in this folder, which has no name and goes with the program. It takes 8 bytes a pixel of all views.
+    /// An unlinked temporary file in this folder: 8 bytes a pixel of all views.
     File(PathBuf),
 }
 

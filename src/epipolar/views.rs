@@ -33,8 +33,8 @@ pub struct OutputViews {
 }
 
 impl OutputViews {
-    /// `count` views around a camera, whose aspect is that of the images where pixels are square. The focus is a planar distance in metres, above 0; `+inf`
-    /// for parallel views.
+    /// `count` views around a camera, whose aspect is that of the images where pixels are square. The focus is a planar distance in
+    /// metres, above 0; `+inf` for parallel views.
     pub fn new(camera: Camera, size: [u32; 2], count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
         if !(1..=MAX_VIEWS).contains(&count) {
             return Err(Error::Usage(format!("{count} `views`: 1 to {MAX_VIEWS} were expected")));
@@ -64,6 +64,20 @@ impl OutputViews {
             }
         };
         Ok(OutputViews { camera, size, offsets_m: (0..count).map(offset).collect(), focus_m })
+    }
+
+    /// Columns by which the window of a source in the middle is wider on each side: as many as surfaces move by between it and the views
+    /// at the ends, at most half of its width. `columns_per_metre` is the largest of all its pixels.
+    pub fn wider_columns(&self, columns_per_metre: f64) -> u32 {
+        ((columns_per_metre * 0.5 * self.baseline_m()).ceil() as u32).min(self.size[0] / 2)
+    }
+
+    /// The same views with so many columns more on each side.
+    pub fn widened(&self, columns: u32) -> Result<OutputViews> {
+        let width = self.size[0] + 2 * columns;
+        let aspect = self.camera.aspect() * f64::from(width) / f64::from(self.size[0]);
+        let camera = self.camera.with_aspect(aspect).off_axis(self.window_middle())?;
+        Ok(OutputViews { camera, size: [width, self.size[1]], ..self.clone() })
     }
 
     /// The same camera at other places, rising.
@@ -206,6 +220,24 @@ mod tests {
                 assert!((of_viewpoint - row(&raised)).abs() < 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn widened_views_see_the_same_in_their_middle() {
+        for focus_m in [2.0, f64::INFINITY] {
+            let views = views(3, Spread::Baseline(0.8), focus_m).unwrap();
+            let wide = views.widened(7).unwrap();
+            assert_eq!(wide.size, [54, 30]);
+            for at in [[0.5, 0.5], [20.0, 15.0], [39.5, 29.5]] {
+                let [narrow, wider] = [(&views, at), (&wide, [at[0] + 7.0, at[1]])].map(|(views, [x, y])| {
+                    let size = views.size.map(f64::from);
+                    views.camera(0.4).unwrap().direction([x / size[0], y / size[1]])
+                });
+                assert!((narrow - wider).length() < 1e-12, "{at:?}");
+            }
+        }
+        let views = views(3, Spread::Baseline(0.8), 2.0).unwrap();
+        assert_eq!([0.0, 10.0, 12.6, 1e9].map(|columns| views.wider_columns(columns)), [0, 4, 6, 20]);
     }
 
     #[test]

@@ -49,9 +49,10 @@ pub fn sees_past(inverse: &[Option<f64>], joined: &[bool], reach: Reach) -> Vec<
     let sees = |at: usize| match inverse[at] {
         None => false,
         Some(inverse) => {
-            let [left, right] =
-                reach.columns.map(|columns| if columns > 0.0 { (columns * inverse).ceil() as i64 + 1 } else { 0 });
-            is_open(at, at as i64 - left) || is_open(at, at as i64 + right)
+            let [left, right] = reach
+                .columns
+                .map(|columns| if columns > 0.0 { ((columns * inverse).ceil() as i64).saturating_add(1) } else { 0 });
+            is_open(at, (at as i64).saturating_sub(left)) || is_open(at, (at as i64).saturating_add(right))
         }
     };
     (0..inverse.len()).map(sees).collect()
@@ -87,6 +88,8 @@ mod tests {
         let behind: Vec<usize> = (0..30).filter(|&at| past[at]).collect();
         // Those from which the way to infinity, 5 columns of the near wall and one for rounding, crosses the edge.
         assert_eq!(behind, [14, 15, 16, 17, 18, 19]);
+        // So near that a pixel moves by more columns than there are numbers.
+        assert!(sees(&[Some(1e300), Some(1e300)], [10.0; 2]).iter().all(|sees| *sees));
         // A gap in the layer is an edge.
         let mut gap = wall;
         gap[20] = None;

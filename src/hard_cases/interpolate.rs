@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use half::f16;
 
-use crate::epipolar::acquire::{AcquireSettings, acquire};
+use crate::epipolar::acquire::{AcquireSettings, Culling, acquire};
 use crate::epipolar::backend::Cpu;
 use crate::epipolar::brute_force;
 use crate::epipolar::fill::{HoleFilling, Truth};
@@ -13,7 +13,7 @@ use crate::epipolar::highlights::{EyeLine, Highlight};
 use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator};
 use crate::epipolar::lines::{LineSpace, moved};
 use crate::epipolar::pipeline::{Request, RowsAtOnce, Settings, between};
-use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView, in_order};
+use crate::epipolar::source::{Light, MAX_LAYERS, SourcePixel, SourceRow, SourceView, in_order};
 use crate::epipolar::view_store::Storage;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::epipolar::visibility::hidden_m;
@@ -54,7 +54,11 @@ pub(super) fn cases() -> Vec<HardCase> {
     let sources = group("sources", "other pixels");
     cases.push(sources.none("in another order, and doubled", orders));
     cases.push(sources.none("layers of one depth", coplanar));
-    cases.push(sources.none("a layer of holes before a wall", holes_before_a_wall));
+    cases.push(sources.none("a layer of holes before a wall", || before_a_wall(|column| column.rem_euclid(6) < 3)));
+    cases.push(sources.none("edges at the borders of the image", || {
+        before_a_wall(|column| column < 1 || column >= SIZE[0] as i32 - 1)
+    }));
+    cases.push(sources.none("two sources of planes one ulp apart", one_ulp_apart));
     cases.push(sources.none("no source at all", nothing));
     let offset = group("what lies close behind", "wrong distances");
     cases.push(offset.none("a baseline of two pixels, and one ulp about it", pole));
@@ -73,6 +77,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases.push(
         scenes.none("no surface", || same_as_cast(&SceneAtTime::new(Vec::new(), SceneLight::default()), 5, SIZE)),
     );
+    cases.push(scenes.none("eleven surfaces behind each other", too_many_layers));
     cases.push(scenes.none("surfaces along the view direction", || same_as_cast(&edge_on(), 1, SIZE)));
     for size in [[1, 1], [1, 7], [7, 1]] {
         cases.push(scenes.none(format!("{}x{} pixels", size[0], size[1]), move || same_as_cast(&ball(1.0), 1, size)));
@@ -195,10 +200,53 @@ fn coplanar() -> Result<Measured> {
     Ok(wrong.with_interpolations([case]))
 }
 
-/// Leaves with holes hide the wall behind where they are, and nowhere else.
-fn holes_before_a_wall() -> Result<Measured> {
+/// Each view shows one of two planes, the nearer one but for the view of the other's source.
+fn one_ulp_apart() -> Result<Measured> {
+    let views = views(5, 0.3, f64::INFINITY, SIZE)?;
+    let mut sources = [(-0.15, 2.0f32), (0.15, 2.0f32.next_up())]
+        .map(|(at_m, depth_m)| source(at_m, -60..110, &[&|_| Some(depth_m)]));
+    // Light of the second one is negative.
+    for pixel in sources[1].rows.iter_mut().flat_map(|row| &mut row.pixels) {
+        let light = [f16::from_f32(-1000.0); 3];
+        (pixel.steady, pixel.own) = (light, light);
+    }
+    for pixel in sources[0].rows.iter_mut().flat_map(|row| &mut row.pixels) {
+        let light = [f16::from_f32(1000.0); 3];
+        (pixel.steady, pixel.own) = (light, light);
+    }
+    let shown = interpolated(&views, &sources)?;
+    let mut wrong = Measured::count(0);
+    for (view, found) in shown.iter().enumerate() {
+        let first = found.color.get(0, 0)[0].to_f32();
+        let is_whole = found.color.data().iter().all(|light| light[0].to_f32() == first);
+        let is_own = (view != 0 || first == 1000.0) && (view != 4 || first == -1000.0);
+        let is_covered = found.coverage.data().iter().all(|of| *of == Coverage::Covered);
+        wrong.count_if(!(is_whole && is_own && is_covered), || format!("view {view}: {first}"));
+    }
+    Ok(wrong.with_interpolations([on_devices("planes one ulp apart", &views, &sources)]))
+}
+
+/// More surfaces behind each other than a source has layers: the nearest are kept, and views of sources are those of ray casting.
+fn too_many_layers() -> Result<Measured> {
+    let sheet = |at: usize| {
+        let corner = DVec3::new(-0.2, -9.0, -1.0 - 0.4 * at as f64);
+        let shape = Shape::Quad(Quad { corner, u: DVec3::X * 0.4, v: DVec3::Y * 18.0 });
+        Object::new(shape, Material::diffuse(Texture::Solid(DVec3::splat(0.1 + 0.05 * at as f64))))
+    };
+    let scene = SceneAtTime::new((0..=MAX_LAYERS).map(sheet).collect(), SceneLight::default());
+    let views = views(5, 1.5, f64::INFINITY, SIZE)?;
+    let settings = AcquireSettings { culling: Culling::Off, ..AcquireSettings::new(SamplePattern::new(4)?) };
+    let (sources, _) = acquire(&scene, &views, &settings, (&Cpu, &Silent))?;
+    let mut wrong = different(&scene, &views, &[0, 4])?;
+    for source in &sources {
+        wrong.count_if(source.layers as usize != MAX_LAYERS, || format!("{} layers", source.layers));
+    }
+    Ok(wrong)
+}
+
+/// What lies before a wall hides it where it is, and nowhere else.
+fn before_a_wall(is_leaf: fn(i32) -> bool) -> Result<Measured> {
     let views = views(9, 0.02, f64::INFINITY, SIZE)?;
-    let is_leaf = |column: i32| column.rem_euclid(6) < 3;
     let leaves = |column: i32| Some(if is_leaf(column) { 1.0f32 } else { 4.0 });
     let wall = |column: i32| is_leaf(column).then_some(4.0f32);
     let sources = [source(0.0, -60..110, &[&leaves, &wall])];

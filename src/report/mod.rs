@@ -2,6 +2,7 @@
 
 pub mod coding_map;
 pub mod csv;
+pub mod interpolation;
 pub mod machine;
 pub mod picture;
 pub mod placement;

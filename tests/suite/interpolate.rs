@@ -5,6 +5,7 @@ use std::path::Path;
 use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquire};
 use lightfold::epipolar::backend::Cpu;
 use lightfold::epipolar::brute_force;
+use lightfold::epipolar::coalesce::Coalescing;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::{InterpolateSettings, Interpolator};
 use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, Summary, interpolate};
@@ -94,17 +95,36 @@ fn views_are_close_to_ray_casting_and_every_stage_is_needed() {
     let whole = of(|_| {});
     let whole_db = psnr_db(&scene, &views, &whole.filled);
     assert!(whole_db > 22.0, "{whole_db}");
-    // Filled by nothing.
-    let blank = of(|settings| settings.holes = HoleFilling::Blank);
-    assert_eq!(blank.filled, blank.unfilled);
     // The nearest surfaces alone leave holes.
-    let first = of(|settings| {
+    let nearest: fn(&mut Settings) = |settings| {
         settings.acquire.layers = 1;
         settings.acquire.acquisition = Acquisition::Center;
-    });
+    };
+    let traced = of(nearest);
     let layered = of(|settings| settings.acquire.acquisition = Acquisition::Center);
-    let [first, layered] = [&first, &layered].map(|run| run.summary.counters.hole_pixels);
+    let [first, layered] = [&traced, &layered].map(|run| run.summary.counters.hole_pixels);
     assert!(first > 2 * layered.max(20), "{first} {layered}");
+    // Holes show what ray casting shows, and are left open where nothing fills them.
+    let blank = of(|settings| {
+        settings.acquire.layers = 1;
+        settings.acquire.acquisition = Acquisition::Center;
+        settings.holes = HoleFilling::Blank;
+    });
+    assert_eq!(blank.filled, blank.unfilled);
+    assert_eq!((traced.summary.counters.traced_pixels, blank.summary.counters.traced_pixels), (first, 0));
+    let samples = SamplePattern::new(4).unwrap();
+    let mut filled = 0;
+    for (view, &offset_m) in views.offsets_m.iter().enumerate() {
+        let truth = brute_force::render(&scene, (&views, offset_m), &samples, &Silent).unwrap();
+        let truth: Plane<[f32; 3]> = truth.map(|light| light.map(|light| light.to_f32()));
+        assert!(traced.filled[view].alpha.data().iter().all(|alpha| *alpha == 1.0));
+        let shown = traced.filled[view].color.data().iter().zip(truth.data());
+        for ((shown, truth), alpha) in shown.zip(blank.filled[view].alpha.data()) {
+            assert!(*alpha == 1.0 || shown == truth, "view {view}");
+            filled += u64::from(*alpha == 0.0);
+        }
+    }
+    assert_eq!(filled, first);
     // Without a second source the ends are worse.
     let one = of(|settings| settings.acquire.acquisition = Acquisition::Center);
     let [one, two] = [&one, &whole].map(|run| psnr_db(&scene, &views, &run.unfilled));
@@ -141,17 +161,45 @@ fn short_cuts_and_bands_and_threads_do_not_change_the_picture() {
     // From a file, too.
     let storage = Storage::File(std::env::temp_dir());
     assert_eq!(plain.filled, run(&scene, &views, &settings(|settings| settings.storage = storage)).filled);
+    let counted = plain.summary.counters;
     let plain = plain.filled;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     assert_eq!(plain, pool.install(|| run(&scene, &views, &settings(|_| {})).filled));
     // What no view shows may be there: the rule of masks is of pixels, and edges of surfaces lie between them.
-    let all = run(&scene, &views, &settings(|settings| settings.acquire.culling = Culling::Off)).filled;
+    let with = |culling: Culling| run(&scene, &views, &settings(|settings| settings.acquire.culling = culling));
+    let [offset, all] = [Culling::DepthOffset, Culling::Off].map(with);
+    let [by_offset, uncut] = [&offset, &all].map(|run| run.summary.counters);
+    assert!(counted.masked_pixels > 0 && counted.source_pixels < by_offset.source_pixels, "{counted:?} {by_offset:?}");
+    assert!(by_offset.offset_skipped > 0 && by_offset.source_pixels < uncut.source_pixels, "{by_offset:?} {uncut:?}");
+    assert_eq!((by_offset.masked_pixels, uncut.masked_pixels, uncut.offset_skipped), (0, 0, 0));
+    let all = all.filled;
     let pixels = |pictures: &[RenderedImage]| {
         pictures.iter().flat_map(|picture| picture.color.data().to_vec()).collect::<Vec<_>>()
     };
     let (plain, all) = (pixels(&plain), pixels(&all));
     let changed = plain.iter().zip(&all).filter(|(a, b)| a != b).count();
     assert!(changed as f64 <= 1e-3 * plain.len() as f64, "{changed} of {}", plain.len());
+}
+
+#[test]
+fn coalesced_runs_are_drawn_as_one_primitive_and_stay_close() {
+    let (scene, views) = (scene("interior"), views(VIEWS, Spread::Baseline(0.6), f64::INFINITY));
+    let with =
+        |coalesce: Coalescing| run(&scene, &views, &settings(|settings| settings.interpolate.coalesce = coalesce));
+    let plain = with(Coalescing::Off);
+    let (counters, plain_db) = (plain.summary.counters, psnr_db(&scene, &views, &plain.filled));
+    assert_eq!((counters.coalesced_pixels, counters.lines), (0, counters.source_pixels));
+    let mut fewest = counters.lines;
+    for pixels in [0.25, 0.5, 1.0] {
+        let found = with(Coalescing::Disparity(pixels));
+        let of_run = found.summary.counters;
+        assert_eq!(of_run.lines + of_run.coalesced_pixels, of_run.source_pixels);
+        assert!(of_run.lines < fewest, "{pixels}: {of_run:?}");
+        fewest = of_run.lines;
+        let found_db = psnr_db(&scene, &views, &found.filled);
+        assert!(found_db > plain_db - 0.5, "{pixels}: {found_db} {plain_db}");
+    }
+    assert!(2 * fewest < counters.lines, "{fewest} {counters:?}");
 }
 
 #[test]

@@ -123,6 +123,21 @@ fn capture_renders_the_views_of_the_cameras_that_interpolate_writes() {
         ["truth", "again"].map(|set| exr::read_rgba(&at.join(set).join(name), &ReadLimits::default()).unwrap());
     let changed = once.data().iter().zip(twice.data()).filter(|(a, b)| a != b).count();
     assert!(changed <= 8, "{changed}");
+    // Its images are sources: their windows have one focus.
+    let between = "interpolate truth --probe 0002,0000 --views 3";
+    let said = report(&format!("{between} -o between/%d.exr --json"), at);
+    let focus_m = said["focus_m"].as_f64().unwrap();
+    assert!((focus_m - 2.0).abs() < 1e-3 && (said["baseline_m"].as_f64().unwrap() - 0.3).abs() < 1e-9, "{said}");
+    for (view, probe) in [(0, "0000"), (1, "0001"), (2, "0002")] {
+        let [made, captured] = [format!("between/{view}.exr"), format!("truth/probe_{probe}/color.0000.exr")]
+            .map(|name| exr::read_rgba(&at.join(name), &ReadLimits::default()).unwrap());
+        let wrong =
+            made.data().iter().zip(captured.data()).filter(|(a, b)| (a[0].to_f32() - b[0].to_f32()).abs() > 0.1);
+        let wrong = wrong.count();
+        assert!(if view == 1 { wrong < 40 } else { made == captured }, "view {view}: {wrong}");
+    }
+    assert!(refused(&format!("{between} --focus 3 --null"), at).contains("is 2.0"));
+    assert!(refused("interpolate truth --probe 0000,0001,0005 --views 3 --null", at).contains("off the line"));
     assert!(refused("capture interior --cameras cams.json --size 8 -o cube", at).contains("shift"));
     assert!(
         refused(&format!("{LINE} --views 2 --baseline 0.3 -o cams.json --cameras-out cams.json"), at)
@@ -156,6 +171,9 @@ fn containers_are_rendered_at_the_places_of_sources() {
     }
     let center = report(&format!("{line} --acquire center --null --json"), at);
     assert_eq!(center["sources"].as_array().unwrap().len(), 1);
+    // Its window is wider than that of a view.
+    assert!(center["counters"]["source_pixels"].as_u64().unwrap() > 24 * 32, "{center}");
+    assert!(refused(&format!("{} --null", line.replace("--samples 1", "--samples 8")), at).contains("choose 4 or 9"));
     assert!(refused(&format!("{line} --holes trace --null"), at).contains("ray cast"));
     assert!(refused(&format!("{line} --frames 3 --null"), at).contains("no frame 3"));
     let of_dataset = line.replace("room.lfold", "room");

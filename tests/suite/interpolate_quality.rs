@@ -9,6 +9,7 @@ use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
 use lightfold::epipolar::interpolate::InterpolateSettings;
 use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, interpolate};
+use lightfold::epipolar::source::MAX_LAYERS;
 use lightfold::epipolar::view_store::Storage;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
@@ -20,7 +21,7 @@ use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{DemoKind, Play, Scene};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/interpolate.csv");
-const HEAD: &str = "scene,acquisition,psnr_db,hole_pixels,source_pixels,lines";
+const HEAD: &str = "scene,acquisition,psnr_db,hole_pixels,source_pixels,lines,traced_pixels";
 /// Logarithms and roots of other processors may move an edge: in dB, and as a part of counts.
 const SLACK_DB: f64 = 0.05;
 const SLACK: f64 = 1.02;
@@ -28,10 +29,21 @@ const SLACK: f64 = 1.02;
 struct Row {
     name: String,
     psnr_db: f64,
-    counts: [u64; 3],
+    counts: [u64; 4],
 }
 
-fn row(kind: DemoKind, (name, acquisition): (&str, Acquisition)) -> Row {
+/// A name, the places of sources, their layers, and what fills holes.
+type Way = (&'static str, Acquisition, usize, HoleFilling);
+
+const WAYS: [Way; 4] = [
+    ("center", Acquisition::Center, MAX_LAYERS, HoleFilling::Blank),
+    ("dual", Acquisition::Dual, MAX_LAYERS, HoleFilling::Blank),
+    ("hierarchical", Acquisition::Hierarchical, MAX_LAYERS, HoleFilling::Blank),
+    // Without what is behind surfaces there are holes to fill.
+    ("center of one layer and filled", Acquisition::Center, 1, HoleFilling::Trace),
+];
+
+fn row(kind: DemoKind, (name, acquisition, layers, holes): Way) -> Row {
     let scene = Scene::open(kind.name(), Play::First).unwrap().0.at(0.0);
     // The courtyard has nothing there, and its fence here.
     let [eye, target] = match kind {
@@ -43,9 +55,9 @@ fn row(kind: DemoKind, (name, acquisition): (&str, Acquisition)) -> Row {
         OutputViews::new(camera.with_aspect(4.0 / 3.0), [80, 60], 9, Spread::Baseline(0.8), f64::INFINITY).unwrap();
     let samples = SamplePattern::new(4).unwrap();
     let settings = Settings {
-        acquire: AcquireSettings { acquisition, ..AcquireSettings::new(samples.clone()) },
+        acquire: AcquireSettings { acquisition, layers, ..AcquireSettings::new(samples.clone()) },
         interpolate: InterpolateSettings::default(),
-        holes: HoleFilling::Blank,
+        holes,
         at_once: RowsAtOnce { acquired: 16, interpolated: 8 },
         storage: Storage::Memory,
         keeps_unfilled: true,
@@ -56,15 +68,13 @@ fn row(kind: DemoKind, (name, acquisition): (&str, Acquisition)) -> Row {
         sum.merge(&Similarity::of(&picture.filled, &Truth { color, material: None }, ToneMap::default())?)
     });
     let counters = summary.unwrap().counters;
-    let counts = [counters.hole_pixels, counters.source_pixels, counters.lines];
+    let counts = [counters.hole_pixels, counters.source_pixels, counters.lines, counters.traced_pixels];
     Row { name: format!("{},{name}", kind.name()), psnr_db: sum.all.psnr_db(), counts }
 }
 
 fn rows() -> Vec<Row> {
-    let ways =
-        [("center", Acquisition::Center), ("dual", Acquisition::Dual), ("hierarchical", Acquisition::Hierarchical)];
     let kinds = [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Mirrors, DemoKind::Cornell];
-    kinds.into_iter().flat_map(|kind| ways.map(|way| row(kind, way))).collect()
+    kinds.into_iter().flat_map(|kind| WAYS.map(|way| row(kind, way))).collect()
 }
 
 #[test]
@@ -90,8 +100,8 @@ fn views_are_no_worse_than_before() {
 #[ignore = "writes tests/baselines/interpolate.csv"]
 fn write_baselines() {
     let mut text = format!("{HEAD}\n");
-    for Row { name, psnr_db, counts: [holes, pixels, lines] } in rows() {
-        writeln!(text, "{name},{psnr_db:.3},{holes},{pixels},{lines}").unwrap();
+    for Row { name, psnr_db, counts: [holes, pixels, lines, traced] } in rows() {
+        writeln!(text, "{name},{psnr_db:.3},{holes},{pixels},{lines},{traced}").unwrap();
     }
     std::fs::write(FILE, text).unwrap();
 }

@@ -102,7 +102,7 @@ pub struct Args {
     /// Metres from the lowest row to the highest, in even steps
     #[arg(long, value_name = "M", requires = "rows", value_parser = parse_not_negative)]
     pub baseline_y: Option<f64>,
-    /// Distance in metres of the plane that does not move from view to view [default: infinity]
+    /// Distance in metres of the plane that does not move from view to view [default: of probes that of their images, else infinity]
     #[arg(long, value_name = "M", value_parser = parse_positive)]
     pub focus: Option<f64>,
     /// Width and height of a view in pixels, or one side of a square one [default: that of the quilt's device, else 512]
@@ -112,7 +112,7 @@ pub struct Args {
     /// [default: the device that the views fit, or a nearly square picture]
     #[arg(long, value_name = "DEVICE|CxR")]
     pub quilt: Option<QuiltLayout>,
-    /// Colour samples per pixel: on a grid if a square number, else Hammersley points
+    /// Colour samples per pixel: on a grid if a square number, else Hammersley points; of containers a square number
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub samples: u32,
     #[command(flatten)]
@@ -138,19 +138,19 @@ pub struct Args {
     /// Where a hierarchical acquisition places the next source between two
     #[arg(long, value_parser = one_of(PLACEMENTS), default_value = "midpoint")]
     pub source_placement: SourcePlacement,
-    /// Milliseconds after which a hierarchical acquisition begins no source: results depend on the clock
+    /// Time limit in milliseconds for adding sources to a hierarchical acquisition: results depend on the clock
     #[arg(long, value_name = "MS", value_parser = parse_not_negative)]
     pub source_ms: Option<f64>,
     /// Most sources of a hierarchical acquisition
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_VIEWS)))]
     pub max_sources: u32,
-    /// Pixels between the first view and the last by which neighbours may differ that move together; 0 for none
+    /// Largest disparity difference, in pixels over the baseline, within a coalesced run, which is drawn as one primitive; 0 for none
     #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = parse_not_negative)]
     pub coalesce: f64,
-    /// Metres by which distances of neighbours may differ that move together; their error in pixels has no bound
+    /// Largest distance difference, in metres, within a coalesced run; its error in pixels has no bound
     #[arg(long, value_name = "M", value_parser = parse_not_negative, conflicts_with = "coalesce")]
     pub coalesce_depth: Option<f64>,
-    /// Between frames leave out the last layer where fewer percent of pixels show it than LEAST, add one above MOST
+    /// Remove the last layer for the next frame if it covers less than LEAST percent of output pixels; add one if more than MOST
     #[arg(long, value_name = "LEAST,MOST", value_parser = parse_reduction)]
     pub reduce_layers: Option<LayerReduction>,
     /// Rays of ambient occlusion from each shaded point; 0 for none
@@ -214,6 +214,9 @@ pub struct Args {
     #[arg(long)]
     pub json: bool,
 }
+
+/// Part by which a focus that is named may differ from that of captured images.
+const SAME_FOCUS: f64 = 1e-3;
 
 const ACQUISITIONS: &Choices<Acquisition> = &[
     ("center", Acquisition::Center, "One in the middle, with a wider window"),
@@ -344,17 +347,18 @@ impl Args {
             ));
         }
         let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
-        self.views(camera, size, spread)
+        OutputViews::new(camera, size, self.views, spread, self.focus.unwrap_or(f64::INFINITY))
     }
 
     /// Output views between captured images.
     pub(super) fn views_between(&self, captured: &CapturedSources) -> Result<OutputViews> {
         let spread = self.spread().unwrap_or(Spread::Baseline(captured.length_m));
-        self.views(captured.camera, captured.size, spread)
-    }
-
-    fn views(&self, camera: Camera, size: [u32; 2], spread: Spread) -> Result<OutputViews> {
-        OutputViews::new(camera, size, self.views, spread, self.focus.unwrap_or(f64::INFINITY))
+        let focus_m = captured.focus_m;
+        if let Some(wanted_m) = self.focus.filter(|wanted_m| (wanted_m / focus_m - 1.0).abs() > SAME_FOCUS) {
+            let found = if focus_m.is_finite() { format!("is {focus_m:.4} m") } else { "is infinity".to_owned() };
+            return refuse(format!("--focus {wanted_m}: the focus of these images {found}: leave out --focus"));
+        }
+        OutputViews::new(captured.camera, captured.size, self.views, spread, focus_m)
     }
 
     fn spread(&self) -> Option<Spread> {

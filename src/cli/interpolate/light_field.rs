@@ -5,8 +5,9 @@ use std::cell::RefCell;
 use half::f16;
 
 use super::args::Args;
+use crate::cli::refuse;
 use crate::decode::Decoder;
-use crate::epipolar::acquire::{Acquisition, hierarchical};
+use crate::epipolar::acquire::{Places, hierarchical};
 use crate::epipolar::backend::Backend;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::source::{SourceView, in_order};
@@ -37,7 +38,16 @@ impl<'a> LightField<'a> {
         }
         playback.limit_memory(args.memory.get(), 0);
         // As many rays across a pixel as down.
-        let options = PictureOptions { samples: args.samples.isqrt().max(1), ..PictureOptions::default() };
+        let samples = args.samples.isqrt();
+        if samples * samples != args.samples {
+            return refuse(format!(
+                "--samples {}: pixels of containers have as many rays across as down: choose {} or {}",
+                args.samples,
+                samples * samples,
+                (samples + 1) * (samples + 1)
+            ));
+        }
+        let options = PictureOptions { samples, ..PictureOptions::default() };
         Ok(LightField { playback: RefCell::new(playback), frame, options })
     }
 
@@ -56,18 +66,28 @@ impl<'a> LightField<'a> {
             let sources = offsets_m.iter().map(|&offset_m| self.source(views, offset_m, monitor));
             Ok((sources.collect::<Result<Vec<_>>>()?, Counters::default()))
         };
-        let ends_m = views.ends_m();
-        let places_m = match args.acquire {
-            Acquisition::Center => vec![0.5 * (ends_m[0] + ends_m[1])],
-            _ if ends_m[0] == ends_m[1] => vec![ends_m[0]],
-            Acquisition::Dual => ends_m.to_vec(),
-            Acquisition::Hierarchical => {
-                let (sources, counters) = hierarchical(views, &args.hierarchy(), backend, make)?;
-                return Ok(counted(sources, counters));
+        let (sources, counters) = match args.acquire.places(views) {
+            None => hierarchical(views, &args.hierarchy(), backend, make)?,
+            Some(Places { offsets_m, is_wide: false }) => make(&offsets_m)?,
+            Some(Places { offsets_m, is_wide: true }) => {
+                let wide = offsets_m.iter().map(|&offset_m| self.wide_source(views, offset_m, monitor));
+                (wide.collect::<Result<Vec<_>>>()?, Counters::default())
             }
         };
-        let (sources, counters) = make(&places_m)?;
-        Ok(counted(sources, counters))
+        let sources = in_order(sources);
+        let counters = counters.of_sources(&sources);
+        Ok((sources, counters))
+    }
+
+    /// With as many columns more on each side as its pixels call for.
+    fn wide_source(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<SourceView> {
+        let narrow = self.source(views, offset_m, monitor)?;
+        let pixels = narrow.rows.iter().flat_map(|row| &row.pixels);
+        let moves = pixels.map(|pixel| views.columns_per_metre(f64::from(pixel.depth_m)).abs());
+        match views.wider_columns(moves.fold(0.0, f64::max)) {
+            0 => Ok(narrow),
+            columns => Ok(self.source(&views.widened(columns)?, offset_m, monitor)?.moved_left(columns as i32)),
+        }
     }
 
     fn source(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<SourceView> {
@@ -98,12 +118,6 @@ impl<'a> LightField<'a> {
         let both = picture.map(|picture| picture.image).zip(renderer.distances_m);
         both.ok_or_else(|| Error::invalid("a picture without distances"))
     }
-}
-
-fn counted(sources: Vec<SourceView>, counters: Counters) -> (Vec<SourceView>, Counters) {
-    let sources = in_order(sources);
-    let counters = counters.of_sources(&sources);
-    (sources, counters)
 }
 
 /// Renders pictures on the CPU, and keeps the distances of the last one.

@@ -6,16 +6,16 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::args::Args;
-use super::quality::{Quality, QualityReport};
 use crate::cli::output::{self, human_bytes};
 use crate::epipolar::counters::Counters;
 use crate::epipolar::pipeline::{SourceReport, Stages, Summary};
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::json::{self, Number};
+use crate::report::interpolation::{Quality, QualityReport};
 
 /// What a run measured beside its stages.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Measured {
     pub load: Duration,
     pub write: Duration,

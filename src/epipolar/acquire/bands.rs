@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::settings::{AcquireSettings, Acquisition, TILE};
+use super::settings::{AcquireSettings, Places, TILE};
 use super::tracer::SourceTracer;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::drawing::{DrawnScene, PixelWindow};
@@ -31,15 +31,9 @@ impl<'a> SourceBands<'a> {
         monitor: &'a dyn Monitor,
     ) -> Result<Option<SourceBands<'a>>> {
         let tracer = SourceTracer { seen, views, settings, monitor };
-        let ends_m = views.ends_m();
-        let columns = 0..views.size[0] as i32;
-        Ok(Some(match settings.acquisition {
-            // Views in one place have one source.
-            _ if ends_m[0] == ends_m[1] => SourceBands { tracer, offsets_m: vec![ends_m[0]], columns },
-            Acquisition::Center => SourceBands { tracer, offsets_m: vec![0.0], columns: tracer.wide_columns()? },
-            Acquisition::Dual => SourceBands { tracer, offsets_m: ends_m.to_vec(), columns },
-            Acquisition::Hierarchical => return Ok(None),
-        }))
+        let Some(Places { offsets_m, is_wide }) = settings.acquisition.places(views) else { return Ok(None) };
+        let columns = if is_wide { tracer.wide_columns()? } else { 0..views.size[0] as i32 };
+        Ok(Some(SourceBands { tracer, offsets_m, columns }))
     }
 
     /// Some scanlines of all source views.

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::epipolar::source::MAX_LAYERS;
+use crate::epipolar::views::OutputViews;
 use crate::scene::capture::{PixelTracer, SamplePattern};
 
 /// Rows and columns of the squares that share a list of objects in view.
@@ -18,6 +19,30 @@ pub enum Acquisition {
     Dual,
     /// At the ends, and between them as long as pixels are missing; the first layer of each.
     Hierarchical,
+}
+
+/// Where source views stand that are known before any is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// Metres to the right of the middle of the output views, rising.
+    pub offsets_m: Vec<f64>,
+    /// Whether the window of the source is widened, by [`OutputViews::wider_columns`].
+    pub is_wide: bool,
+}
+
+impl Acquisition {
+    /// `None` for a hierarchical acquisition, whose sources follow from those at the ends.
+    pub fn places(self, views: &OutputViews) -> Option<Places> {
+        let [first_m, last_m] = views.ends_m();
+        let (offsets_m, is_wide) = match self {
+            // Views in one place have one source.
+            _ if first_m == last_m => (vec![first_m], false),
+            Acquisition::Center => (vec![0.0], true),
+            Acquisition::Dual => (vec![first_m, last_m], false),
+            Acquisition::Hierarchical => return None,
+        };
+        Some(Places { offsets_m, is_wide })
+    }
 }
 
 /// What is left out of source views, since no output view shows it.

@@ -26,14 +26,13 @@ pub(super) struct SourceTracer<'a> {
 }
 
 impl SourceTracer<'_> {
-    /// Columns of a view in the middle: as much wider on each side as what the views at the ends show there, up to half of its width.
+    /// Columns of a view in the middle with a widened window.
     pub fn wide_columns(&self) -> Result<Range<i32>> {
         let [width, height] = self.views.size;
         let from = self.views.viewpoint(0.0);
         let acquisition = self.acquisition((0.0, &from), 1);
         let widths = self.bands(0..height, |rows| acquisition.farthest_columns(rows, 0..width as i32))?;
-        let most = widths.into_iter().fold(0.0, f64::max) * 0.5 * self.views.baseline_m();
-        let wider = (most.ceil() as i32).min(width as i32 / 2);
+        let wider = self.views.wider_columns(widths.into_iter().fold(0.0, f64::max)) as i32;
         Ok(-wider..width as i32 + wider)
     }
 

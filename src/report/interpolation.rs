@@ -1,10 +1,12 @@
-//! Pictures of interpolated views beside those that are ray cast.
+//! Figures of interpolated views against ray casting, view by view: PSNR, SSIM, PSNR-HVS-M and MSE with holes filled and without, as a table
+//! and as means with ranges; error maps (figures 4.19 to 4.35 and tables 4.4 to 4.6 of de Quilletes).
 
 use std::path::Path;
 
 use half::f16;
 use serde::Serialize;
 
+use super::picture::error_picture;
 use crate::epipolar::pipeline::Picture;
 use crate::error::Result;
 use crate::evaluate::reference::Truth;
@@ -12,7 +14,6 @@ use crate::evaluate::similarity::{Similarity, difference, truth_codes};
 use crate::files::OutputFolder;
 use crate::image::{Plane, ToneMap, png};
 use crate::json::Number;
-use crate::report::picture::error_picture;
 
 /// By view.
 #[derive(Debug, Default)]
