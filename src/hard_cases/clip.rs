@@ -8,8 +8,12 @@ use crate::depth::block_chunk::encoder::BlockEncoder;
 use crate::depth::block_tiles::Layout;
 use crate::depth::block_tiles::encode::EncodeTexel;
 use crate::depth::domain::Domain;
+use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
+use crate::depth::predictive::encoder::PredictiveEncoder;
+use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::predictive::{PredictiveHeader, UnitArea};
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use crate::effort::Effort;
@@ -118,6 +122,26 @@ impl Clip {
             })
         })?;
         Ok(Clip::new(format!("{effort:?}"), depth_header(any_range()?, DepthCoding::Blocks), source, chunks))
+    }
+
+    /// Predictive depth (`DPRD`) of pixels that lie to the viewing axis in this way.
+    pub(super) fn predictive(
+        source: &Sequence<u16>,
+        (bound, epsilon, keyframe_interval): (u16, u16, u32),
+        shape: Shape,
+        decide: Decide,
+    ) -> Result<Clip> {
+        let projection = Projection::new(shape, any_range()?);
+        let header = PredictiveHeader { bound, epsilon, keyframe_interval, projection };
+        let mut encoder = PredictiveEncoder::new(&header, UnitArea::whole(source.size), decide, EFFORT)?;
+        let chunks = source.encode(|frame| {
+            Ok(match frame {
+                Some(frame) => encoder.push(frame),
+                None => encoder.finish(),
+            })
+        })?;
+        let header = depth_header(any_range()?, DepthCoding::Predictive(header));
+        Ok(Clip::new(format!("{shape:?}, {decide:?}"), header, source, chunks))
     }
 
     /// Codes in boxes (`DAAB`, `DAB5`).

@@ -6,6 +6,7 @@ use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::least_squares::{Frame, Sample, Terms, solve};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
+use crate::depth::predictive::projection::Shape;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
@@ -25,6 +26,11 @@ pub(super) fn cases() -> Vec<HardCase> {
         for picture in PICTURES {
             let case = group.case(picture.name, Bound::AtMost(f64::from(bound)), move || through_nodes(picture, bound));
             cases.push(case);
+        }
+        let group = Group::new(Family::Fits, format!("DPRD, E = {bound}, all projections and rules"), "codes");
+        for picture in PICTURES {
+            let most = Bound::AtMost(f64::from(bound));
+            cases.push(group.case(picture.name, most, move || through_prediction(picture, bound)));
         }
     }
     let condition = Group::new(Family::Fits, "normal equations in the scaled basis", CONDITION);
@@ -70,6 +76,21 @@ fn through_nodes(picture: &HardPicture, bound: u16) -> Result<Measured> {
         for decide in [Decide::Mse, Decide::Size] {
             let settings = NodeSettings { bound, decide, effort: EFFORT, ..NodeSettings::default() };
             worst = worst.join(source.compare(Clip::nodes(&source, (range, &domain), settings)?)?);
+        }
+    }
+    Ok(worst)
+}
+
+fn through_prediction(picture: &HardPicture, bound: u16) -> Result<Measured> {
+    let source = picture.moving();
+    let mut worst = Measured::nothing();
+    let [width, height] = source.size;
+    for shape in [Shape::None, Shape::Planar, Shape::CubeDistance] {
+        if shape == Shape::CubeDistance && width != height {
+            continue;
+        }
+        for decide in [Decide::Mse, Decide::Size] {
+            worst = worst.join(source.compare(Clip::predictive(&source, (bound, 0, 64), shape, decide)?)?);
         }
     }
     Ok(worst)

@@ -4,7 +4,9 @@
 
 use crate::depth::block_tiles::Layout;
 use crate::depth::domain::{Domain, DomainKind};
+use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
+use crate::depth::predictive::projection::Shape;
 use crate::depth::{BACKGROUND_CODE, TemporalSettings};
 use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
@@ -114,10 +116,12 @@ enum Codec {
     Nodes(u16, DomainKind),
     Tree,
     Blocks,
+    /// Bound.
+    Predictive(u16),
     Material(Layout),
 }
 
-const CODECS: [Codec; 9] = [
+const CODECS: [Codec; 11] = [
     Codec::Boxes(Layout::Values),
     Codec::Boxes(Layout::BlockTiles),
     Codec::Nodes(0, DomainKind::Log),
@@ -125,6 +129,8 @@ const CODECS: [Codec; 9] = [
     Codec::Nodes(10, DomainKind::Inverse),
     Codec::Tree,
     Codec::Blocks,
+    Codec::Predictive(0),
+    Codec::Predictive(100),
     Codec::Material(Layout::Values),
     Codec::Material(Layout::BlockTiles),
 ];
@@ -137,6 +143,7 @@ impl Codec {
             Codec::Nodes(bound, domain) => format!("DQPN, E = {bound}, {}", domain.name()),
             Codec::Tree => "DQTR".into(),
             Codec::Blocks => "DB4W".into(),
+            Codec::Predictive(bound) => format!("DPRD, E = {bound}"),
             Codec::Material(Layout::Values) => "MAAB".into(),
             Codec::Material(Layout::BlockTiles) => "MAB1".into(),
         }
@@ -155,7 +162,7 @@ impl Codec {
     fn bound(self, settings: TemporalSettings) -> f64 {
         match self {
             Codec::Boxes(_) => f64::from(settings.epsilon),
-            Codec::Nodes(bound, _) => f64::from(bound) + f64::from(settings.epsilon),
+            Codec::Nodes(bound, _) | Codec::Predictive(bound) => f64::from(bound) + f64::from(settings.epsilon),
             Codec::Tree | Codec::Blocks => 0.0,
             Codec::Material(_) => f64::from(settings.epsilon.min(8)),
         }
@@ -179,6 +186,10 @@ impl Codec {
             }
             Codec::Tree => Clip::tree(&scenario.codes(), nodes(0)),
             Codec::Blocks => Clip::blocks(&scenario.codes(), EFFORT, keyframe_interval),
+            Codec::Predictive(bound) => {
+                let numbers = (bound, epsilon, keyframe_interval);
+                Clip::predictive(&scenario.codes(), numbers, Shape::Planar, Decide::Mse)
+            }
             Codec::Material(storage) => {
                 let settings = TemporalSettings { epsilon: epsilon.min(8), ..settings };
                 Clip::material(&scenario.material(), settings, storage)

@@ -188,8 +188,10 @@ fn change_stream(stream: &mut StreamEntry, word: u32, random: &mut Random) {
         5 => stream.first_frame = any,
         6 => stream.face = word as u8,
         7 => {
-            stream.codec =
-                *pick(&[*b"DQPN", *b"DQTR", *b"DAAB", *b"DB4W", *b"DAB5", *b"MAAB", *b"CCL8", *b"CCLH"], random)
+            stream.codec = *pick(
+                &[*b"DQPN", *b"DQTR", *b"DAAB", *b"DB4W", *b"DPRD", *b"DAB5", *b"MAAB", *b"CCL8", *b"CCLH"],
+                random,
+            )
         }
         8 => stream.kind = random.below(3) as u8,
         _ => mutate::bytes(Arc::make_mut(&mut stream.codec_header), &[], random),

@@ -8,9 +8,13 @@ use half::f16;
 use lightfold::color::{HalfKey, Sample};
 use lightfold::container::{Compression, Reader};
 use lightfold::depth::domain::Domain;
+use lightfold::depth::mode_decision::Decide;
 use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
 use lightfold::depth::nodes::Grid;
+use lightfold::depth::predictive::encoder::PredictiveEncoder;
+use lightfold::depth::predictive::projection::Projection;
+use lightfold::depth::predictive::{self, PredictiveChunk, PredictiveHeader, UnitArea};
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::effort::Effort;
@@ -66,6 +70,24 @@ fn example_of_tree() -> Vec<u8> {
     encoder.finish().unwrap().unwrap().payload
 }
 
+const PREDICTIVE: PredictiveHeader = PredictiveHeader {
+    bound: 2,
+    epsilon: 0,
+    keyframe_interval: 64,
+    projection: Projection { shape: predictive::projection::Shape::None, octave: 0 },
+};
+
+/// The payload of depth.md 15.9: the codes of depth.md 9, predicted.
+fn example_of_prediction() -> Vec<u8> {
+    let first: Vec<u16> = (0..96).map(|at| code_of_example(at % 12, at / 12)).collect();
+    let mut second = first.clone();
+    second[3 * 12 + 11] = 5008;
+    let area = UnitArea::whole([12, 8]);
+    let mut encoder = PredictiveEncoder::new(&PREDICTIVE, area, Decide::Mse, Effort::Normal).unwrap();
+    assert!([first, second].iter().all(|frame| encoder.push(frame).is_none()));
+    encoder.finish().unwrap().payload
+}
+
 /// The bytes of block `number` tagged hex of a document, whose offsets must be right.
 pub fn hex_bytes(document: &str, number: usize) -> Vec<u8> {
     let mut bytes: Vec<u8> = Vec::new();
@@ -102,13 +124,17 @@ fn the_example_of_container_md_is_what_the_library_writes() {
 #[test]
 fn the_examples_of_depth_md_are_what_the_encoders_write() {
     let document = read("formats/depth.md");
-    for (number, written) in [example_of_nodes(), example_of_tree()].into_iter().enumerate() {
+    let examples = [example_of_nodes(), example_of_tree(), example_of_prediction()];
+    for (number, written) in examples.into_iter().enumerate() {
         assert_eq!(hex_bytes(&document, number), written, "the library writes {written:02x?}");
     }
     let (grid, mut picture) = (Grid { width: 12, height: 8 }, vec![0; 96]);
     let nodes = NodeChunk::parse(hex_bytes(&document, 0), grid, 2, Domain::log()).unwrap();
     assert_eq!(nodes.advance(&mut picture, None, 1, 1), 96 + 16);
     assert_eq!([picture[0], picture[8], picture[3 * 12 + 10], picture[3 * 12 + 11]], [20_000, u16::MAX, 5002, 5008]);
+    let chunk = PredictiveChunk::parse(hex_bytes(&document, 2), PREDICTIVE, UnitArea::whole([12, 8]), 2);
+    assert_eq!(chunk.unwrap().advance(&mut picture, None, 1).unwrap(), 96 + 32);
+    assert_eq!([picture[0], picture[1], picture[8], picture[3 * 12 + 11]], [19_998, 20_033, u16::MAX, 5010]);
 }
 
 #[test]

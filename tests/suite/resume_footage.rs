@@ -174,6 +174,7 @@ pub fn all() -> Vec<(&'static str, Footage)> {
         ("boxes", depth(DepthCodec::Boxes)),
         ("boxes in blocks", depth(DepthCodec::BoxesInBlocks)),
         ("blocks", depth(DepthCodec::Blocks)),
+        ("predictive", depth(DepthCodec::Predictive)),
         ("material", material(false)),
         ("material in blocks", material(true)),
         ("color", color(false, None)),

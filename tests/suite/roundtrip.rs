@@ -57,12 +57,14 @@ fn depth_settings(codec: DepthCodec, bound: u16) -> DepthSettings {
 }
 
 /// The codecs that keep a bound, each with one.
-const BOUNDED: [(DepthCodec, u16); 5] = [
+const BOUNDED: [(DepthCodec, u16); 7] = [
     (DepthCodec::Boxes, 0),
     (DepthCodec::BoxesInBlocks, 0),
     (DepthCodec::Tree, 0),
     (DepthCodec::Quadtree, 0),
     (DepthCodec::Quadtree, 100),
+    (DepthCodec::Predictive, 0),
+    (DepthCodec::Predictive, 100),
 ];
 
 /// Every depth pixel of every frame is within epsilon codes of its source, and background exactly where it was.

@@ -17,8 +17,11 @@ use lightfold::container::{
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::block_chunk::encoder::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
+use lightfold::depth::mode_decision::Decide;
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
 use lightfold::depth::nodes::Grid;
+use lightfold::depth::predictive::encoder::PredictiveEncoder;
+use lightfold::depth::predictive::{PredictiveHeader, UnitArea};
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
@@ -188,6 +191,24 @@ pub fn tree(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: NodeS
             None => encoder.finish().unwrap(),
         }
     })
+}
+
+/// The codec of predictive depth.
+pub fn predictive_codec(header: PredictiveHeader) -> CodecHeader {
+    header_of(node_range(), DepthCoding::Predictive(header))
+}
+
+/// Predictive depth.
+pub fn predictive(shape: Shape, images: &[Vec<u16>], header: PredictiveHeader) -> Stream {
+    let entry = entry(shape, &predictive_codec(header));
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let area = UnitArea { rect: entry.unit_rect(unit), image: [entry.width, entry.height] };
+        let mut encoder = PredictiveEncoder::new(&header, area, Decide::Mse, Effort::Normal).unwrap();
+        let closed = images.iter().map(|image| encoder.push(&cut(image, entry.width, area.rect))).collect::<Vec<_>>();
+        chunks.extend(closed.into_iter().chain([encoder.finish()]).flatten().map(|chunk| (unit, chunk)));
+    }
+    Stream { entry, chunks }
 }
 
 /// Depth as plain blocks.

@@ -17,7 +17,7 @@ use lightfold::depth::TemporalSettings;
 use crate::samples::{self, Random, Shape, Stream};
 use crate::{
     vectors_of_blocks, vectors_of_damage, vectors_of_indices, vectors_of_limits, vectors_of_nodes,
-    vectors_of_transforms,
+    vectors_of_predictive, vectors_of_transforms,
 };
 
 fn folder(name: &str) -> PathBuf {
@@ -156,6 +156,13 @@ fn regenerate_vectors() {
 #[ignore = "writes tests/vectors"]
 fn regenerate_transform_vectors() {
     write(vectors_of_transforms::valid(), vectors_of_transforms::invalid());
+}
+
+/// Writes the vectors of predictive depth anew, which are made with the built-in entropy tables.
+#[test]
+#[ignore = "writes tests/vectors"]
+fn regenerate_predictive_vectors() {
+    write(vectors_of_predictive::valid(), vectors_of_predictive::invalid());
 }
 
 fn write(valid: Vec<(&str, Vec<u8>)>, invalid: Vec<(&str, Vec<u8>, &str)>) {
@@ -364,5 +371,6 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
     all.iter_mut().for_each(|(_, bytes)| *bytes = samples::in_rows(std::mem::take(bytes)));
     all.extend(vectors_of_indices::valid());
     all.extend(vectors_of_transforms::valid());
+    all.extend(vectors_of_predictive::valid());
     all
 }

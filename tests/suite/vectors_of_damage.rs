@@ -8,7 +8,10 @@ use lightfold::container::{Compression, Index, PayloadKind, Storage, compression
 
 use crate::samples;
 use crate::vectors::{keys, one, shape, temporal};
-use crate::{vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes, vectors_of_transforms};
+use crate::{
+    vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes, vectors_of_predictive,
+    vectors_of_transforms,
+};
 
 /// What the invalid vectors are made of. Chunks: 0 and 1 depth, 2 and 3 8-bit colour, 4 half colour, 5 material.
 pub fn base() -> Vec<u8> {
@@ -280,6 +283,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.extend(vectors_of_blocks::invalid());
     all.extend(vectors_of_limits::invalid());
     all.extend(vectors_of_transforms::invalid());
+    all.extend(vectors_of_predictive::invalid());
     all.iter_mut().for_each(|(_, bytes, _)| *bytes = samples::in_rows(std::mem::take(bytes)));
     all.extend(vectors_of_indices::invalid());
     all

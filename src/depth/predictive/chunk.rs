@@ -2,15 +2,17 @@
 
 use crate::container::Payload;
 use crate::container::fields::Fields;
+use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::contexts;
 use crate::depth::predictive::magnitude::{CANDIDATES, CHANGES, Classes, ESCAPES};
+use crate::depth::predictive::modes::{BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES};
 use crate::depth::predictive::pixel::{
     Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_CANDIDATE, SYMBOL_KEEP, Steps,
 };
 use crate::depth::predictive::plane::{Plane, Side};
-use crate::depth::predictive::settings::{MAX_FRAMES, MAX_SIDE, PredictiveHeader, UnitArea};
+use crate::depth::predictive::settings::{MAX_FRAMES, MAX_SIDE, PredictiveHeader};
 use crate::depth::predictive::tables::TableSet;
-use crate::depth::predictive::tile::{Area, BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES, Tile};
+use crate::depth::predictive::tile::{Area, Tile};
 use crate::entropy;
 use crate::entropy::rans::Mark;
 use crate::error::{Error, Result};

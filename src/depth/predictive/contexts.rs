@@ -1,8 +1,8 @@
 //! Contexts of symbols (depth.md 15.7): which distribution codes a symbol, from symbols that are decoded already.
 
+use crate::depth::predictive::modes::{BLOCK_STATES, MODES, SMALL_MODES};
 use crate::depth::predictive::pixel::{CLASSES, Pixel, SYMBOLS};
 use crate::depth::predictive::plane::Side;
-use crate::depth::predictive::tile::{BLOCK_STATES, MODES, SMALL_MODES};
 use crate::entropy::Family;
 
 /// Kinds of frames: the first of a chunk, later ones.

@@ -2,9 +2,10 @@
 
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
+use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::price::{Prices, Recorder};
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
-use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader, UnitArea};
+use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader};
 use crate::depth::predictive::tables::TableSet;
 use crate::depth::predictive::tile::Tile;
 use crate::effort::Effort;

@@ -8,6 +8,7 @@
 //! Based on: M. J. Weinberger, G. Seroussi, G. Sapiro, *The LOCO-I Lossless Image Compression Algorithm*, 2000, for near-lossless
 //! residuals and contexts.
 
+pub mod area;
 pub mod chunk;
 pub mod contexts;
 #[cfg(feature = "encode")]
@@ -15,6 +16,7 @@ pub mod encoder;
 #[cfg(feature = "encode")]
 mod fit;
 pub mod magnitude;
+pub mod modes;
 pub mod pixel;
 pub mod plane;
 #[cfg(feature = "encode")]
@@ -28,5 +30,6 @@ pub mod tables;
 mod tests;
 pub mod tile;
 
+pub use area::UnitArea;
 pub use chunk::PredictiveChunk;
-pub use settings::{PredictiveHeader, UnitArea};
+pub use settings::PredictiveHeader;

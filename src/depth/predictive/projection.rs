@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::depth::domain::integer_log2;
-use crate::depth::predictive::settings::UnitArea;
+use crate::depth::predictive::area::UnitArea;
 
 /// The least and most codes of a factor of two of depth with which the term is used.
 pub const OCTAVES: std::ops::RangeInclusive<u32> = 512..=131_071;

@@ -5,12 +5,13 @@
 use crate::depth::predictive::contexts;
 use crate::depth::predictive::fit::{Sample, minimax};
 use crate::depth::predictive::magnitude::{CANDIDATES, CHANGES, Classes, ESCAPES};
+use crate::depth::predictive::modes::{BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES};
 use crate::depth::predictive::pixel::{
     Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_BELOW, SYMBOL_CANDIDATE, SYMBOL_KEEP, code_of,
 };
 use crate::depth::predictive::plane::{Plane, Side};
 use crate::depth::predictive::price::{Pricer, Prices, Sink};
-use crate::depth::predictive::tile::{Area, BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES, Tile};
+use crate::depth::predictive::tile::{Area, Tile};
 use crate::depth::quantise::BACKGROUND_CODE;
 use crate::effort::Effort;
 

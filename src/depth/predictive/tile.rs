@@ -1,32 +1,13 @@
 //! What a decoder holds of a unit: its pixels, and how its blocks are coded (depth.md 15.2).
 
+use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::contexts;
+use crate::depth::predictive::modes::{BACKGROUND, BLOCK, OUTSIDE, PIXELS, PLANES, QUARTERS, SMALL};
 use crate::depth::predictive::pixel::{Around, Pixel, Steps};
 use crate::depth::predictive::plane::{ChangeSteps, Plane, Side};
 use crate::depth::predictive::projection::Curvature;
-use crate::depth::predictive::settings::{PredictiveHeader, UnitArea};
+use crate::depth::predictive::settings::PredictiveHeader;
 use crate::error::{Error, Result};
-
-/// Side of a block.
-pub const BLOCK: usize = 8;
-/// Side of a quarter of a block.
-pub const SMALL: usize = 4;
-
-// Modes of blocks.
-pub const MODES: usize = 10;
-pub const PIXELS: usize = 0;
-pub const SAME: usize = 1;
-pub const BACKGROUND: usize = 2;
-pub const QUARTERS: usize = 3;
-/// The first of three: the plane from the left, from above, their mean; then the same with a change.
-pub const PLANES: usize = 4;
-/// Sources of planes.
-pub const SOURCES: usize = 3;
-/// Modes of quarters: pixels, and those of planes.
-pub const SMALL_MODES: usize = 1 + 2 * SOURCES;
-/// Modes, and no block.
-pub const BLOCK_STATES: usize = MODES + 1;
-const OUTSIDE: usize = MODES;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Block {

@@ -60,6 +60,7 @@ pub const TARGETS: &[Target] = &[
     payloads!(b"DQTR", 1000),
     payloads!(b"DAAB", 2000),
     payloads!(b"DB4W", 2000),
+    payloads!(b"DPRD", 1000),
     payloads!(b"DAB5", 2000),
     payloads!(b"MAAB", 2000),
     payloads!(b"MAB1", 2000),

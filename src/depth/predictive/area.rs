@@ -1,0 +1,21 @@
+//! Where a unit lies in its image (depth.md 15.3).
+
+/// A unit in its image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnitArea {
+    /// Left, top, width and height in pixels.
+    pub rect: [u32; 4],
+    /// Width and height of the image.
+    pub image: [u32; 2],
+}
+
+impl UnitArea {
+    /// A unit that is its whole image.
+    pub fn whole(size: [u32; 2]) -> UnitArea {
+        UnitArea { rect: [0, 0, size[0], size[1]], image: size }
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        [self.rect[2], self.rect[3]]
+    }
+}

@@ -1,0 +1,27 @@
+//! Modes of blocks and of their quarters (depth.md 15.2).
+
+/// Side of a block.
+pub const BLOCK: usize = 8;
+/// Side of a quarter of a block.
+pub const SMALL: usize = 4;
+
+/// Modes of blocks, as below.
+pub const MODES: usize = 10;
+/// Pixel by pixel.
+pub const PIXELS: usize = 0;
+/// As in the frame before.
+pub const SAME: usize = 1;
+/// All background.
+pub const BACKGROUND: usize = 2;
+/// Four quarters, each with a mode of its own.
+pub const QUARTERS: usize = 3;
+/// The first of three: the plane from the left, from above, their mean; then the same with a change.
+pub const PLANES: usize = 4;
+/// Sources of planes.
+pub const SOURCES: usize = 3;
+/// Modes of quarters: pixels, and those of planes.
+pub const SMALL_MODES: usize = 1 + 2 * SOURCES;
+/// Modes, and no block.
+pub const BLOCK_STATES: usize = MODES + 1;
+/// The state where there is no block.
+pub const OUTSIDE: usize = MODES;

@@ -1,0 +1,115 @@
+//! The frozen containers of [`crate::vectors`] whose depth is predicted (formats/depth.md 15).
+
+use lightfold::container::{Compression, EncodedChunk};
+use lightfold::depth::predictive::PredictiveHeader;
+use lightfold::depth::predictive::projection::{Projection, Shape as Pixels};
+
+use crate::samples::{self, Random, Stream};
+use crate::vectors::{one, shape};
+
+fn header(bound: u16, pixels: Pixels) -> PredictiveHeader {
+    let octave = if pixels == Pixels::None { 0 } else { 16_384 };
+    PredictiveHeader { bound, epsilon: 0, keyframe_interval: 3, projection: Projection { shape: pixels, octave } }
+}
+
+/// Depth codes of surfaces in front of a wall, with an edge that moves and a hole.
+fn surfaces(side: u32, frames: u32) -> Vec<Vec<u16>> {
+    let code = |x: u32, y: u32, t: u32| -> u16 {
+        match (x, y) {
+            _ if 3 * x + y > 130 => u16::MAX,
+            _ if x + 2 * y < 20 + 4 * (t / 2) => (4000 + 40 * x + 11 * y + t) as u16,
+            _ if (20..27).contains(&x) && (9..30).contains(&y) => (9000 + (x * 7919 + y * 389 + t / 3) % 700) as u16,
+            _ => (30_000 + 9 * x * x + 170 * y) as u16,
+        }
+    };
+    (0..frames).map(|t| (0..side * side).map(|at| code(at % side, at / side, t)).collect()).collect()
+}
+
+fn random(size: [u32; 2], frames: u32) -> Vec<Vec<u16>> {
+    let mut random = Random(7);
+    let mut codes = || (0..size[0] * size[1]).map(|_| random.below(65_536) as u16).collect();
+    (0..frames).map(|_| codes()).collect()
+}
+
+pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
+    let mut all = Vec::new();
+    let images = surfaces(45, 7);
+    for (name, bound, pixels) in [
+        ("predictive-lossless", 0, Pixels::CubeDistance),
+        ("predictive-fine", 10, Pixels::Planar),
+        ("predictive", 100, Pixels::CubeDistance),
+        ("predictive-coarse", 1000, Pixels::None),
+    ] {
+        let shape = shape(2, [45, 45], [24, 32], 3, 7);
+        all.push((name, one(samples::predictive(shape, &images, header(bound, pixels)))));
+    }
+    let moving = |size, seed| samples::moving_codes(size, 9, seed);
+    all.push(("predictive-odd-sizes", {
+        let stream = |face: u8, size: [u32; 2], unit| {
+            let header = PredictiveHeader { epsilon: 2, ..header(1, Pixels::None) };
+            samples::predictive(shape(face, size, unit, 2, 9), &moving(size, u64::from(face) + 3), header)
+        };
+        let streams = [
+            stream(0, [1, 1], [8, 8]),
+            stream(1, [3, 5], [2, 2]),
+            stream(2, [17, 9], [8, 16]),
+            stream(3, [1, 17], [8, 8]),
+            stream(4, [33, 1], [64, 64]),
+        ];
+        samples::container(0, samples::probe("odd", 10), &streams, Compression::None)
+    }));
+    all.push(("predictive-noise", {
+        let image = random([20, 12], 3);
+        one(samples::predictive(shape(0, [20, 12], [16, 16], 0, 3), &image, header(0, Pixels::Planar)))
+    }));
+    all.push(("predictive-background", {
+        let image = vec![vec![u16::MAX; 90]; 4];
+        one(samples::predictive(shape(6, [10, 9], [16, 16], 0, 4), &image, header(100, Pixels::None)))
+    }));
+    all
+}
+
+pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    let shape = shape(0, [20, 20], [24, 24], 0, 3);
+    let images = surfaces(20, 3);
+    let good = samples::predictive(shape, &images, header(0, Pixels::CubeDistance));
+    let payload = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut payload = good.chunks[0].1.payload.clone();
+        change(&mut payload);
+        let chunk = EncodedChunk { first_frame: 0, frame_count: 3, payload };
+        one(Stream { entry: good.entry.clone(), chunks: vec![(0, chunk)] })
+    };
+    let codec = |at: usize, value: u8| {
+        let mut entry = good.entry.clone();
+        let mut bytes = entry.codec_header.to_vec();
+        bytes[at] = value;
+        entry.codec_header = bytes.into();
+        one(Stream { entry, chunks: good.chunks.clone() })
+    };
+    let resized = |width: u32, unit: u32| {
+        let mut entry = good.entry.clone();
+        (entry.width, entry.unit_width) = (width, unit);
+        one(Stream { entry, chunks: good.chunks.clone() })
+    };
+    let short = "a substream that ends too early";
+    let cut = |count: usize| payload(&move |payload| payload.truncate(payload.len() - count));
+    vec![
+        ("predictive-empty", payload(&|payload| payload.clear()), "1 more bytes expected, 0 left"),
+        ("predictive-set", payload(&|payload| payload[0] = 4), "table set 4 is unknown"),
+        ("predictive-cut", cut(2), short),
+        ("predictive-cut-in-half", cut(101), short),
+        (
+            "predictive-longer",
+            payload(&|payload| payload.extend([0, 0])),
+            "a substream that does not end with its last frame",
+        ),
+        ("predictive-bound", codec(17, 0xFF), "a bound of 65280 codes"),
+        ("predictive-projection", codec(24, 3), "projection 3 is unknown"),
+        ("predictive-reserved", codec(26, 1), "projection 2 with 16384 codes"),
+        ("predictive-octave", codec(29, 1), "projection 2 with 256 codes"),
+        ("predictive-octave-of-none", codec(24, 0), "projection 0 with 16384 codes"),
+        ("predictive-interval", codec(20, 0), "a keyframe interval of 0 frames"),
+        ("predictive-not-square", resized(21, 24), "a cube face that is not square"),
+        ("predictive-tile", resized(20, 1032), "tiles of more than 1024 pixels"),
+    ]
+}
