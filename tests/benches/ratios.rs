@@ -167,7 +167,8 @@ fn node_chunks(decoder: &Decoder) -> Result<Vec<(NodeChunk, usize)>> {
         for entry in decoder.reader().index().stream_chunks(stream.index) {
             let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
             let payload = decoder.reader().fetch(entry)?;
-            let parsed = DepthChunk::parse(header, payload, [width, height], entry.key.frame_count)?;
+            let area = stream.unit_area(entry.key.unit);
+            let parsed = DepthChunk::parse(header, payload, area, entry.key.frame_count)?;
             if let DepthChunk::Nodes(chunk) = parsed {
                 chunks.push((chunk, width as usize * height as usize));
             }

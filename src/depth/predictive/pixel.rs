@@ -152,21 +152,21 @@ impl Around {
     }
 
     #[inline(always)]
-    fn from_left(&self) -> i32 {
+    fn extended_left(&self) -> i32 {
         self.left.value.wrapping_add(self.left.slope[0])
     }
 
     #[inline(always)]
-    fn from_above(&self) -> i32 {
+    fn extended_above(&self) -> i32 {
         self.above.value.wrapping_add(self.above.slope[1])
     }
 
-    fn from_above_left(&self) -> i32 {
+    fn extended_above_left(&self) -> i32 {
         let Pixel { value, slope: [x, y], .. } = self.above_left;
         value.wrapping_add(x).wrapping_add(y)
     }
 
-    fn from_above_right(&self) -> i32 {
+    fn extended_above_right(&self) -> i32 {
         let Pixel { value, slope: [x, y], .. } = self.above_right;
         value.wrapping_sub(x).wrapping_add(y)
     }
@@ -177,7 +177,7 @@ impl Around {
         if left.is_background() || above.is_background() {
             return self.predict_beside_background();
         }
-        let (from_left, from_above) = (self.from_left(), self.from_above());
+        let (from_left, from_above) = (self.extended_left(), self.extended_above());
         let difference = from_left.wrapping_sub(from_above);
         if within(difference, steps.same_surface) {
             let weight = WEIGHTS[usize::from(left.confidence)][usize::from(above.confidence)];
@@ -209,13 +209,13 @@ impl Around {
 
     fn predict_beside_background(&self) -> Prediction {
         if !self.left.is_background() {
-            self.predict_from(&self.left, self.from_left(), Origin::Left)
+            self.predict_from(&self.left, self.extended_left(), Origin::Left)
         } else if !self.above.is_background() {
-            self.predict_from(&self.above, self.from_above(), Origin::Above)
+            self.predict_from(&self.above, self.extended_above(), Origin::Above)
         } else if !self.above_right.is_background() {
-            self.predict_from(&self.above_right, self.from_above_right(), Origin::Both)
+            self.predict_from(&self.above_right, self.extended_above_right(), Origin::Both)
         } else if !self.above_left.is_background() {
-            self.predict_from(&self.above_left, self.from_above_left(), Origin::Both)
+            self.predict_from(&self.above_left, self.extended_above_left(), Origin::Both)
         } else if !self.before.is_background() {
             self.predict_from(&self.before, self.before.value, Origin::Both)
         } else {
@@ -227,10 +227,10 @@ impl Around {
     pub fn candidates(&self, prediction: &Prediction, steps: &Steps) -> Candidates {
         let mut found = Candidates { pixels: [Pixel { value: prediction.value, ..self.left }; 3], count: 0 };
         let all = [
-            (&self.left, self.from_left()),
-            (&self.above, self.from_above()),
-            (&self.above_right, self.from_above_right()),
-            (&self.above_left, self.from_above_left()),
+            (&self.left, self.extended_left()),
+            (&self.above, self.extended_above()),
+            (&self.above_right, self.extended_above_right()),
+            (&self.above_left, self.extended_above_left()),
         ];
         for (pixel, value) in all {
             let value = self.clamped(value);

@@ -71,7 +71,7 @@ impl Projection {
     pub fn curvature(self) -> Curvature {
         // Codes for each factor of e of depth: octave / ln 2.
         let codes = (self.octave * 2955) >> 11;
-        Curvature { codes: codes as i32, factor: if codes == 0 { 0 } else { (1 << 22) / codes } }
+        Curvature { codes: codes as i32, factor: (1u32 << 22).checked_div(codes).unwrap_or(0) }
     }
 }
 

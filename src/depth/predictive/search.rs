@@ -233,8 +233,8 @@ impl<S: Sink> FrameSearch<'_, S> {
 
     fn best_plane<const SIDE: usize>(&self, trial: Trial, sources: [Plane; 3]) -> Option<Found> {
         let mut best: Option<Found> = None;
-        for source in 0..SOURCES {
-            self.consider::<SIDE>(trial, (source, sources[source]), [0; 3], &mut best);
+        for (source, plane) in sources.into_iter().enumerate() {
+            self.consider::<SIDE>(trial, (source, plane), [0; 3], &mut best);
         }
         if best.is_some() && (self.settings.error_weight == 0.0 || self.settings.effort == Effort::Fast) {
             return best;

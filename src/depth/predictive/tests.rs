@@ -30,7 +30,7 @@ fn check(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort:
     let mut decoded = decoder(header, area, &chunk);
     let mut picture = vec![7; frames[0].len()];
     for (frame, source) in (0..).zip(frames) {
-        decoded.advance(&mut picture, (frame as u32).checked_sub(1), frame).unwrap();
+        decoded.advance(&mut picture, frame.checked_sub(1), frame).unwrap();
         for (at, (&code, &wanted)) in picture.iter().zip(source).enumerate() {
             assert_eq!(code == u16::MAX, wanted == u16::MAX, "frame {frame} pixel {at}: {wanted} became {code}");
             let most = header.bound + header.epsilon;
@@ -58,7 +58,9 @@ fn pictures([width, height]: [usize; 2]) -> Vec<Vec<Vec<u16>>> {
         picture(&|x, y, t| if (x + t) / 5 % 2 == 0 { 65_535 } else { (9000 + 250 * y) as u32 }),
         picture(&|x, y, t| if x + y < 9 + 2 * t { 3000 + x as u32 } else { (40_000 + x * x * 9 + y * 50) as u32 }),
         picture(&|x, y, t| noise(x + 1000 * y + 77_777 * t) % 65_536),
-        picture(&|x, y, t| if noise(x + 99 * y + t) % 3 == 0 { 65_535 } else { 65_534 * (noise(x * y + t) % 2) }),
+        picture(&|x, y, t| {
+            if noise(x + 99 * y + t).is_multiple_of(3) { 65_535 } else { 65_534 * (noise(x * y + t) % 2) }
+        }),
         picture(&|x, y, _| if (x + y) % 2 == 0 { 0 } else { 65_534 }),
     ]
 }
