@@ -29,7 +29,7 @@ fn check(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort:
     let chunk = encode(header, area, frames, effort);
     let mut decoded = decoder(header, area, &chunk);
     let mut picture = vec![7; frames[0].len()];
-    for (frame, source) in (0..).zip(frames) {
+    for (frame, source) in (0u32..).zip(frames) {
         decoded.advance(&mut picture, frame.checked_sub(1), frame).unwrap();
         for (at, (&code, &wanted)) in picture.iter().zip(source).enumerate() {
             assert_eq!(code == u16::MAX, wanted == u16::MAX, "frame {frame} pixel {at}: {wanted} became {code}");
