@@ -27,6 +27,7 @@ use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::fingerprint::{Fingerprint, digest};
+use crate::image::Pattern;
 use crate::monitor::Monitor;
 use crate::report::interpolation::Quality;
 use crate::report::machine;
@@ -46,7 +47,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let views = input.views(args)?;
     let (range, frames) = (args.range()?, args.frame_range());
     input.check_frames(args, frames)?;
-    args.check_outputs()?;
+    args.check_outputs(&input)?;
     // From here on a stop is noticed, and leaves no unfinished files.
     let progress = Progress::start(global, "interpolating", 0)?;
     let texts = TextOutputs::create(args)?;
@@ -383,10 +384,21 @@ impl Run<'_, '_> {
 
 impl Args {
     /// Refuses outputs that are inputs or each other.
-    fn check_outputs(&self) -> Result<()> {
+    fn check_outputs(&self, input: &Input) -> Result<()> {
+        let files = input.files(self);
+        if let Some(path) = &self.output
+            && let Ok(pattern) = Pattern::parse(&path.to_string_lossy())
+            && let Some(taken) = files.iter().find(|file| pattern.has_name_of(file))
+        {
+            return refuse(format!(
+                "-o {}: {}, an input, would be overwritten; name others",
+                path.display(),
+                taken.display()
+            ));
+        }
         let named = [("-o", &self.output), ("--csv", &self.csv), ("--cameras-out", &self.cameras_out)];
         let outputs: Vec<output_paths::Output> =
             named.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))).collect();
-        output_paths::check(&outputs, &[PathBuf::from(&self.input).as_path()])
+        output_paths::check(&outputs, &files.iter().map(PathBuf::as_path).collect::<Vec<_>>())
     }
 }

@@ -173,6 +173,18 @@ impl Pattern {
         self
     }
 
+    /// Whether the pattern names a file that exists.
+    pub fn has_name_of(&self, file: &Path) -> bool {
+        let folder = if self.directory.as_os_str().is_empty() { Path::new(".") } else { &self.directory };
+        let is_beside = match (folder.canonicalize(), file.canonicalize()) {
+            (Ok(folder), Ok(file)) => file.parent() == Some(&folder),
+            _ => false,
+        };
+        let name = file.file_name().and_then(|name| name.to_str());
+        is_beside
+            && name.is_some_and(|name| self.frame_of(name).is_some() || self.field.is_none() && name == self.before)
+    }
+
     /// The digits in a file name that matches the pattern with any number of digits.
     fn number_of<'a>(&self, name: &'a str) -> Option<&'a str> {
         let number = name.strip_prefix(self.before.as_str())?.strip_suffix(self.after.as_str())?;

@@ -324,7 +324,7 @@ impl Args {
             placement: self.source_placement,
             hole_threshold_percent: self.hole_threshold,
             max_sources: self.max_sources as usize,
-            time: self.source_ms.map(|ms| Duration::from_secs_f64(1e-3 * ms)),
+            time: self.source_ms.map(|ms| Duration::try_from_secs_f64(1e-3 * ms).unwrap_or(Duration::MAX)),
         }
     }
 

@@ -1,12 +1,12 @@
 //! What views are interpolated from: a scene, images of probes, or a container.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::args::Args;
 use super::light_field::LightField;
 use crate::cli::refuse;
 use crate::container::header::is_container;
-use crate::dataset::manifest::{MANIFEST_NAME, is_dataset};
+use crate::dataset::manifest::{MANIFEST_NAME, is_dataset, manifest_path};
 use crate::decode::Decoder;
 use crate::epipolar::acquire::AcquireSettings;
 use crate::epipolar::captured::CapturedSources;
@@ -68,13 +68,25 @@ impl Input {
         Ok(Input::Scene(Box::new(scene)))
     }
 
+    /// Its files, of a dataset those of all frames and kinds.
+    pub fn files(&self, args: &Args) -> Vec<PathBuf> {
+        let path = Path::new(&args.input);
+        let mut files = match self {
+            Input::Images(images) => images.all_files(),
+            Input::Scene(_) | Input::Field(_) => Vec::new(),
+        };
+        files.extend([path.to_path_buf(), manifest_path(path)]);
+        files
+    }
+
     /// Identifies its contents: of files by their sizes and times.
     pub fn contents(&self, args: &Args) -> String {
         match self {
             Input::Scene(scene) => scene.contents().to_owned(),
             Input::Images(_) | Input::Field(_) => {
                 let path = Path::new(&args.input);
-                digest(format!("{:?} {:?}", file_state(path), file_state(&path.join(MANIFEST_NAME))).as_bytes())
+                let states = [file_state(path), file_state(&path.join(MANIFEST_NAME))];
+                digest(format!("{states:?} {:?}", args.probe).as_bytes())
             }
         }
     }
