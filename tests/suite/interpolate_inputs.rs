@@ -286,12 +286,12 @@ fn no_file_of_a_dataset_is_overwritten() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     fine("capture interior --position=0,1.5,0 --position=0.3,1.5,0 --size 16 --samples 1 --frames 0 -o room", at);
-    let before = fs::read(at.join("room/probe_00/face_pz/depth.0000.exr")).unwrap();
+    let before = bytes(&at.join("room/probe_00/face_pz/depth.0000.exr"));
     for output in ["-o room/probe_00/face_pz/depth.%04d.exr", "--null --cameras-out room/lightfield.json"] {
         for input in ["room", "room/lightfield.json"] {
             let said = refused(&format!("interpolate {input} --probe 00,01 --face pz --views 2 {output}"), at);
             assert!(said.contains("would be overwritten"), "{said}");
         }
     }
-    assert_eq!(before, fs::read(at.join("room/probe_00/face_pz/depth.0000.exr")).unwrap());
+    assert_eq!(before, bytes(&at.join("room/probe_00/face_pz/depth.0000.exr")));
 }
