@@ -42,6 +42,17 @@ fn highlight(line: u32, place: f32) -> vec4f {
     return mix(vec4f(near.light, 0.0), vec4f(next.light, 0.0), part);
 }
 
+// The number of a half float, from its bits: infinity is 65536.
+fn number_of(half: u32) -> f32 {
+    let size = half & 0x7fffu;
+    // Of the least ones, the bits are multiples of 2^-24.
+    var number = f32(size) / 16777216.0;
+    if (size >= 0x400u) {
+        number = bitcast<f32>((min(size, 0x7c00u) << 13u) + 0x38000000u);
+    }
+    return select(number, -number, (half & 0x8000u) != 0u);
+}
+
 // Bits of the nearest half float to a number, the even one of two: from 0 to the greatest one, and what lies beyond is moved there.
 fn half_of(number: f32) -> u32 {
     let light = clamp(number, 0.0, 65504.0);
@@ -67,7 +78,8 @@ fn add_highlights(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgro
     let line = starts[at / (block.width * block.views)] + winner.x;
     let place = eyes[(at / block.width) % block.views];
     let lights = array<vec4f, 2>(highlight(line, place), highlight(beside_of(line, winner.y), place));
-    let steady = vec4f(unpack2x16float(pixel.x), unpack2x16float(pixel.y & 0xffffu));
+    let halves = vec3u(pixel.x & 0xffffu, pixel.x >> 16u, pixel.y & 0xffffu);
+    let steady = vec4f(number_of(halves.x), number_of(halves.y), number_of(halves.z), 0.0);
     let light = steady + mix(lights[0], lights[1], f32(winner.y & 0xffu) / 255.0);
     pixels[at] = vec2u(half_of(light.x) | (half_of(light.y) << 16u), half_of(light.z));
 }
