@@ -163,7 +163,8 @@ mod tests {
         };
         for wanted in [&[0.0, 1.0][..], &[0.0, 0.8, 1.0], &[0.0, 0.5, 0.8, 1.0], &[0.0, 0.2, 0.5, 0.8, 1.0]] {
             let found = places(wanted.len() - 2);
-            let is_near = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9);
+            // Hits are placed in single precision.
+            let is_near = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6);
             assert!(found.len() == wanted.len() && is_near, "{found:?} {wanted:?}");
         }
         // The others divide the intervals in the middle, where the chord errs most.
@@ -177,7 +178,7 @@ mod tests {
         let gloss = gloss(&[lamp_at(place, 4.0)]);
         let highlight = Highlight::new(&gloss, &EYES, 1);
         let brightest = gloss.towards(EYES.eye(place));
-        assert!(brightest.x > 0.01 && (highlight.at(place) / brightest - 1.0).abs().max_element() < 1e-9);
+        assert!(brightest.x > 0.01 && (highlight.at(place) / brightest - 1.0).abs().max_element() < 1e-4);
         // An even spread would have its split in the middle, where the highlight is dark.
         let even = Highlight { splits: [0.0, 0.5, 1.0].map(|at| (at, gloss.towards(EYES.eye(at)))).into() };
         assert!(even.at(place).x < 0.1 * brightest.x, "{} {}", even.at(place), brightest);

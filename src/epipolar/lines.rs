@@ -159,9 +159,10 @@ mod tests {
             let black = [f16::ZERO; 3];
             SourcePixel { column, depth_m, layer, light: Light::Steady, steady: black, own: black }
         };
-        let curtain = |column: i32| (2.0 - f64::from(column) * 0.04).recip() as f32;
+        let curtain = |column: i32| (2.0 - f64::from(column - 34) * 0.04).recip() as f32;
         let is_leaf = |column: i32| column % 3 == 1;
-        let columns = 0..30;
+        // Nothing of the curtain moves over the left border.
+        let columns = 34..64;
         let mut pixels: Vec<SourcePixel> =
             columns.clone().map(|at| pixel(at, if is_leaf(at) { 0.3 } else { curtain(at) }, 0)).collect();
         pixels.extend(columns.clone().map(|at| pixel(at, if is_leaf(at) { curtain(at) } else { 9.0 }, 1)));

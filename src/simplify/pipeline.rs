@@ -380,7 +380,7 @@ mod tests {
             }
             // The length of a list.
             let mut wrong = words;
-            wrong[14 + CONSTRAINTS] = u64::MAX;
+            wrong[16 + 2 * CONSTRAINTS] = u64::MAX;
             assert!(!is_read(&wrong));
         });
     }
