@@ -90,7 +90,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         false => (0..grid.ups_m.len()).map(steps_of).sum(),
     };
     let steps = interpolated + if args.brute_force || args.compare { range.len() as u64 } else { 0 };
-    progress.expect(frames.count() * steps);
+    progress.set_steps(frames.count() * steps);
     let all = (frames.count(), range.len() as u64);
     let mut run =
         Run { args, progress: &progress, device: &device, outputs, measured: &mut measured, frame: frames.first };

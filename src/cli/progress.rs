@@ -37,7 +37,7 @@ impl Progress {
     }
 
     /// Sets the number of steps, where it follows from what is read first.
-    pub fn expect(&self, steps: u64) {
+    pub fn set_steps(&self, steps: u64) {
         self.bar.set_length(steps);
     }
 }

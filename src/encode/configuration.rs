@@ -127,7 +127,7 @@ fn words_of_efforts(depth: Effort, color: Effort) -> String {
 
 fn words_of_tiles(tiles: TileSize) -> String {
     match tiles {
-        TileSize::Usual => "usual".to_owned(),
+        TileSize::Usual => "default".to_owned(),
         TileSize::PerSide(tiles) => format!("{tiles} per side"),
         TileSize::Pixels(side) => format!("{side} in pixels"),
     }

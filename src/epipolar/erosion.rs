@@ -6,7 +6,6 @@
 
 use rayon::prelude::*;
 
-use super::backend::Backend;
 use super::source::SourceView;
 use super::views::OutputViews;
 use crate::error::Result;
@@ -29,9 +28,14 @@ pub struct Moves {
     pub columns: Vec<i32>,
 }
 
-/// Pixels in percent, of two sources from left to right, from which the way to their place in the other one crosses an edge.
-pub fn eroded_percent(views: &OutputViews, pair: [&SourceView; 2], backend: &dyn Backend) -> Result<f64> {
-    Ok(50.0 * backend.eroded(&Moves::between(views, pair))? as f64 / views.size.map(f64::from).iter().product::<f64>())
+/// Pixels in percent, of two sources from left to right, from which the way to their place in the other one crosses an edge, as a
+/// backend counts them.
+pub fn eroded_percent(
+    views: &OutputViews,
+    pair: [&SourceView; 2],
+    count: impl FnOnce(&Moves) -> Result<u64>,
+) -> Result<f64> {
+    Ok(50.0 * count(&Moves::between(views, pair))? as f64 / views.size.map(f64::from).iter().product::<f64>())
 }
 
 impl Moves {

@@ -16,8 +16,6 @@ pub const VIEWS: usize = 126;
 const AXIS_ERROR_TEXELS: f64 = 0.35;
 /// Columns or rows that a tile is divided into, at most: such a tile takes so many triangles that it is not selected.
 pub const MOST_PARTS: u32 = 1024;
-/// Points along each side of a rectangle whose views are looked up.
-const SHARE_STEPS: usize = 16;
 /// Solid angle of a view of 90 degrees: that of a cube face, a sixth of the sphere.
 const VIEW_AREA: f64 = 4.0 * PI / 6.0;
 
@@ -75,25 +73,6 @@ impl ViewShares {
     pub fn of(&self, level: u32, cell: usize) -> &[(u8, f32)] {
         let SparseShares { starts, entries } = &self.levels[level as usize];
         &entries[starts[cell] as usize..starts[cell + 1] as usize]
-    }
-
-    /// Views that see a rectangle in the plane of a face, which may reach beyond it, and the part of its solid angle that they see,
-    /// found at [`SHARE_STEPS`] squared points.
-    pub fn of_rect(&self, face: Face, rect: PlaneRect) -> Vec<(u8, f32)> {
-        let at = |axis: usize, step: usize| {
-            rect.min[axis] + (rect.max[axis] - rect.min[axis]) * (step as f64 + 0.5) / SHARE_STEPS as f64
-        };
-        let (mut sums, mut whole) = ([0.0; VIEWS], 0.0);
-        for (column, row) in (0..SHARE_STEPS).flat_map(|row| (0..SHARE_STEPS).map(move |column| (column, row))) {
-            let ray = direction(face, [at(0, column), at(1, row)]);
-            let weight = ray.length().powi(-3);
-            whole += weight;
-            for (view, share) in self.of(MAX_LEVEL, TreeCell::containing(ray, MAX_LEVEL).index()) {
-                sums[usize::from(*view)] += weight * f64::from(*share);
-            }
-        }
-        let seen = (0..VIEWS).filter(|&view| sums[view] > 0.0);
-        seen.map(|view| (view as u8, (sums[view] / whole) as f32)).collect()
     }
 }
 

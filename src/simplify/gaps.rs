@@ -69,7 +69,7 @@ impl Account<'_> {
         let shares = self.shares.of(tile.cell.level, tile.cell.index());
         let mut used = self.used;
         add_cost(&mut used, shares, &self.model.of_tile(face, tile.rect, plane), -1.0);
-        add_cost(&mut used, &self.shares.of_rect(face, rect), &self.model.of_tile(face, rect, plane), 1.0);
+        add_cost(&mut used, shares, &self.model.of_tile(face, rect, plane), 1.0);
         let is_kept = keeps(&used, &self.capacity);
         if is_kept {
             self.used = used;

@@ -3,12 +3,12 @@
 //! Enters: samples, image by image. Leaves: one point for each voxel that has any, with the number of its samples.
 //!
 //! Voxels are those of six grids in perspective: a face of the cube is divided into squares, and distance in steps of the same
-//! relative size, so that voxels are about as long as they are wide. Reservoir sampling picks the sample of each voxel that has the least
-//! random number; that number depends on the sample's place alone, so the order of work does not matter. Where there are more voxels than
-//! the limit, all voxels grow to twice their size: which size is reached depends on the samples alone, too.
-//!
-//! Samples wait in a list until there are many, which are sorted by voxel and joined. Keys of voxels interleave the bits of column, row
-//! and distance (Morton order): the voxels of a larger one follow each other, whatever its size, and one pass counts those of all sizes.
+//! relative size, so that voxels are about as long as they are wide. Reservoir sampling picks the sample of each voxel that
+//! has the least random number; that number depends on the sample's place and its number in the input, so the order of work does not
+//! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is reached depends on the samples alone, too.
+
+use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -32,112 +32,38 @@ const COARSEST: u32 = 6;
 const SAMPLES_A_JOB: usize = 4096;
 /// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
 const LEAST_M: f64 = 1e-9;
-/// Steps of distance in an octave at the start: relative steps are as large as squares, 2 / 2^FINEST.
-const STEPS_AN_OCTAVE: f64 = 0.5 * (1u64 << FINEST) as f64 * std::f64::consts::LN_2;
 
 #[derive(Debug, Clone, Copy)]
 struct Voxel {
-    key: u64,
-    point: MergedPoint,
+    /// Random number of the sample that stands for it.
+    random: u64,
+    position: Vec3,
+    samples: u32,
 }
 
-/// The voxels while samples arrive.
-#[derive(Debug)]
-pub struct PointMerger {
-    /// Those that are joined, in order, and those that wait.
-    voxels: Vec<Voxel>,
-    joined: usize,
-    level: u32,
-    max_points: usize,
-}
+type Voxels = HashMap<u64, Voxel, BuildHasherDefault<KeyHasher>>;
 
-impl PointMerger {
-    /// A merger that keeps at most `max_points` points, unless its coarsest voxels are more.
-    pub fn new(max_points: usize) -> PointMerger {
-        PointMerger { voxels: Vec::new(), joined: 0, level: FINEST, max_points }
+/// Hashes of keys: samples come row by row, and those side by side are looked up side by side.
+#[derive(Debug, Default)]
+struct KeyHasher(u64);
+
+impl std::hash::Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0
     }
 
-    /// Adds samples: ends of rays relative to the middle of the region, which none of them is at.
-    pub fn add(&mut self, ends: &[DVec3]) {
-        for ends in ends.chunks(self.max_points.max(1)) {
-            let bits = 3 * (FINEST - self.level);
-            let of_job = |ends: &[DVec3]| {
-                let mut voxels: Vec<Voxel> = Vec::with_capacity(ends.len());
-                for &end in ends {
-                    let key = voxel_key(end) >> bits;
-                    let point = MergedPoint { position: end.as_vec3(), samples: 1 };
-                    // Samples side by side often share a voxel.
-                    match voxels.last_mut() {
-                        Some(last) if last.key == key => last.point.join(point),
-                        _ => voxels.push(Voxel { key, point }),
-                    }
-                }
-                voxels
-            };
-            let jobs: Vec<_> = ends.par_chunks(SAMPLES_A_JOB).map(of_job).collect();
-            jobs.iter().for_each(|voxels| self.voxels.extend(voxels));
-            // As many wait as may be held.
-            if self.voxels.len() - self.joined >= self.max_points {
-                self.join();
-            }
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = mix(self.0 ^ u64::from(byte));
         }
     }
 
-    /// Joins the samples of each voxel; voxels grow until there are few enough.
-    fn join(&mut self) {
-        self.voxels.par_sort_unstable_by_key(|voxel| voxel.key);
-        let growth = self.growth();
-        self.level -= growth;
-        let mut count = 0;
-        for at in 0..self.voxels.len() {
-            let Voxel { key, point } = self.voxels[at];
-            let key = key >> (3 * growth);
-            if count > 0 && self.voxels[count - 1].key == key {
-                self.voxels[count - 1].point.join(point);
-            } else {
-                self.voxels[count] = Voxel { key, point };
-                count += 1;
-            }
-        }
-        self.voxels.truncate(count);
-        self.joined = count;
-    }
-
-    /// How often voxels, in order, have to grow.
-    fn growth(&self) -> u32 {
-        let most = self.level - COARSEST;
-        // Voxels that differ from the one before them until all grew so often, and then not.
-        let mut differ = [0; (FINEST - COARSEST + 2) as usize];
-        for pair in self.voxels.windows(2) {
-            let bits = u64::BITS - (pair[0].key ^ pair[1].key).leading_zeros();
-            differ[bits.div_ceil(3).min(most + 1) as usize] += 1;
-        }
-        let count = |growth: u32| 1 + differ[growth as usize + 1..].iter().sum::<usize>();
-        (0..most).find(|&growth| count(growth) <= self.max_points).unwrap_or(most)
-    }
-
-    /// The points, voxels that are near each other following each other.
-    pub fn finish(mut self) -> Vec<MergedPoint> {
-        self.join();
-        self.voxels.into_iter().map(|voxel| voxel.point).collect()
-    }
-}
-
-impl MergedPoint {
-    /// One of two points, for the samples of both.
-    fn join(&mut self, other: MergedPoint) {
-        let samples = self.samples.saturating_add(other.samples);
-        if other.random() < self.random() {
-            *self = other;
-        }
-        self.samples = samples;
-    }
-
-    /// A random number that depends on the place, which decides where two have the same.
-    fn random(&self) -> (u64, [u32; 3]) {
-        let bits = self.position.to_array().map(f32::to_bits);
-        let [x, y, z] = bits.map(u64::from);
-        (mix(mix(x << 32 | y) ^ z), bits)
+    /// Blocks of 16 columns and 4 distances are spread; in a block the last bits, which say where a table begins to look, and the first
+    /// ones, by which it tells keys apart, are those of the voxel.
+    fn write_u64(&mut self, key: u64) {
+        let (column, distance) = (key & 0xf, key >> 40 & 0x3);
+        let block = mix((key >> 42) << 36 | (key >> 4 & 0xf_ffff_ffff));
+        self.0 = (block & !0xf | (column ^ (5 * distance)) & 0xf) ^ (column << 57) ^ (distance << 61);
     }
 }
 
@@ -148,32 +74,98 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The voxel of a point at the start: its face, what distance has beyond FINEST bits, and the bits of distance, row and column in turns.
-/// Without the last three bits it is the voxel of twice the size that holds it.
-fn voxel_key(end: DVec3) -> u64 {
+/// The grids while samples arrive.
+#[derive(Debug)]
+pub struct PointMerger {
+    /// By face.
+    grids: [Voxels; 6],
+    level: u32,
+    max_points: usize,
+    samples: u64,
+}
+
+impl PointMerger {
+    /// A merger that keeps at most `max_points` points, unless its coarsest voxels are more.
+    pub fn new(max_points: usize) -> PointMerger {
+        PointMerger { grids: Default::default(), level: FINEST, max_points, samples: 0 }
+    }
+
+    /// Adds samples: ends of rays relative to the middle of the region, which none of them is at.
+    pub fn add(&mut self, ends: &[DVec3]) {
+        let first = self.samples;
+        self.samples += ends.len() as u64;
+        let level = self.level;
+        let keyed = |(job, ends): (usize, &[DVec3])| {
+            let mut of_faces: [Vec<(u64, Voxel)>; 6] = Default::default();
+            for (number, &end) in (first + (job * SAMPLES_A_JOB) as u64..).zip(ends) {
+                let (face, key) = voxel_key(end, level);
+                let bits = end.to_array().map(f64::to_bits);
+                let place = bits[0] ^ bits[1].rotate_left(21) ^ bits[2].rotate_left(42);
+                let voxel = Voxel { random: mix(number ^ mix(place)), position: end.as_vec3(), samples: 1 };
+                of_faces[face].push((key, voxel));
+            }
+            of_faces
+        };
+        let jobs: Vec<_> = ends.par_chunks(SAMPLES_A_JOB).enumerate().map(keyed).collect();
+        (self.grids.par_iter_mut().enumerate()).for_each(|(face, grid)| {
+            jobs.iter().flat_map(|of_faces| &of_faces[face]).for_each(|(key, voxel)| join(grid, *key, *voxel));
+        });
+        while self.point_count() > self.max_points && self.level > COARSEST {
+            self.level -= 1;
+            for grid in &mut self.grids {
+                let mut coarser = Voxels::default();
+                for (key, voxel) in std::mem::take(grid) {
+                    join(&mut coarser, coarser_key(key), voxel);
+                }
+                *grid = coarser;
+            }
+        }
+    }
+
+    pub fn point_count(&self) -> usize {
+        self.grids.iter().map(Voxels::len).sum()
+    }
+
+    /// The points in the order of faces and voxels.
+    pub fn finish(self) -> Vec<MergedPoint> {
+        let mut points = Vec::with_capacity(self.point_count());
+        for grid in self.grids {
+            let mut voxels: Vec<(u64, Voxel)> = grid.into_iter().collect();
+            voxels.sort_unstable_by_key(|(key, _)| *key);
+            points.extend(
+                voxels.into_iter().map(|(_, Voxel { position, samples, .. })| MergedPoint { position, samples }),
+            );
+        }
+        points
+    }
+}
+
+fn join(grid: &mut Voxels, key: u64, voxel: Voxel) {
+    let held = grid.entry(key).or_insert(Voxel { samples: 0, random: u64::MAX, ..voxel });
+    let is_chosen = (voxel.random, voxel.position.to_array().map(f32::to_bits))
+        < (held.random, held.position.to_array().map(f32::to_bits));
+    let samples = held.samples.saturating_add(voxel.samples);
+    if is_chosen || held.samples == 0 {
+        *held = voxel;
+    }
+    held.samples = samples;
+}
+
+/// Face and voxel of a point: 20 bits each for column and row, 24 for distance.
+fn voxel_key(end: DVec3, level: u32) -> (usize, u64) {
     let FacePoint { face, plane } = direction_to_face(end);
-    let side = f64::from(1u32 << FINEST);
-    let [column, row] = plane.map(|at| ((0.5 * (at + 1.0) * side) as u64).min((1 << FINEST) - 1));
-    let depth = (octaves(end.abs().max_element().max(LEAST_M) / LEAST_M) * STEPS_AN_OCTAVE) as u64;
-    let first = (face as u64) << 24 | depth >> FINEST;
-    first << (3 * FINEST) | spread(depth & ((1 << FINEST) - 1)) << 2 | spread(row) << 1 | spread(column)
+    let side = f64::from(1u32 << level);
+    let [column, row] = plane.map(|at| ((0.5 * (at + 1.0) * side) as u64).min((1 << level) - 1));
+    let [forward, ..] = face.axes();
+    let octave = (end.dot(forward).max(LEAST_M) / LEAST_M).ln();
+    let depth = (octave * 0.5 * side) as u64;
+    (face as usize, depth.min(0xff_ffff) << 40 | row << 20 | column)
 }
 
-/// The logarithm to base 2 of a number that is at least 1, within 0.01; it grows with the number.
-fn octaves(number: f64) -> f64 {
-    const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
-    let bits = number.to_bits();
-    let one = 1f64.to_bits();
-    let part = f64::from_bits(bits & ((1 << MANTISSA) - 1) | one) - 1.0;
-    ((bits >> MANTISSA) - (one >> MANTISSA)) as f64 + part + 0.34 * part * (1.0 - part)
-}
-
-/// Every bit of a number of at most 12 bits at three times its place.
-fn spread(number: u64) -> u64 {
-    let number = (number | number << 16) & 0xff00_00ff;
-    let number = (number | number << 8) & 0xf_00f0_0f00_f00f;
-    let number = (number | number << 4) & 0xc3_0c30_c30c_30c3;
-    (number | number << 2) & 0x249_2492_4924_9249
+/// The voxel of twice the size that holds a voxel.
+fn coarser_key(key: u64) -> u64 {
+    let [depth, row, column] = [key >> 40, key >> 20 & 0xf_ffff, key & 0xf_ffff].map(|at| at / 2);
+    depth << 40 | row << 20 | column
 }
 
 #[cfg(test)]
@@ -204,30 +196,6 @@ mod tests {
             assert_eq!(points, merged(&samples, most, 777));
             // Each is one of the samples.
             assert!(points.iter().all(|point| samples.iter().any(|sample| sample.as_vec3() == point.position)));
-        }
-    }
-
-    #[test]
-    fn voxels_are_about_as_long_as_wide_and_grow_to_twice_their_size() {
-        for number in (0..4000).map(|step| 1.0 + f64::from(step) * 0.37) {
-            assert!((octaves(number) - number.log2()).abs() < 0.01, "{number}");
-        }
-        for at in 0..1 << FINEST {
-            let bits = (0..u64::from(FINEST)).map(|bit| (at >> bit & 1) << (3 * bit));
-            assert_eq!(spread(at), bits.sum::<u64>());
-        }
-        // Points 1 m before a face, side by side and behind each other.
-        let count = |end: &dyn Fn(f64) -> DVec3, bits: u32| {
-            let mut keys: Vec<u64> = (0..10_000).map(|at| voxel_key(end(f64::from(at) * 1e-4)) >> bits).collect();
-            keys.dedup();
-            keys.len() as f64
-        };
-        for level in 0..4 {
-            let wanted = f64::from(1u32 << (FINEST - 1 - level));
-            let columns = count(&|at| DVec3::new(1.0, at, -0.5), 3 * level);
-            let depths = count(&|at| DVec3::new(1.0, 0.1, 0.1) * at.exp(), 3 * level);
-            assert!((columns / wanted - 1.0).abs() < 0.01, "{columns} of {wanted}");
-            assert!((depths / wanted - 1.0).abs() < 0.05, "{depths} of {wanted}");
         }
     }
 

@@ -76,29 +76,17 @@ impl SampleRules<'_> {
         monitor: &dyn Monitor,
         mut take: impl FnMut(Vec<Sample>, u64) + Send,
     ) -> Result<()> {
-        let read = |capture: &mut Capture, image| self.samples(capture, image, pixels);
-        overlapped(capture, monitor, read, |(samples, left_out)| take(samples, left_out))
-    }
-
-    /// Gives the ends of the samples with surfaces of each image in turn, and the number that was left out. Light is not read.
-    pub fn ends_of_all_images(
-        &self,
-        capture: &mut Capture,
-        monitor: &dyn Monitor,
-        mut take: impl FnMut(Vec<DVec3>, u64) + Send,
-    ) -> Result<()> {
-        let read = |capture: &mut Capture, image| {
-            let rays = capture.rays_without_light(image)?;
-            let [width, height] = capture.images[image].size;
-            let mut ends = Vec::with_capacity(width as usize * height as usize);
-            let left_out = self.each(capture, (image, &rays), PixelChoice::Every(1), |sample| {
-                if sample.is_surface {
-                    ends.push(sample.end);
-                }
-            })?;
-            Ok((ends, left_out))
-        };
-        overlapped(capture, monitor, read, |(ends, left_out)| take(ends, left_out))
+        let mut read =
+            |image: usize| (image < capture.images.len()).then(|| self.samples(capture, image, pixels)).transpose();
+        let (mut image, mut next) = (0, read(0)?);
+        while let Some((samples, left_out)) = next {
+            monitor.check()?;
+            let ((), following) = rayon::join(|| take(samples, left_out), || read(image + 1));
+            monitor.advance(1);
+            next = following?;
+            image += 1;
+        }
+        Ok(())
     }
 
     /// The samples of pixels of one image, row by row, and the number of those that were left out.
@@ -119,21 +107,7 @@ impl SampleRules<'_> {
             PixelChoice::Every(step) => width.div_ceil(step) as usize * height.div_ceil(step) as usize,
             PixelChoice::Listed(pixels) => pixels.len(),
         };
-        let mut samples = Vec::with_capacity(most);
-        let left_out = self.each(capture, (image, rays), pixels, |sample| samples.push(sample))?;
-        Ok((samples, left_out))
-    }
-
-    /// Calls `take` for each sample, row by row, and returns the number of those that were left out.
-    fn each(
-        &self,
-        capture: &Capture,
-        (image, rays): (usize, &ImageRays),
-        pixels: PixelChoice<'_>,
-        mut take: impl FnMut(Sample),
-    ) -> Result<u64> {
-        let width = capture.images[image].size[0];
-        let mut left_out = 0;
+        let (mut samples, mut left_out) = (Vec::with_capacity(most), 0);
         for ray in rays.of_pixels(|pixel| pixels.contains(pixel, width)) {
             let origin = ray.origin - self.region.middle;
             // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
@@ -165,7 +139,7 @@ impl SampleRules<'_> {
                 ));
                 return Err(capture.in_file(image, error));
             }
-            take(Sample {
+            samples.push(Sample {
                 pixel: ray.pixel[1] * width + ray.pixel[0],
                 origin,
                 end,
@@ -173,25 +147,6 @@ impl SampleRules<'_> {
                 is_surface: self.background == Background::Sky || ray.distance_m.is_finite(),
             });
         }
-        Ok(left_out)
+        Ok((samples, left_out))
     }
-}
-
-/// Gives what `read` makes of each image in turn. The next image is read meanwhile.
-fn overlapped<T: Send>(
-    capture: &mut Capture,
-    monitor: &dyn Monitor,
-    read: impl Fn(&mut Capture, usize) -> Result<T> + Sync,
-    mut take: impl FnMut(T) + Send,
-) -> Result<()> {
-    let mut read = |image: usize| (image < capture.images.len()).then(|| read(capture, image)).transpose();
-    let (mut image, mut next) = (0, read(0)?);
-    while let Some(found) = next {
-        monitor.check()?;
-        let ((), following) = rayon::join(|| take(found), || read(image + 1));
-        monitor.advance(1);
-        next = following?;
-        image += 1;
-    }
-    Ok(())
 }

@@ -30,7 +30,7 @@ use lightfold::simplify::quad_mesh::QuadMesh;
 use lightfold::simplify::raster::{Compositing, DrawSettings, draw_picture, draw_plainly};
 use lightfold::simplify::read_glb::read_glb;
 use lightfold::simplify::region::ViewingRegion;
-use lightfold::simplify::samples::{Background, Inside, SampleRules};
+use lightfold::simplify::samples::{Background, Inside, PixelChoice, SampleRules};
 use lightfold::simplify::selected::MAX_POINTS;
 use lightfold::simplify::selection::Budgets;
 use lightfold::simplify::settings::Settings;
@@ -112,36 +112,24 @@ fn measure(name: &str, container: &str, scene: &str) -> Result<()> {
     Ok(())
 }
 
-/// Reading all files as rays, and merging their samples, which reads distances alone.
+/// Reading all files and merging their samples, over reading them alone.
 fn merge(dataset: &str) -> Result<()> {
     let mut capture = Capture::open(Path::new(dataset), Some(0))?;
     let region = ViewingRegion::around(capture.images.iter().map(|image| image.eye));
     let rules = SampleRules { region: &region, background: Background::Sky, inside: Inside::Drop };
     let images = 0..capture.images.len();
-    let planes = median(|| images.clone().try_for_each(|image| capture.rays(image).map(|rays| drop(black_box(rays)))))?;
     let read = median(|| {
         images.clone().try_for_each(|image| capture.rays(image).map(|rays| rays.iter().map(black_box).for_each(|_| ())))
     })?;
     let merged = median(|| {
         let mut merger = PointMerger::new(MAX_POINTS);
-        rules.ends_of_all_images(&mut capture, &Silent, |ends, _| merger.add(&ends))?;
+        rules.of_all_images(&mut capture, PixelChoice::Every(1), &Silent, |samples, _| {
+            merger.add(&samples.iter().map(|sample| sample.end).collect::<Vec<_>>());
+        })?;
         black_box(merger.finish());
         Ok(())
     })?;
-    let mut all = Vec::new();
-    rules.ends_of_all_images(&mut capture, &Silent, |ends, _| all.push(ends))?;
-    let alone = median(|| {
-        let mut merger = PointMerger::new(MAX_POINTS);
-        all.iter().for_each(|ends| merger.add(ends));
-        black_box(merger.finish());
-        Ok(())
-    })?;
-    println!(
-        "reading and merging: {:.2} times reading all files as rays ({read:.3} s), {:.2} times reading them as pixels ({planes:.3} s)",
-        merged / read,
-        merged / planes
-    );
-    println!("merging alone: {:.2} times reading as rays, {:.2} times as pixels", alone / read, alone / planes);
+    println!("reading and merging: {:.2} times reading alone ({read:.2} s)", merged / read);
     Ok(())
 }
 

@@ -171,7 +171,9 @@ fn short_cuts_and_bands_and_threads_do_not_change_the_picture() {
     let [by_offset, uncut] = [&offset, &all].map(|run| run.summary.counters);
     assert!(counted.masked_pixels > 0 && counted.source_pixels < by_offset.source_pixels, "{counted:?} {by_offset:?}");
     assert!(by_offset.offset_skipped > 0 && by_offset.source_pixels < uncut.source_pixels, "{by_offset:?} {uncut:?}");
-    assert_eq!((by_offset.masked_pixels, uncut.masked_pixels, uncut.offset_skipped), (0, 0, 0));
+    // Without culling surfaces at one distance count alone.
+    assert!(uncut.offset_skipped < by_offset.offset_skipped, "{uncut:?} {by_offset:?}");
+    assert_eq!((by_offset.masked_pixels, uncut.masked_pixels), (0, 0));
     let all = all.filled;
     let pixels = |pictures: &[RenderedImage]| {
         pictures.iter().flat_map(|picture| picture.color.data().to_vec()).collect::<Vec<_>>()

@@ -316,7 +316,7 @@ fn other_options_are_refused_by_name() {
     let changes: [(&str, Change); 15] = [
         ("`depth_codec` was quadtree and is aabb now", |s| s.depth.codec = DepthCodec::Boxes),
         ("`max_error` was 40 in codes and is 41 in codes now", |s| s.depth.error = ErrorBound::Codes(41)),
-        ("`depth_tile` was 2 per side and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
+        ("`depth_tile` was default and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
         ("the compression of chunks was Zstandard 9 and is LZMA2 6 now", |s| s.compression = Compression::Lzma2(6)),
         ("`near`", |s| s.near_m = Some(0.5)),
         ("`far`", |s| s.far_m = Some(1e6)),

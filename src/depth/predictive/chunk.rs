@@ -63,7 +63,7 @@ impl PredictiveChunk {
     }
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target`; answers how many
-    /// pixels were coded on the way.
+    /// pixels were written on the way: all of the tile for each frame that changes any.
     ///
     /// # Errors
     /// A substream that ends before its last frame does, or goes on behind it.
@@ -90,7 +90,9 @@ impl PredictiveChunk {
         while state.next <= target {
             let mut frame = FrameDecoder { stream, tables: self.tables, tile: &mut state.tile, picture, updated: 0 };
             frame.decode();
-            (stream, updated) = (frame.stream, updated + frame.updated);
+            let is_changed = frame.updated > 0;
+            stream = frame.stream;
+            updated += if is_changed { (state.tile.width * state.tile.height) as u64 } else { 0 };
             state.next += 1;
             let is_last = state.next == self.frames;
             if stream.is_short() || is_last && !stream.finished() {
@@ -113,7 +115,7 @@ impl PredictiveChunk {
         self.updated_pixels().map(|_| ())
     }
 
-    /// Pixels that each frame codes; all in the first.
+    /// Pixels that each frame writes: all, or none where nothing changes; all in the first.
     ///
     /// # Errors
     /// As for [`Self::advance`].

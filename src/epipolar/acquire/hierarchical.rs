@@ -46,7 +46,7 @@ pub fn hierarchical(
         }
         let missing = match settings.stop {
             StoppingRule::Holes => hole_percent(views, &gap.pair, next_m),
-            StoppingRule::Erosion => eroded_percent(views, gap.pair, backend)?,
+            StoppingRule::Erosion => eroded_percent(views, gap.pair, |moves| backend.eroded(moves))?,
         };
         if missing <= settings.hole_threshold_percent {
             continue;
