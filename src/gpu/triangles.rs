@@ -27,15 +27,22 @@ const NOTHING_BEFORE: f32 = 2.0;
 const SPARSE: usize = 8;
 
 /// How layers come back from a device; what they show does not depend on it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Readback {
     /// All pixels.
     Whole,
     /// Those that show something.
     Compacted,
     /// The former, until a layer shows little.
-    #[default]
     BySize,
+}
+
+impl Readback {
+    /// That of a device. Software compacts slower than it copies: 23 layers of 480x270 of `sponza.glb` took 2.4 s on software Vulkan, with
+    /// their sparse layers compacted 3.3 s, and with all of them 4.1 s.
+    fn of(gpu: &Gpu) -> Readback {
+        if gpu.info.is_software() { Readback::Whole } else { Readback::BySize }
+    }
 }
 
 pub struct GpuTriangles<'a> {
@@ -75,7 +82,7 @@ impl<'a> GpuTriangles<'a> {
         }
         Ok(GpuTriangles {
             gpu,
-            readback: Readback::default(),
+            readback: Readback::of(gpu),
             pipeline: DrawingPipeline::new(gpu, &kernels::TRIANGLES)?,
             batches,
             bounds: [low, high],

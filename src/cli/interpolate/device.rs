@@ -102,7 +102,7 @@ impl Backend for Device<'_> {
     }
 
     fn eroded(&self, moves: &Moves) -> Result<u64> {
-        // Software devices are slower than the CPU's own code: acquisition of two sources of 480x270 took 2.4 s, and 1.4 s without.
+        // Software devices are slower than the CPU's own code: 157 ms and 2.5 ms for two sources of 480x270.
         if self.gpu.get().is_none_or(|gpu| gpu.info.is_software()) {
             return Cpu.eroded(moves);
         }
