@@ -79,10 +79,10 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         let chunk = EncodedChunk { first_frame: 0, frame_count: 3, payload };
         one(Stream { entry: good.entry.clone(), chunks: vec![(0, chunk)] })
     };
-    let codec = |at: usize, value: u8| {
+    let codec = |at: usize, values: &[u8]| {
         let mut entry = good.entry.clone();
         let mut bytes = entry.codec_header.to_vec();
-        bytes[at] = value;
+        bytes[at..at + values.len()].copy_from_slice(values);
         entry.codec_header = bytes.into();
         one(Stream { entry, chunks: good.chunks.clone() })
     };
@@ -103,12 +103,12 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             payload(&|payload| payload.extend([0, 0])),
             "a substream that does not end with its last frame",
         ),
-        ("predictive-bound", codec(17, 0xFF), "a bound of 65280 codes"),
-        ("predictive-projection", codec(24, 3), "projection 3 is unknown"),
-        ("predictive-reserved", codec(26, 1), "projection 2 with 16384 codes"),
-        ("predictive-octave", codec(29, 1), "projection 2 with 256 codes"),
-        ("predictive-octave-of-none", codec(24, 0), "projection 0 with 16384 codes"),
-        ("predictive-interval", codec(20, 0), "a keyframe interval of 0 frames"),
+        ("predictive-bound", codec(16, &[0xFF, 0xFF]), "a bound of 65535 codes"),
+        ("predictive-projection", codec(24, &[3]), "projection 3 is unknown"),
+        ("predictive-reserved", codec(26, &[1]), "projection 2 with 16384 codes"),
+        ("predictive-octave", codec(29, &[1]), "projection 2 with 256 codes"),
+        ("predictive-octave-of-none", codec(24, &[0]), "projection 0 with 16384 codes"),
+        ("predictive-interval", codec(20, &[0]), "a keyframe interval of 0 frames"),
         ("predictive-not-square", resized(21, 24), "a cube face that is not square"),
         ("predictive-tile", resized(20, 1032), "tiles of more than 1024 pixels"),
     ]
