@@ -95,7 +95,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let cut = |count: usize| payload(&move |payload| payload.truncate(payload.len() - count));
     vec![
         ("predictive-empty", payload(&|payload| payload.clear()), "1 more bytes expected, 0 left"),
-        ("predictive-set", payload(&|payload| payload[0] = 4), "table set 4 is unknown"),
+        ("predictive-set", payload(&|payload| payload[0] = 8), "table set 8 is unknown"),
         ("predictive-cut", cut(2), short),
         ("predictive-cut-in-half", cut(101), short),
         (
