@@ -79,10 +79,10 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         let chunk = EncodedChunk { first_frame: 0, frame_count: 3, payload };
         one(Stream { entry: good.entry.clone(), chunks: vec![(0, chunk)] })
     };
-    let codec = |at: usize, value: &[u8]| {
+    let codec = |at: usize, values: &[u8]| {
         let mut entry = good.entry.clone();
         let mut bytes = entry.codec_header.to_vec();
-        bytes[at..at + value.len()].copy_from_slice(value);
+        bytes[at..at + values.len()].copy_from_slice(values);
         entry.codec_header = bytes.into();
         one(Stream { entry, chunks: good.chunks.clone() })
     };
@@ -95,7 +95,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let cut = |count: usize| payload(&move |payload| payload.truncate(payload.len() - count));
     vec![
         ("predictive-empty", payload(&|payload| payload.clear()), "1 more bytes expected, 0 left"),
-        ("predictive-set", payload(&|payload| payload[0] = 4), "table set 4 is unknown"),
+        ("predictive-set", payload(&|payload| payload[0] = 8), "table set 8 is unknown"),
         ("predictive-cut", cut(2), short),
         ("predictive-cut-in-half", cut(101), short),
         (
@@ -103,7 +103,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             payload(&|payload| payload.extend([0, 0])),
             "a substream that does not end with its last frame",
         ),
-        ("predictive-bound", codec(16, &[0xFF; 2]), "a bound of 65535 codes"),
+        ("predictive-bound", codec(16, &[0xFF, 0xFF]), "a bound of 65535 codes"),
         ("predictive-projection", codec(24, &[3]), "projection 3 is unknown"),
         ("predictive-reserved", codec(26, &[1]), "projection 2 with 16384 codes"),
         ("predictive-octave", codec(29, &[1]), "projection 2 with 256 codes"),

@@ -38,7 +38,7 @@ def read_tables():
         of_context += [distributions + next(numbers) for _ in range(contexts)]
         distributions += count
         alphabets += [symbols] * count
-    sets = [[slots_of([next(numbers) for _ in range(symbols)]) for symbols in alphabets] for _ in range(4)]
+    sets = [[slots_of([next(numbers) for _ in range(symbols)]) for symbols in alphabets] for _ in range(8)]
     assert next(numbers, None) is None
     return first, of_context, sets
 
@@ -319,7 +319,7 @@ class Unit:
 def decode_predictive(data, chunks, rect, side, header):
     for _first, count, place in chunks:
         payload = fetch(data, place)
-        check(payload and payload[0] <= 3, "a table set is unknown")
+        check(payload and payload[0] <= 7, "a table set is unknown")
         check(count <= 4096, "a chunk has too many frames")
         stream, unit = Symbols(payload[1:], SETS[payload[0]]), Unit(rect, side, header)
         pictures = []

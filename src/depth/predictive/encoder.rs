@@ -6,7 +6,6 @@ use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::price::{Prices, Recorder};
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
 use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader};
-use crate::depth::predictive::tables::TableSet;
 use crate::depth::predictive::tile::Tile;
 use crate::effort::Effort;
 use crate::error::Result;
@@ -18,7 +17,8 @@ pub const CLOSE_AT_BYTES_A_PIXEL: usize = 128;
 pub struct PredictiveEncoder {
     settings: SearchSettings,
     keyframe_interval: u32,
-    prices: Prices,
+    /// The table set by whose prices modes are chosen: for the first frame the bound's usual one, then the cheapest so far.
+    set: usize,
     tile: Tile,
     recorder: Recorder,
     first_frame: u32,
@@ -35,7 +35,7 @@ impl PredictiveEncoder {
         Ok(PredictiveEncoder {
             settings: SearchSettings { bound, epsilon, error_weight, effort },
             keyframe_interval: header.keyframe_interval.min(MAX_FRAMES),
-            prices: Prices::new(TableSet::usual(bound)),
+            set: usual_set(bound),
             tile: Tile::new(header, area)?,
             recorder: Recorder::default(),
             first_frame: 0,
@@ -50,8 +50,10 @@ impl PredictiveEncoder {
             frames >= self.keyframe_interval || self.recorder.held_bytes() >= CLOSE_AT_BYTES_A_PIXEL * source.len();
         let finished = if is_full { self.finish() } else { None };
         self.next_frame += 1;
-        let Self { tile, prices, settings, recorder: sink, .. } = self;
-        FrameSearch { tile, source, prices, settings: *settings, sink }.run();
+        let (all, settings) = (Prices::all(), self.settings);
+        let Self { tile, set, recorder: sink, .. } = self;
+        FrameSearch { tile, source, prices: &all[*set], settings, sink }.run();
+        self.set = self.recorder.cheapest(all);
         finished
     }
 
@@ -59,7 +61,18 @@ impl PredictiveEncoder {
         let (first_frame, frame_count) = (self.first_frame, self.next_frame - self.first_frame);
         self.first_frame = self.next_frame;
         self.tile.clear();
-        let payload = std::mem::take(&mut self.recorder).finish();
+        let payload = std::mem::take(&mut self.recorder).finish(self.set);
+        self.set = usual_set(self.settings.bound);
         (frame_count > 0).then_some(EncodedChunk { first_frame, frame_count, payload })
+    }
+}
+
+/// The table set with which most footage is coded at a bound.
+fn usual_set(bound: u16) -> usize {
+    match bound {
+        0..=2 => 0,
+        3..=31 => 2,
+        32..=316 => 4,
+        _ => 6,
     }
 }

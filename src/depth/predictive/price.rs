@@ -1,5 +1,7 @@
 //! Symbols of an open chunk, and what they cost.
 
+use std::sync::LazyLock;
+
 use crate::depth::predictive::contexts::CLUSTERS;
 use crate::depth::predictive::tables::{CLUSTER_OF, SETS, TableSet};
 use crate::entropy::distribution::SLOTS;
@@ -18,7 +20,13 @@ pub trait Sink {
 pub struct Prices(Box<[[f32; SYMBOLS]; CLUSTERS]>);
 
 impl Prices {
-    pub fn new(tables: TableSet) -> Prices {
+    /// Those of all table sets.
+    pub fn all() -> &'static [Prices; SETS] {
+        static ALL: LazyLock<[Prices; SETS]> = LazyLock::new(|| TableSet::all().map(Prices::new));
+        &ALL
+    }
+
+    fn new(tables: TableSet) -> Prices {
         let price = |frequency: u32| (f64::from(SLOTS) / f64::from(frequency.max(1))).log2() as f32;
         let prices = tables
             .distributions()
@@ -85,16 +93,19 @@ impl Recorder {
         self.steps.len() * size_of::<u32>()
     }
 
-    /// The payload, with the table set that codes it in the fewest bits.
-    pub fn finish(self) -> Vec<u8> {
-        let bits = |set: usize| -> f64 {
-            let Some(tables) = TableSet::new(set) else { return f64::INFINITY };
-            let prices = Prices::new(tables);
+    /// The table set that codes all symbols in the fewest bits, of those with these prices.
+    pub fn cheapest(&self, sets: &[Prices; SETS]) -> usize {
+        let bits = |prices: &Prices| -> f64 {
             let rows = self.counts.iter().zip(prices.0.iter());
             let symbols = rows.flat_map(|(counts, prices)| counts.iter().zip(prices));
             symbols.filter(|(count, _)| **count > 0).map(|(&count, &price)| count as f64 * f64::from(price)).sum()
         };
-        let set = (0..SETS).map(|set| (set, bits(set))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(set, _)| set);
+        let bits = sets.each_ref().map(bits);
+        (0..SETS).min_by(|&a, &b| bits[a].total_cmp(&bits[b])).unwrap_or(0)
+    }
+
+    /// The payload, coded with a table set.
+    pub fn finish(self, set: usize) -> Vec<u8> {
         let mut out = vec![set as u8];
         let Some(tables) = TableSet::new(set) else { return out };
         let mut encoder = Encoder::default();

@@ -5,7 +5,7 @@ use crate::entropy::Distribution;
 use crate::entropy::text_reader::TextReader;
 
 /// Table sets that payloads name.
-pub const SETS: usize = 4;
+pub const SETS: usize = 8;
 
 struct BuiltIn {
     cluster_of: [u8; CONTEXTS],
@@ -47,8 +47,8 @@ impl TableSet {
         BUILT_IN.sets.get(set).map(TableSet)
     }
 
-    pub fn all() -> impl Iterator<Item = TableSet> {
-        BUILT_IN.sets.iter().map(TableSet)
+    pub fn all() -> [TableSet; SETS] {
+        BUILT_IN.sets.each_ref().map(TableSet)
     }
 
     #[inline(always)]
@@ -58,19 +58,5 @@ impl TableSet {
 
     pub fn distributions(self) -> &'static [Distribution; CLUSTERS] {
         self.0
-    }
-}
-
-#[cfg(feature = "encode")]
-impl TableSet {
-    /// The set by whose prices an encoder decides at an error bound.
-    pub fn usual(bound: u16) -> TableSet {
-        let set = match bound {
-            0..=2 => 0,
-            3..=31 => 1,
-            32..=316 => 2,
-            _ => 3,
-        };
-        TableSet(&BUILT_IN.sets[set])
     }
 }

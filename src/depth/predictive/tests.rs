@@ -151,7 +151,7 @@ fn a_substream_that_is_cut_or_goes_on_is_refused() {
     for length in (0..chunk.payload.len()).step_by(7) {
         assert!(with(chunk.payload[..length].to_vec()).is_err(), "{length}");
     }
-    assert!(with([&[4], &chunk.payload[1..]].concat()).is_err());
+    assert!(with([&[8], &chunk.payload[1..]].concat()).is_err());
     assert!(PredictiveChunk::parse(chunk.payload.clone(), header, UnitArea::whole([1025, 1]), 4).is_err());
     assert!(PredictiveChunk::parse(chunk.payload, header, area, 4097).is_err());
 }
@@ -166,7 +166,7 @@ fn any_bytes_are_decoded_or_refused_in_one_sentence() {
             ..header(BOUNDS[seed % BOUNDS.len()], shape)
         };
         let mut payload: Vec<u8> = (0..600).map(|at| noise(seed * 1009 + at) as u8).collect();
-        payload[0] %= 4;
+        payload[0] %= 8;
         let mut chunk = PredictiveChunk::parse(payload, header, area, 100).unwrap();
         let mut picture = vec![0; 16 * 12];
         let failed = (0..100).find_map(|frame: u32| chunk.advance(&mut picture, frame.checked_sub(1), frame).err());
