@@ -98,8 +98,8 @@ impl<'a> Columns<'a> {
 }
 
 impl Surfaces {
-    /// Of pixels by layer, then by column. Each joins one on either side at most: that with the nearest inverse distance if this is
-    /// mutual, else the one of its own layer.
+    /// Of pixels by layer, then by column. Each joins one on either side at most: the one of its own layer if it shows the same surface,
+    /// else that with the nearest inverse distance if this is mutual. So what is culled behind a layer does not change how it is joined.
     pub fn new(pixels: &[SourcePixel], continuity: Continuity) -> Surfaces {
         let columns = Columns::new(pixels);
         let mut surfaces = Surfaces { right: vec![NONE; pixels.len()], has_left: vec![false; pixels.len()] };
@@ -125,7 +125,7 @@ impl Surfaces {
                 let layer = pixels[pixel as usize].layer;
                 next.iter().copied().find(|&other| pixels[other as usize].layer == layer)
             };
-            let pairs = [&mutual as &dyn Fn(u32) -> Option<u32>, &of_layer];
+            let pairs = [&of_layer as &dyn Fn(u32) -> Option<u32>, &mutual];
             for pair in pairs {
                 for &pixel in here {
                     let is_free = |other: &u32| surfaces.right[pixel as usize] == NONE && left[*other as usize] == NONE;
