@@ -234,7 +234,7 @@ fn too_many_layers() -> Result<Measured> {
         Object::new(shape, Material::diffuse(Texture::Solid(DVec3::splat(0.1 + 0.05 * at as f64))))
     };
     let scene = SceneAtTime::new((0..=MAX_LAYERS).map(sheet).collect(), SceneLight::default());
-    let views = views(5, 1.5, f64::INFINITY, SIZE)?;
+    let views = views(5, 0.1, f64::INFINITY, SIZE)?;
     let settings = AcquireSettings { culling: Culling::Off, ..AcquireSettings::new(SamplePattern::new(4)?) };
     let (sources, _) = acquire(&scene, &views, &settings, (&Cpu, &Silent))?;
     let mut wrong = different(&scene, &views, &[0, 4])?;
