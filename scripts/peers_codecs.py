@@ -122,10 +122,10 @@ class InProcess(Codec):
 
 
 class Xz(InProcess):
-    """liblzma through Python's module, as `xz -6` does it."""
+    """liblzma through Python's module, as `xz -9e` does it."""
 
     def pack(self, payload):
-        return lzma.compress(payload, preset=6)
+        return lzma.compress(payload, preset=9 | lzma.PRESET_EXTREME)
 
     def unpack(self, index):
         return lzma.decompress(self.packed[index])

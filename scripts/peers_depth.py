@@ -31,9 +31,9 @@ def reference(given):
 
 
 def ours(contest, given, film, bound):
-    for more in ([], ["--lzma2"]):
-        label = " ".join(["lightfold --max-error", str(bound), *more])
-        contest.add(pc.Lightfold(label, film, given, "depth", ["--max-error", bound, *more], bound))
+    for options in ([], ["--depth-codec", "quadtree"], ["--depth-codec", "quadtree", "--lzma2"]):
+        options = ["--max-error", str(bound), *options]
+        contest.add(pc.Lightfold(" ".join(["lightfold", *options]), film, given, "depth", options, bound))
 
 
 def lossless(contest, given, film):
@@ -48,7 +48,7 @@ def lossless(contest, given, film):
     contest.add(pc.Ffmpeg("x265 lossless, 16 bits as RGB", colors, threads, work, pc.x265(colors, threads, "lossless=1"), 0))
     contest.add(pc.Jxl("libjxl -d 0", film, int(threads), work))
     contest.add(pc.Ffmpeg("PNG-16", film, threads, work, ["-c:v", "png", "-pred", "mixed", "-pix_fmt", "gray16be"], 0))
-    contest.add(pc.Xz("xz -6", film, int(threads), 0))
+    contest.add(pc.Xz("xz -9e", film, int(threads), 0))
     for level in (19, 3):
         contest.add(pc.Zstd(f"zstd -{level}", film, int(threads), level, 0))
     contest.add(pc.Rvl("RVL", film, int(threads), given.kernels, 0))
@@ -78,7 +78,7 @@ def bounded(contest, given, film, bound):
     ours(contest, given, film, bound)
     steps = pf.stepped(film, bound)
     threads, work = given.threads, given.work
-    contest.add(pc.Xz("steps, xz -6", steps, int(threads), bound))
+    contest.add(pc.Xz("steps, xz -9e", steps, int(threads), bound))
     for level in (19, 3):
         contest.add(pc.Zstd(f"steps, zstd -{level}", steps, int(threads), level, bound))
     contest.add(pc.Ffv1("steps, ffv1", steps, threads, work, bound=bound))

@@ -142,11 +142,12 @@ pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> Resu
 }
 
 fn count_predictive(chunk: &PredictiveChunk) -> Result<ChunkMeasure> {
-    let mut measure = ChunkMeasure::default();
+    let mut measure = ChunkMeasure { constant: true, ..ChunkMeasure::default() };
     let mut bytes_before = 0;
     let mut bits = 0.0;
     chunk.for_each_frame(|frame| {
         measure.predictive.add_frame(frame);
+        measure.constant &= frame.picture.iter().all(|code| *code == frame.picture[0]);
         bits += frame.bits;
         // Parts of a byte go to the frame that ends it; what is left of the chunk is added to its first frame.
         let bytes_until = (bits / 8.0) as u64;

@@ -158,6 +158,7 @@ struct NodesReport {
 #[derive(Debug, Serialize)]
 struct PredictiveReport {
     static_tiles: u64,
+    constant_units: u64,
     error_bound_codes: u16,
     epsilon: u16,
     max_error_codes: u16,
@@ -403,6 +404,7 @@ impl PredictiveReport {
         };
         PredictiveReport {
             static_tiles: stats.static_units,
+            constant_units: stats.constant_units,
             error_bound_codes: header.bound.saturating_add(header.epsilon),
             epsilon: header.epsilon,
             max_error_codes: header.bound,

@@ -61,7 +61,9 @@ fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
     };
     // Faces of 32 pixels.
     assert!(encoded(&["--tiles", "4"]) == encoded(&["--depth-tile", "8"]));
-    assert!(encoded(&[]) == encoded(&["--depth-tile", "16"]));
+    let quadtree = ["--depth-codec", "quadtree"];
+    assert!(encoded(&quadtree) == encoded(&[&quadtree[..], &["--depth-tile", "16"]].concat()));
+    assert!(encoded(&[]) == encoded(&["--depth-tile", "128"]));
     assert!(encoded(&["--tiles", "1"]) == encoded(&["--depth-tile", "16384"]));
 }
 

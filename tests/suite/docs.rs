@@ -133,7 +133,7 @@ fn the_examples_of_depth_md_are_what_the_encoders_write() {
     assert_eq!(nodes.advance(&mut picture, None, 1, 1), 96 + 16);
     assert_eq!([picture[0], picture[8], picture[3 * 12 + 10], picture[3 * 12 + 11]], [20_000, u16::MAX, 5002, 5008]);
     let chunk = PredictiveChunk::parse(hex_bytes(&document, 2), PREDICTIVE, UnitArea::whole([12, 8]), 2);
-    assert_eq!(chunk.unwrap().advance(&mut picture, None, 1).unwrap(), 2 * 96);
+    assert_eq!(chunk.unwrap().advance(&mut picture, None, 1).unwrap(), 96 + 32);
     assert_eq!([picture[0], picture[1], picture[8], picture[3 * 12 + 11]], [19_998, 20_033, u16::MAX, 5010]);
 }
 

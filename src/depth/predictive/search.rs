@@ -127,7 +127,7 @@ impl<S: Sink> FrameSearch<'_, S> {
             cheapest = found.cost;
         }
         let tries_quarters = match (self.settings.effort, plane) {
-            (Effort::Fast, _) => false,
+            (Effort::Fast, found) => found.is_none(),
             (Effort::Normal, Some(found)) => found.is_changed(),
             _ => true,
         };
@@ -236,7 +236,11 @@ impl<S: Sink> FrameSearch<'_, S> {
         for (source, plane) in sources.into_iter().enumerate() {
             self.consider::<SIDE>(trial, (source, plane), [0; 3], &mut best);
         }
-        if best.is_some() && (self.settings.error_weight == 0.0 || self.settings.effort == Effort::Fast) {
+        let takes_what_is_carried_on = match self.settings.effort {
+            Effort::Fast => best.is_some() || trial.side == Side::Quarter,
+            Effort::Normal | Effort::Exhaustive => best.is_some() && self.settings.error_weight == 0.0,
+        };
+        if takes_what_is_carried_on {
             return best;
         }
         let bound = f64::from(self.settings.bound);

@@ -140,6 +140,40 @@ fn any_path_shows_the_same_frames() {
 }
 
 #[test]
+fn frames_take_the_bits_of_the_payload_and_say_what_they_write() {
+    let area = UnitArea::whole([19, 21]);
+    for frames in pictures([19, 21]) {
+        let chunk = encode(&header(5, Shape::Planar), area, &frames, Effort::Normal);
+        let (mut bits, mut before, mut pixels) = (0.0, Vec::new(), Vec::new());
+        let decoded = decoder(&header(5, Shape::Planar), area, &chunk);
+        decoded
+            .for_each_frame(|frame| {
+                bits += frame.bits;
+                let of_blocks: f64 = frame.blocks.iter().map(|block| block.bits).sum();
+                assert!(of_blocks <= frame.bits + 1e-6);
+                let mut written = vec![false; 19 * 21];
+                for [left, top, width, height] in frame.written() {
+                    for (x, y) in (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y))) {
+                        assert!(!std::mem::replace(&mut written[(y * 19 + x) as usize], true));
+                    }
+                }
+                let count = written.iter().filter(|written| **written).count() as u64;
+                assert_eq!((frame.frame == 0, frame.updated_pixels), (before.is_empty(), count));
+                let mut pairs = frame.picture.iter().zip(&before).zip(&written);
+                assert!(pairs.all(|((now, before), written)| now == before || *written));
+                before = frame.picture.to_vec();
+                pixels.push(frame.updated_pixels);
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!((pixels.len(), pixels[0]), (4, 19 * 21));
+        // One byte names the table set, and the state takes 16 bits in a decoder that is at the end.
+        let stored = 8.0 * (chunk.payload.len() as f64 - 1.0);
+        assert!(bits <= stored && bits >= stored - 32.0, "{bits} of {stored}");
+    }
+}
+
+#[test]
 fn a_substream_that_is_cut_or_goes_on_is_refused() {
     let area = UnitArea::whole([16, 16]);
     let frames = pictures([16, 16]).remove(6);

@@ -195,6 +195,7 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture) -
     let scale = Scale::of(subject.size(), MAX_SIDE);
     let shades = Shades::of(subject, picture);
     let (what, part) = match part_word(&subject.stream.header) {
+        Some(part @ "block") => (What::Blocks, part),
         Some(part) => (What::Nodes, part),
         None => (What::Boxes, "box"),
     };

@@ -6,8 +6,10 @@ use crate::report::picture::raster::Scale;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
-    /// Nodes of a quadtree, or BC4w blocks.
+    /// Nodes of a quadtree.
     Nodes,
+    /// Blocks of predictive coding or BC4w.
+    Blocks,
     /// Boxes around what changes.
     Boxes,
     Keyframes,
@@ -20,6 +22,7 @@ impl What {
     pub fn name(self) -> &'static str {
         match self {
             What::Nodes => "nodes",
+            What::Blocks => "blocks",
             What::Boxes => "boxes",
             What::Keyframes => "keyframes",
             What::Bytes => "bytes",
