@@ -178,6 +178,7 @@ pub fn texture(
         form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
         atlas: settings.atlas,
         sizing: settings.sizing,
+        filter: settings.texture_filter,
         short_cuts: settings.short_cuts,
     };
     let begun = Instant::now();
@@ -237,7 +238,7 @@ pub fn texture(
     scene.light = scene.light.filter(|_| settings.light == AtlasLight::HalfFloats);
     stages.gaps += begun.elapsed();
     let begun = Instant::now();
-    let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
+    let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold, filter: settings.texture_filter };
     let surfaces = match settings.surfaces {
         SurfaceAtlases::None => None,
         SurfaceAtlases::GBuffer => Some(tiles_in_atlas.surfaces(capture, &rules, monitor)?),

@@ -7,6 +7,7 @@ use super::samples::Sample;
 use super::shading::LightBuffer;
 use super::short_cuts::ShortCuts;
 use super::silhouettes::ConstraintBitmap;
+use super::texture_filter::TextureFilter;
 use super::tiles::TileSet;
 
 /// Samples that one job finds the constraints of.
@@ -52,10 +53,15 @@ pub struct TextureBuilder<'a> {
 
 impl<'a> TextureBuilder<'a> {
     /// Textures of `sides` texels.
-    pub fn new(tiles: &'a TileSet, sides: &[usize], solid_threshold: f64) -> TextureBuilder<'a> {
+    pub fn new(
+        tiles: &'a TileSet,
+        sides: &[usize],
+        solid_threshold: f64,
+        filter: TextureFilter,
+    ) -> TextureBuilder<'a> {
         let buffers = sides.iter().map(|&side| Buffers {
             side,
-            light: LightBuffer::new(side),
+            light: LightBuffer::new(side, filter),
             bitmap: ConstraintBitmap::new(side),
         });
         TextureBuilder { tiles, solid_threshold, buffers: buffers.collect(), solid: 0, free: 0, uncovered: 0 }

@@ -211,6 +211,36 @@ fn normals_and_material_have_the_texture_coordinates_of_light() {
 }
 
 #[test]
+fn texture_filters_keep_the_mesh_and_smooth_more_or_less() {
+    let folder = room();
+    let mut of = |filter: &str| {
+        simplified(&format!("-o {filter}.glb --texture-filter {filter}"), folder.path());
+        glb(&folder.path().join(format!("{filter}.glb")))
+    };
+    let [gaussian, boxed, spline] = ["gaussian", "box", "b-spline"].map(&mut of);
+    simplified("-o default.glb", folder.path());
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(bytes("default.glb") == bytes("gaussian.glb"));
+    // Differences of texels side by side in the atlas, most of which are of one tile.
+    let roughness = |(_, _, image): &(gltf::Document, Vec<gltf::buffer::Data>, gltf::image::Data)| {
+        let rows = image.pixels.chunks_exact(4 * image.width as usize);
+        let pairs = rows.flat_map(|row| row.chunks_exact(4).zip(row.chunks_exact(4).skip(1)));
+        let opaque = pairs.filter(|(a, b)| a[3] == 255 && b[3] == 255);
+        let (sum, count) =
+            opaque.fold((0.0, 0.0), |(sum, count), (a, b)| (sum + f64::from(a[1].abs_diff(b[1])), count + 1.0));
+        sum / count
+    };
+    let rough = [&spline, &gaussian, &boxed].map(roughness);
+    assert!(rough[0] < 0.95 * rough[1] && rough[1] < rough[2], "{rough:?}");
+    let triangles = |(document, _, _): &(gltf::Document, Vec<gltf::buffer::Data>, gltf::image::Data)| {
+        document.accessors().map(|accessor| accessor.count()).collect::<Vec<_>>()
+    };
+    assert_eq!(triangles(&boxed), triangles(&spline));
+    let said = refused("simplify room -o a.glb --texture-filter lanczos", folder.path());
+    assert!(said.contains("b-spline"), "{said}");
+}
+
+#[test]
 fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
     let folder = room();
     let cases = [

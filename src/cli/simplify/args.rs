@@ -13,6 +13,7 @@ use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
 use crate::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::short_cuts::ShortCuts;
+use crate::simplify::texture_filter::TextureFilter;
 use crate::simplify::texture_sizes::Sizing;
 
 #[derive(Debug, clap::Args)]
@@ -84,6 +85,9 @@ pub struct Args {
     /// How textures shrink that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
+    /// How the light of samples is spread over texels
+    #[arg(long, value_parser = one_of(FILTERS), default_value = "gaussian")]
+    pub texture_filter: TextureFilter,
     /// Texture coordinates, which decide how many quads a slanted one is divided into
     #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
     pub uv: TextureCoordinates,
@@ -140,6 +144,12 @@ const SIZINGS: &Choices<Sizing> = &[
     ("uniform", Sizing::Uniform, "All by one factor, for comparison (Seurat figure 14)"),
 ];
 
+const FILTERS: &Choices<TextureFilter> = &[
+    ("gaussian", TextureFilter::Gaussian, "Standard deviation of 0.3 texels, within 1.5"),
+    ("box", TextureFilter::Box, "The mean of the samples in a texel: sharpest, with the most texels without a sample"),
+    ("b-spline", TextureFilter::BSpline, "Cubic, within 2 texels: smoothest"),
+];
+
 impl Args {
     pub(super) fn check(&self) -> Result<()> {
         check_report(&self.output, self.json)?;
@@ -176,6 +186,7 @@ impl Args {
             effort: self.effort,
             tiling: self.tiling,
             sizing: self.sizing,
+            texture_filter: self.texture_filter,
             texture_coordinates: self.uv,
             surfaces: if self.gbuffer { SurfaceAtlases::GBuffer } else { SurfaceAtlases::None },
             light: if self.hdr { AtlasLight::HalfFloats } else { AtlasLight::Codes },
