@@ -17,6 +17,7 @@ use crate::monitor::Silent;
 use crate::placement::Region;
 use crate::simplify::candidates::{CandidateLevel, Extent, Tiling};
 use crate::simplify::capture::{Capture, CaptureImage};
+use crate::simplify::constraints::ConstraintKind;
 use crate::simplify::cost::{CostModel, TextureCoordinates};
 use crate::simplify::fidelity::Evaluation;
 use crate::simplify::fit::TilePlane;
@@ -370,7 +371,7 @@ fn without_solid() -> Measured {
     let mut wrong = Measured::count(0);
     let mut bitmap = ConstraintBitmap::new(TEXELS);
     wrong.count_if(bitmap.is_opaque(), || "opaque without a constraint".to_owned());
-    bitmap.add([3.0, 4.0], false);
+    bitmap.add([3.0, 4.0], ConstraintKind::FreeSpace);
     let covered = bitmap.coverage().iter().filter(|alpha| **alpha != 0.0).count();
     wrong.count_if(covered > 0, || format!("{covered} texels are covered"));
     let (light, filled) = LightBuffer::new(TEXELS, TextureFilter::default()).resolve(ShortCuts::Taken);

@@ -11,7 +11,7 @@
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2), by a [`texture_filter`];
 //!    [`texturing`] makes a mesh of them, [`cracks`] closes what is left open.
 //! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
-//!    material; [`export`]: files.
+//!    material; [`export`]: files; [`geometry_bytes`]: what compressing the mesh would save.
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
 //! [`pipeline`] runs them all by [`settings`]; [`fidelity`] compares the result with the capture (7); [`memory`] says what
@@ -27,6 +27,7 @@ pub mod fidelity;
 pub mod fit;
 pub mod gaps;
 pub mod gbuffer;
+pub mod geometry_bytes;
 pub mod memory;
 pub mod pipeline;
 pub mod points;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::constraints::{Constraint, ConstraintFinder, FreeSpace};
+use super::constraints::{Constraint, ConstraintFinder, ConstraintKind, FreeSpace};
 use super::samples::Sample;
 use super::shading::LightBuffer;
 use super::short_cuts::ShortCuts;
@@ -53,12 +53,7 @@ pub struct TextureBuilder<'a> {
 
 impl<'a> TextureBuilder<'a> {
     /// Textures of `sides` texels.
-    pub fn new(
-        tiles: &'a TileSet,
-        sides: &[usize],
-        solid_threshold: f64,
-        filter: TextureFilter,
-    ) -> TextureBuilder<'a> {
+    pub fn new(tiles: &'a TileSet, sides: &[usize], solid_threshold: f64, filter: TextureFilter) -> TextureBuilder<'a> {
         let buffers = sides.iter().map(|&side| Buffers {
             side,
             light: LightBuffer::new(side, filter),
@@ -72,11 +67,12 @@ impl<'a> TextureBuilder<'a> {
         let free = |number: usize| if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
         let (found, uncovered) = constraints_by_tile(self.tiles, self.solid_threshold, samples, free);
         self.uncovered += uncovered;
-        self.solid += found.iter().filter(|constraint| constraint.sample.is_some()).count() as u64;
-        self.free += found.iter().filter(|constraint| constraint.sample.is_none()).count() as u64;
+        let solid = found.iter().filter(|constraint| constraint.kind() == ConstraintKind::Solid).count();
+        self.solid += solid as u64;
+        self.free += (found.len() - solid) as u64;
         for_each_tile(&found, &mut self.buffers, |buffers, constraint| {
             let at = constraint.texel(buffers.side);
-            buffers.bitmap.add(at, constraint.sample.is_some());
+            buffers.bitmap.add(at, constraint.kind());
             if let Some(sample) = constraint.sample {
                 buffers.light.add(at, samples[sample as usize].color);
             }

@@ -247,7 +247,7 @@ fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
         ("-o a.ply", "a.ply: a name that ends in .glb or .obj"),
         ("-o a.glb --ktx2 a.glb", "a.glb: a file name of its own"),
         ("-o - --hdr", "give -o a name"),
-        ("-o a.glb --ktx2 nowhere/a.ktx2", "nowhere"),
+        ("-o a.glb --ktx2 nowhere/a.ktx2", "--ktx2 nowhere/a.ktx2: there is no folder nowhere"),
     ];
     for (options, words) in cases {
         let said = refused(&format!("simplify room --effort fast {options}"), folder.path());

@@ -39,7 +39,9 @@ use crate::simplify::texture_sizes::Sizing;
     --json has, beside PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images: released_psnr_db, what the evaluator of the released \
     program would have printed, which left out translucent pixels and added 24.07 dB; random_poses, cracks seen from 64 places in the \
     region; selection, the energy of the quads (primal) and a lower bound of it (dual), within the budgets less the part that is \
-    reserved for quads that are extended over gaps, and a bound within the whole budgets (dual_of_budgets).")]
+    reserved for quads that are extended over gaps, a bound within the whole budgets (dual_of_budgets), and the budgets that keep it \
+    from being less (limited_by), none where no smaller quads would fit better; in counters, the bytes of a .glb file's mesh \
+    (geometry_bytes) and what they would be with EXT_meshopt_compression, which is not written.")]
 pub struct Args {
     /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]
@@ -172,12 +174,14 @@ impl Args {
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
     }
 
+    pub(super) fn budgets(&self) -> Budgets {
+        Budgets { triangles: f64::from(self.triangles), area: self.area, peak_overdraw: self.peak_overdraw }
+    }
+
     pub(super) fn settings(&self) -> Result<Settings> {
         let region = if self.region.is_empty() { None } else { Some(Region::parse(&self.region)?) };
-        let budgets =
-            Budgets { triangles: f64::from(self.triangles), area: self.area, peak_overdraw: self.peak_overdraw };
         Ok(Settings {
-            budgets,
+            budgets: self.budgets(),
             atlas: self.atlas,
             pixels_per_degree: self.pixels_per_degree,
             region,
