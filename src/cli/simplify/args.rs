@@ -148,7 +148,7 @@ const SIZINGS: &Choices<Sizing> = &[
 
 const FILTERS: &Choices<TextureFilter> = &[
     ("gaussian", TextureFilter::Gaussian, "Standard deviation of 0.3 texels, within 1.5"),
-    ("box", TextureFilter::Box, "The mean of the samples in a texel: sharpest, with the most texels without a sample"),
+    ("box", TextureFilter::Box, "The mean of the samples in a texel; the most texels have none, and are filled"),
     ("b-spline", TextureFilter::BSpline, "Cubic, within 2 texels: smoothest"),
 ];
 
