@@ -32,7 +32,7 @@ const FINEST: u32 = 11;
 const COARSEST: u32 = 6;
 /// Samples that one job finds the voxels of.
 const SAMPLES_A_JOB: usize = 4096;
-/// Samples that wait, at least, before they are merged.
+/// Samples that wait until they are merged; fewer where fewer points are kept.
 const WAITING: usize = 1 << 20;
 /// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
 const LEAST_M: f64 = 1e-9;
@@ -104,21 +104,24 @@ impl PointMerger {
         };
         let jobs: Vec<Vec<Voxel>> = ends.par_chunks(SAMPLES_A_JOB).enumerate().map(of_job).collect();
         jobs.iter().for_each(|voxels| self.waiting.extend_from_slice(voxels));
-        if self.waiting.len() >= WAITING {
+        if self.waiting.len() >= WAITING.min(self.max_points) {
             self.merge();
         }
     }
 
     /// Merges what waits; all voxels grow until there are few enough.
     fn merge(&mut self) {
-        self.waiting.par_sort_unstable_by_key(|voxel| voxel.key);
-        self.voxels = in_order(std::mem::take(&mut self.voxels), &self.waiting);
-        self.waiting.clear();
+        sort_and_join(&mut self.waiting);
+        if self.voxels.is_empty() {
+            std::mem::swap(&mut self.voxels, &mut self.waiting);
+        } else {
+            self.voxels = in_order(std::mem::take(&mut self.voxels), &self.waiting);
+            self.waiting.clear();
+        }
         while self.voxels.len() > self.max_points && self.level > COARSEST {
             self.level -= 1;
             self.voxels.iter_mut().for_each(|voxel| voxel.key = coarser_key(voxel.key));
-            self.voxels.par_sort_unstable_by_key(|voxel| voxel.key);
-            self.voxels = in_order(Vec::new(), &self.voxels);
+            sort_and_join(&mut self.voxels);
         }
     }
 
@@ -136,6 +139,17 @@ fn push(voxels: &mut Vec<Voxel>, voxel: Voxel) {
         Some(last) if last.key == voxel.key => last.join(voxel),
         _ => voxels.push(voxel),
     }
+}
+
+fn sort_and_join(voxels: &mut Vec<Voxel>) {
+    voxels.par_sort_unstable_by_key(|voxel| voxel.key);
+    voxels.dedup_by(|next, last| {
+        let is_same = next.key == last.key;
+        if is_same {
+            last.join(*next);
+        }
+        is_same
+    });
 }
 
 /// Two lists by their keys as one, with each voxel once.
