@@ -51,7 +51,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let captures: Vec<&Capture> = std::iter::once(&capture).chain(&held_out).collect();
     check_outputs(args, &captures)?;
     let fingerprint = unfinished::fingerprint(&args.input, &settings, &capture);
-    let (mut unfinished, words) = UnfinishedScene::open(&args.output, fingerprint, (args.resume, global))?;
+    let (mut unfinished, words) = UnfinishedScene::open(args, fingerprint, global)?;
     let selected = match words {
         Some(words) => {
             progress.advance(capture.images.len() as u64);
@@ -64,7 +64,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut simplified = texture(selected, &mut capture, &settings, &progress)
         .map_err(|error| unfinished.stopped(error.in_file(&args.input)))?;
     let outputs = Outputs { args, settings: &settings, progress };
-    let done = outputs.compare_and_write(&mut simplified, (&mut capture, held_out.as_mut()), &mut unfinished.file);
+    let done = outputs.compare_and_write(&mut simplified, &mut capture, held_out.as_mut(), &mut unfinished.file);
     let compared = done.map_err(|error| unfinished.stopped(error))?;
     simplified.notes.iter().for_each(|note| global.note(note));
     let report = Report::new(&simplified, &compared, args, begun.elapsed());
@@ -78,10 +78,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 /// Refuses outputs that are inputs or each other, and those that cannot be made.
 fn check_outputs(args: &Args, captures: &[&Capture]) -> Result<()> {
     let mut all: Vec<Output> = args.outputs().all().into_iter().map(|path| (option_of(args, &path), path)).collect();
-    for (_, path) in &all {
+    for (option, path) in &all {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            return refuse(format!("{}: there is no folder {}", args.output.display(), folder.display()));
+            let folder = folder.display();
+            return refuse(format!("{option} {}: there is no folder {folder}; create it first", path.display()));
         }
         if path.is_dir() {
             return refuse(format!("{}: a folder, where a file is to be written", path.display()));
@@ -117,7 +118,8 @@ impl Outputs<'_> {
     fn compare_and_write(
         self,
         simplified: &mut Simplified,
-        (capture, held_out): (&mut Capture, Option<&mut Capture>),
+        capture: &mut Capture,
+        held_out: Option<&mut Capture>,
         scene: &mut OutputFile,
     ) -> Result<Compared> {
         let Outputs { args, settings, progress } = self;
@@ -133,7 +135,7 @@ impl Outputs<'_> {
         };
         drop(progress);
         let writing = Instant::now();
-        let files = write(args, settings, (simplified, capture.frame()), scene)?;
+        let files = write(args, settings, simplified, capture.frame(), scene)?;
         simplified.stages.export = writing.elapsed();
         Ok(Compared { evaluation, held_out, files, figures })
     }
@@ -143,7 +145,8 @@ impl Outputs<'_> {
 fn write(
     args: &Args,
     settings: &Settings,
-    (simplified, frame): (&Simplified, u32),
+    simplified: &Simplified,
+    frame: u32,
     scene_file: &mut OutputFile,
 ) -> Result<Vec<(PathBuf, u64)>> {
     let scene = Scene {

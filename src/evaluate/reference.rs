@@ -128,7 +128,9 @@ impl Reference {
 
     fn of(files: Images, images: Vec<ReferenceImage>) -> Result<Reference> {
         if images.is_empty() {
-            return Err(Error::invalid("there is no colour to compare pictures with"));
+            return Err(Error::invalid(
+                "there are no images of colour, which pictures are compared with; capture or encode colour, too",
+            ));
         }
         Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
     }

@@ -17,6 +17,7 @@ use crate::monitor::Silent;
 use crate::placement::Region;
 use crate::simplify::candidates::{CandidateLevel, Extent, Tiling};
 use crate::simplify::capture::{Capture, CaptureImage};
+use crate::simplify::constraints::ConstraintKind;
 use crate::simplify::cost::{CostModel, TextureCoordinates};
 use crate::simplify::fidelity::Evaluation;
 use crate::simplify::fit::TilePlane;
@@ -27,6 +28,7 @@ use crate::simplify::settings::Settings;
 use crate::simplify::shading::LightBuffer;
 use crate::simplify::short_cuts::ShortCuts;
 use crate::simplify::silhouettes::ConstraintBitmap;
+use crate::simplify::texture_filter::TextureFilter;
 use crate::simplify::textures::{TextureBuilder, TileTextures};
 use crate::simplify::tiles::TileSet;
 use crate::simplify::tree::TreeCell;
@@ -369,10 +371,10 @@ fn without_solid() -> Measured {
     let mut wrong = Measured::count(0);
     let mut bitmap = ConstraintBitmap::new(TEXELS);
     wrong.count_if(bitmap.is_opaque(), || "opaque without a constraint".to_owned());
-    bitmap.add([3.0, 4.0], false);
+    bitmap.add([3.0, 4.0], ConstraintKind::FreeSpace);
     let covered = bitmap.coverage().iter().filter(|alpha| **alpha != 0.0).count();
     wrong.count_if(covered > 0, || format!("{covered} texels are covered"));
-    let (light, filled) = LightBuffer::new(TEXELS).resolve(ShortCuts::Taken);
+    let (light, filled) = LightBuffer::new(TEXELS, TextureFilter::default()).resolve(ShortCuts::Taken);
     wrong.count_if(filled != TEXELS * TEXELS, || format!("{filled} texels were filled"));
     let lit = light.iter().filter(|light| **light != [0.0; 3]).count();
     wrong.count_if(lit > 0, || format!("{lit} texels have light"));
@@ -394,7 +396,7 @@ fn coincident() -> Measured {
         texture_coordinates: TextureCoordinates::Affine,
     };
     let tiles = TileSet::new(&[SelectedTiling { cell, tiling: 0 }], &[CandidateLevel { level: 0, tilings }], &model);
-    let mut builder = TextureBuilder::new(&tiles, &[TEXELS; 2], 0.01);
+    let mut builder = TextureBuilder::new(&tiles, &[TEXELS; 2], 0.01, TextureFilter::default());
     let mut wrong = Measured::count(0);
     let mut samples = Vec::new();
     for at in 0..256u32 {

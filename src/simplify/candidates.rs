@@ -110,7 +110,8 @@ impl Extent {
 pub fn candidates(
     points: &[MergedPoint],
     extent: &Extent,
-    (settings, short_cuts): (&CandidateSettings, ShortCuts),
+    settings: &CandidateSettings,
+    short_cuts: ShortCuts,
     monitor: &dyn Monitor,
 ) -> Result<Vec<CandidateLevel>> {
     let mut sorted: Vec<(u32, WeightedPoint)> = points
@@ -319,7 +320,7 @@ mod tests {
         // Every other ray ends on a wall four times as far away.
         let layers = (0..).zip(grid(24)).map(|(at, direction)| direction * if at % 2 == 0 { 1.0 } else { 4.0 });
         let settings = CandidateSettings { levels: [0, 1], ..CandidateSettings::of(Effort::Normal) };
-        let levels = candidates(&points(layers), &EXTENT, (&settings, ShortCuts::Taken), &Silent).unwrap();
+        let levels = candidates(&points(layers), &EXTENT, &settings, ShortCuts::Taken, &Silent).unwrap();
         let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
         assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
         assert!(tilings[1].planes.len() == 2 && tilings[1].energy < 1e-6, "{:?}", tilings[1]);
@@ -334,7 +335,7 @@ mod tests {
         let wall = grid(24).map(|direction| direction / (1.0 + 0.4 * direction.y - 0.3 * direction.z));
         let points = points(wall);
         let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast) };
-        let levels = candidates(&points, &EXTENT, (&settings, ShortCuts::Taken), &Silent).unwrap();
+        let levels = candidates(&points, &EXTENT, &settings, ShortCuts::Taken, &Silent).unwrap();
         let tiling = &levels[0].tilings[TreeCell::ROOTS[0].index()][0];
         assert_eq!(tiling.planes.len(), 1);
         let across = |distance_m: f64| {
@@ -349,7 +350,7 @@ mod tests {
     fn more_tiles_never_fit_worse() {
         let bumps = grid(40).map(|direction| direction * (2.0 + (5.0 * direction.y).sin() * (7.0 * direction.z).cos()));
         let fast = CandidateSettings::of(Effort::Fast);
-        let levels = candidates(&points(bumps), &EXTENT, (&fast, ShortCuts::Taken), &Silent).unwrap();
+        let levels = candidates(&points(bumps), &EXTENT, &fast, ShortCuts::Taken, &Silent).unwrap();
         for level in &levels[1..] {
             for tilings in &level.tilings {
                 assert!(tilings.is_sorted_by(|a, b| a.energy > b.energy && a.planes.len() < b.planes.len()));

@@ -21,6 +21,12 @@ pub struct CaptureImage {
     pub camera: Option<Camera>,
 }
 
+impl CaptureImage {
+    pub fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+}
+
 /// What an image shows beside colour and depth, by pixel.
 #[derive(Debug, Default)]
 pub struct Surfaces {
@@ -152,6 +158,17 @@ impl Capture {
         }))
     }
 
+    /// The same without light, which is not read where it has an image of its own.
+    pub fn rays_without_light(&mut self, image: usize) -> Result<ImageRays> {
+        match &mut self.rays {
+            Rays::Reference { reference, indices, frame } => {
+                let (camera, distances_m) = distances(reference, indices[image], *frame)?;
+                Ok(ImageRays(RaysOfImage::Planes { camera, distances_m, light: Vec::new() }))
+            }
+            Rays::Manifest(_) | Rays::Memory(_) => self.rays(image),
+        }
+    }
+
     /// Normals and material of an image, where the capture has them.
     pub fn surfaces(&mut self, image: usize) -> Result<Surfaces> {
         match &mut self.rays {
@@ -183,7 +200,7 @@ impl Capture {
     pub fn nearest_m(&mut self) -> Result<f64> {
         let mut nearest = f64::INFINITY;
         for image in 0..self.images.len() {
-            nearest = self.rays(image)?.iter().map(|ray| ray.distance_m).fold(nearest, f64::min);
+            nearest = self.rays_without_light(image)?.iter().map(|ray| ray.distance_m).fold(nearest, f64::min);
         }
         Ok(nearest)
     }
@@ -200,6 +217,7 @@ enum RaysOfImage {
     Planes {
         camera: Camera,
         distances_m: DepthPlane,
+        /// Empty where it was not read, which is black.
         light: Vec<[f32; 3]>,
     },
 }
@@ -213,7 +231,7 @@ impl ImageRays {
     pub fn of_pixels(&self, is_wanted: impl Fn([u32; 2]) -> bool) -> impl Iterator<Item = CaptureRay> {
         let count = match &self.0 {
             RaysOfImage::Listed(rays) => rays.len(),
-            RaysOfImage::Planes { light, .. } => light.len(),
+            RaysOfImage::Planes { distances_m, .. } => distances_m.data().len(),
         };
         (0..count).filter(move |&at| is_wanted(self.pixel(at))).map(|at| self.at(at))
     }
@@ -240,7 +258,7 @@ impl ImageRays {
                     origin: camera.eye(),
                     direction: camera.direction([column / width, row / height]),
                     distance_m: f64::from(distances_m.data()[at]),
-                    light: light[at],
+                    light: light.get(at).copied().unwrap_or_default(),
                     alpha: 1.0,
                 }
             }
@@ -249,8 +267,17 @@ impl ImageRays {
 }
 
 fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<RaysOfImage> {
-    let camera = reference.images[image].camera;
     let truth = reference.truth(image, frame)?;
+    let (camera, distances_m) = distances(reference, image, frame)?;
+    let mut light = vec![[0.0; 3]; truth.color.data().len()];
+    truth.color.data().as_flattened().convert_to_f32_slice(light.as_flattened_mut());
+    if distances_m.data().len() != light.len() {
+        return Err(Error::invalid(format!("image {image} has colour and depth of different sizes")));
+    }
+    Ok(RaysOfImage::Planes { camera, distances_m, light })
+}
+
+fn distances(reference: &mut Reference, image: usize, frame: u32) -> Result<(Camera, DepthPlane)> {
     let distances_m = reference.distance_m(image, frame)?.ok_or_else(|| {
         let named = &reference.images[image];
         Error::Usage(format!(
@@ -259,10 +286,5 @@ fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<R
             named.face.name()
         ))
     })?;
-    let mut light = vec![[0.0; 3]; truth.color.data().len()];
-    truth.color.data().as_flattened().convert_to_f32_slice(light.as_flattened_mut());
-    if distances_m.data().len() != light.len() {
-        return Err(Error::invalid(format!("image {image} has colour and depth of different sizes")));
-    }
-    Ok(RaysOfImage::Planes { camera, distances_m, light })
+    Ok((reference.images[image].camera, distances_m))
 }

@@ -18,7 +18,18 @@ pub struct Constraint {
     pub sample: Option<u32>,
 }
 
+/// What a constraint says of its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ConstraintKind {
+    Solid,
+    FreeSpace,
+}
+
 impl Constraint {
+    pub fn kind(&self) -> ConstraintKind {
+        if self.sample.is_some() { ConstraintKind::Solid } else { ConstraintKind::FreeSpace }
+    }
+
     /// The place in texels of a square texture: 0 is the middle of the first one.
     pub fn texel(&self, side: usize) -> [f32; 2] {
         self.at.map(|at| at.clamp(0.0, 1.0) * (side - 1) as f32)

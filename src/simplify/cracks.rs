@@ -32,7 +32,11 @@ const REACH: u32 = 2;
 const EYE_SIDE: u32 = 256;
 
 /// The tiles of a mesh, and where their textures lie.
-pub type Placed<'a> = (&'a TileSet, &'a Layout);
+#[derive(Debug, Clone, Copy)]
+pub struct PlacedTiles<'a> {
+    pub tiles: &'a TileSet,
+    pub layout: &'a Layout,
+}
 
 /// Pixels of one image of the capture that were closed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -42,56 +46,8 @@ pub struct Closed {
     pub translucent: u64,
 }
 
-/// Closes the cracks of one image of the capture, and what is translucent where the sky covers everything.
-pub fn close_in_image(
-    capture: &mut Capture,
-    image: usize,
-    rules: &SampleRules<'_>,
-    placed: Placed<'_>,
-    scene: &mut QuadMesh,
-) -> Result<Closed> {
-    let mut closed = Closed::default();
-    let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(closed) };
-    let wanted = if rules.background == Background::Sky { OPAQUE_ALPHA } else { CRACK_ALPHA };
-    let mut raster = AlphaRaster::new(scene, &camera, size);
-    // Nearly each image has such pixels: it is read meanwhile.
-    let (_, rays) = rayon::join(|| raster.draw(scene, wanted).len(), || capture.rays(image));
-    let rays = rays?;
-    let mut samples: Option<Vec<Sample>> = None;
-    // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
-    for reach in 0..=REACH {
-        let pixels = raster.draw(scene, wanted);
-        let open: Vec<u32> = (0..).zip(pixels).filter(|(_, alpha)| **alpha < wanted).map(|(at, _)| at).collect();
-        if open.is_empty() {
-            break;
-        }
-        // Fewer pixels are open each time.
-        if samples.is_none() {
-            samples = Some(rules.of_rays(capture, (image, &rays), PixelChoice::Listed(&open))?.0);
-        }
-        let alpha = |sample: &Sample| pixels[sample.pixel as usize];
-        for sample in samples.iter().flatten().filter(|sample| sample.is_surface && alpha(sample) < wanted) {
-            let along = sample.end - sample.origin;
-            let Some(ray) = Ray::new(sample.origin, along) else { continue };
-            if alpha(sample) < CRACK_ALPHA {
-                let surface = TileChoice::NearestTo(along.length());
-                let is_closed = close((&ray, surface, reach), placed, scene);
-                closed.cracks += u64::from(is_closed && reach == 0);
-            } else {
-                let is_closed = close((&ray, TileChoice::First, reach), placed, scene);
-                closed.translucent += u64::from(is_closed && reach == 0);
-            }
-        }
-    }
-    Ok(closed)
-}
-
 /// Pictures of all directions from an eye in the region. Pixels in directions without surfaces count as covered.
-pub fn pictures(
-    scene: &QuadMesh,
-    (region, seen): (&ViewingRegion, &SeenDirections),
-    eye: DVec3,
-) -> Result<Vec<Coverage>> {
+pub fn pictures(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirections, eye: DVec3) -> Result<Vec<Coverage>> {
     let picture = |face: Face| {
         let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
         let size = [EYE_SIDE; 2];
@@ -118,15 +74,9 @@ pub(super) fn covered(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Vec<
     raster.draw(scene, CRACK_ALPHA).iter().map(|alpha| *alpha >= CRACK_ALPHA).collect()
 }
 
-/// Closes cracks that pictures show; answers their number.
-pub fn close_in_pictures(pictures: &[Coverage], placed: Placed<'_>, scene: &mut QuadMesh) -> u64 {
-    let rays = pictures.iter().flat_map(Coverage::gaps);
-    rays.filter(|ray| close((ray, TileChoice::Farthest, 0), placed, scene)).count() as u64
-}
-
 /// Which of the tiles along a ray is made opaque.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TileChoice {
+enum TileChoice {
     /// The nearest to a surface at this distance, in metres.
     NearestTo(f64),
     Farthest,
@@ -134,25 +84,84 @@ pub enum TileChoice {
     First,
 }
 
-/// Makes the texels opaque that a ray passes between, and `reach` more on each side. Answers whether it meets a tile.
-pub fn close((ray, choice, reach): (&Ray, TileChoice, u32), (tiles, layout): Placed<'_>, scene: &mut QuadMesh) -> bool {
-    let rank = |&(tile, distance): &(u32, f64)| match choice {
-        TileChoice::NearestTo(metres) => (distance / metres - 1.0).abs(),
-        TileChoice::Farthest => -distance,
-        TileChoice::First => f64::from(tile),
-    };
-    let crossed = tiles.crossed(ray);
-    let Some(&(tile, distance)) = crossed.iter().min_by(|a, b| rank(a).total_cmp(&rank(b))) else { return false };
-    let quad = &tiles.tiles[tile as usize];
-    let Some(at) = project(quad.cell.face, ray.at(distance)) else { return false };
-    let place = layout.places[tile as usize];
-    let last = f64::from(place.side - 1);
-    let [x, y] = quad.texture_position(at).map(|at| (at.clamp(0.0, 1.0) * last) as u32);
-    for row in y.saturating_sub(reach)..=(y + 1 + reach).min(place.side - 1) {
-        for column in x.saturating_sub(reach)..=(x + 1 + reach).min(place.side - 1) {
-            let texel = (place.corner[1] + row) * layout.size[0] + place.corner[0] + column;
-            Arc::make_mut(&mut scene.texture).pixels[texel as usize][3] = u8::MAX;
+/// A ray that is to end at a tile: the texels that it passes between become opaque, and `reach` more on each side.
+#[derive(Debug, Clone, Copy)]
+struct Opening {
+    ray: Ray,
+    choice: TileChoice,
+    reach: u32,
+}
+
+impl PlacedTiles<'_> {
+    /// Closes the cracks of one image of the capture, and what is translucent where the sky covers everything.
+    pub fn close_in_image(
+        &self,
+        capture: &mut Capture,
+        image: usize,
+        rules: &SampleRules<'_>,
+        scene: &mut QuadMesh,
+    ) -> Result<Closed> {
+        let mut closed = Closed::default();
+        let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(closed) };
+        let wanted = if rules.background == Background::Sky { OPAQUE_ALPHA } else { CRACK_ALPHA };
+        let mut raster = AlphaRaster::new(scene, &camera, size);
+        // Nearly each image has such pixels: it is read meanwhile.
+        let (_, rays) = rayon::join(|| raster.draw(scene, wanted).len(), || capture.rays(image));
+        let rays = rays?;
+        let mut samples: Option<Vec<Sample>> = None;
+        // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
+        for reach in 0..=REACH {
+            let pixels = raster.draw(scene, wanted);
+            let open: Vec<u32> = (0..).zip(pixels).filter(|(_, alpha)| **alpha < wanted).map(|(at, _)| at).collect();
+            if open.is_empty() {
+                break;
+            }
+            // Fewer pixels are open each time.
+            if samples.is_none() {
+                samples = Some(rules.of_rays(capture, image, &rays, PixelChoice::Listed(&open))?.0);
+            }
+            let alpha = |sample: &Sample| pixels[sample.pixel as usize];
+            for sample in samples.iter().flatten().filter(|sample| sample.is_surface && alpha(sample) < wanted) {
+                let along = sample.end - sample.origin;
+                let Some(ray) = Ray::new(sample.origin, along) else { continue };
+                let is_crack = alpha(sample) < CRACK_ALPHA;
+                let choice = if is_crack { TileChoice::NearestTo(along.length()) } else { TileChoice::First };
+                let is_closed = self.close(Opening { ray, choice, reach }, scene);
+                let count = if is_crack { &mut closed.cracks } else { &mut closed.translucent };
+                *count += u64::from(is_closed && reach == 0);
+            }
         }
+        Ok(closed)
     }
-    true
+
+    /// Closes cracks that pictures show; answers their number.
+    pub fn close_in_pictures(&self, pictures: &[Coverage], scene: &mut QuadMesh) -> u64 {
+        let rays = pictures.iter().flat_map(Coverage::gaps);
+        let openings = rays.map(|ray| Opening { ray, choice: TileChoice::Farthest, reach: 0 });
+        openings.filter(|opening| self.close(*opening, scene)).count() as u64
+    }
+
+    /// Answers whether the ray meets a tile.
+    fn close(&self, Opening { ray, choice, reach }: Opening, scene: &mut QuadMesh) -> bool {
+        let rank = |&(tile, distance): &(u32, f64)| match choice {
+            TileChoice::NearestTo(metres) => (distance / metres - 1.0).abs(),
+            TileChoice::Farthest => -distance,
+            TileChoice::First => f64::from(tile),
+        };
+        let PlacedTiles { tiles, layout } = self;
+        let crossed = tiles.crossed(&ray);
+        let Some(&(tile, distance)) = crossed.iter().min_by(|a, b| rank(a).total_cmp(&rank(b))) else { return false };
+        let quad = &tiles.tiles[tile as usize];
+        let Some(at) = project(quad.cell.face, ray.at(distance)) else { return false };
+        let place = layout.places[tile as usize];
+        let last = f64::from(place.side - 1);
+        let [x, y] = quad.texture_position(at).map(|at| (at.clamp(0.0, 1.0) * last) as u32);
+        for row in y.saturating_sub(reach)..=(y + 1 + reach).min(place.side - 1) {
+            for column in x.saturating_sub(reach)..=(x + 1 + reach).min(place.side - 1) {
+                let texel = (place.corner[1] + row) * layout.size[0] + place.corner[0] + column;
+                Arc::make_mut(&mut scene.texture).pixels[texel as usize][3] = u8::MAX;
+            }
+        }
+        true
+    }
 }

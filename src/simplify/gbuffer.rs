@@ -10,6 +10,7 @@ use super::constraints::FreeSpace;
 use super::samples::{PixelChoice, Sample, SampleRules};
 use super::shading::LightBuffer;
 use super::short_cuts::ShortCuts;
+use super::texture_filter::TextureFilter;
 use super::texture_sizes::Layout;
 use super::textures::{constraints_by_tile, for_each_tile};
 use super::tiles::TileSet;
@@ -32,6 +33,7 @@ pub struct TexturedTiles<'a> {
     pub layout: &'a Layout,
     /// Relative distance within which a tile counts as a sample's surface.
     pub solid_threshold: f64,
+    pub filter: TextureFilter,
 }
 
 /// Fails where the capture has neither normals nor material.
@@ -69,7 +71,7 @@ impl TexturedTiles<'_> {
     }
 
     fn buffers(&self) -> Buffers {
-        self.layout.places.iter().map(|place| LightBuffer::new(place.side as usize)).collect()
+        self.layout.places.iter().map(|place| LightBuffer::new(place.side as usize, self.filter)).collect()
     }
 
     fn add(&self, samples: &[Sample], values: &Plane<[f32; 3]>, buffers: &mut Buffers) {

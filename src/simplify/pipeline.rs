@@ -7,10 +7,11 @@ use serde::Serialize;
 
 use super::capture::Capture;
 use super::cost::ViewShares;
-use super::cracks;
+use super::cracks::{self, PlacedTiles};
 use super::fidelity::{self, Evaluation};
 use super::gaps::{Account, Extensions, SeenDirections};
 use super::gbuffer::{SurfaceAtlas, TexturedTiles};
+use super::geometry_bytes::GeometryBytes;
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, SampleRules};
@@ -81,6 +82,9 @@ pub struct Counters {
     pub fitted_cells: u64,
     /// Triangles that are blended: those of opaque tiles are not.
     pub blended_triangles: u64,
+    /// Of the mesh in binary glTF, and what they would be with EXT_meshopt_compression.
+    pub geometry_bytes: u64,
+    pub geometry_bytes_meshopt: u64,
 }
 
 impl Stages {
@@ -178,6 +182,7 @@ pub fn texture(
         form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
         atlas: settings.atlas,
         sizing: settings.sizing,
+        filter: settings.texture_filter,
         short_cuts: settings.short_cuts,
     };
     let begun = Instant::now();
@@ -190,7 +195,7 @@ pub fn texture(
     let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
         let each = eyes.par_iter().map(|&eye| {
             monitor.check()?;
-            cracks::pictures(scene, (&region, &seen), eye)
+            cracks::pictures(scene, &region, &seen, eye)
         });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     };
@@ -218,17 +223,19 @@ pub fn texture(
     let begun = Instant::now();
     let Textured { mut scene, layout, .. } = textured;
     counters.blended_triangles = scene.runs.iter().step_by(2).map(|&count| u64::from(count)).sum();
+    let geometry = GeometryBytes::of(&scene)?;
+    (counters.geometry_bytes, counters.geometry_bytes_meshopt) = (geometry.plain, geometry.meshopt);
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     // Without them all triangles are blended.
     let runs = scene.runs.clone();
     if !is_short {
         scene.runs.clear();
     }
-    let placed = (&tiles, &layout);
-    counters.closed_cracks += cracks::close_in_pictures(&pictures(&scene)?, placed, &mut scene);
+    let placed = PlacedTiles { tiles: &tiles, layout: &layout };
+    counters.closed_cracks += placed.close_in_pictures(&pictures(&scene)?, &mut scene);
     for image in images {
         monitor.check()?;
-        let closed = cracks::close_in_image(capture, image, &rules, placed, &mut scene)?;
+        let closed = placed.close_in_image(capture, image, &rules, &mut scene)?;
         counters.closed_cracks += closed.cracks;
         counters.closed_translucent += closed.translucent;
         monitor.advance(1);
@@ -237,7 +244,8 @@ pub fn texture(
     scene.light = scene.light.filter(|_| settings.light == AtlasLight::HalfFloats);
     stages.gaps += begun.elapsed();
     let begun = Instant::now();
-    let tiles_in_atlas = TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold };
+    let tiles_in_atlas =
+        TexturedTiles { tiles: &tiles, layout: &layout, solid_threshold, filter: settings.texture_filter };
     let surfaces = match settings.surfaces {
         SurfaceAtlases::None => None,
         SurfaceAtlases::GBuffer => Some(tiles_in_atlas.surfaces(capture, &rules, monitor)?),

@@ -5,10 +5,12 @@
 //! Voxels are those of six grids in perspective: a face of the cube is divided into squares, and distance in steps of the same
 //! relative size, so that voxels are about as long as they are wide. Reservoir sampling picks the sample of each voxel that
 //! has the least random number; that number depends on the sample's place and its number in the input, so the order of work does not
-//! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is reached depends on the samples alone, too.
+//! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is
+//! reached depends on the samples alone, too.
+//!
+//! Samples wait until they are many. They are sorted by voxel then, and merged with the voxels so far, which are in that order.
 
-use std::collections::HashMap;
-use std::hash::BuildHasherDefault;
+use std::iter::Peekable;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -30,40 +32,34 @@ const FINEST: u32 = 11;
 const COARSEST: u32 = 6;
 /// Samples that one job finds the voxels of.
 const SAMPLES_A_JOB: usize = 4096;
+/// Samples that wait until they are merged; fewer where fewer points are kept.
+const WAITING: usize = 1 << 20;
 /// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
 const LEAST_M: f64 = 1e-9;
 
+/// Bits of a key: its face, 21 of distance, 20 each of row and column.
+const FACE_SHIFT: u32 = 61;
+const DISTANCE_SHIFT: u32 = 40;
+const ROW_SHIFT: u32 = 20;
+
 #[derive(Debug, Clone, Copy)]
 struct Voxel {
+    key: u64,
     /// Random number of the sample that stands for it.
     random: u64,
     position: Vec3,
     samples: u32,
 }
 
-type Voxels = HashMap<u64, Voxel, BuildHasherDefault<KeyHasher>>;
-
-/// Hashes of keys: samples come row by row, and those side by side are looked up side by side.
-#[derive(Debug, Default)]
-struct KeyHasher(u64);
-
-impl std::hash::Hasher for KeyHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = mix(self.0 ^ u64::from(byte));
+impl Voxel {
+    /// Adds the samples of the same voxel.
+    fn join(&mut self, other: Voxel) {
+        let rank = |of: &Voxel| (of.random, of.position.to_array().map(f32::to_bits));
+        let samples = self.samples.saturating_add(other.samples);
+        if rank(&other) < rank(self) {
+            *self = other;
         }
-    }
-
-    /// Blocks of 16 columns and 4 distances are spread; in a block the last bits, which say where a table begins to look, and the first
-    /// ones, by which it tells keys apart, are those of the voxel.
-    fn write_u64(&mut self, key: u64) {
-        let (column, distance) = (key & 0xf, key >> 40 & 0x3);
-        let block = mix((key >> 42) << 36 | (key >> 4 & 0xf_ffff_ffff));
-        self.0 = (block & !0xf | (column ^ (5 * distance)) & 0xf) ^ (column << 57) ^ (distance << 61);
+        self.samples = samples;
     }
 }
 
@@ -74,11 +70,13 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The grids while samples arrive.
+/// The voxels while samples arrive.
 #[derive(Debug)]
 pub struct PointMerger {
-    /// By face.
-    grids: [Voxels; 6],
+    /// One for each that has samples, by their keys.
+    voxels: Vec<Voxel>,
+    /// In no order.
+    waiting: Vec<Voxel>,
     level: u32,
     max_points: usize,
     samples: u64,
@@ -87,89 +85,116 @@ pub struct PointMerger {
 impl PointMerger {
     /// A merger that keeps at most `max_points` points, unless its coarsest voxels are more.
     pub fn new(max_points: usize) -> PointMerger {
-        PointMerger { grids: Default::default(), level: FINEST, max_points, samples: 0 }
+        PointMerger { voxels: Vec::new(), waiting: Vec::new(), level: FINEST, max_points, samples: 0 }
     }
 
     /// Adds samples: ends of rays relative to the middle of the region, which none of them is at.
     pub fn add(&mut self, ends: &[DVec3]) {
-        let first = self.samples;
+        let (first, level) = (self.samples, self.level);
         self.samples += ends.len() as u64;
-        let level = self.level;
-        let keyed = |(job, ends): (usize, &[DVec3])| {
-            let mut of_faces: [Vec<(u64, Voxel)>; 6] = Default::default();
+        let of_job = |(job, ends): (usize, &[DVec3])| {
+            let mut voxels: Vec<Voxel> = Vec::with_capacity(ends.len());
             for (number, &end) in (first + (job * SAMPLES_A_JOB) as u64..).zip(ends) {
-                let (face, key) = voxel_key(end, level);
                 let bits = end.to_array().map(f64::to_bits);
                 let place = bits[0] ^ bits[1].rotate_left(21) ^ bits[2].rotate_left(42);
-                let voxel = Voxel { random: mix(number ^ mix(place)), position: end.as_vec3(), samples: 1 };
-                of_faces[face].push((key, voxel));
+                let random = mix(number ^ mix(place));
+                push(&mut voxels, Voxel { key: voxel_key(end, level), random, position: end.as_vec3(), samples: 1 });
             }
-            of_faces
+            voxels
         };
-        let jobs: Vec<_> = ends.par_chunks(SAMPLES_A_JOB).enumerate().map(keyed).collect();
-        (self.grids.par_iter_mut().enumerate()).for_each(|(face, grid)| {
-            jobs.iter().flat_map(|of_faces| &of_faces[face]).for_each(|(key, voxel)| join(grid, *key, *voxel));
-        });
-        while self.point_count() > self.max_points && self.level > COARSEST {
-            self.level -= 1;
-            for grid in &mut self.grids {
-                let mut coarser = Voxels::default();
-                for (key, voxel) in std::mem::take(grid) {
-                    join(&mut coarser, coarser_key(key), voxel);
-                }
-                *grid = coarser;
-            }
+        let jobs: Vec<Vec<Voxel>> = ends.par_chunks(SAMPLES_A_JOB).enumerate().map(of_job).collect();
+        jobs.iter().for_each(|voxels| self.waiting.extend_from_slice(voxels));
+        if self.waiting.len() >= WAITING.min(self.max_points) {
+            self.merge();
         }
     }
 
-    pub fn point_count(&self) -> usize {
-        self.grids.iter().map(Voxels::len).sum()
+    /// Merges what waits; all voxels grow until there are few enough.
+    fn merge(&mut self) {
+        sort_and_join(&mut self.waiting);
+        if self.voxels.is_empty() {
+            std::mem::swap(&mut self.voxels, &mut self.waiting);
+        } else {
+            self.voxels = in_order(std::mem::take(&mut self.voxels), &self.waiting);
+            self.waiting.clear();
+        }
+        while self.voxels.len() > self.max_points && self.level > COARSEST {
+            self.level -= 1;
+            self.voxels.iter_mut().for_each(|voxel| voxel.key = coarser_key(voxel.key));
+            sort_and_join(&mut self.voxels);
+        }
     }
 
     /// The points in the order of faces and voxels.
-    pub fn finish(self) -> Vec<MergedPoint> {
-        let mut points = Vec::with_capacity(self.point_count());
-        for grid in self.grids {
-            let mut voxels: Vec<(u64, Voxel)> = grid.into_iter().collect();
-            voxels.sort_unstable_by_key(|(key, _)| *key);
-            points.extend(
-                voxels.into_iter().map(|(_, Voxel { position, samples, .. })| MergedPoint { position, samples }),
-            );
+    pub fn finish(mut self) -> Vec<MergedPoint> {
+        self.merge();
+        let point = |&Voxel { position, samples, .. }: &Voxel| MergedPoint { position, samples };
+        self.voxels.iter().map(point).collect()
+    }
+}
+
+/// Adds a voxel behind those before it, or to the last if it is the same.
+fn push(voxels: &mut Vec<Voxel>, voxel: Voxel) {
+    match voxels.last_mut() {
+        Some(last) if last.key == voxel.key => last.join(voxel),
+        _ => voxels.push(voxel),
+    }
+}
+
+fn sort_and_join(voxels: &mut Vec<Voxel>) {
+    voxels.par_sort_unstable_by_key(|voxel| voxel.key);
+    voxels.dedup_by(|next, last| {
+        let is_same = next.key == last.key;
+        if is_same {
+            last.join(*next);
         }
-        points
+        is_same
+    });
+}
+
+/// Two lists by their keys as one, with each voxel once.
+fn in_order(a: Vec<Voxel>, b: &[Voxel]) -> Vec<Voxel> {
+    let mut voxels = Vec::with_capacity(a.len() + b.len());
+    let (mut a, mut b) = (a.into_iter().peekable(), b.iter().copied().peekable());
+    while let Some(voxel) = next_of(&mut a, &mut b) {
+        push(&mut voxels, voxel);
+    }
+    voxels
+}
+
+fn next_of(
+    a: &mut Peekable<impl Iterator<Item = Voxel>>,
+    b: &mut Peekable<impl Iterator<Item = Voxel>>,
+) -> Option<Voxel> {
+    match (a.peek(), b.peek()) {
+        (Some(of_a), Some(of_b)) if of_b.key < of_a.key => b.next(),
+        (Some(_), _) => a.next(),
+        (None, _) => b.next(),
     }
 }
 
-fn join(grid: &mut Voxels, key: u64, voxel: Voxel) {
-    let held = grid.entry(key).or_insert(Voxel { samples: 0, random: u64::MAX, ..voxel });
-    let is_chosen = (voxel.random, voxel.position.to_array().map(f32::to_bits))
-        < (held.random, held.position.to_array().map(f32::to_bits));
-    let samples = held.samples.saturating_add(voxel.samples);
-    if is_chosen || held.samples == 0 {
-        *held = voxel;
-    }
-    held.samples = samples;
-}
-
-/// Face and voxel of a point: 20 bits each for column and row, 24 for distance.
-fn voxel_key(end: DVec3, level: u32) -> (usize, u64) {
+fn voxel_key(end: DVec3, level: u32) -> u64 {
     let FacePoint { face, plane } = direction_to_face(end);
     let side = f64::from(1u32 << level);
     let [column, row] = plane.map(|at| ((0.5 * (at + 1.0) * side) as u64).min((1 << level) - 1));
     let [forward, ..] = face.axes();
     let octave = (end.dot(forward).max(LEAST_M) / LEAST_M).ln();
-    let depth = (octave * 0.5 * side) as u64;
-    (face as usize, depth.min(0xff_ffff) << 40 | row << 20 | column)
+    let distance = ((octave * 0.5 * side) as u64).min((1 << (FACE_SHIFT - DISTANCE_SHIFT)) - 1);
+    (face as u64) << FACE_SHIFT | distance << DISTANCE_SHIFT | row << ROW_SHIFT | column
 }
 
 /// The voxel of twice the size that holds a voxel.
 fn coarser_key(key: u64) -> u64 {
-    let [depth, row, column] = [key >> 40, key >> 20 & 0xf_ffff, key & 0xf_ffff].map(|at| at / 2);
-    depth << 40 | row << 20 | column
+    let (face, place) = (key >> FACE_SHIFT << FACE_SHIFT, key & ((1 << FACE_SHIFT) - 1));
+    // Each of the three numbers is halved.
+    let last_bits = 1 << DISTANCE_SHIFT | 1 << ROW_SHIFT | 1;
+    face | (place & !last_bits) >> 1
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
     use crate::math::random::Random;
 
@@ -196,6 +221,48 @@ mod tests {
             assert_eq!(points, merged(&samples, most, 777));
             // Each is one of the samples.
             assert!(points.iter().all(|point| samples.iter().any(|sample| sample.as_vec3() == point.position)));
+        }
+    }
+
+    /// By definition: every sample in the voxel of the finest size at which there are few enough, and of each voxel the sample of the
+    /// least random number.
+    fn merged_plainly(samples: &[DVec3], most: usize) -> Vec<MergedPoint> {
+        let of_level = |level: u32| {
+            let mut voxels: BTreeMap<u64, Vec<(u64, Vec3)>> = BTreeMap::new();
+            for (number, &end) in (0..).zip(samples) {
+                let [x, y, z] = end.to_array().map(f64::to_bits);
+                let random = mix(number ^ mix(x ^ y.rotate_left(21) ^ z.rotate_left(42)));
+                voxels.entry(voxel_key(end, level)).or_default().push((random, end.as_vec3()));
+            }
+            voxels
+        };
+        let voxels = (COARSEST..=FINEST).rev().map(of_level).find(|voxels| voxels.len() <= most).unwrap();
+        let point = |samples: &Vec<(u64, Vec3)>| {
+            let (_, position) = samples.iter().min_by_key(|(random, _)| *random).unwrap();
+            MergedPoint { position: *position, samples: samples.len() as u32 }
+        };
+        voxels.values().map(point).collect()
+    }
+
+    #[test]
+    fn points_are_those_of_the_definition() {
+        let mut random = Random::new(9);
+        let mut unit = || f64::from(random.word()) / f64::from(u32::MAX) - 0.5;
+        let sign = |at: u32| if at.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let samples: Vec<DVec3> = (0..20_000)
+            .map(|at| DVec3::new(2.0 * sign(at), 0.3 * unit(), 0.3 * unit()) * (0.2 * unit()).exp())
+            .collect();
+        for most in [100_000, 12_000, 3000] {
+            assert_eq!(merged(&samples, most, 333), merged_plainly(&samples, most));
+        }
+    }
+
+    #[test]
+    fn voxels_grow_to_those_that_hold_them() {
+        for end in wall(500).into_iter().chain([DVec3::new(-0.3, -7.0, 1e5), DVec3::new(0.1, 0.2, -1e-12)]) {
+            for level in COARSEST..FINEST {
+                assert_eq!(coarser_key(voxel_key(end, level + 1)), voxel_key(end, level), "{end}");
+            }
         }
     }
 

@@ -189,7 +189,7 @@ impl Raster {
         let mut counts = vec![0u32; pixels * self.samples.len()];
         let mut sums = vec![Vec4::ZERO; pixels];
         for (sample, counts) in self.samples.iter().zip(counts.chunks_exact_mut(pixels.max(1))) {
-            let drawn = draw(self, (job, texels), sample, counts);
+            let drawn = draw(self, job, texels, sample, counts);
             sums.iter_mut().zip(drawn).for_each(|(sum, pixel)| *sum += pixel);
         }
         if self.samples.len() > 1 {
@@ -216,7 +216,7 @@ impl Raster {
     }
 
     /// Blends triangles behind each other.
-    fn blend(&self, (job, texels): (usize, &Texels), sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
+    fn blend(&self, job: usize, texels: &Texels, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
             let [s, t, q] = triangle.stq.map(|axis| axis.row(y));
@@ -238,7 +238,7 @@ impl Raster {
     }
 
     /// Shows the nearest triangle that covers each sample.
-    fn hide(&self, (job, texels): (usize, &Texels), sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
+    fn hide(&self, job: usize, texels: &Texels, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         let mut nearest = vec![0u32; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {

@@ -42,6 +42,7 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     };
     let frame = own.get("frame").map_or(Some(0), |frame| frame.as_u64().and_then(|frame| u32::try_from(frame).ok()));
     let frame = frame.ok_or_else(|| Error::invalid("extras.lightfold.frame: the number of a frame was expected"))?;
+    let runs = own.get(RUNS).map_or(Some(Vec::new()), |runs| serde_json::from_value::<Vec<u32>>(runs.clone()).ok());
     if document.nodes().any(|node| node.transform().matrix() != IDENTITY) {
         return Err(foreign("a node moves its mesh"));
     }
@@ -72,9 +73,17 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
         return Err(Error::invalid(format!("_{HOMOGENEOUS}: finite numbers for each corner were expected")));
     }
     let texture = texture.ok_or_else(|| Error::invalid("it has no triangles"))?;
-    Ok(QuadScene { quads: QuadMesh { mesh, texture, stq, light: None, runs: Vec::new() }, frame })
+    let count = mesh.triangles.len();
+    let is_whole =
+        |runs: &Vec<u32>| runs.is_empty() || runs.iter().map(|&run| u64::from(run)).sum::<u64>() == count as u64;
+    let runs = runs.filter(is_whole).ok_or_else(|| {
+        Error::invalid(format!("extras.lightfold.{RUNS}: lengths that add up to {count} triangles were expected"))
+    })?;
+    Ok(QuadScene { quads: QuadMesh { mesh, texture, stq, light: None, runs }, frame })
 }
 
+/// Key of the lengths of runs of triangles, blended and opaque in turns.
+const RUNS: &str = "runs_blended_opaque";
 /// Name of the attribute with homogeneous texture coordinates, without its underscore.
 const HOMOGENEOUS: &str = "TEXCOORD_STQ";
 const IDENTITY: [[f32; 4]; 4] =
@@ -146,7 +155,10 @@ mod tests {
         let found = read(&written(json!({ "lightfold": { "frame": 7 } }))).unwrap();
         assert_eq!((found.frame, &found.quads.mesh), (7, &scene().mesh));
         assert_eq!(found.quads.texture.pixels, scene().texture.pixels);
-        assert_eq!(read(&written(json!({ "lightfold": {} }))).unwrap().frame, 0);
+        let plain = read(&written(json!({ "lightfold": {} }))).unwrap();
+        assert_eq!((plain.frame, plain.quads.runs), (0, vec![]));
+        let found = read(&written(json!({ "lightfold": { RUNS: [0, 5, 3] } }))).unwrap();
+        assert_eq!(found.quads.runs, [0, 5, 3]);
         let mut projective = scene();
         projective.stq = (0..24).map(|at| Vec3::splat(1.0 + at as f32)).collect();
         let mut bytes = Vec::new();
@@ -164,6 +176,10 @@ mod tests {
         assert!(said(&written(json!({ "other": {} }))).contains("capture"));
         assert!(said(b"{\"asset\": {\"version\": \"2.0\"}}").contains("capture"));
         assert!(said(&written(json!({ "lightfold": { "frame": -1 } }))).contains("extras.lightfold.frame"));
+        for runs in [json!([4, 5]), json!([-1, 9]), json!("all"), json!([4_294_967_295_u32, 9])] {
+            let said = said(&written(json!({ "lightfold": { RUNS: runs } })));
+            assert!(said.contains("runs_blended_opaque: lengths that add up to 8 triangles"), "{said}");
+        }
         let own = Additions { extras: Some(json!({ "lightfold": {} })), attributes: &[] };
         let mut bytes = Vec::new();
         write::glb(&[scene().mesh], &[Material::default()], &own, &mut bytes).unwrap();

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::capture::{Capture, ImageRays};
 use super::region::ViewingRegion;
+use crate::dataset::seurat::CaptureRay;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
@@ -76,30 +77,42 @@ impl SampleRules<'_> {
         monitor: &dyn Monitor,
         mut take: impl FnMut(Vec<Sample>, u64) + Send,
     ) -> Result<()> {
-        let mut read =
-            |image: usize| (image < capture.images.len()).then(|| self.samples(capture, image, pixels)).transpose();
-        let (mut image, mut next) = (0, read(0)?);
-        while let Some((samples, left_out)) = next {
-            monitor.check()?;
-            let ((), following) = rayon::join(|| take(samples, left_out), || read(image + 1));
-            monitor.advance(1);
-            next = following?;
-            image += 1;
-        }
-        Ok(())
+        let read = |capture: &mut Capture, image| self.samples(capture, image, pixels);
+        overlapped(capture, monitor, read, |(samples, left_out)| take(samples, left_out))
+    }
+
+    /// Gives the ends of the samples with surfaces of each image in turn, and the number of samples that was left out. Light is not read.
+    pub fn ends_of_all_images(
+        &self,
+        capture: &mut Capture,
+        monitor: &dyn Monitor,
+        mut take: impl FnMut(Vec<DVec3>, u64) + Send,
+    ) -> Result<()> {
+        let read = |capture: &mut Capture, image: usize| {
+            let rays = capture.rays_without_light(image)?;
+            let mut ends = Vec::with_capacity(capture.images[image].pixels());
+            let left_out = self.each(capture, image, rays.iter(), |sample| {
+                if sample.is_surface {
+                    ends.push(sample.end);
+                }
+            })?;
+            Ok((ends, left_out))
+        };
+        overlapped(capture, monitor, read, |(ends, left_out)| take(ends, left_out))
     }
 
     /// The samples of pixels of one image, row by row, and the number of those that were left out.
     pub fn samples(&self, capture: &mut Capture, image: usize, pixels: PixelChoice<'_>) -> Result<(Vec<Sample>, u64)> {
         let rays = capture.rays(image)?;
-        self.of_rays(capture, (image, &rays), pixels)
+        self.of_rays(capture, image, &rays, pixels)
     }
 
     /// The same, of rays that were read.
     pub fn of_rays(
         &self,
         capture: &Capture,
-        (image, rays): (usize, &ImageRays),
+        image: usize,
+        rays: &ImageRays,
         pixels: PixelChoice<'_>,
     ) -> Result<(Vec<Sample>, u64)> {
         let [width, height] = capture.images[image].size;
@@ -107,12 +120,31 @@ impl SampleRules<'_> {
             PixelChoice::Every(step) => width.div_ceil(step) as usize * height.div_ceil(step) as usize,
             PixelChoice::Listed(pixels) => pixels.len(),
         };
-        let (mut samples, mut left_out) = (Vec::with_capacity(most), 0);
-        for ray in rays.of_pixels(|pixel| pixels.contains(pixel, width)) {
+        let mut samples = Vec::with_capacity(most);
+        let wanted = rays.of_pixels(|pixel| pixels.contains(pixel, width));
+        let left_out = self.each(capture, image, wanted, |sample| samples.push(sample))?;
+        Ok((samples, left_out))
+    }
+
+    /// Calls `take` for the sample of each ray, and answers the number of those that were left out.
+    fn each(
+        &self,
+        capture: &Capture,
+        image: usize,
+        rays: impl Iterator<Item = CaptureRay>,
+        mut take: impl FnMut(Sample),
+    ) -> Result<u64> {
+        let (width, least_m) = (capture.images[image].size[0], self.region.least_m());
+        let mut left_out = 0;
+        // Of the last origin: most images have one.
+        let (mut eye, mut before_sky) = (DVec3::NAN, 0.0);
+        for ray in rays {
             let origin = ray.origin - self.region.middle;
+            if origin != eye {
+                (eye, before_sky) = (origin, self.region.before_sky(origin));
+            }
             // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
             let direction = ray.direction.as_vec3().as_dvec3();
-            let before_sky = self.region.before_sky(origin);
             if before_sky <= 0.0 {
                 let error = Error::Usage(format!(
                     "{}: its camera stands outside of the sky, a cube of 400 times the size of the viewing region; give a larger \
@@ -126,7 +158,7 @@ impl SampleRules<'_> {
                 false => ray.distance_m.min(self.region.to_sky(origin, direction)),
             };
             let end = origin + distance_m * direction;
-            if self.region.contains(end) || end.length() < self.region.least_m() {
+            if self.region.contains(end) || end.length() < least_m {
                 if self.inside == Inside::Drop {
                     left_out += 1;
                     continue;
@@ -139,7 +171,7 @@ impl SampleRules<'_> {
                 ));
                 return Err(capture.in_file(image, error));
             }
-            samples.push(Sample {
+            take(Sample {
                 pixel: ray.pixel[1] * width + ray.pixel[0],
                 origin,
                 end,
@@ -147,6 +179,25 @@ impl SampleRules<'_> {
                 is_surface: self.background == Background::Sky || ray.distance_m.is_finite(),
             });
         }
-        Ok((samples, left_out))
+        Ok(left_out)
     }
+}
+
+/// Gives what `read` makes of each image in turn. The next image is read meanwhile.
+fn overlapped<T: Send>(
+    capture: &mut Capture,
+    monitor: &dyn Monitor,
+    read: impl Fn(&mut Capture, usize) -> Result<T> + Sync,
+    mut take: impl FnMut(T) + Send,
+) -> Result<()> {
+    let mut read = |image: usize| (image < capture.images.len()).then(|| read(capture, image)).transpose();
+    let (mut image, mut next) = (0, read(0)?);
+    while let Some(found) = next {
+        monitor.check()?;
+        let ((), following) = rayon::join(|| take(found), || read(image + 1));
+        monitor.advance(1);
+        next = following?;
+        image += 1;
+    }
+    Ok(())
 }

@@ -13,7 +13,7 @@ use super::gaps::SeenDirections;
 use super::gbuffer;
 use super::points::PointMerger;
 use super::region::ViewingRegion;
-use super::samples::{PixelChoice, SampleRules};
+use super::samples::SampleRules;
 use super::selection::{Bounds, CONSTRAINTS, Problem, SelectedTiling, Selection};
 use super::settings::{Settings, SurfaceAtlases, TilingKind};
 use super::tiles::{QuadTile, TileSet};
@@ -93,9 +93,8 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
     let (mut samples, mut dropped_samples, mut farthest_m) = (0, 0, 0f64);
-    rules.of_all_images(capture, PixelChoice::Every(1), monitor, |found, left_out| {
+    rules.ends_of_all_images(capture, monitor, |ends, left_out| {
         dropped_samples += left_out;
-        let ends: Vec<_> = found.into_iter().filter(|sample| sample.is_surface).map(|sample| sample.end).collect();
         samples += ends.len() as u64;
         farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
         merger.add(&ends);
@@ -118,7 +117,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     if settings.tiling == TilingKind::Uniform {
         fitting.levels = [UNIFORM_LEVEL.min(finest); 2];
     }
-    let levels = candidates(&points, &extent, (&fitting, settings.short_cuts), monitor)?;
+    let levels = candidates(&points, &extent, &fitting, settings.short_cuts, monitor)?;
     let cells = || levels.iter().flat_map(|level| &level.tilings);
     let counts = Counts {
         samples,

@@ -37,6 +37,8 @@ pub const CONSTRAINTS: usize = 2 + VIEWS;
 pub type Use = [f64; CONSTRAINTS];
 /// Rounds in which prices are looked for at which a tiling is feasible at all.
 const FEASIBILITY_ROUNDS: usize = 100;
+/// Part of what all budgets are worth below which one does not limit a selection: prices fall towards 0 and do not come there.
+const LEAST_WORTH: f64 = 0.01;
 /// Iterations after which the best prices so far are scaled until the selection is feasible.
 const REPAIR_INTERVAL: usize = 25;
 
@@ -100,6 +102,18 @@ impl Selection {
     /// Relative distance of primal and dual.
     pub fn gap(&self) -> f64 {
         if self.primal > 0.0 { (self.primal - self.dual) / self.primal } else { 0.0 }
+    }
+
+    /// Names of the budgets that have a price: with more of them the energy would be less. None where no valid tiling has less.
+    pub fn limits(&self, budgets: &Budgets) -> Vec<&'static str> {
+        let views: f64 = self.prices[2..].iter().sum();
+        let worth = [
+            ("triangles", self.prices[0] * budgets.triangles),
+            ("area", self.prices[1] * budgets.area),
+            ("peak_overdraw", views * budgets.peak_overdraw),
+        ];
+        let all: f64 = worth.iter().map(|(_, worth)| worth).sum();
+        worth.into_iter().filter(|(_, worth)| *worth > LEAST_WORTH * all).map(|(name, _)| name).collect()
     }
 }
 
@@ -475,7 +489,13 @@ mod tests {
         };
         let fine = solve(32.0);
         assert!(fine.tilings.len() == 16 && (fine.primal - 0.16).abs() < 1e-12, "{fine:?}");
-        assert_eq!(solve(2.0).primal, 10.0);
+        let coarse = solve(2.0);
+        assert_eq!(coarse.primal, 10.0);
+        let wide = Budgets { triangles: 32.0, area: 1.0, peak_overdraw: 10.0 };
+        assert_eq!((fine.limits(&wide), coarse.limits(&wide)), (vec![], vec!["triangles"]));
+        let small = Budgets { area: 0.004, ..wide };
+        let found = Problem::new(&costs, 0, &shares, &small).solve(400, 0.0, &Silent).unwrap();
+        assert_eq!((found.tilings.len(), found.limits(&small)), (1, vec!["area"]));
     }
 
     #[test]

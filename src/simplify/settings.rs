@@ -6,6 +6,7 @@ use super::quad_mesh::AtlasLight;
 use super::samples::{Background, Inside};
 use super::selection::Budgets;
 use super::short_cuts::ShortCuts;
+use super::texture_filter::TextureFilter;
 use super::texture_sizes::Sizing;
 use crate::effort::Effort;
 use crate::placement::Region;
@@ -40,6 +41,7 @@ pub struct Settings {
     pub effort: Effort,
     pub tiling: TilingKind,
     pub sizing: Sizing,
+    pub texture_filter: TextureFilter,
     pub texture_coordinates: TextureCoordinates,
     pub light: AtlasLight,
     pub surfaces: SurfaceAtlases,
@@ -68,6 +70,7 @@ impl Default for Settings {
             effort: Effort::Normal,
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
+            texture_filter: TextureFilter::Gaussian,
             texture_coordinates: TextureCoordinates::Affine,
             light: AtlasLight::Codes,
             surfaces: SurfaceAtlases::None,

@@ -4,12 +4,8 @@
 //! them.
 
 use super::short_cuts::ShortCuts;
+use super::texture_filter::{MOST_TEXELS, TextureFilter};
 
-/// Radius of the Gaussian filter and its standard deviation, in texels.
-const RADIUS: f32 = 1.5;
-const SIGMA: f32 = 0.3;
-/// Texels of a row within the radius, at most.
-const TEXELS: usize = 4;
 /// Of any texel within the radius: one that no other sample reaches has the light of this one.
 const LEAST_WEIGHT: f32 = 1e-20;
 /// Sweeps of Gauss–Seidel on each level of the multigrid.
@@ -19,12 +15,13 @@ const SWEEPS: usize = 4;
 #[derive(Debug, Clone)]
 pub struct LightBuffer {
     side: usize,
+    filter: TextureFilter,
     sums: Vec<[f32; 4]>,
 }
 
 impl LightBuffer {
-    pub fn new(side: usize) -> LightBuffer {
-        LightBuffer { side, sums: vec![[0.0; 4]; side * side] }
+    pub fn new(side: usize, filter: TextureFilter) -> LightBuffer {
+        LightBuffer { side, filter, sums: vec![[0.0; 4]; side * side] }
     }
 
     pub fn side(&self) -> usize {
@@ -33,13 +30,14 @@ impl LightBuffer {
 
     /// Adds light at a place in texels: 0 is the middle of the first one.
     pub fn add(&mut self, [x, y]: [f32; 2], [r, g, b]: [f32; 3]) {
+        let radius = self.filter.radius();
         let range = |at: f32| {
-            let first = (at - RADIUS).ceil().max(0.0) as usize;
-            first..((at + RADIUS).floor() + 1.0).clamp(0.0, self.side as f32) as usize
+            let first = (at - radius).ceil().max(0.0) as usize;
+            first..((at + radius).floor() + 1.0).clamp(0.0, self.side as f32) as usize
         };
-        let weight = |texel: usize, at: f32| ((texel as f32 - at).powi(2) * (-0.5 / (SIGMA * SIGMA))).exp();
+        let weight = |texel: usize, at: f32| self.filter.weight(texel as f32 - at);
         let (columns, rows) = (range(x), range(y));
-        let mut weights = [0.0; TEXELS];
+        let mut weights = [0.0; MOST_TEXELS];
         columns.clone().zip(&mut weights).for_each(|(column, value)| *value = weight(column, x));
         for row in rows {
             let of_row = weight(row, y);
@@ -132,12 +130,22 @@ mod tests {
 
     #[test]
     fn samples_are_weighted_by_their_distance() {
-        let mut buffer = LightBuffer::new(4);
-        buffer.add([1.0, 1.0], [1.0, 0.0, 0.0]);
-        buffer.add([1.6, 1.0], [0.0, 1.0, 0.0]);
-        let (light, missing) = buffer.resolve(ShortCuts::Taken);
+        let lit = |filter| {
+            let mut buffer = LightBuffer::new(4, filter);
+            buffer.add([1.0, 1.0], [1.0, 0.0, 0.0]);
+            buffer.add([1.6, 1.0], [0.0, 1.0, 0.0]);
+            buffer.resolve(ShortCuts::Taken)
+        };
+        let (light, missing) = lit(TextureFilter::Gaussian);
         let [at, beside] = [light[5], light[6]];
         assert!(at[0] > 0.8 && beside[1] > 0.8 && (at[0] + at[1] - 1.0).abs() < 1e-6, "{at:?} {beside:?}");
         assert!(missing > 0 && missing < 12, "{missing}");
+        // Each sample in a texel of its own.
+        let (light, missing) = lit(TextureFilter::Box);
+        assert_eq!((light[5], light[6], missing), ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 14));
+        // Weights at the second texel: 2/3 at a distance of 0, 2/3 - 0.36 + 0.108 at 0.6.
+        let (light, missing) = lit(TextureFilter::BSpline);
+        let share = 2.0 / 3.0 / (2.0 / 3.0 + 0.414_667);
+        assert!((light[5][0] - share).abs() < 1e-5 && missing == 0, "{light:?}");
     }
 }

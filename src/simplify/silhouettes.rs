@@ -2,6 +2,8 @@
 //!
 //! Enters: solid and free-space constraints, by tile. Leaves: alpha, by texel.
 
+use super::constraints::ConstraintKind;
+
 /// Places in a texel's side that constraints are quantised to, and that coverage is sampled at.
 pub const SUPERSAMPLING: usize = 4;
 const SOLID: u8 = 1;
@@ -24,11 +26,14 @@ impl ConstraintBitmap {
     }
 
     /// Adds a constraint at a place in texels: 0 is the middle of the first one.
-    pub fn add(&mut self, at: [f32; 2], is_solid: bool) {
+    pub fn add(&mut self, at: [f32; 2], kind: ConstraintKind) {
         let place = |at: f32| (((at + 0.5) * SUPERSAMPLING as f32) as usize).min(self.side - 1);
-        self.bits[place(at[1]) * self.side + place(at[0])] |= if is_solid { SOLID } else { FREE };
-        self.has_solid |= is_solid;
-        self.has_free |= !is_solid;
+        let (bit, has_any) = match kind {
+            ConstraintKind::Solid => (SOLID, &mut self.has_solid),
+            ConstraintKind::FreeSpace => (FREE, &mut self.has_free),
+        };
+        self.bits[place(at[1]) * self.side + place(at[0])] |= bit;
+        *has_any = true;
     }
 
     /// Whether a surface lies on the tile, and no ray shows any of it to be empty.
@@ -138,7 +143,8 @@ mod tests {
         let mut bitmap = ConstraintBitmap::new(8);
         for step in 0..64 * 64 {
             let at = [step % 64, step / 64].map(|at| (at as f32 + 0.5) / 8.0 - 0.5);
-            bitmap.add(at, (4.0..4.25).contains(&at[0]));
+            let is_wire = (4.0..4.25).contains(&at[0]);
+            bitmap.add(at, if is_wire { ConstraintKind::Solid } else { ConstraintKind::FreeSpace });
         }
         let alpha = bitmap.coverage();
         for row in alpha.chunks_exact(8) {
@@ -150,11 +156,11 @@ mod tests {
     #[test]
     fn the_border_lies_halfway_and_places_with_both_kinds_count_for_neither() {
         let mut bitmap = ConstraintBitmap::new(4);
-        bitmap.add([0.0, 1.0], true);
-        bitmap.add([3.0, 1.0], false);
+        bitmap.add([0.0, 1.0], ConstraintKind::Solid);
+        bitmap.add([3.0, 1.0], ConstraintKind::FreeSpace);
         // Both: as if nothing were known.
-        bitmap.add([2.0, 1.0], true);
-        bitmap.add([2.0, 1.0], false);
+        bitmap.add([2.0, 1.0], ConstraintKind::Solid);
+        bitmap.add([2.0, 1.0], ConstraintKind::FreeSpace);
         let alpha = bitmap.coverage();
         assert_eq!(alpha[..4].iter().map(|alpha| (alpha * 16.0).round()).collect::<Vec<_>>(), [16.0, 16.0, 0.0, 0.0]);
     }

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::constraints::{Constraint, ConstraintFinder, FreeSpace};
+use super::constraints::{Constraint, ConstraintFinder, ConstraintKind, FreeSpace};
 use super::samples::Sample;
 use super::shading::LightBuffer;
 use super::short_cuts::ShortCuts;
 use super::silhouettes::ConstraintBitmap;
+use super::texture_filter::TextureFilter;
 use super::tiles::TileSet;
 
 /// Samples that one job finds the constraints of.
@@ -52,10 +53,10 @@ pub struct TextureBuilder<'a> {
 
 impl<'a> TextureBuilder<'a> {
     /// Textures of `sides` texels.
-    pub fn new(tiles: &'a TileSet, sides: &[usize], solid_threshold: f64) -> TextureBuilder<'a> {
+    pub fn new(tiles: &'a TileSet, sides: &[usize], solid_threshold: f64, filter: TextureFilter) -> TextureBuilder<'a> {
         let buffers = sides.iter().map(|&side| Buffers {
             side,
-            light: LightBuffer::new(side),
+            light: LightBuffer::new(side, filter),
             bitmap: ConstraintBitmap::new(side),
         });
         TextureBuilder { tiles, solid_threshold, buffers: buffers.collect(), solid: 0, free: 0, uncovered: 0 }
@@ -66,11 +67,12 @@ impl<'a> TextureBuilder<'a> {
         let free = |number: usize| if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
         let (found, uncovered) = constraints_by_tile(self.tiles, self.solid_threshold, samples, free);
         self.uncovered += uncovered;
-        self.solid += found.iter().filter(|constraint| constraint.sample.is_some()).count() as u64;
-        self.free += found.iter().filter(|constraint| constraint.sample.is_none()).count() as u64;
+        let solid = found.iter().filter(|constraint| constraint.kind() == ConstraintKind::Solid).count();
+        self.solid += solid as u64;
+        self.free += (found.len() - solid) as u64;
         for_each_tile(&found, &mut self.buffers, |buffers, constraint| {
             let at = constraint.texel(buffers.side);
-            buffers.bitmap.add(at, constraint.sample.is_some());
+            buffers.bitmap.add(at, constraint.kind());
             if let Some(sample) = constraint.sample {
                 buffers.light.add(at, samples[sample as usize].color);
             }

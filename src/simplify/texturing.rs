@@ -6,6 +6,7 @@ use super::capture::Capture;
 use super::quad_mesh::{MeshForm, QuadMesh};
 use super::samples::{PixelChoice, SampleRules};
 use super::short_cuts::ShortCuts;
+use super::texture_filter::TextureFilter;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTextures};
 use super::tiles::{QuadTile, TileSet};
@@ -31,6 +32,7 @@ pub struct Texturing<'a> {
     /// Largest side of the atlas, in texels.
     pub atlas: u32,
     pub sizing: Sizing,
+    pub filter: TextureFilter,
     pub short_cuts: ShortCuts,
 }
 
@@ -60,7 +62,7 @@ impl Texturing<'_> {
     pub fn run(&self, tiles: &TileSet, capture: &mut Capture, monitor: &dyn Monitor) -> Result<Textured> {
         let begun = Instant::now();
         let sides: Vec<usize> = tiles.tiles.iter().map(|tile| self.side(tile)).collect();
-        let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold);
+        let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold, self.filter);
         self.rules.of_all_images(capture, PixelChoice::Every(self.pixel_step), monitor, |samples, _| {
             builder.add(&samples, self.stride);
         })?;

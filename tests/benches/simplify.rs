@@ -30,7 +30,7 @@ use lightfold::simplify::quad_mesh::QuadMesh;
 use lightfold::simplify::raster::{Compositing, DrawSettings, draw_picture, draw_plainly};
 use lightfold::simplify::read_glb::read_glb;
 use lightfold::simplify::region::ViewingRegion;
-use lightfold::simplify::samples::{Background, Inside, PixelChoice, SampleRules};
+use lightfold::simplify::samples::{Background, Inside, SampleRules};
 use lightfold::simplify::selected::MAX_POINTS;
 use lightfold::simplify::selection::Budgets;
 use lightfold::simplify::settings::Settings;
@@ -123,9 +123,7 @@ fn merge(dataset: &str) -> Result<()> {
     })?;
     let merged = median(|| {
         let mut merger = PointMerger::new(MAX_POINTS);
-        rules.of_all_images(&mut capture, PixelChoice::Every(1), &Silent, |samples, _| {
-            merger.add(&samples.iter().map(|sample| sample.end).collect::<Vec<_>>());
-        })?;
+        rules.ends_of_all_images(&mut capture, &Silent, |ends, _| merger.add(&ends))?;
         black_box(merger.finish());
         Ok(())
     })?;

@@ -33,6 +33,9 @@ fn a_dataset_becomes_a_blended_mesh_within_its_budgets() {
         assert!(budget["used"].as_f64().unwrap() <= budget["limit"].as_f64().unwrap() + 1e-9, "{budget}");
     }
     assert!(report["selection"]["dual"].as_f64().unwrap() <= report["selection"]["primal"].as_f64().unwrap());
+    assert!(report["selection"]["limited_by"].as_array().unwrap().iter().all(Value::is_string));
+    let bytes_of = |name: &str| report["counters"][name].as_u64().unwrap();
+    assert!(bytes_of("geometry_bytes_meshopt") > 0 && bytes_of("geometry_bytes_meshopt") < bytes_of("geometry_bytes"));
 
     let bytes = fs::read(folder.path().join("quads.glb")).unwrap();
     assert_eq!(report["files"][0]["bytes"], bytes.len());
@@ -93,6 +96,31 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
         assert!(!folder.path().join("out.glb").exists());
     }
     assert!(refused("simplify nowhere -o out.glb", folder.path()).contains("nowhere"));
+    let said = refused("simplify room -o nodir/out.glb", folder.path());
+    assert!(said.contains("-o nodir/out.glb: there is no folder nodir"), "{said}");
+    let mut manifest: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("room/lightfield.json")).unwrap()).unwrap();
+    manifest["files"].as_object_mut().unwrap().remove("color");
+    fs::write(folder.path().join("room/depth.json"), manifest.to_string()).unwrap();
+    let said = refused("simplify room/depth.json -o out.glb", folder.path());
+    assert!(said.contains("depth.json: there are no images of colour"), "{said}");
+}
+
+#[test]
+fn what_limits_a_scene_is_told() {
+    let folder = room();
+    let limits = |options: &str| {
+        let line = format!("simplify room -o quads.glb --effort fast --atlas 256 {options}");
+        let text = String::from_utf8(fine(&line, folder.path()).stderr).unwrap();
+        let words = text.split("of the budgets, ").nth(1).unwrap().lines().next().unwrap().to_owned();
+        (words, fine(&format!("{line} --json"), folder.path()).stdout)
+    };
+    let wide = "--area 40 --peak-overdraw 60";
+    let (words, json) = limits(&format!("{wide} --triangles 200"));
+    assert_eq!(words, "limited by triangles");
+    let report: Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(report["selection"]["limited_by"], serde_json::json!(["triangles"]));
+    assert_eq!(limits(&format!("{wide} --triangles 10000000")).0, "none of which limits it");
 }
 
 #[test]

@@ -211,13 +211,41 @@ fn normals_and_material_have_the_texture_coordinates_of_light() {
 }
 
 #[test]
+fn texture_filters_spread_light_over_fewer_or_more_texels() {
+    let folder = room();
+    let of = |filter: &str| {
+        let report = simplified(&format!("-o {filter}.glb --texture-filter {filter}"), folder.path());
+        let (document, _, image) = glb(&folder.path().join(format!("{filter}.glb")));
+        let counts: Vec<usize> = document.accessors().map(|accessor| accessor.count()).collect();
+        (report["counters"]["filled_texels"].as_u64().unwrap(), counts, image)
+    };
+    let [boxed, gaussian, spline] = ["box", "gaussian", "b-spline"].map(of);
+    // The same mesh, and fewer texels without a sample.
+    assert!(boxed.1 == gaussian.1 && gaussian.1 == spline.1);
+    assert!(boxed.0 > gaussian.0 && gaussian.0 > spline.0, "{} {} {}", boxed.0, gaussian.0, spline.0);
+    // Differences of texels side by side, most of which are of one tile.
+    let roughness = |image: &gltf::image::Data| {
+        let rows = image.pixels.chunks_exact(4 * image.width as usize);
+        let pairs = rows.flat_map(|row| row.chunks_exact(4).zip(row.chunks_exact(4).skip(1)));
+        pairs.map(|(a, b)| u64::from(a[1].abs_diff(b[1]))).sum::<u64>() as f64 / image.pixels.len() as f64
+    };
+    let [smooth, rough] = [&spline.2, &gaussian.2].map(roughness);
+    assert!(smooth < 0.95 * rough, "{smooth} {rough}");
+    simplified("-o default.glb", folder.path());
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(bytes("default.glb") == bytes("gaussian.glb"));
+    let said = refused("simplify room -o a.glb --texture-filter lanczos", folder.path());
+    assert!(said.contains("b-spline"), "{said}");
+}
+
+#[test]
 fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
     let folder = room();
     let cases = [
         ("-o a.ply", "a.ply: a name that ends in .glb or .obj"),
         ("-o a.glb --ktx2 a.glb", "a.glb: a file name of its own"),
         ("-o - --hdr", "give -o a name"),
-        ("-o a.glb --ktx2 nowhere/a.ktx2", "nowhere"),
+        ("-o a.glb --ktx2 nowhere/a.ktx2", "--ktx2 nowhere/a.ktx2: there is no folder nowhere"),
     ];
     for (options, words) in cases {
         let said = refused(&format!("simplify room --effort fast {options}"), folder.path());

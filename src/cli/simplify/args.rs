@@ -13,6 +13,7 @@ use crate::simplify::samples::{Background, Inside};
 use crate::simplify::selection::Budgets;
 use crate::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::short_cuts::ShortCuts;
+use crate::simplify::texture_filter::TextureFilter;
 use crate::simplify::texture_sizes::Sizing;
 
 #[derive(Debug, clap::Args)]
@@ -38,7 +39,9 @@ use crate::simplify::texture_sizes::Sizing;
     --json has, beside PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images: released_psnr_db, what the evaluator of the released \
     program would have printed, which left out translucent pixels and added 24.07 dB; random_poses, cracks seen from 64 places in the \
     region; selection, the energy of the quads (primal) and a lower bound of it (dual), within the budgets less the part that is \
-    reserved for quads that are extended over gaps, and a bound within the whole budgets (dual_of_budgets).")]
+    reserved for quads that are extended over gaps, a bound within the whole budgets (dual_of_budgets), and the budgets that keep it \
+    from being less (limited_by), none where no smaller quads would fit better; in counters, the bytes of a .glb file's mesh \
+    (geometry_bytes) and what they would be with EXT_meshopt_compression, which is not written.")]
 pub struct Args {
     /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]
@@ -84,6 +87,9 @@ pub struct Args {
     /// How textures shrink that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
+    /// How the light of samples is spread over texels
+    #[arg(long, value_parser = one_of(FILTERS), default_value = "gaussian")]
+    pub texture_filter: TextureFilter,
     /// Texture coordinates, which decide how many quads a slanted one is divided into
     #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
     pub uv: TextureCoordinates,
@@ -140,6 +146,12 @@ const SIZINGS: &Choices<Sizing> = &[
     ("uniform", Sizing::Uniform, "All by one factor, for comparison (Seurat figure 14)"),
 ];
 
+const FILTERS: &Choices<TextureFilter> = &[
+    ("gaussian", TextureFilter::Gaussian, "Standard deviation of 0.3 texels, within 1.5"),
+    ("box", TextureFilter::Box, "The mean of the samples in a texel; the most texels have none, and are filled"),
+    ("b-spline", TextureFilter::BSpline, "Cubic, within 2 texels: smoothest"),
+];
+
 impl Args {
     pub(super) fn check(&self) -> Result<()> {
         check_report(&self.output, self.json)?;
@@ -162,12 +174,14 @@ impl Args {
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
     }
 
+    pub(super) fn budgets(&self) -> Budgets {
+        Budgets { triangles: f64::from(self.triangles), area: self.area, peak_overdraw: self.peak_overdraw }
+    }
+
     pub(super) fn settings(&self) -> Result<Settings> {
         let region = if self.region.is_empty() { None } else { Some(Region::parse(&self.region)?) };
-        let budgets =
-            Budgets { triangles: f64::from(self.triangles), area: self.area, peak_overdraw: self.peak_overdraw };
         Ok(Settings {
-            budgets,
+            budgets: self.budgets(),
             atlas: self.atlas,
             pixels_per_degree: self.pixels_per_degree,
             region,
@@ -176,6 +190,7 @@ impl Args {
             effort: self.effort,
             tiling: self.tiling,
             sizing: self.sizing,
+            texture_filter: self.texture_filter,
             texture_coordinates: self.uv,
             surfaces: if self.gbuffer { SurfaceAtlases::GBuffer } else { SurfaceAtlases::None },
             light: if self.hdr { AtlasLight::HalfFloats } else { AtlasLight::Codes },

@@ -97,6 +97,8 @@ struct SelectionReport {
     reserved: f64,
     /// No selection within the whole budgets has less energy.
     dual_of_budgets: f64,
+    /// Budgets with more of which the energy would be less.
+    limited_by: Vec<&'static str>,
 }
 
 #[derive(Debug, Serialize)]
@@ -157,6 +159,15 @@ fn similarity(psnr_db: Number, ssim: Option<f64>) -> String {
     format!("PSNR {:.2} dB{}", psnr_db.0, ssim.map_or(String::new(), |ssim| format!(", SSIM {ssim:.4}")))
 }
 
+impl SelectionReport {
+    fn limits(&self) -> String {
+        match &self.limited_by[..] {
+            [] => "none of which limits it".to_owned(),
+            names => format!("limited by {}", names.join(" and ").replace('_', " ")),
+        }
+    }
+}
+
 impl Report {
     pub fn new(simplified: &Simplified, compared: &Compared, args: &Args, elapsed: Duration) -> Report {
         let Compared { evaluation, held_out, files, figures } = compared;
@@ -187,6 +198,7 @@ impl Report {
                 iterations: selection.iterations,
                 reserved: simplified.reserve.share,
                 dual_of_budgets: simplified.reserve.dual,
+                limited_by: selection.limits(&args.budgets()),
             },
             budgets: vec![
                 BudgetReport { name: "triangles", limit: f64::from(args.triangles), used: triangles },
@@ -218,7 +230,7 @@ impl Report {
         });
         format!(
             "{files}{} triangles, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
-             {:.1}% of the least in {:.0}% of the budgets\n{}{}{:.1} s",
+             {:.1}% of the least in {:.0}% of the budgets, {}\n{}{}{:.1} s",
             self.triangles,
             self.projected_area,
             self.peak_overdraw,
@@ -227,6 +239,7 @@ impl Report {
             100.0 * self.atlas_occupancy,
             100.0 * self.selection.gap,
             100.0 * (1.0 - self.selection.reserved),
+            self.selection.limits(),
             self.evaluation.as_ref().map_or(String::new(), EvaluationReport::text),
             held_out,
             self.seconds.as_secs_f64(),

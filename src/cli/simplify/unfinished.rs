@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 use std::path::Path;
 
+use super::args::Args;
 use crate::cli::GlobalArgs;
 use crate::cli::output;
 use crate::error::{Error, Result};
@@ -34,10 +35,11 @@ pub struct UnfinishedScene<'a> {
 impl<'a> UnfinishedScene<'a> {
     /// Opens the file, and gives the words of the tiles that an earlier run left, where it is to be resumed.
     pub fn open(
-        path: &'a Path,
+        args: &'a Args,
         fingerprint: Fingerprint,
-        (resume, global): (bool, &GlobalArgs),
+        global: &GlobalArgs,
     ) -> Result<(UnfinishedScene<'a>, Option<Vec<u64>>)> {
+        let (path, resume) = (args.output.as_path(), args.resume);
         let say = |words: &str| global.note(format_args!("{}: {words}", path.display()));
         let mut file = OutputFile::open(path)?;
         if !file.is_resumable() && resume {

@@ -53,7 +53,7 @@ impl Outputs {
     /// Files that a scene of this name may have.
     fn of_scene(&self) -> Vec<PathBuf> {
         let beside = ["exr", "mtl", "png", "normal.exr", "material.exr"].map(|extension| self.beside(extension));
-        beside.into_iter().chain([self.scene.clone()]).collect()
+        [self.scene.clone()].into_iter().chain(beside).collect()
     }
 
     /// All files that may be written.

@@ -1,4 +1,6 @@
 //! The texture of a scene as files of its own: KTX2 of compressed blocks, EXR of half floats.
+//!
+//! There is no ASTC: `intel_tex_2` 0.5 ranks its block modes, and panics where it would encode them.
 
 use half::f16;
 use rayon::prelude::*;

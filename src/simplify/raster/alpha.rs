@@ -30,14 +30,14 @@ impl AlphaRaster {
         let (texels, raster) = (Texels::new(scene), &self.raster);
         let pixels_a_job = (raster.settings.size[0] * ROWS_A_JOB).max(1) as usize;
         let jobs = self.alpha.par_chunks_mut(pixels_a_job).enumerate();
-        jobs.for_each(|(job, alpha)| raster.cover((job, &texels), enough, alpha));
+        jobs.for_each(|(job, alpha)| raster.cover(job, &texels, enough, alpha));
         &self.alpha
     }
 }
 
 impl Raster {
     /// Alpha of the rows of a job, unless they have `enough`.
-    fn cover(&self, (job, texels): (usize, &Texels), enough: f32, alpha: &mut [f32]) {
+    fn cover(&self, job: usize, texels: &Texels, enough: f32, alpha: &mut [f32]) {
         let ([first, end], width) = (self.rows_of(job), self.settings.size[0]);
         // Pixels of each row that have less.
         let open_pixels = |row: &mut [f32]| {

@@ -115,25 +115,32 @@ impl Pixels {
     }
 }
 
-/// A half-plane of pixels: where its function is above 0, and where it is 0 if the border belongs to it.
+/// A half-plane of pixels: where its function is above 0, and on its border if that is inside.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     side: Affine,
     /// Minus the inverse of `across`, in pixels per unit: times the value at the start of a row, the column where the function is 0.
     to_border: f64,
-    owns_border: bool,
+    border: Border,
+}
+
+/// Where the function of a half-plane is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Border {
+    Inside,
+    Outside,
 }
 
 impl Edge {
-    fn new(side: Affine, owns_border: bool) -> Edge {
-        Edge { side, to_border: -side.across.recip(), owns_border }
+    fn new(side: Affine, border: Border) -> Edge {
+        Edge { side, to_border: -side.across.recip(), border }
     }
 
     /// Whether it holds at a column of a row. The function has the same value for the same edge of another triangle, with the opposite sign.
     #[inline]
     fn is_inside(&self, row: Along, x: f64) -> bool {
         let side = row.at(x);
-        side > 0.0 || side == 0.0 && self.owns_border
+        side > 0.0 || side == 0.0 && self.border == Border::Inside
     }
 }
 
@@ -148,7 +155,7 @@ struct Edges {
 impl Default for Edges {
     fn default() -> Edges {
         let side = Affine { constant: 0.0, across: 0.0, down: 0.0 };
-        Edges { all: [Edge { side, to_border: 0.0, owns_border: false }; 5], ends: [0; 3] }
+        Edges { all: [Edge { side, to_border: 0.0, border: Border::Outside }; 5], ends: [0; 3] }
     }
 }
 
@@ -233,7 +240,8 @@ impl Triangle {
         let weights = normals.map(|normal| pixels.along(normal));
         let edge = |at: usize| {
             let first = normals[at].to_array().into_iter().find(|at| *at != 0.0);
-            Edge::new(weights[at], first.is_some_and(|at| at > 0.0))
+            let border = if first.is_some_and(|at| at > 0.0) { Border::Inside } else { Border::Outside };
+            Edge::new(weights[at], border)
         };
         let none = Affine { constant: 0.0, across: 0.0, down: 0.0 };
         let total = |factors: [f64; 3]| (0..3).fold(none, |sum, at| sum.plus(weights[at], factors[at]));
@@ -243,11 +251,11 @@ impl Triangle {
         [0, 1, 2].map(edge).into_iter().for_each(|edge| edges.add(edge));
         if near_m > 0.0 {
             let is_beyond_near = Affine { constant: volume / near_m, ..none }.plus(sum, -1.0);
-            edges.add(Edge::new(is_beyond_near, true));
+            edges.add(Edge::new(is_beyond_near, Border::Inside));
         }
         if far_m < f64::INFINITY {
             let is_before_far = Affine { constant: -volume / far_m, ..none }.plus(sum, 1.0);
-            edges.add(Edge::new(is_before_far, true));
+            edges.add(Edge::new(is_before_far, Border::Inside));
         }
         let stq = [0, 1, 2].map(|axis| total(stq.map(|stq| stq[axis])));
         Some(Triangle { rows, is_opaque: false, edges, sum, stq, volume })

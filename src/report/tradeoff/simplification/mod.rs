@@ -48,6 +48,7 @@ const KNOBS: &[Knob] = &[
     knob("effort", "effort", "normal", &["fast", "normal", "exhaustive"]),
     knob("tiling", "tiling", "quadtree", &["quadtree", "uniform"]),
     knob("sizing", "texture sizes", "adaptive", &["adaptive", "uniform"]),
+    knob("texture-filter", "texture filter", "gaussian", &["gaussian", "box", "b-spline"]),
     knob("threads", "threads", "all", &["1", "2", "4"]),
 ];
 
