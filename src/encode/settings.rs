@@ -31,7 +31,6 @@ const PREDICTIVE_TILE: u32 = 128;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthCodec {
     /// Packed nodes of a quadtree.
-    #[default]
     Quadtree,
     /// The quadtree itself, which `pack` turns into packed nodes at any bound.
     Tree,
@@ -42,6 +41,7 @@ pub enum DepthCodec {
     /// BC4w blocks, without a bound.
     Blocks,
     /// Predicted codes with residuals: the fewest bytes.
+    #[default]
     Predictive,
 }
 

@@ -92,6 +92,11 @@ impl<'a> Decoder<'a> {
         }
     }
 
+    /// Bits of what is not decoded yet, with fractions: log₂ of the state, and 16 for each word.
+    pub fn bits_left(&self) -> f64 {
+        f64::from(self.state.max(1)).log2() - f64::from(LOW).log2() + 8.0 * self.words.len() as f64
+    }
+
     /// Whether more was read than there is.
     pub fn is_short(&self) -> bool {
         self.missing

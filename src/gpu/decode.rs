@@ -365,10 +365,9 @@ impl<'a> GpuDecoder<'a> {
 
     fn fetch(&self, entry: &ChunkEntry) -> Result<Prepared> {
         let (reader, stream) = (self.decoder.reader(), &self.decoder.streams()[entry.key.stream as usize]);
-        let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
         let payload = reader.fetch(entry)?;
         let place = reader.index().place(entry);
-        prepare::prepare(&stream.header, payload, [width, height], entry.key.frame_count, place)
+        prepare::prepare(&stream.header, payload, stream.unit_area(entry.key.unit), entry.key.frame_count, place)
             .map_err(|error| reader.blame(entry, error))
     }
 
@@ -379,7 +378,7 @@ impl<'a> GpuDecoder<'a> {
             let (key, entry) = self.chunk(one)?;
             let is_shown = self.frame_of(self.number(one), key) == Some(one.frame - entry.key.first_frame);
             if !is_shown && self.resident.chunk(key).is_none() {
-                bytes += u64::from(entry.raw_bytes);
+                bytes += prepare::prepared_bytes(self.streams[one.stream], &entry);
                 if bytes > FETCH_BYTES && !missing.is_empty() {
                     break;
                 }

@@ -34,12 +34,10 @@ impl Family {
     pub fn of(header: &CodecHeader) -> Family {
         let (kernel, words) = match header {
             CodecHeader::Depth(header) => match header.coding {
-                DepthCoding::Boxes(_) => (&kernels::BOXES_CODES, Codes),
+                // Predictive chunks become boxes when they are prepared.
+                DepthCoding::Boxes(_) | DepthCoding::Predictive(_) => (&kernels::BOXES_CODES, Codes),
                 DepthCoding::BoxesInBlocks(_) => (&kernels::BOXES_BC5, Codes),
-                // Predictive chunks are refused when they are prepared.
-                DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks | DepthCoding::Predictive(_) => {
-                    (&kernels::NODES, Codes)
-                }
+                DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks => (&kernels::NODES, Codes),
             },
             CodecHeader::Material(header) if header.in_blocks => (&kernels::BOXES_BC1, Bytes),
             CodecHeader::Material(_) => (&kernels::BOXES_MATERIAL, Bytes),
@@ -86,13 +84,15 @@ impl Family {
             CodecHeader::Depth(header) => {
                 let window = header.window().into();
                 match header.coding {
-                    DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => Unit { window, ..plain },
+                    DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) | DepthCoding::Predictive(_) => {
+                        Unit { window, ..plain }
+                    }
                     DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => {
                         let parts = nodes.domain;
                         Unit { window, domain: parts.kind as u32, base: parts.base, scale: parts.scale, ..plain }
                     }
                     // Each frame is whole: none is needed before another.
-                    DepthCoding::Blocks | DepthCoding::Predictive(_) => plain,
+                    DepthCoding::Blocks => plain,
                 }
             }
         }

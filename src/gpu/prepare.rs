@@ -12,8 +12,9 @@ use crate::color::transform::payload::{Header, Layout};
 use crate::color::transform::steps::Steps;
 use crate::color::transform::{Domain, Keyed, Tables, TransformChunk};
 use crate::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
-use crate::container::{ChunkPlace, Payload};
-use crate::depth::predictive::UnitArea;
+use crate::container::{ChunkEntry, ChunkPlace, Payload};
+use crate::decode::StreamInfo;
+use crate::depth::predictive::{PredictiveChunk, UnitArea};
 use crate::depth::records::Body;
 use crate::depth::runtime::Runtime;
 use crate::depth::{TemporalChunk, Texel};
@@ -24,7 +25,21 @@ use crate::gpu::layout::{
 };
 use crate::gpu::pictures::{code_stride, pack_halves};
 use crate::gpu::transform_tables::SET_WORDS;
-use crate::streams::{CodecHeader, ColorFormat, DepthChunk, PictureChunk};
+use crate::streams::{CodecHeader, ColorFormat, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
+
+/// Most bytes of the codes of a chunk of predictive coding, whose payload may be far smaller.
+const MOST_UNPACKED: u64 = 128 << 20;
+
+/// Bytes that a chunk takes at most while it is prepared, but for what any chunk takes.
+pub fn prepared_bytes(stream: &StreamInfo, entry: &ChunkEntry) -> u64 {
+    match &stream.header {
+        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => {
+            let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
+            (2 * u64::from(width) * u64::from(height)).saturating_mul(entry.key.frame_count.into()).min(MOST_UNPACKED)
+        }
+        _ => entry.raw_bytes.into(),
+    }
+}
 
 /// What the host keeps of a resident chunk.
 #[derive(Debug, Clone, Default)]
@@ -86,25 +101,22 @@ impl Prepared {
     }
 }
 
-/// Checks a payload of `frames` frames, at `place` in its unit of `size` pixels, and converts it for the device.
+/// Checks a payload of `frames` frames, at `place` in its unit, and converts it for the device.
 pub fn prepare(
     header: &CodecHeader,
     payload: Payload,
-    size: [u32; 2],
+    area: UnitArea,
     frames: u32,
     place: ChunkPlace,
 ) -> Result<Prepared> {
+    let size = area.size();
     Ok(match header {
-        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, UnitArea::whole(size), frames)? {
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, area, frames)? {
             DepthChunk::Boxes(chunk) => of_boxes(&chunk, size),
             DepthChunk::Nodes(chunk) => of_nodes(&chunk.runtime),
             DepthChunk::Tree(chunk) => of_nodes(&chunk.leaves.runtime),
             DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
-            DepthChunk::Predictive(_) => {
-                return Err(Error::unsupported(
-                    "predictive depth cannot be decoded on a device: choose the CPU, or encode with another depth codec",
-                ));
-            }
+            DepthChunk::Predictive(chunk) => of_predictive(&chunk)?,
         },
         CodecHeader::Material(header) => {
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
@@ -186,6 +198,38 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
     let timeline = Timeline { records: pixels.collect(), ..Timeline::default() };
     Prepared { kernel: KernelOf::Codec, stream: words_from(&chunk.payload), records, boxes, weights: [0; 2], timeline }
+}
+
+/// Predictive coding is decoded here, to boxes of the codes that each frame changes: its symbols depend on those before, and a
+/// unit is one substream.
+fn of_predictive(chunk: &PredictiveChunk) -> Result<Prepared> {
+    let (mut codes, mut boxes, mut records, mut pixels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    chunk.for_each_frame(|frame| {
+        let (first, mut work) = (boxes.len(), 0);
+        for [x, y, width, height] in frame.written() {
+            work += (code_stride(x + width) - x / 2) * height;
+            let at = 2 * codes.len() as u32;
+            boxes.push(BoxRow { x, y, width, height, coding: BOX_VALUES, at, end: work });
+            let rows = frame.picture.chunks(frame.size[0] as usize).skip(y as usize).take(height as usize);
+            rows.for_each(|row| codes.extend_from_slice(&row[x as usize..][..width as usize]));
+        }
+        if 2 * codes.len() as u64 > MOST_UNPACKED {
+            let most = MOST_UNPACKED >> 20;
+            return Err(Error::unsupported(format!(
+                "codes of a chunk take more than {most} MiB on a device: choose the CPU, or encode with smaller tiles or fewer \
+                 frames between keyframes"
+            )));
+        }
+        let count = (boxes.len() - first) as u32;
+        if count > 0 {
+            records.push(Record { frame: frame.frame, first: first as u32, count, work, ..Record::default() });
+            pixels.push((frame.frame, frame.updated_pixels));
+        }
+        Ok(())
+    })?;
+    let timeline = Timeline { records: pixels, ..Timeline::default() };
+    let stream = codes.chunks(2).map(|pair| pair.iter().rev().fold(0, |word, &code| word << 16 | u32::from(code)));
+    Ok(Prepared { kernel: KernelOf::Codec, stream: stream.collect(), records, boxes, weights: [0; 2], timeline })
 }
 
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {

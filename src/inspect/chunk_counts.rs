@@ -9,6 +9,8 @@ use crate::depth::block_tiles::{BlockTileCount, Layout};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
 use crate::depth::predictive::PredictiveChunk;
+use crate::depth::predictive::chunk::FrameBlocks;
+use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::records::{Body, Record, TemporalChunk};
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
@@ -70,6 +72,44 @@ impl TransformCount {
     }
 }
 
+/// Blocks of predictive coding.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PredictedShare {
+    pub blocks: u64,
+    pub pixels: u64,
+    /// Bits of their symbols.
+    pub bits: f64,
+}
+
+/// Blocks of all frames, in the order of [`BlockCoding::ALL`]. Frames that are coded as equal to the one before have none.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PredictiveCount {
+    shares: [PredictedShare; BlockCoding::ALL.len()],
+}
+
+impl PredictiveCount {
+    pub fn share(&self, coding: BlockCoding) -> PredictedShare {
+        self.shares[coding as usize]
+    }
+
+    pub fn add(&mut self, other: &PredictiveCount) {
+        for (share, other) in self.shares.iter_mut().zip(&other.shares) {
+            share.blocks += other.blocks;
+            share.pixels += other.pixels;
+            share.bits += other.bits;
+        }
+    }
+
+    fn add_frame(&mut self, frame: &FrameBlocks<'_>) {
+        for block in &frame.blocks {
+            let share = &mut self.shares[block.coding as usize];
+            share.blocks += 1;
+            share.pixels += (block.area.width * block.area.height) as u64;
+            share.bits += block.bits;
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Event {
     /// Counted from the chunk's first; [`crate::inspect::inspect`] adds its number.
@@ -85,6 +125,7 @@ pub(super) struct ChunkMeasure {
     pub modes: ModeStatistics,
     pub blocks: BlockCount,
     pub transform: TransformCount,
+    pub predictive: PredictiveCount,
 }
 
 pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> Result<ChunkMeasure> {
@@ -100,14 +141,22 @@ pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> Resu
     })
 }
 
-/// All bytes are of the first frame, with which a chunk is read.
 fn count_predictive(chunk: &PredictiveChunk) -> Result<ChunkMeasure> {
-    let event = |(frame, updated_pixels)| {
-        let cost = FrameCost { keyframe_units: u64::from(frame == 0), updated_pixels, ..FrameCost::default() };
-        Event { frame, cost }
-    };
-    let events = (0..).zip(chunk.updated_pixels()?).map(event).collect();
-    Ok(ChunkMeasure { events, ..ChunkMeasure::default() })
+    let mut measure = ChunkMeasure::default();
+    let mut bytes_before = 0;
+    let mut bits = 0.0;
+    chunk.for_each_frame(|frame| {
+        measure.predictive.add_frame(frame);
+        bits += frame.bits;
+        // Parts of a byte go to the frame that ends it; what is left of the chunk is added to its first frame.
+        let bytes_until = (bits / 8.0) as u64;
+        let (keyframe_units, bytes) = (u64::from(frame.frame == 0), bytes_until - bytes_before);
+        let cost = FrameCost { keyframe_units, bytes, updated_pixels: frame.updated_pixels, ..FrameCost::default() };
+        measure.events.push(Event { frame: frame.frame, cost });
+        bytes_before = bytes_until;
+        Ok(())
+    })?;
+    Ok(measure)
 }
 
 fn count_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkMeasure {

@@ -8,7 +8,9 @@ use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
-use crate::inspect::chunk_counts::{BlockCount, ChunkMeasure, Event, FrameCost, TransformCount, count_chunk};
+use crate::inspect::chunk_counts::{
+    BlockCount, ChunkMeasure, Event, FrameCost, PredictiveCount, TransformCount, count_chunk,
+};
 use crate::inspect::statistics::{
     Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
 };
@@ -122,6 +124,7 @@ struct UnitMeasure {
     modes: ModeStatistics,
     blocks: BlockCount,
     transform: TransformCount,
+    predictive: PredictiveCount,
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
@@ -201,6 +204,7 @@ impl UnitMeasure {
         self.modes.add(&chunk.modes);
         self.blocks.add(chunk.blocks);
         self.transform.add(chunk.transform);
+        self.predictive.add(&chunk.predictive);
         self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
         if rows != FrameRows::None {
@@ -222,7 +226,7 @@ impl<'a> Inspection<'a> {
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
         let (mut total, mut modes, mut blocks) =
             (FrameCost::default(), ModeStatistics::default(), BlockCount::default());
-        let mut transform = TransformCount::default();
+        let (mut transform, mut predictive) = (TransformCount::default(), PredictiveCount::default());
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);
         let (min, max) = (keyframes().min().unwrap_or(0), keyframes().max().unwrap_or(0));
         let count = |is_such: fn(&UnitMeasure) -> bool| {
@@ -235,6 +239,7 @@ impl<'a> Inspection<'a> {
             modes.add(&unit.modes);
             blocks.add(unit.blocks);
             transform.add(unit.transform);
+            predictive.add(&unit.predictive);
             damaged.extend(unit.damaged);
             if let Some(frames) = listed {
                 for event in unit.events.iter().filter(|event| frames.contains(event.frame)) {
@@ -254,6 +259,7 @@ impl<'a> Inspection<'a> {
             nodes: modes,
             blocks,
             transform,
+            predictive,
             updated_pixels: total.updated_pixels,
             static_units,
             constant_units,

@@ -10,7 +10,7 @@ mod report;
 mod statistics;
 mod unit_map;
 
-pub use chunk_counts::{BlockCount, FrameCost, TransformCount};
+pub use chunk_counts::{BlockCount, FrameCost, PredictiveCount, TransformCount};
 pub use coding_map::{CellCoding, CodingMap, Survey, coding_map, survey};
 pub use measure::{inspect, statistics, steps};
 pub use patch::{Patch, Writing};

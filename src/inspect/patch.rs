@@ -1,6 +1,7 @@
 //! Rectangles of an image, and how they are coded.
 
 use crate::depth::nodes::Function;
+use crate::depth::predictive::modes::BlockCoding;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Writing {
@@ -17,6 +18,8 @@ pub enum Writing {
     Transform,
     /// A block of colour with a palette.
     Palette,
+    /// A block of predictive coding.
+    Predicted(BlockCoding),
 }
 
 /// A rectangle of pixels that are coded alike.

@@ -12,8 +12,10 @@ use crate::depth::TemporalSettings;
 use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
+use crate::depth::predictive::PredictiveHeader;
+use crate::depth::predictive::modes::BlockCoding;
 use crate::image::{DepthKind, StreamKind, Transfer};
-use crate::inspect::chunk_counts::TransformCount;
+use crate::inspect::chunk_counts::{PredictedShare, TransformCount};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
@@ -106,6 +108,7 @@ pub struct StreamReport<'a> {
 enum CodingReport {
     Boxes(BoxesReport),
     Nodes(NodesReport),
+    Predictive(PredictiveReport),
     Color(ColorReport),
 }
 
@@ -149,6 +152,20 @@ struct NodesReport {
     node_pixels: BTreeMap<&'static str, u64>,
     node_bytes: BTreeMap<&'static str, u64>,
     node_levels: Vec<LevelReport>,
+}
+
+/// Blocks of predictive coding. Keys of the maps are the names of [`BlockCoding`].
+#[derive(Debug, Serialize)]
+struct PredictiveReport {
+    static_tiles: u64,
+    error_bound_codes: u16,
+    epsilon: u16,
+    max_error_codes: u16,
+    keyframe_interval: u32,
+    predicted_blocks: BTreeMap<&'static str, u64>,
+    predicted_pixels: BTreeMap<&'static str, u64>,
+    /// Bytes of the symbols, whole ones.
+    predicted_bytes: BTreeMap<&'static str, u64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -316,6 +333,7 @@ impl<'a> StreamReport<'a> {
                     DepthCoding::BoxesInBlocks(temporal) => {
                         CodingReport::Boxes(BoxesReport::new(stats, temporal, true))
                     }
+                    DepthCoding::Predictive(header) => CodingReport::Predictive(PredictiveReport::new(stats, header)),
                     _ => CodingReport::Nodes(NodesReport::new(stats, header)),
                 },
                 CodecHeader::Material(MaterialHeader { temporal, in_blocks }) => {
@@ -374,6 +392,24 @@ impl NodesReport {
             node_pixels: of(|share| share.pixels),
             node_bytes: of(|share| share.bytes),
             node_levels: modes.levels().map(|level| LevelReport::new(modes, level)).collect(),
+        }
+    }
+}
+
+impl PredictiveReport {
+    fn new(stats: &StreamStats<'_>, header: &PredictiveHeader) -> PredictiveReport {
+        let of = |value: fn(PredictedShare) -> u64| {
+            BlockCoding::ALL.into_iter().map(|coding| (coding.name(), value(stats.predictive.share(coding)))).collect()
+        };
+        PredictiveReport {
+            static_tiles: stats.static_units,
+            error_bound_codes: header.bound.saturating_add(header.epsilon),
+            epsilon: header.epsilon,
+            max_error_codes: header.bound,
+            keyframe_interval: header.keyframe_interval,
+            predicted_blocks: of(|share| share.blocks),
+            predicted_pixels: of(|share| share.pixels),
+            predicted_bytes: of(|share| (share.bits / 8.0) as u64),
         }
     }
 }

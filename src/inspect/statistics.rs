@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::decode::{DamagedChunk, StreamInfo};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::image::{FrameRange, StreamKind};
-use crate::inspect::chunk_counts::{BlockCount, FrameCost, TransformCount};
+use crate::inspect::chunk_counts::{BlockCount, FrameCost, PredictiveCount, TransformCount};
 use crate::memory::Budget;
 
 pub const MAX_ROWS: u64 = 1_000_000;
@@ -74,6 +74,8 @@ pub struct StreamStats<'a> {
     pub blocks: BlockCount,
     /// Chunks of the transform codec.
     pub transform: TransformCount,
+    /// Blocks of predictive coding.
+    pub predictive: PredictiveCount,
     /// Pixels written, keyframes included, when all frames are shown in order.
     pub updated_pixels: u64,
     pub static_units: u64,

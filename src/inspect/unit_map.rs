@@ -7,6 +7,8 @@ use crate::color::transform::{Keyed, TransformChunk};
 use crate::color::{CellChunk, ColorChunk, Sample};
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::{Function, Grid, Place, function_of};
+use crate::depth::predictive::PredictiveChunk;
+use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::runtime::Runtime;
 use crate::depth::tree_chunk::TreeChunk;
@@ -45,11 +47,7 @@ pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> Result<U
             let bc4w = |place| (place, Writing::Function(Function::Bc4w));
             of_places(grid, block_chunk::places(grid).map(bc4w))
         }
-        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => {
-            let is_written = chunk.updated_pixels()?.get(at as usize).is_some_and(|&pixels| pixels > 0);
-            let rect = [0, 0, size[0], size[1]];
-            is_written.then_some(Patch { rect, writing: Writing::Values, part: 0 }).into_iter().collect()
-        }
+        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => of_predictive(chunk, at)?,
         StreamChunk::Material(chunk) => of_record(chunk, at),
         StreamChunk::Color8(chunk) => return Ok(of_color(chunk, at)),
         StreamChunk::ColorHalf(chunk) => return Ok(of_color(chunk, at)),
@@ -98,6 +96,25 @@ fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
         Patch { rect: grid.rect_of(leaf), writing: Writing::Function(function), part }
     };
     leaves.into_iter().map(patch).collect()
+}
+
+/// The blocks that differ from the frame before; all in a first frame, or the unit as background.
+fn of_predictive(chunk: &PredictiveChunk, at: u32) -> Result<Vec<Patch>> {
+    let mut patches = Vec::new();
+    chunk.for_each_frame(|frame| {
+        if frame.frame != at {
+            return Ok(());
+        }
+        let is_first = at == 0;
+        let written = frame.blocks.iter().filter(|block| is_first || block.coding != BlockCoding::Same);
+        let coded = written.map(|block| (block.area.rect(), block.coding));
+        let whole = ([0, 0, frame.size[0], frame.size[1]], BlockCoding::Background);
+        let background = (is_first && frame.blocks.is_empty()).then_some(whole);
+        let rects = coded.chain(background).zip(0..);
+        patches.extend(rects.map(|((rect, coding), part)| Patch { rect, writing: Writing::Predicted(coding), part }));
+        Ok(())
+    })?;
+    Ok(patches)
 }
 
 /// The patches of a record's rectangles.
@@ -165,7 +182,7 @@ pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> Result<ChunkSurv
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => node_changes(&chunk.leaves.runtime),
         // Each frame is complete.
         StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
-        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => (0..).zip(chunk.updated_pixels()?).skip(1).collect(),
+        StreamChunk::Depth(DepthChunk::Predictive(chunk)) => predictive_changes(chunk)?,
         StreamChunk::Material(chunk) => changes(chunk),
         StreamChunk::Color8(chunk) => return Ok(survey_color(chunk, frames)),
         StreamChunk::ColorHalf(chunk) => return Ok(survey_color(chunk, frames)),
@@ -180,6 +197,17 @@ fn changes<T: Texel>(chunk: &TemporalChunk<T>) -> Vec<(u32, u64)> {
 
 fn node_changes(runtime: &Runtime) -> Vec<(u32, u64)> {
     runtime.frames.iter().skip(1).map(|frame| (frame.frame, frame.updated_pixels)).collect()
+}
+
+fn predictive_changes(chunk: &PredictiveChunk) -> Result<Vec<(u32, u64)>> {
+    let mut changes = Vec::new();
+    chunk.for_each_frame(|frame| {
+        if frame.frame > 0 {
+            changes.push((frame.frame, frame.updated_pixels));
+        }
+        Ok(())
+    })?;
+    Ok(changes)
 }
 
 fn survey_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkSurvey {

@@ -142,6 +142,8 @@ fn commands() -> Result<(), Failed> {
         "nodes-linear",
         "depth-w3-boxes",
         "blocks",
+        "predictive",
+        "predictive-odd-sizes",
         "transform8-chunks-of-cells",
         "transform8-palettes",
         "transform-half-encoded",

@@ -97,6 +97,7 @@ fn rectangles_are_the_pixels_that_a_decoder_writes() {
         ("quadtree", 4),
         ("quadtree-intermediate", 3),
         ("bc4w", 1),
+        ("predictive", 5),
         ("cells-8bit", 2),
         ("cells-half", 2),
         ("cells-bc1", 3),

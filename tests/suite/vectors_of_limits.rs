@@ -7,6 +7,7 @@ use lightfold::color::SearchSettings;
 use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::decode::Decoder;
+use lightfold::depth::predictive::UnitArea;
 use lightfold::gpu::prepare;
 use lightfold::inspect::{self, InspectSettings, coding_map, survey};
 use lightfold::monitor::Silent;
@@ -56,7 +57,7 @@ fn a_last_chunk_that_leads_nowhere_is_refused_whatever_is_asked_for() {
         coding_map(&decoder, stream, 0).err(),
         survey(&decoder, stream, &Silent).err(),
         inspect::inspect(&decoder, &[stream], InspectSettings::default(), &Silent).err(),
-        prepare::prepare(&stream.header, reader.fetch(&chunk).unwrap(), [1, 1], 3, place).err(),
+        prepare::prepare(&stream.header, reader.fetch(&chunk).unwrap(), UnitArea::whole([1, 1]), 3, place).err(),
     ];
     for (way, error) in said.into_iter().enumerate() {
         let error = error.map_or_else(|| "it is taken".to_owned(), |error| error.to_string());

@@ -11,10 +11,11 @@ use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
 use crate::depth::predictive::PredictiveHeader;
+use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
 use crate::image::StreamKind;
-use crate::inspect::{BlockCount, StreamStats, Totals, TransformCount, percent, projection_name};
+use crate::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
 use crate::report::Table;
 use crate::report::coding_map::counted;
 use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, NodeHeader};
@@ -26,7 +27,7 @@ const MAX_SETTINGS: usize = 4;
 
 pub fn summary(report: &Report<'_>) -> String {
     let mut out = format!("{}\n{}\n{}", heading(report), kinds(report), streams(report));
-    for table in [nodes(report), blocks(report), transforms(report)].into_iter().flatten() {
+    for table in [nodes(report), predicted(report), blocks(report), transforms(report)].into_iter().flatten() {
         let _ = write!(out, "\n{table}");
     }
     let settings = settings(report);
@@ -163,6 +164,26 @@ fn nodes(report: &Report<'_>) -> Option<Table> {
     }
     row("all".to_owned(), Function::ALL.map(|function| census.of(function)));
     Some(table)
+}
+
+/// Blocks of predictive coding, with their part of the pixels and of the bytes.
+fn predicted(report: &Report<'_>) -> Option<Table> {
+    let mut count = PredictiveCount::default();
+    report.inspection.streams.iter().for_each(|stats| count.add(&stats.predictive));
+    let shares = BlockCoding::ALL.map(|coding| count.share(coding));
+    let pixels: u64 = shares.iter().map(|share| share.pixels).sum();
+    let bits: f64 = shares.iter().map(|share| share.bits).sum();
+    let mut table = Table::new("Coding|>Blocks 8x8|>Pixels %|>Bytes %|>Bits a pixel");
+    for (coding, share) in BlockCoding::ALL.into_iter().zip(shares).filter(|(_, share)| share.blocks > 0) {
+        table.row([
+            coding.name().replace('_', " "),
+            share.blocks.to_string(),
+            format!("{:.2}", percent(share.pixels, pixels)),
+            format!("{:.2}", 100.0 * share.bits / bits.max(1e-9)),
+            format!("{:.3}", share.bits / share.pixels as f64),
+        ]);
+    }
+    (pixels > 0).then_some(table)
 }
 
 /// Keyframes of colour and block tiles of depth and material that are stored in blocks, by codec.

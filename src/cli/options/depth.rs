@@ -23,14 +23,14 @@ pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
 
 const DEPTH_CODECS: &Choices<DepthCodec> = &[
     (
-        "quadtree",
-        DepthCodec::Quadtree,
-        "Modelling functions in a quadtree, within --max-error of the source at every pixel",
-    ),
-    (
         "predictive",
         DepthCodec::Predictive,
         "Predicted codes with residuals, within --max-error of the source at every pixel, in the fewest bytes",
+    ),
+    (
+        "quadtree",
+        DepthCodec::Quadtree,
+        "Modelling functions in a quadtree, within --max-error of the source at every pixel",
     ),
     ("aabb", DepthCodec::Boxes, "Raw codes in boxes around changed pixels"),
     ("bc4w", DepthCodec::Blocks, "32 bytes for 8x8 pixels, without an error bound"),
@@ -65,7 +65,7 @@ const DEPTH_KINDS: &Choices<DepthKind> = &[
 #[command(next_help_heading = "Depth")]
 pub struct DepthArgs {
     /// Depth codec
-    #[arg(long, value_name = "CODEC", value_parser = one_of(DEPTH_CODECS), default_value = "quadtree")]
+    #[arg(long, value_name = "CODEC", value_parser = one_of(DEPTH_CODECS), default_value = "predictive")]
     pub depth_codec: DepthCodec,
     /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
     /// defaults to 100
@@ -95,7 +95,7 @@ pub struct DepthArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DomainArgs {
-    /// Domain of the modelling functions; log if near and far are too close for another
+    /// Domain of the modelling functions, for quadtree; log if near and far are too close for another
     #[arg(long, value_name = "DOMAIN", value_parser = one_of(DEPTH_DOMAINS), default_value = "log")]
     pub depth_domain: DomainKind,
 }
@@ -103,10 +103,10 @@ pub struct DomainArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
-    /// What to optimize when several modelling functions of a node are within the bound
+    /// What to optimize when several ways to code pixels are within the bound
     #[arg(long, alias = "decide", value_name = "GOAL", value_parser = one_of(OPTIMIZE_GOALS), default_value = "quality")]
     pub optimize: Decide,
-    /// Changed children of a node that make the encoder try one function for the whole node
+    /// Changed children of a node that make the encoder try one function for the whole node, for quadtree
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
         value_parser = clap::value_parser!(u8).range(1..=4))]
     pub min_children: u8,
@@ -115,7 +115,8 @@ pub struct ModelArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthStepArgs {
-    /// W: pixels are updated if they differ from any of the W frames before, so that decoders may skip up to W − 1 frames
+    /// W: pixels are updated if they differ from any of the W frames before, so that decoders may skip up to W − 1 frames,
+    /// for quadtree, aabb and material
     #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
@@ -212,6 +213,15 @@ impl DepthArgs {
                     return refuse("--depth-codec bc4w has no error bound: leave out --max-error, or use quadtree");
                 }
                 _ => {}
+            }
+        }
+        if self.depth_codec == DepthCodec::Predictive {
+            let of_quadtrees = [
+                ("--depth-domain", self.domain.depth_domain != DomainKind::default()),
+                ("--min-children", self.model.min_children != NodeSettings::default().min_children),
+            ];
+            if let Some((option, _)) = of_quadtrees.iter().find(|(_, is_given)| *is_given) {
+                return refuse(format!("{option} is about modelling functions: it needs --depth-codec quadtree"));
             }
         }
         let codes = ErrorBound::Codes(self.max_error.unwrap_or(NodeSettings::default().bound));

@@ -5,7 +5,7 @@ use crate::container::fields::Fields;
 use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::contexts;
 use crate::depth::predictive::magnitude::{CANDIDATES, CHANGES, Classes, ESCAPES};
-use crate::depth::predictive::modes::{BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES};
+use crate::depth::predictive::modes::{BACKGROUND, BLOCK, BlockCoding, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES};
 use crate::depth::predictive::pixel::{
     Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_CANDIDATE, SYMBOL_KEEP, Steps,
 };
@@ -63,7 +63,7 @@ impl PredictiveChunk {
     }
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target`; answers how many
-    /// pixels were written on the way: all of the tile for each frame that changes any.
+    /// pixels were written on the way: those of blocks that differ from the frame before, all in the first frame.
     ///
     /// # Errors
     /// A substream that ends before its last frame does, or goes on behind it.
@@ -89,16 +89,11 @@ impl PredictiveChunk {
         let mut stream = entropy::Decoder::resume(&self.payload[HEAD..], state.mark);
         while state.next <= target {
             let mut frame = FrameDecoder { stream, tables: self.tables, tile: &mut state.tile, picture, updated: 0 };
-            frame.decode();
-            let is_changed = frame.updated > 0;
+            frame.decode(|_, _| ());
+            updated += frame.updated;
             stream = frame.stream;
-            updated += if is_changed { (state.tile.width * state.tile.height) as u64 } else { 0 };
             state.next += 1;
-            let is_last = state.next == self.frames;
-            if stream.is_short() || is_last && !stream.finished() {
-                let problem = if stream.is_short() { "ends too early" } else { "does not end with its last frame" };
-                return Err(Error::invalid(format!("a substream that {problem} ({SECTION})")));
-            }
+            self.check_substream(&stream, state.next)?;
         }
         state.mark = stream.mark();
         if !is_ours {
@@ -112,22 +107,99 @@ impl PredictiveChunk {
 
     /// Decodes all frames, for a verifier.
     pub fn check(&self) -> Result<()> {
-        self.updated_pixels().map(|_| ())
+        self.for_each_frame(|_| Ok(()))
     }
 
-    /// Pixels that each frame writes: all, or none where nothing changes; all in the first.
+    /// Decodes all frames in order.
     ///
     /// # Errors
-    /// As for [`Self::advance`].
-    pub fn updated_pixels(&self) -> Result<Vec<u64>> {
-        let mut chunk = PredictiveChunk { state: None, ..self.clone() };
-        let [width, height] = self.area.size().map(|side| side as usize);
-        let mut picture = vec![0; width * height];
-        (0..self.frames).map(|frame| chunk.advance(&mut picture, frame.checked_sub(1), frame)).collect()
+    /// As for [`Self::advance`], and those of `visit`.
+    pub fn for_each_frame(&self, mut visit: impl FnMut(&FrameBlocks<'_>) -> Result<()>) -> Result<()> {
+        let mut tile = Tile::new(&self.header, self.area)?;
+        let mut picture = vec![0; tile.width * tile.height];
+        let mut stream = entropy::Decoder::new(&self.payload[HEAD..]);
+        let mut blocks = Vec::new();
+        for number in 0..self.frames {
+            blocks.clear();
+            let start = stream.bits_left();
+            let mut before = start;
+            let mut frame =
+                FrameDecoder { stream, tables: self.tables, tile: &mut tile, picture: &mut picture, updated: 0 };
+            frame.decode(|mode, stream| {
+                let left = stream.bits_left();
+                blocks.push((mode, std::mem::replace(&mut before, left) - left));
+            });
+            let updated_pixels = frame.updated;
+            stream = frame.stream;
+            self.check_substream(&stream, number + 1)?;
+            let blocks = blocks.iter().enumerate();
+            visit(&FrameBlocks {
+                frame: number,
+                blocks: blocks
+                    .map(|(at, &(mode, bits))| CodedBlock { area: tile.area(at), coding: BlockCoding::of(mode), bits })
+                    .collect(),
+                updated_pixels,
+                bits: start - stream.bits_left(),
+                size: self.area.size(),
+                picture: &picture,
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Checks a substream of which the first `frames` frames are decoded.
+    fn check_substream(&self, stream: &entropy::Decoder<'_>, frames: u32) -> Result<()> {
+        if stream.is_short() || frames == self.frames && !stream.finished() {
+            let problem = if stream.is_short() { "ends too early" } else { "does not end with its last frame" };
+            return Err(Error::invalid(format!("a substream that {problem} ({SECTION})")));
+        }
+        Ok(())
     }
 
     pub fn into_spare(self) -> Vec<u8> {
         self.payload.into_spare()
+    }
+}
+
+/// A frame as it is coded.
+pub struct FrameBlocks<'a> {
+    /// Counted from the chunk's first.
+    pub frame: u32,
+    /// All blocks of the unit, row by row; none where the frame is coded as equal to the one before, or as background.
+    pub blocks: Vec<CodedBlock>,
+    /// Pixels of blocks that differ from the frame before; all in the first frame.
+    pub updated_pixels: u64,
+    /// Bits that the frame takes in the substream.
+    pub bits: f64,
+    /// Width and height of the unit.
+    pub size: [u32; 2],
+    /// Codes of the unit, row by row.
+    pub picture: &'a [u16],
+}
+
+#[derive(Debug, Clone, Copy)]
+pub struct CodedBlock {
+    pub area: Area,
+    pub coding: BlockCoding,
+    pub bits: f64,
+}
+
+impl FrameBlocks<'_> {
+    /// Left, top, width and height of rectangles that the frame writes: neighbouring blocks joined, the whole unit in a first
+    /// frame.
+    pub fn written(&self) -> Vec<[u32; 4]> {
+        if self.frame == 0 {
+            return vec![[0, 0, self.size[0], self.size[1]]];
+        }
+        let mut written: Vec<[u32; 4]> = Vec::new();
+        for block in self.blocks.iter().filter(|block| block.coding != BlockCoding::Same) {
+            let [x, y, width, height] = block.area.rect();
+            match written.last_mut() {
+                Some(last) if last[1] == y && last[0] + last[2] == x => last[2] += width,
+                _ => written.push([x, y, width, height]),
+            }
+        }
+        written
     }
 }
 
@@ -144,13 +216,18 @@ impl FrameDecoder<'_, '_> {
         self.stream.symbol(self.tables.distribution(context))
     }
 
-    fn decode(&mut self) {
+    /// `coded` gets the mode of each block, and the substream behind it.
+    fn decode(&mut self, mut coded: impl FnMut(usize, &entropy::Decoder<'_>)) {
         if self.symbol(contexts::frame(self.tile.later())) == 1 {
             for block in 0..self.tile.blocks.len() {
                 self.block(block);
+                coded(self.tile.blocks[block].mode, &self.stream);
             }
         } else if !self.tile.is_later {
             self.picture.fill(u16::MAX);
+        }
+        if !self.tile.is_later {
+            self.updated = self.picture.len() as u64;
         }
         self.tile.is_later = true;
     }

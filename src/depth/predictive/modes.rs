@@ -25,3 +25,45 @@ pub const SMALL_MODES: usize = 1 + 2 * SOURCES;
 pub const BLOCK_STATES: usize = MODES + 1;
 /// The state where there is no block.
 pub const OUTSIDE: usize = MODES;
+
+/// Modes of blocks in groups, for statistics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum BlockCoding {
+    Same,
+    Background,
+    /// A neighbour's plane carried on.
+    Plane,
+    ChangedPlane,
+    Quarters,
+    Pixels,
+}
+
+impl BlockCoding {
+    pub const ALL: [BlockCoding; 6] = {
+        use BlockCoding::{Background, ChangedPlane, Pixels, Plane, Quarters, Same};
+        [Same, Background, Plane, ChangedPlane, Quarters, Pixels]
+    };
+
+    /// Of a mode below [`MODES`].
+    pub fn of(mode: usize) -> BlockCoding {
+        match mode {
+            PIXELS => BlockCoding::Pixels,
+            SAME => BlockCoding::Same,
+            BACKGROUND => BlockCoding::Background,
+            QUARTERS => BlockCoding::Quarters,
+            _ if mode < PLANES + SOURCES => BlockCoding::Plane,
+            _ => BlockCoding::ChangedPlane,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            BlockCoding::Same => "same",
+            BlockCoding::Background => "background",
+            BlockCoding::Plane => "plane",
+            BlockCoding::ChangedPlane => "changed_plane",
+            BlockCoding::Quarters => "quarters",
+            BlockCoding::Pixels => "pixels",
+        }
+    }
+}

@@ -28,6 +28,13 @@ pub struct Area {
     pub height: usize,
 }
 
+impl Area {
+    /// Left, top, width and height.
+    pub fn rect(&self) -> [u32; 4] {
+        [self.x, self.y, self.width, self.height].map(|side| side as u32)
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct Tile {
     pub width: usize,

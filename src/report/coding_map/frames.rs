@@ -4,6 +4,7 @@ use super::subject::{Subject, What, counted, percent};
 use super::tints;
 use crate::decode::Picture;
 use crate::depth::nodes::Function;
+use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use crate::image::StreamKind;
 use crate::image::plane::Plane;
@@ -125,6 +126,11 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
         Writing::Blend => "between two keyframes".to_owned(),
         Writing::Transform => "transformed block".to_owned(),
         Writing::Palette => "palette".to_owned(),
+        Writing::Predicted(BlockCoding::Same | BlockCoding::Background) => "background".to_owned(),
+        Writing::Predicted(BlockCoding::Plane) => "plane carried on".to_owned(),
+        Writing::Predicted(BlockCoding::ChangedPlane) => "plane with a change".to_owned(),
+        Writing::Predicted(BlockCoding::Quarters) => "quarters of 4x4 pixels".to_owned(),
+        Writing::Predicted(BlockCoding::Pixels) => "pixel by pixel".to_owned(),
     }
 }
 
@@ -132,8 +138,8 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
 fn part_word(header: &CodecHeader) -> Option<&'static str> {
     let CodecHeader::Depth(header) = header else { return None };
     match header.coding {
-        DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) | DepthCoding::Predictive(_) => None,
-        DepthCoding::Blocks => Some("block"),
+        DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => None,
+        DepthCoding::Blocks | DepthCoding::Predictive(_) => Some("block"),
         DepthCoding::Nodes(_) | DepthCoding::Tree(_) => Some("node"),
     }
 }

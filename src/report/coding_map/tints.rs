@@ -1,6 +1,7 @@
 //! Tints of the ways in which pixels are coded.
 
 use crate::depth::nodes::Function;
+use crate::depth::predictive::modes::BlockCoding;
 use crate::inspect::Writing;
 use crate::report::plot::palette::{self, Rgb, mix};
 
@@ -13,6 +14,13 @@ pub fn tint(writing: Writing) -> Rgb {
         Writing::Transform => palette::BLUE,
         Writing::Palette => palette::YELLOW,
         Writing::OneValue => palette::GREEN,
+        Writing::Predicted(coding) => match coding {
+            BlockCoding::Same | BlockCoding::Background => palette::GREEN,
+            BlockCoding::Plane => palette::YELLOW,
+            BlockCoding::ChangedPlane => palette::BLUE,
+            BlockCoding::Quarters => palette::PURPLE,
+            BlockCoding::Pixels => palette::VERMILION,
+        },
     };
     ink.rgb
 }
@@ -32,6 +40,7 @@ mod tests {
         for writing in writings
             .chain([Writing::OneValue, Writing::Values, Writing::Blocks, Writing::Blend])
             .chain([Writing::Transform, Writing::Palette])
+            .chain(BlockCoding::ALL.map(Writing::Predicted))
         {
             for ground in [grey(0.0), grey(0.5), grey(1.0), BACKGROUND] {
                 let color = tinted(ground, writing);

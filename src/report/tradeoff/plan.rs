@@ -125,7 +125,15 @@ const PRESETS: &[PresetStudy] = &[
         figures: "GDC figures 5 and 8",
         stream: StreamKind::Depth,
         axes: &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")],
-        fixed: &[],
+        fixed: &[("depth-codec", "quadtree")],
+    },
+    PresetStudy {
+        name: "predictive",
+        title: "Error bound of predictive depth",
+        figures: "beside GDC figures 5 and 8",
+        stream: StreamKind::Depth,
+        axes: &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")],
+        fixed: &[("depth-codec", "predictive")],
     },
     PresetStudy {
         name: "codecs",
@@ -267,7 +275,8 @@ fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
             study.name
         )));
     }
-    let knobs = axes.iter().filter_map(|axis| sweep.knob(axis.knob));
+    // Where knobs imply different values, that of the later knob in the table holds.
+    let knobs = sweep.knobs.iter().rev().filter(|knob| is_swept(knob.name));
     let implied = knobs.flat_map(|knob| knob.implies.iter().map(|&(name, value)| (name, value.to_owned())));
     for (name, value) in study.fixed.iter().cloned().chain(implied) {
         if !is_swept(name) && concerns(name) && fixed.iter().all(|(other, _)| *other != name) {

@@ -73,7 +73,7 @@ const TESTS: [CodingTest; 7] = [
         sentence: "Depth in modelling functions decodes faster than codes as they are (GDC figure 8).",
         rule: "At every bound, every run of modelling functions is faster than every run of boxes of codes, of at least 3 \
                runs.",
-        needs: "Needs depth at values of --max-error, and the same in boxes (--depth-codec aabb), with decoding timed.",
+        needs: "Needs depth at values of --max-error with --depth-codec quadtree, and the same with aabb, with decoding timed.",
         judge: |results, _| functions_decode_faster_than_codes(results),
     },
 ];
@@ -227,7 +227,8 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Option<Judged> {
 
 fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
     let runs = runs::along(results, Some(StreamKind::Depth), "max-error", 1);
-    let beside = runs.iter().filter_map(|run| Some((run, in_boxes(results, &run.others)?)));
+    let of_functions = runs.iter().filter(|run| run.others.contains(&("depth-codec", "quadtree".to_owned())));
+    let beside = of_functions.filter_map(|run| Some((run, in_boxes(results, &run.others)?)));
     let bounds = beside.flat_map(|(run, boxes)| run.points.iter().filter_map(move |(_, of)| TimeRatio::of(of, boxes)));
     let bounds: Vec<TimeRatio> = bounds.collect();
     let kept = bounds.iter().filter(|of| of.is_faster).count();

@@ -37,8 +37,9 @@ const fn encode(
 
 /// Knobs of encoding and decoding, in the order of reports.
 pub const KNOBS: &[Knob] = &[
-    encode("depth-codec", "depth codec", &[Depth], "quadtree", &["quadtree", "aabb", "bc4w"]),
-    encode("depth-window", "depth window (frames)", &[Depth], "2", &["1", "2", "4", "8", "16"]),
+    encode("depth-codec", "depth codec", &[Depth], "predictive", &["predictive", "quadtree", "aabb", "bc4w"]),
+    encode("depth-window", "depth window (frames)", &[Depth], "2", &["1", "2", "4", "8", "16"])
+        .with(&[("depth-codec", "quadtree")]),
     encode("max-aabbs", "AABB limit", &[Depth, Material], "8", &["1", "2", "4", "8", "16"])
         .with(&[("depth-codec", "aabb")]),
     encode("update-threshold", "update threshold (codes)", &[Depth], "0, with bc5 100", &["0", "10", "30", "100"])
@@ -53,11 +54,19 @@ pub const KNOBS: &[Knob] = &[
         &["0%", "0.05%", "0.1%", "0.2%", "0.5%"],
     )
     .formerly("error-relative"),
-    encode("depth-domain", "domain of functions", &[Depth], "log", &["log", "linear", "inverse"]),
+    encode("depth-domain", "domain of functions", &[Depth], "log", &["log", "linear", "inverse"])
+        .with(&[("depth-codec", "quadtree")]),
     encode("optimize", "optimization goal", &[Depth], "quality", &["quality", "size"]).formerly("decide"),
-    encode("min-children", "children changed before one function is tried", &[Depth], "3", &["1", "2", "3", "4"]),
+    encode("min-children", "children changed before one function is tried", &[Depth], "3", &["1", "2", "3", "4"])
+        .with(&[("depth-codec", "quadtree")]),
     encode("depth-block", "depth blocks", &[Depth], "none", &["none", "bc5"]).with(&[("depth-codec", "aabb")]),
-    encode("depth-tile", "tile size (pixels)", &[Depth, Material], "half of the face", &["32", "64", "128", "256"]),
+    encode(
+        "depth-tile",
+        "tile size (pixels)",
+        &[Depth, Material],
+        "128 for predictive, else half of the face",
+        &["32", "64", "128", "256"],
+    ),
     encode("keyframe-interval", "keyframe interval (frames)", &[Depth, Material], "64", &["4", "8", "16", "32", "64"]),
     encode("color-cell", "cell size (pixels)", &[Color], "64", &["8", "16", "32", "64", "128"]).formerly("cell"),
     encode("color-codec", "colour codec", &[Color], "transform", &["transform", "cells"]),

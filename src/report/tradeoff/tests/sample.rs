@@ -133,6 +133,8 @@ pub fn tiles() -> TilePsnr {
 /// The papers' studies with results as the papers have them.
 pub fn paper() -> Results {
     let five: &[&str] = &["1", "2", "4", "8", "16"];
+    let bound =
+        study("bound", StreamKind::Depth, &[("max-error", &["0", "10", "25", "50", "100", "200", "400", "800"])]);
     results(
         vec![
             study("boxes", StreamKind::Depth, &[("depth-window", five), ("max-aabbs", five)]),
@@ -141,7 +143,7 @@ pub fn paper() -> Results {
                 StreamKind::Color,
                 &[("color-cell", &["8", "16", "32", "64", "128"]), ("psnr", &["30", "35", "40", "45", "50"])],
             ),
-            study("bound", StreamKind::Depth, &[("max-error", &["0", "10", "25", "50", "100", "200", "400", "800"])]),
+            Study { fixed: vec![("depth-codec", "quadtree".to_owned())], ..bound },
             study("codecs", StreamKind::Depth, &[("depth-codec", &["aabb"])]),
         ],
         |point| Some(as_in_the_papers(point)),
