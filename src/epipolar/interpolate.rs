@@ -138,13 +138,13 @@ impl<'a> Interpolator<'a> {
     fn row(&self, row: usize, range: Range<usize>) -> (Vec<ViewRow>, Counters) {
         let mut lap = Lap::begin();
         let (lines, mut counters) = self.lines(row);
-        counters.threads.filter += lap.next();
+        counters.threads.filter += lap.time();
         let shader = Shader::new(self, &lines.lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
             let winners: Vec<Option<Winner>> = slice.view(view, &mut counters).collect();
-            counters.threads.interpolate += lap.next();
+            counters.threads.interpolate += lap.time();
             for winner in winners.iter().flatten() {
                 let layer = shader.source_pixel(&lines.lines[winner.line as usize]).layer;
                 counters.pixels_by_layer[usize::from(layer)] += 1;
@@ -152,7 +152,7 @@ impl<'a> Interpolator<'a> {
             let pixels: ViewRow = winners.into_iter().map(|winner| shader.pixel(winner, view)).collect();
             counters.hole_pixels += pixels.iter().filter(|pixel| pixel.1 == Coverage::Hole).count() as u64;
             rows.push(pixels);
-            counters.threads.light += lap.next();
+            counters.threads.light += lap.time();
         }
         counters.splits = shader.splits();
         (rows, counters)
@@ -189,7 +189,7 @@ impl Interpolator<'_> {
     fn layered_row(&self, row: usize, range: Range<usize>, layers: usize) -> (Vec<SourceRow>, Stages) {
         let mut lap = Lap::begin();
         let (lines, mut counters) = self.lines(row);
-        counters.threads.filter += lap.next();
+        counters.threads.filter += lap.time();
         let shader = Shader::new(self, &lines.lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
@@ -199,7 +199,7 @@ impl Interpolator<'_> {
             let mut nearest = vec![0; self.views.size[0] as usize];
             for layer in 0..layers {
                 let winners: Vec<Option<Winner>> = slice.behind(view, &nearest, &mut counters).collect();
-                counters.threads.interpolate += lap.next();
+                counters.threads.interpolate += lap.time();
                 let before = out.pixels.len();
                 for ((column, winner), nearest) in (0..).zip(winners).zip(&mut nearest) {
                     let Some(winner) = winner else {
@@ -210,7 +210,7 @@ impl Interpolator<'_> {
                     *nearest = self.space.behind(line.depth);
                     out.pixels.push(shader.source_of(winner, (view, layer, column), &mut out.gloss));
                 }
-                counters.threads.light += lap.next();
+                counters.threads.light += lap.time();
                 if out.pixels.len() == before {
                     break;
                 }

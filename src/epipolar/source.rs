@@ -42,7 +42,7 @@ pub struct SourceRow {
 }
 
 impl SourceRow {
-    /// Without room for more, as many rows are kept.
+    /// Without room for more: many rows are held.
     #[must_use]
     pub fn fitted(mut self) -> SourceRow {
         self.pixels.shrink_to_fit();

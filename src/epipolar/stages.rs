@@ -68,7 +68,7 @@ impl Lap {
         Lap(Instant::now())
     }
 
-    pub fn next(&mut self) -> Duration {
+    pub fn time(&mut self) -> Duration {
         let now = Instant::now();
         now.duration_since(std::mem::replace(&mut self.0, now))
     }

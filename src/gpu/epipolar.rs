@@ -72,7 +72,7 @@ impl<'a> GpuInterpolator<'a> {
         lines.iter().for_each(|(_, of_row)| counters.add(of_row));
         let lines: Vec<&LineRuns> = lines.iter().map(|(lines, _)| lines).collect();
         let words = LineWords::new(of, rows.start, &lines);
-        counters.threads.filter += lap.next();
+        counters.threads.filter += lap.time();
         let mut highlights = Highlights::new(of, rows.start, &lines);
         let line_count = words.depths.len();
         let scanline = rows.len() * width;
@@ -108,13 +108,13 @@ impl<'a> GpuInterpolator<'a> {
             dispatch(gpu, &kernels::LINE_LIGHT, workgroups, |name| buffers.named(name))?;
             if let Some(highlights) = &mut highlights {
                 let wanted = gpu.read(&buffers.wanted, line_count.div_ceil(32))?;
-                counters.threads.interpolate += lap.next();
+                counters.threads.interpolate += lap.time();
                 let splits = highlights.words(&wanted);
                 if !splits.splits.is_empty() {
                     let eyes: Vec<f32> = range.map(|view| of.eye_place(view) as f32).collect();
                     add_highlights(gpu, &buffers, workgroups, (&splits, &eyes))?;
                 }
-                counters.threads.light += lap.next();
+                counters.threads.light += lap.time();
             }
             let pixels = gpu.read(&buffers.pixels, PIXEL_WORDS * pixel_count)?;
             counters.fragments +=
@@ -124,7 +124,7 @@ impl<'a> GpuInterpolator<'a> {
             counters.hole_pixels += holes;
             counters.depth_tests_won += pixel_count as u64 - holes;
         }
-        counters.threads.interpolate += lap.next();
+        counters.threads.interpolate += lap.time();
         counters.splits = highlights.map_or(0, |highlights| highlights.splits());
         Ok(counters)
     }

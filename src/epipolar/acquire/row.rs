@@ -104,12 +104,12 @@ impl RowAcquisition<'_> {
                     self.shade(column, (place, layer), (hits, candidates(at)), &mut out);
                 }
             }
-            counters.threads.acquire += lap.next();
+            counters.threads.acquire += lap.time();
             if layer + 1 == self.layers {
                 break;
             }
             let is_any = self.peel(&mut columns, counters);
-            counters.threads.mask += lap.next();
+            counters.threads.mask += lap.time();
             if !is_any {
                 break;
             }
