@@ -31,6 +31,7 @@ use crate::image::Pattern;
 use crate::monitor::Monitor;
 use crate::report::interpolation::Quality;
 use crate::report::machine;
+use crate::scene::capture::SamplePattern;
 
 pub use args::Args;
 use device::Device;
@@ -45,6 +46,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
     let views = input.views(args)?;
+    if matches!(input, Input::Images(_)) && views.baseline_m() == 0.0 && args.views > 1 {
+        notes.push(
+            "the sources stand in one place: all views are equal; choose probes side by side, or --baseline".into(),
+        );
+    }
     let (range, frames) = (args.range()?, args.frame_range());
     input.check_frames(args, frames)?;
     args.check_outputs(&input)?;
@@ -166,7 +172,7 @@ fn fingerprint(
     (settings, device): (&Settings, &Device<'_>),
 ) -> Fingerprint {
     let (acquire, interpolate, holes) = (&settings.acquire, &settings.interpolate, settings.holes);
-    let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps, args.rasterize);
+    let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps, args.rasterize, args.quilt);
     let mut fields = Fingerprint::of_program();
     fields.push((
         "the options",
@@ -178,7 +184,7 @@ fn fingerprint(
     ));
     // Rasterisers differ in edges.
     fields.push(("the device", device.name()));
-    fields.push(("the files", format!("{:?} {:?}", args.output, args.quilt)));
+    fields.push(("`output`", args.output.as_deref().map_or(String::new(), |path| path.display().to_string())));
     fields.push(("the input", input.contents(args)));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
@@ -216,6 +222,19 @@ struct Run<'a, 'd> {
 
 /// Renders a view without interpolation.
 type Cast<'a> = dyn Fn(usize) -> Result<RenderedImage> + 'a;
+
+/// A view at its own eye, the truth of comparisons: drawn where the triangles of sources are, so that times are of like things.
+fn alone(
+    (progress, seen): (&Progress, DrawnScene<'_>),
+    place: (&OutputViews, f64),
+    samples: &SamplePattern,
+) -> Result<RenderedImage> {
+    let color = match seen.drawing {
+        Some(_) => brute_force::draw(seen, place, samples, progress)?,
+        None => brute_force::render(seen.scene, place, samples, progress)?,
+    };
+    Ok(RenderedImage::opaque(&color))
+}
 
 impl Run<'_, '_> {
     /// All views that no earlier run has made.
@@ -262,17 +281,10 @@ impl Run<'_, '_> {
         let (range, count) = (self.args.range()?, grid.row.offsets_m.len());
         let wanted = self.missing(range, 0)?;
         let (progress, request) = (self.progress, Request { views: grid, wanted, settings, backend: self.device });
+        let samples = &settings.acquire.samples;
         interpolate_grid(seen, &request, progress, |row, view, picture| {
             let views = grid.views_of(row)?;
-            let cast = |view: usize| {
-                let color = brute_force::render(
-                    seen.scene,
-                    (&views, views.offsets_m[view]),
-                    &settings.acquire.samples,
-                    progress,
-                )?;
-                Ok(RenderedImage::opaque(&color))
-            };
+            let cast = |view: usize| alone((progress, seen), (&views, views.offsets_m[view]), samples);
             self.take((view, row * count), &picture, Some(&cast))
         })
     }
@@ -303,16 +315,9 @@ impl Run<'_, '_> {
         match now {
             FrameInput::Scene(scene) => {
                 let (seen, samples) = (DrawnScene { scene, drawing }, &settings.acquire.samples);
-                let cast = |view: usize| {
-                    let color = brute_force::render(scene, (views, views.offsets_m[view]), samples, progress)?;
-                    Ok(RenderedImage::opaque(&color))
-                };
+                let cast = |view: usize| alone((progress, seen), (views, views.offsets_m[view]), samples);
                 if self.args.brute_force {
-                    let draw = |view: usize| {
-                        let color = brute_force::draw(seen, (views, views.offsets_m[view]), samples, progress)?;
-                        Ok(RenderedImage::opaque(&color))
-                    };
-                    return self.cast_all(&wanted, first, if seen.drawing.is_some() { &draw } else { &cast });
+                    return self.cast_all(&wanted, first, &cast);
                 }
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
                 interpolate(seen, &Request { views, wanted, settings, backend }, progress, take)
@@ -336,7 +341,7 @@ impl Run<'_, '_> {
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
                 let request = Request { views, wanted, settings, backend };
                 let mut summary = between((&sources, None), &request, progress, take)?;
-                summary.stages.acquire += acquired;
+                summary.passed.acquire += acquired;
                 summary.counters.add(&counters);
                 Ok(summary)
             }
@@ -373,6 +378,7 @@ impl Run<'_, '_> {
     }
 
     fn put(&mut self, view: usize, picture: &RenderedImage) -> Result<()> {
+        self.measured.views += 1;
         let begun = Instant::now();
         if let Some(outputs) = &mut self.outputs {
             outputs.put((self.frame, view), picture)?;

@@ -36,9 +36,11 @@ impl Progress {
         Ok(Progress { bar })
     }
 
-    /// Sets the number of steps, where it follows from what is read first.
+    /// Sets the number of steps, where it follows from what is read first. Reading does not count.
     pub fn set_steps(&self, steps: u64) {
         self.bar.set_length(steps);
+        self.bar.set_position(0);
+        self.bar.reset_eta();
     }
 }
 

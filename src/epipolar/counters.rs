@@ -1,8 +1,9 @@
-//! What the stages did.
+//! What the stages did, and what threads spent on them.
 
 use serde::Serialize;
 
 use super::source::{MAX_LAYERS, SourceView};
+use super::stages::Stages;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
@@ -32,6 +33,9 @@ pub struct Counters {
     /// Pixels of output views that show each layer of a source; 0 on devices.
     #[serde(skip)]
     pub pixels_by_layer: [u64; MAX_LAYERS],
+    /// What threads spent on stages that they do scanline by scanline, summed.
+    #[serde(skip)]
+    pub threads: Stages,
 }
 
 impl Counters {
@@ -62,6 +66,7 @@ impl Counters {
             hole_pixels,
             traced_pixels,
             pixels_by_layer,
+            threads,
         } = other;
         self.source_views += source_views;
         self.source_layers = self.source_layers.max(*source_layers);
@@ -76,5 +81,6 @@ impl Counters {
         self.hole_pixels += hole_pixels;
         self.traced_pixels += traced_pixels;
         self.pixels_by_layer.iter_mut().zip(pixels_by_layer).for_each(|(sum, count)| *sum += count);
+        self.threads = self.threads + *threads;
     }
 }

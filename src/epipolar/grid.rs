@@ -62,7 +62,7 @@ impl Request<'_, GridViews> {
     }
 }
 
-/// Steps that a run over all columns reports to its monitor.
+/// Steps that a run over all columns reports to its monitor, one for each line of a column. (Those of its few sources hardly count.)
 pub fn steps(grid: &GridViews) -> u64 {
     grid.row.offsets_m.len() as u64 * u64::from(grid.row.size[0])
 }
@@ -86,7 +86,7 @@ pub fn interpolate_grid<'a>(
         summary.counters.add(&counters);
         sources.push(of_row);
     }
-    summary.stages.acquire = begun.elapsed();
+    summary.passed.acquire = begun.elapsed();
     summary.sources = sources[0].iter().map(SourceReport::of).collect();
     let interpolators = [0, 1].map(|end| Interpolator::new(&ends[end], &sources[end], settings.interpolate));
     let truth = Truth { scene: seen.scene, samples: &settings.acquire.samples };
@@ -102,19 +102,20 @@ pub fn interpolate_grid<'a>(
         let begun = Instant::now();
         let [lowest, highest] = &interpolators;
         let layers = settings.acquire.layers;
-        let layered =
-            [highest.layered(block.clone(), layers, monitor)?, lowest.layered(block.clone(), layers, monitor)?];
-        summary.stages.interpolate += begun.elapsed();
-        let [of_highest, of_lowest] = layered;
+        let (of_highest, threads_of_highest) = highest.layered(block.clone(), layers, monitor)?;
+        let (of_lowest, threads_of_lowest) = lowest.layered(block.clone(), layers, monitor)?;
+        let threads = &mut summary.counters.threads;
+        *threads = *threads + threads_of_highest + threads_of_lowest;
+        summary.passed.interpolate += begun.elapsed();
         for ((column, high), low) in block.zip(of_highest).zip(of_lowest) {
             let views = grid.row.column(grid.row.offsets_m[column], &grid.ups_m)?;
             let begun = Instant::now();
             let [top_m, bottom_m] = views.ends_m();
-            let turned = [turned_source(&high, grid.row.size, top_m), turned_source(&low, grid.row.size, bottom_m)];
+            let turned = [turned_source(high, grid.row.size, top_m), turned_source(low, grid.row.size, bottom_m)];
             let interpolator = Interpolator::new(&views, &turned, settings.interpolate);
             let (made, counted) = backend.views(&interpolator, 0..last_row + 1, monitor)?;
             summary.counters.add(&counted);
-            summary.stages.interpolate += begun.elapsed();
+            summary.passed.interpolate += begun.elapsed();
             for (row, of_view) in made.iter().rev().enumerate().filter(|(row, _)| request.wants(*row, column)) {
                 let mut of_view = turned_back(of_view);
                 let unfilled = settings.keeps_unfilled.then(|| picture(&of_view)).transpose()?;
@@ -122,7 +123,7 @@ pub fn interpolate_grid<'a>(
                 let views = grid.views_of(row)?;
                 let place = (&views, views.offsets_m[column]);
                 summary.counters.traced_pixels += fill(&mut of_view, Some(truth), place, settings.holes, monitor)?;
-                summary.stages.fill += begun.elapsed();
+                summary.passed.fill += begun.elapsed();
                 take(row, column, Picture { filled: picture(&of_view)?, unfilled })?;
             }
         }
@@ -131,10 +132,10 @@ pub fn interpolate_grid<'a>(
 }
 
 /// A picture of so many columns and rows, turned: its right column becomes the first row.
-fn turned_source(view: &SourceView, [width, _]: [u32; 2], offset_m: f64) -> SourceView {
+fn turned_source(view: SourceView, [width, _]: [u32; 2], offset_m: f64) -> SourceView {
     let mut rows = vec![SourceRow::default(); width as usize];
-    for (down, row) in (0..).zip(&view.rows) {
-        for pixel in &row.pixels {
+    for (down, row) in (0..).zip(view.rows) {
+        for pixel in row.pixels {
             let out = &mut rows[(width - 1 - pixel.column as u32) as usize];
             let light = match pixel.light {
                 Light::Gloss(at) => {
@@ -143,12 +144,12 @@ fn turned_source(view: &SourceView, [width, _]: [u32; 2], offset_m: f64) -> Sour
                 }
                 other => other,
             };
-            out.pixels.push(SourcePixel { column: down, light, ..*pixel });
+            out.pixels.push(SourcePixel { column: down, light, ..pixel });
         }
     }
     // Stable: by layer, then by column.
     rows.iter_mut().for_each(|row| row.pixels.sort_by_key(|pixel| pixel.layer));
-    SourceView { offset_m, rows, layers: view.layers }
+    SourceView { offset_m, rows: rows.into_iter().map(SourceRow::fitted).collect(), layers: view.layers }
 }
 
 /// A turned view as it is seen.

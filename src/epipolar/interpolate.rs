@@ -13,6 +13,7 @@ use super::highlights::{EyeLine, Highlight};
 use super::lines::{Line, LineSpace};
 use super::slice::{Slice, Winner};
 use super::source::{Light, SourcePixel, SourceRow, SourceView};
+use super::stages::{Lap, Stages};
 use super::views::OutputViews;
 use crate::color::blend::{HalfKey, Sample};
 use crate::error::Result;
@@ -135,12 +136,15 @@ impl<'a> Interpolator<'a> {
     }
 
     fn row(&self, row: usize, range: Range<usize>) -> (Vec<ViewRow>, Counters) {
+        let mut lap = Lap::begin();
         let (lines, mut counters) = self.lines(row);
+        counters.threads.filter += lap.time();
         let shader = Shader::new(self, &lines.lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
             let winners: Vec<Option<Winner>> = slice.view(view, &mut counters).collect();
+            counters.threads.interpolate += lap.time();
             for winner in winners.iter().flatten() {
                 let layer = shader.source_pixel(&lines.lines[winner.line as usize]).layer;
                 counters.pixels_by_layer[usize::from(layer)] += 1;
@@ -148,6 +152,7 @@ impl<'a> Interpolator<'a> {
             let pixels: ViewRow = winners.into_iter().map(|winner| shader.pixel(winner, view)).collect();
             counters.hole_pixels += pixels.iter().filter(|pixel| pixel.1 == Coverage::Hole).count() as u64;
             rows.push(pixels);
+            counters.threads.light += lap.time();
         }
         counters.splits = shader.splits();
         (rows, counters)
@@ -155,9 +160,15 @@ impl<'a> Interpolator<'a> {
 }
 
 impl Interpolator<'_> {
-    /// Some of the views as source views, with the surfaces behind their pixels (Epipolar 7.2); what nothing covers has no pixel.
-    pub fn layered(&self, range: Range<usize>, layers: usize, monitor: &dyn Monitor) -> Result<Vec<SourceView>> {
-        let rows: Vec<Vec<SourceRow>> = self
+    /// Some of the views as source views, with the surfaces behind their pixels (Epipolar 7.2); what nothing covers has no pixel. And what
+    /// threads spent on that.
+    pub fn layered(
+        &self,
+        range: Range<usize>,
+        layers: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<(Vec<SourceView>, Stages)> {
+        let rows: Vec<(Vec<SourceRow>, Stages)> = self
             .rows
             .clone()
             .into_par_iter()
@@ -167,14 +178,18 @@ impl Interpolator<'_> {
             })
             .collect::<Result<_>>()?;
         let mut views = vec![Vec::with_capacity(rows.len()); range.len()];
-        for row in rows {
+        let mut threads = Stages::default();
+        for (row, of_row) in rows {
             views.iter_mut().zip(row).for_each(|(view, row)| view.push(row));
+            threads = threads + of_row;
         }
-        Ok(views.into_iter().map(|rows| SourceView::of_rows(0.0, rows)).collect())
+        Ok((views.into_iter().map(|rows| SourceView::of_rows(0.0, rows)).collect(), threads))
     }
 
-    fn layered_row(&self, row: usize, range: Range<usize>, layers: usize) -> Vec<SourceRow> {
+    fn layered_row(&self, row: usize, range: Range<usize>, layers: usize) -> (Vec<SourceRow>, Stages) {
+        let mut lap = Lap::begin();
         let (lines, mut counters) = self.lines(row);
+        counters.threads.filter += lap.time();
         let shader = Shader::new(self, &lines.lines, row);
         let mut slice = Slice::new(&self.space, &lines, self.views.size[0]);
         let mut rows = Vec::with_capacity(range.len());
@@ -184,6 +199,7 @@ impl Interpolator<'_> {
             let mut nearest = vec![0; self.views.size[0] as usize];
             for layer in 0..layers {
                 let winners: Vec<Option<Winner>> = slice.behind(view, &nearest, &mut counters).collect();
+                counters.threads.interpolate += lap.time();
                 let before = out.pixels.len();
                 for ((column, winner), nearest) in (0..).zip(winners).zip(&mut nearest) {
                     let Some(winner) = winner else {
@@ -194,13 +210,14 @@ impl Interpolator<'_> {
                     *nearest = self.space.behind(line.depth);
                     out.pixels.push(shader.source_of(winner, (view, layer, column), &mut out.gloss));
                 }
+                counters.threads.light += lap.time();
                 if out.pixels.len() == before {
                     break;
                 }
             }
-            rows.push(out);
+            rows.push(out.fitted());
         }
-        rows
+        (rows, counters.threads)
     }
 }
 

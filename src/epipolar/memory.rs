@@ -5,6 +5,7 @@ use std::path::Path;
 use half::f16;
 
 use super::acquire::{AcquireSettings, Acquisition, SourceBands};
+use super::coalesce::Run;
 use super::grid;
 use super::interpolate::Coverage;
 use super::lines::Line;
@@ -32,10 +33,13 @@ const STRIPS_OF_BUDGET: u64 = 8;
 const VIEW_PIXEL_BYTES: u64 = (size_of::<[f16; 3]>() + size_of::<Coverage>()) as u64;
 /// Bytes of a pixel of a strip, in rows, as planes or for a file.
 const STRIP_PIXEL_BYTES: u64 = size_of::<([f16; 3], Coverage)>() as u64 + VIEW_PIXEL_BYTES;
-/// Bytes of a pixel of a picture in single precision, with alpha.
-const PICTURE_PIXEL_BYTES: u64 = 16;
-/// Bytes of a line's highlight.
-const HIGHLIGHT_BYTES: usize = 64;
+/// Bytes of a pixel of a view that is read from a file, of its picture in single precision with alpha, and of what that is written by: half
+/// floats, their channels, and the compressed file.
+const PICTURE_PIXEL_BYTES: u64 = 8 + 16 + 3 * 8;
+/// Bytes of a line's highlight: its cell, and some splits.
+const HIGHLIGHT_BYTES: usize = 32 + 4 * 32;
+/// Bytes of a line while its scanline is interpolated: itself, its run, what a view draws of both, and the highlight.
+const LINE_BYTES: usize = size_of::<Line>() + size_of::<Run>() + 8 + HIGHLIGHT_BYTES;
 /// Bytes of the hits of a ray, while a scanline is acquired.
 const HIT_BYTES: u64 = 3 * 72;
 
@@ -137,7 +141,7 @@ pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Lim
     let whole = if sources.by_bands { 0 } else { sources.bytes(width * height) };
     // A widened window has twice as many columns.
     let hits = 2 * width * u64::from(SourceBands::ROWS) * HIT_BYTES * threads;
-    let lines = (sources.pixel_lines * (width * (size_of::<Line>() + HIGHLIGHT_BYTES) as u64) as f64) as u64 * threads;
+    let lines = (sources.pixel_lines * (width * LINE_BYTES as u64) as f64) as u64 * threads;
     let strip_row = STRIP_PIXEL_BYTES * count * width;
     let strips = budget.bytes.map_or(u64::MAX, |bytes| bytes / STRIPS_OF_BUDGET).min(USUAL_STRIP_BYTES);
     let strip_rows = match sources.by_columns {

@@ -17,7 +17,7 @@
 //! [`backend`]: stages 3 and 4 on the CPU, or elsewhere, and [`drawing`] of triangles for stage 2, whose active pixels are [`compact`].
 //! [`erosion`] is a stopping rule of stage 2. [`grid`] makes columns between two
 //! rows (7.2). [`layers`] decides between the frames of a sequence how many layers are acquired (3.4.4). [`pipeline`] runs all stages,
-//! band by band; views gather in [`view_store`], and [`memory`] plans what a run takes. [`brute_force`] renders every view, which is the truth.
+//! band by band; [`stages`] are timed; views gather in [`view_store`], and [`memory`] plans what a run takes. [`brute_force`] renders every view, which is the truth.
 
 pub mod acquire;
 pub mod backend;
@@ -39,6 +39,7 @@ pub mod memory;
 pub mod pipeline;
 pub mod slice;
 pub mod source;
+pub mod stages;
 pub mod view_store;
 pub mod views;
 pub mod visibility;

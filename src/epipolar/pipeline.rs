@@ -1,7 +1,7 @@
 //! All stages, from a scene to the pictures of its output views.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use serde::Serialize;
 
@@ -12,11 +12,11 @@ use super::drawing::DrawnScene;
 use super::fill::{HoleFilling, Truth, fill, picture};
 use super::interpolate::{InterpolateSettings, Interpolator};
 use super::source::SourceView;
+use super::stages::Stages;
 use super::view_store::{Storage, ViewStore};
 use super::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
-use crate::json;
 use crate::monitor::Monitor;
 
 #[derive(Debug, Clone)]
@@ -50,17 +50,6 @@ pub struct Request<'a, V = OutputViews> {
     pub backend: &'a dyn Backend,
 }
 
-/// Durations of the stages.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-pub struct Stages {
-    #[serde(serialize_with = "json::seconds")]
-    pub acquire: Duration,
-    #[serde(serialize_with = "json::seconds")]
-    pub interpolate: Duration,
-    #[serde(serialize_with = "json::seconds")]
-    pub fill: Duration,
-}
-
 /// A source view, in a report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SourceReport {
@@ -77,7 +66,8 @@ impl SourceReport {
 
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
-    pub stages: Stages,
+    /// Durations, those of stages on the same threads as one.
+    pub passed: Stages,
     pub counters: Counters,
     pub sources: Vec<SourceReport>,
 }
@@ -85,10 +75,7 @@ pub struct Summary {
 impl Summary {
     /// Adds a run over other views or another frame. Sources stay those of the first.
     pub fn add(&mut self, other: Summary) {
-        let Stages { acquire, interpolate, fill } = other.stages;
-        self.stages.acquire += acquire;
-        self.stages.interpolate += interpolate;
-        self.stages.fill += fill;
+        self.passed = self.passed + other.passed;
         self.counters.add(&other.counters);
         if self.sources.is_empty() {
             self.sources = other.sources;
@@ -107,10 +94,9 @@ impl Summary {
         }
     }
 
-    /// Seconds of all stages.
-    pub fn duration(&self) -> Duration {
-        let Stages { acquire, interpolate, fill } = self.stages;
-        acquire + interpolate + fill
+    /// Durations of all stages, which add up to that of the run.
+    pub fn stages(&self) -> Stages {
+        self.passed.divided(&self.counters.threads)
     }
 }
 
@@ -120,9 +106,17 @@ impl<'a> Request<'a> {
         Request { views, wanted: std::iter::once(0..views.offsets_m.len()).collect(), settings, backend: &Cpu }
     }
 
-    /// Steps that a run reports to its monitor.
+    /// Steps that a run reports to its monitor, one for each scanline of a source or of all views.
     pub fn steps(&self) -> u64 {
-        self.wanted.len() as u64 * u64::from(self.views.size[1])
+        if self.wanted.is_empty() {
+            return 0;
+        }
+        let Settings { acquire, .. } = self.settings;
+        let sources = acquire
+            .acquisition
+            .places(self.views)
+            .map_or(acquire.hierarchy.max_sources, |places| places.offsets_m.len());
+        (sources + self.wanted.len()) as u64 * u64::from(self.views.size[1])
     }
 }
 
@@ -142,17 +136,17 @@ pub fn interpolate<'a>(
         let acquired = begun.elapsed();
         let mut summary = between((&sources, truth), request, monitor, take)?;
         summary.counters.add(&counters);
-        summary.stages.acquire = acquired;
+        summary.passed.acquire = acquired;
         return Ok(summary);
     };
     let mut summary = Summary::default();
-    summary.stages.acquire = begun.elapsed();
+    summary.passed.acquire = begun.elapsed();
     let mut store = request.store()?;
     for rows in parts(0..views.size[1] as usize, request.settings.at_once.acquired) {
         let begun = Instant::now();
         let (sources, counters) = bands.rows(rows.start as u32..rows.end as u32)?;
         summary.add_band(&sources, counters);
-        summary.stages.acquire += begun.elapsed();
+        summary.passed.acquire += begun.elapsed();
         request.band((&sources, rows.start), 0..rows.len(), (&mut store, &mut summary), monitor)?;
     }
     request.finish((store, summary), truth, monitor, take)
@@ -199,7 +193,7 @@ impl Request<'_> {
                 summary.counters.add(&counters);
             }
         }
-        summary.stages.interpolate += begun.elapsed();
+        summary.passed.interpolate += begun.elapsed();
         Ok(())
     }
 
@@ -215,12 +209,12 @@ impl Request<'_> {
         for (at, view) in self.wanted.iter().cloned().flatten().enumerate() {
             let begun = Instant::now();
             let mut of_view = store.take(at)?;
-            summary.stages.interpolate += begun.elapsed();
+            summary.passed.interpolate += begun.elapsed();
             let unfilled = settings.keeps_unfilled.then(|| picture(&of_view)).transpose()?;
             let begun = Instant::now();
             let place = (self.views, self.views.offsets_m[view]);
             summary.counters.traced_pixels += fill(&mut of_view, truth, place, settings.holes, monitor)?;
-            summary.stages.fill += begun.elapsed();
+            summary.passed.fill += begun.elapsed();
             take(view, Picture { filled: picture(&of_view)?, unfilled })?;
         }
         Ok(summary)

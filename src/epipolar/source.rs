@@ -42,6 +42,14 @@ pub struct SourceRow {
 }
 
 impl SourceRow {
+    /// Without room for more: many rows are held.
+    #[must_use]
+    pub fn fitted(mut self) -> SourceRow {
+        self.pixels.shrink_to_fit();
+        self.gloss.shrink_to_fit();
+        self
+    }
+
     /// Memory that it takes.
     pub fn bytes(&self) -> u64 {
         size_of_val(&self.pixels[..]) as u64 + self.gloss.iter().map(Gloss::bytes).sum::<u64>()

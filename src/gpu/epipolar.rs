@@ -19,6 +19,7 @@ use crate::epipolar::coalesce::LineRuns;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::erosion::Moves;
 use crate::epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
+use crate::epipolar::stages::Lap;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::harness::dispatch;
@@ -65,11 +66,13 @@ impl<'a> GpuInterpolator<'a> {
     ) -> Result<Counters> {
         let gpu = self.gpu;
         let width = of.views.size[0] as usize;
+        let mut lap = Lap::begin();
         let lines: Vec<(LineRuns, Counters)> = rows.clone().into_par_iter().map(|row| of.lines(row)).collect();
         let mut counters = Counters::default();
         lines.iter().for_each(|(_, of_row)| counters.add(of_row));
         let lines: Vec<&LineRuns> = lines.iter().map(|(lines, _)| lines).collect();
         let words = LineWords::new(of, rows.start, &lines);
+        counters.threads.filter += lap.time();
         let mut highlights = Highlights::new(of, rows.start, &lines);
         let line_count = words.depths.len();
         let scanline = rows.len() * width;
@@ -105,11 +108,13 @@ impl<'a> GpuInterpolator<'a> {
             dispatch(gpu, &kernels::LINE_LIGHT, workgroups, |name| buffers.named(name))?;
             if let Some(highlights) = &mut highlights {
                 let wanted = gpu.read(&buffers.wanted, line_count.div_ceil(32))?;
+                counters.threads.interpolate += lap.time();
                 let splits = highlights.words(&wanted);
                 if !splits.splits.is_empty() {
                     let eyes: Vec<f32> = range.map(|view| of.eye_place(view) as f32).collect();
                     add_highlights(gpu, &buffers, workgroups, (&splits, &eyes))?;
                 }
+                counters.threads.light += lap.time();
             }
             let pixels = gpu.read(&buffers.pixels, PIXEL_WORDS * pixel_count)?;
             counters.fragments +=
@@ -119,6 +124,7 @@ impl<'a> GpuInterpolator<'a> {
             counters.hole_pixels += holes;
             counters.depth_tests_won += pixel_count as u64 - holes;
         }
+        counters.threads.interpolate += lap.time();
         counters.splits = highlights.map_or(0, |highlights| highlights.splits());
         Ok(counters)
     }

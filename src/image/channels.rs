@@ -171,6 +171,13 @@ pub(crate) fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
     names.iter().position(is_alpha)
 }
 
+/// Indices of red, green and blue of a rendered picture, whose channels nobody names.
+pub(crate) fn find_picture_color(names: &[ChannelName]) -> Result<[usize; 3]> {
+    find_color(names, &ChannelSelect::Auto).map_err(|_| {
+        Error::invalid(format!("one picture with channels R, G and B was expected; the channels are: {}", list(names)))
+    })
+}
+
 pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<usize> {
     if let ChannelSelect::Named(wanted) = select {
         return find_named(names, wanted);
@@ -321,6 +328,10 @@ mod tests {
 
     #[test]
     fn usual_names_of_color() {
+        let picture = |all: &[&str]| find_picture_color(&names(all));
+        assert_eq!(picture(&["A", "B", "G", "R"]).unwrap(), [3, 2, 1]);
+        let said = picture(&["left|R", "left|X", "right|X"]).unwrap_err().to_string();
+        assert!(said.contains("left.X, right.X") && !said.contains('`'), "{said}");
         assert_eq!(color(&["A", "B", "G", "R"], "").unwrap(), [3, 2, 1]);
         assert_eq!(color(&["a.B", "a.G", "a.R", "Z"], "").unwrap(), [2, 1, 0]);
         assert_eq!(

@@ -20,7 +20,7 @@ use exr::prelude::{
 };
 use half::f16;
 
-use super::channels::{ChannelName, ChannelSelect, find_alpha, find_color, find_depth, find_named};
+use super::channels::{ChannelName, ChannelSelect, find_alpha, find_color, find_depth, find_named, find_picture_color};
 use super::limits::ReadLimits;
 use super::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::error::{Error, Result};
@@ -45,7 +45,7 @@ pub fn read_color(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> R
 pub fn read_rgba(path: &Path, limits: &ReadLimits) -> Result<Plane<[f16; 4]>> {
     let mut has_alpha = false;
     let mut plane = read_planes(path, limits, f16::ZERO, |names| {
-        let [red, green, blue] = find_color(names, &ChannelSelect::Auto)?;
+        let [red, green, blue] = find_picture_color(names)?;
         let alpha = find_alpha(names, red);
         has_alpha = alpha.is_some();
         Ok([red, green, blue, alpha.unwrap_or(red)])

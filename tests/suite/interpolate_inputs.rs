@@ -225,6 +225,13 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
         let output = lightfold(&format!("{line} -o v/%V.%d.png {more}").split(' ').collect::<Vec<_>>(), at);
         (output.status.success(), String::from_utf8(output.stderr).unwrap())
     };
+    // Nothing is kept, and no resumption advised, where layers depend on the frames before.
+    let (is_fine, said) = run("--reduce-layers 0.1,1");
+    let names = std::fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert!(
+        !is_fine && !said.contains("--resume") && !names.into_iter().any(|name| name.contains("partial")),
+        "{said}"
+    );
     let (is_fine, said) = run("--resume");
     assert!(!is_fine && said.contains("3 of 6 images are kept"), "{said}");
     assert!(!at.join("v").exists());
@@ -233,8 +240,13 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     assert!(!is_fine && said.contains("cannot be used multiple times"), "{said}");
     let (is_fine, said) = run("--resume --splits 1");
     assert!(!is_fine && said.contains("cannot resume") && said.contains("the options"), "{said}");
-    let (is_fine, said) = run("--resume");
-    assert!(is_fine && said.contains("resuming with 3 of 6 images"), "{said}");
+    let said = refused(&format!("{line} -o v/%V-%d.png --resume"), at);
+    assert!(said.contains("--output was v/%V.%d.png and is v/%V-%d.png now"), "{said}");
+    let resumed = fine(&format!("{line} -o v/%V.%d.png --resume --json"), at);
+    let said = String::from_utf8(resumed.stderr).unwrap();
+    assert!(said.contains("resuming with 3 of 6 images"), "{said}");
+    // Of this run.
+    assert_eq!(serde_json::from_slice::<Value>(&resumed.stdout).unwrap()["views"], 3);
     for name in ["0000.0.png", "0002.0.png", "0000.1.png", "0002.1.png"] {
         assert!(bytes(&at.join("v").join(name)) == bytes(&at.join("whole").join(name)), "{name}");
     }

@@ -59,8 +59,11 @@ const DEFAULT_SIZE: u32 = 512;
     are rendered from it. --device moves pixels, with the same bits as the CPU, and adds highlights, in single precision; with --rasterize it \
     draws triangles. Light of source views and all that is ray cast are the CPU's.\n\n\
     Views of a line are written when all their scanlines are interpolated; --resume keeps what was written.\n\n\
-    --json has `seconds` of acquisition, interpolation and filling; the time for reading the scene is in load_seconds, that for writing \
-    pictures in write_seconds."
+    --json has the `seconds` of all stages, those for reading the scene in load_seconds, and those for writing pictures in write_seconds. \
+    Stages are acquire; mask, which hidden surfaces a view may see; filter, pixels into lines; interpolate; light, with highlights; and \
+    fill. What runs on the same threads (mask in acquire; filter and light in interpolate) shares the time that passed as the threads \
+    spent theirs; on a device, light is that of highlights, and other light is in interpolate. After --resume, figures are those of the \
+    views that this run made."
 )]
 pub struct Args {
     /// A scene: a file (glTF, GLB, OBJ) or a built-in one; a container; with --probe a dataset or a container
@@ -174,7 +177,7 @@ pub struct Args {
     /// Ray cast every view, or draw it with --rasterize: the truth, and what interpolation saves
     #[arg(long, conflicts_with_all = ["compare", "probe"])]
     pub brute_force: bool,
-    /// Ray cast every view, too, and compare the pictures
+    /// Ray cast every view, too, or draw it with --rasterize, and compare the pictures
     #[arg(long, conflicts_with = "probe")]
     pub compare: bool,
     /// Table of the figures of each view, as CSV
@@ -183,7 +186,7 @@ pub struct Args {
     /// Folder for error maps of all views
     #[arg(long, value_name = "DIR", requires = "compare")]
     pub error_map: Option<PathBuf>,
-    /// Cameras of all views, for `capture --cameras`
+    /// Cameras of all views, for `capture --projection perspective --cameras`
     #[arg(long, value_name = "FILE.json")]
     pub cameras_out: Option<PathBuf>,
     /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file: a quilt, whose name gets columns, rows and aspect.
@@ -306,6 +309,11 @@ impl Args {
     /// Whether columns are interpolated between the outer rows.
     pub(super) fn by_columns(&self) -> bool {
         self.rows > 2 && self.grid == GridOrder::Columns && !self.brute_force
+    }
+
+    /// Whether a later run can go on with what this one made: nothing that it makes depends on what it has seen or measured before.
+    pub(super) fn is_resumable(&self) -> bool {
+        !self.compare && self.reduce_layers.is_none() && self.source_ms.is_none()
     }
 
     /// Name of the part of all pictures that is rendered.

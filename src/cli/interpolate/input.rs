@@ -106,8 +106,9 @@ impl Input {
             Input::Scene(scene) => {
                 let scene = scene.at(0.0);
                 let need = SourceNeed::measured(&scene, views, acquire, monitor)?;
-                // What loading has freed is used again.
-                (PROGRAM_BYTES + scene.bytes(), if args.by_columns() { need.by_columns() } else { need })
+                // What loading has freed stays with the allocator, and threads hardly use it again.
+                let loaded = resident().max(PROGRAM_BYTES + scene.bytes());
+                (loaded, if args.by_columns() { need.by_columns() } else { need })
             }
         })
     }

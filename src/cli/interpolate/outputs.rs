@@ -71,7 +71,7 @@ impl Outputs {
                     path.display()
                 ));
             }
-            let files = PictureFiles::resumable(path, format, &args.part())?;
+            let files = files(path, format, args)?;
             return Ok(Outputs { files, coding, kind: Kind::Views, by_frame });
         }
         if args.view_range.is_some() {
@@ -90,7 +90,7 @@ impl Outputs {
         notes.extend(layout.notes(all, views.size)?);
         let path = quilt_path(path, layout, f64::from(views.size[0]) / f64::from(views.size[1]))?;
         let kind = Kind::Quilts { layout, views: count, tiles: None };
-        let files = PictureFiles::resumable(&path, format, &args.part())?;
+        let files = files(&path, format, args)?;
         Ok(Outputs { files, coding, kind, by_frame: true })
     }
 
@@ -170,6 +170,15 @@ impl Outputs {
         };
         self.files.commit()?;
         Ok(quilt)
+    }
+}
+
+/// Files that a later run may go on with, unless no run can.
+fn files(path: &Path, format: FileFormat, args: &Args) -> Result<PictureFiles> {
+    if args.is_resumable() {
+        PictureFiles::resumable(path, format, &args.part())
+    } else {
+        PictureFiles::create(path, format)
     }
 }
 

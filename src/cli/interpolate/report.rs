@@ -8,7 +8,8 @@ use serde::Serialize;
 use super::args::Args;
 use crate::cli::output::{self, human_bytes};
 use crate::epipolar::counters::Counters;
-use crate::epipolar::pipeline::{SourceReport, Stages, Summary};
+use crate::epipolar::pipeline::{SourceReport, Summary};
+use crate::epipolar::stages::Stages;
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::json::{self, Number};
@@ -17,6 +18,8 @@ use crate::report::interpolation::{Quality, QualityReport};
 /// What a run measured beside its stages.
 #[derive(Debug, Default)]
 pub struct Measured {
+    /// Views that this run made.
+    pub views: usize,
     pub load: Duration,
     pub write: Duration,
     /// Of all views that were ray cast.
@@ -47,6 +50,8 @@ pub struct Report {
     size: [u32; 2],
     device: String,
     brute_force: bool,
+    /// Whether triangles of sources and of views at their own eyes are drawn.
+    rasterized: bool,
     holes_percent: f64,
     memory_model_bytes: u64,
     counters: Counters,
@@ -54,7 +59,7 @@ pub struct Report {
     quality: Option<QualityReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     quality_without_fill: Option<QualityReport>,
-    /// Time of ray casting all views over that of interpolating them.
+    /// Time of ray casting all views, or of drawing them, over that of interpolating them.
     #[serde(skip_serializing_if = "Option::is_none")]
     speedup: Option<f64>,
     /// The quilt that was written: its name has columns, rows and aspect.
@@ -64,10 +69,10 @@ pub struct Report {
 
 impl Report {
     pub fn new(args: &Args, views: &OutputViews, summary: &Summary, measured: &Measured) -> Report {
-        let count = args.view_range.map_or(views.count() * args.rows, |(first, last)| last - first + 1) as usize;
-        let seconds = if args.brute_force { measured.brute_force } else { summary.duration() };
-        let count = count * args.frame_range().count() as usize;
-        let pixels = count as f64 * views.size.map(f64::from).iter().product::<f64>();
+        let count = measured.views;
+        let stages = summary.stages();
+        let seconds = if args.brute_force { measured.brute_force } else { stages.sum() };
+        let pixels = count.max(1) as f64 * views.size.map(f64::from).iter().product::<f64>();
         let [quality, quality_without_fill] = match measured.quality.reports() {
             Some([filled, unfilled]) => [Some(filled), Some(unfilled)],
             None => [None, None],
@@ -80,13 +85,14 @@ impl Report {
             seconds_per_view: seconds / count.max(1) as u32,
             load_seconds: measured.load,
             write_seconds: measured.write,
-            stages: summary.stages,
+            stages,
             sources: summary.sources.clone(),
             baseline_m: views.baseline_m(),
             focus_m: Number(views.focus_m),
             size: views.size,
             device: measured.device.clone(),
             brute_force: args.brute_force,
+            rasterized: args.rasterize,
             holes_percent: 100.0 * summary.counters.hole_pixels as f64 / pixels,
             memory_model_bytes: measured.memory_model_bytes,
             counters: summary.counters,
@@ -133,7 +139,8 @@ impl Report {
             text += &quality.as_ref().map_or(String::new(), |quality| format!("{name}{}\n", quality.text()));
         }
         if let Some(speedup) = self.speedup {
-            text += &format!("{speedup:.1} times as fast as ray casting every view\n");
+            let alone = if self.rasterized { "drawing" } else { "ray casting" };
+            text += &format!("{speedup:.1} times as fast as {alone} every view\n");
         }
         if let Some(path) = &self.quilt {
             text += &format!("{}\n", path.display());

@@ -11,6 +11,7 @@ use crate::epipolar::counters::Counters;
 use crate::epipolar::drawing::PixelHits;
 use crate::epipolar::lines::STEEPEST;
 use crate::epipolar::source::{Light, SourcePixel, SourceRow};
+use crate::epipolar::stages::Lap;
 use crate::epipolar::views::OutputViews;
 use crate::epipolar::visibility::{Reach, hidden_m, joined, sees_past};
 use crate::mesh::Ray;
@@ -88,6 +89,7 @@ impl RowAcquisition<'_> {
         tiles: &[(Range<i32>, Vec<usize>)],
         counters: &mut Counters,
     ) -> SourceRow {
+        let mut lap = Lap::begin();
         let first = tiles.first().map_or(0, |tile| tile.0.start);
         let mut columns: Vec<Column> = Vec::new();
         for (range, candidates) in tiles {
@@ -102,14 +104,17 @@ impl RowAcquisition<'_> {
                     self.shade(column, (place, layer), (hits, candidates(at)), &mut out);
                 }
             }
-            if layer + 1 == self.layers || !self.peel(&mut columns, counters) {
+            counters.threads.acquire += lap.time();
+            if layer + 1 == self.layers {
+                break;
+            }
+            let is_any = self.peel(&mut columns, counters);
+            counters.threads.mask += lap.time();
+            if !is_any {
                 break;
             }
         }
-        // All rows are kept.
-        out.pixels.shrink_to_fit();
-        out.gloss.shrink_to_fit();
-        out
+        out.fitted()
     }
 
     fn column(&self, hits: &PixelHits<'_>, pixel: [i32; 2], candidates: &[usize]) -> Column {

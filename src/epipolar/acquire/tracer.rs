@@ -56,7 +56,11 @@ impl SourceTracer<'_> {
             let places: Vec<_> = offsets_m.iter().map(from).collect::<Result<_>>()?;
             let view = |(offset_m, from, hits): &(f64, Viewpoint, PixelHits<'_>)| {
                 let acquisition = self.acquisition((*offset_m, from), layers);
-                self.bands(part.rows.clone(), |rows| acquisition.band(hits, rows, part.columns.clone()))
+                self.bands(part.rows.clone(), |rows| {
+                    let of_band = acquisition.band(hits, rows.clone(), part.columns.clone());
+                    self.monitor.advance(rows.len() as u64);
+                    of_band
+                })
             };
             let found: Vec<Vec<(Vec<SourceRow>, Counters)>> = places.par_iter().map(view).collect::<Result<_>>()?;
             for (rows, bands) in rows.iter_mut().zip(found) {

@@ -85,6 +85,7 @@ fn on_both(
     let all = 0..case.views.offsets_m.len();
     let (found, counted) = on_device.views(&of, all.clone(), &Silent)?;
     let (expected, mut counters) = Cpu.views(&of, all, &Silent)?;
+    counters.threads = counted.threads;
     // Fragments have no order on a device.
     let pixels = case.views.size.iter().map(|&side| u64::from(side)).product::<u64>() * expected.len() as u64;
     (counters.depth_tests_won, counters.pixels_by_layer) = (pixels - counters.hole_pixels, Default::default());

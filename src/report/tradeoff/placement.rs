@@ -134,11 +134,6 @@ impl CommandBench for PlacementBench {
         shell_line(&self.search(point))
     }
 
-    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
-        measured.push_run("runs", report.number("seconds")?);
-        Ok(())
-    }
-
     fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()> {
         let cameras = report.value["cameras"].as_array().map_or(0, |cameras| cameras.len() as u64);
         measured.set("cameras", Value::Count(cameras));

@@ -82,7 +82,11 @@ pub trait CommandBench {
         shell_line(&self.line(point, Path::new("")))
     }
 
-    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()>;
+    /// Adds a timed run.
+    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
+        measured.push_run("runs", report.number("seconds")?);
+        Ok(())
+    }
 
     /// Adds all other values of a point, whose files are in the folder of `commands`.
     fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()>;
@@ -107,6 +111,12 @@ pub trait CommandBench {
         let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.user_line(point) });
         before.into_iter().chain(first).collect()
     }
+}
+
+/// A command on an input with options that all points have, then those of a point.
+pub fn words_of([command, input]: [&str; 2], fixed: &[String], point: &Point) -> Vec<OsString> {
+    let words = [command, input].into_iter().chain(fixed.iter().map(String::as_str));
+    words.map(OsString::from).chain(point.options()).collect()
 }
 
 /// Where commands run, and the folder of their files.

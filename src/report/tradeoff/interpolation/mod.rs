@@ -13,7 +13,7 @@ use super::kind::{
     TradeAxis, Value,
 };
 use super::knob::{Knob, Stage};
-use super::runner::{CommandBench, Lines, Report, shell_line};
+use super::runner::{CommandBench, Lines, Report, shell_line, words_of};
 use super::study::Results;
 use crate::error::Result;
 use crate::report::timing::median;
@@ -69,7 +69,10 @@ const MEASURES: &[Measure] = &[
     Measure::derived("speedup", |of| Some(of.number("brute_force_seconds")? / of.number("seconds")?))
         .shown("speedup", Format::Decimals(1)),
     Measure::new("acquire_seconds", NUMBER).shown("acquire s", Format::Decimals(3)),
+    Measure::new("mask_seconds", NUMBER).shown("mask s", Format::Decimals(3)),
+    Measure::new("filter_seconds", NUMBER).shown("filter s", Format::Decimals(3)),
     Measure::new("interpolate_seconds", NUMBER).shown("interpolate s", Format::Decimals(3)),
+    Measure::new("light_seconds", NUMBER).shown("light s", Format::Decimals(3)),
     Measure::new("fill_seconds", NUMBER).shown("fill s", Format::Decimals(3)),
     Measure::derived("seconds", |of| median(of.runs("runs"))).median_of("runs").shown("seconds", Format::Decimals(3)),
     Measure::new("memory_model_bytes", Source::Count(Some(0))).shown("memory, model", Format::Bytes),
@@ -79,7 +82,10 @@ const MEASURES: &[Measure] = &[
 
 const STAGES: &[PanelLine] = &[
     PanelLine { label: "acquire", measure: "acquire_seconds" },
+    PanelLine { label: "mask", measure: "mask_seconds" },
+    PanelLine { label: "filter", measure: "filter_seconds" },
     PanelLine { label: "interpolate", measure: "interpolate_seconds" },
+    PanelLine { label: "light", measure: "light_seconds" },
     PanelLine { label: "fill", measure: "fill_seconds" },
     PanelLine { label: "all", measure: "seconds" },
 ];
@@ -125,8 +131,7 @@ pub struct InterpolationBench {
 impl InterpolationBench {
     /// The command of a point, without its output.
     fn interpolate(&self, point: &Point) -> Vec<OsString> {
-        let words = ["interpolate", &self.scene].into_iter().chain(self.fixed.iter().map(String::as_str));
-        words.map(OsString::from).chain(point.options()).collect()
+        words_of(["interpolate", &self.scene], &self.fixed, point)
     }
 }
 
@@ -155,15 +160,13 @@ impl CommandBench for InterpolationBench {
         shell_line(&words)
     }
 
-    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
-        measured.push_run("runs", report.number("seconds")?);
-        Ok(())
-    }
-
     fn add_values(&self, Lines { runner, work }: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()> {
         for (name, path) in [
             ("acquire_seconds", "stages/acquire"),
+            ("mask_seconds", "stages/mask"),
+            ("filter_seconds", "stages/filter"),
             ("interpolate_seconds", "stages/interpolate"),
+            ("light_seconds", "stages/light"),
             ("fill_seconds", "stages/fill"),
         ] {
             measured.set(name, Value::Number(report.number(path)?));
@@ -222,7 +225,10 @@ mod tests {
             self.0.borrow_mut().push(line);
             let spread = json!({ "mean": 36.5, "min": 35.0, "max": "inf" });
             Ok(json!({
-                "seconds": seconds, "stages": { "acquire": 0.75, "interpolate": 0.125, "fill": 0.125 },
+                "seconds": seconds,
+                "stages": {
+                    "acquire": 0.5, "mask": 0.25, "filter": 0.0625, "interpolate": 0.0625, "light": 0, "fill": 0.125
+                },
                 "counters": { "source_views": 2, "lines": 100, "fragments": 900 }, "holes_percent": 0.5,
                 "memory_model_bytes": 1000, "speedup": 0.5 * views / seconds,
                 "quality": { "psnr_db": spread, "ssim": { "mean": 0.96 }, "psnr_hvs_m_db": spread },

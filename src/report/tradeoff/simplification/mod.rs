@@ -14,7 +14,7 @@ use super::kind::{
     TradeAxis, Value,
 };
 use super::knob::{Knob, Stage};
-use super::runner::{CommandBench, Lines, Report, shell_line};
+use super::runner::{CommandBench, Lines, Report, shell_line, words_of};
 use super::study::Results;
 use crate::error::{Error, Result};
 use crate::report::timing::median;
@@ -139,8 +139,7 @@ pub struct SimplificationBench {
 impl SimplificationBench {
     /// The command of a point, without its output.
     fn simplify(&self, point: &Point) -> Vec<OsString> {
-        let words = ["simplify", &self.capture].into_iter().chain(self.fixed.iter().map(String::as_str));
-        words.map(OsString::from).chain(point.options()).collect()
+        words_of(["simplify", &self.capture], &self.fixed, point)
     }
 }
 
@@ -172,11 +171,6 @@ impl CommandBench for SimplificationBench {
     fn is_infeasible(&self, error: &Error) -> bool {
         let said = error.to_string();
         selection::says_infeasible(&said) || texture_sizes::says_infeasible(&said)
-    }
-
-    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
-        measured.push_run("runs", report.number("seconds")?);
-        Ok(())
     }
 
     fn add_values(&self, _commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()> {
