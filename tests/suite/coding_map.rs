@@ -204,8 +204,8 @@ fn pictures_are_listed_and_the_same_on_any_number_of_threads() {
     let expected = [
         "depth_00_px_0000_blocks.png",
         "depth_00_px_0000_error.png",
-        "depth_00_px_0002_blocks.png",
-        "depth_00_px_0002_error.png",
+        "depth_00_px_0001_blocks.png",
+        "depth_00_px_0001_error.png",
         "material_00_px_0000_boxes.png",
         "material_00_px_0000_error.png",
     ];
@@ -221,9 +221,9 @@ fn pictures_are_listed_and_the_same_on_any_number_of_threads() {
         let read = |at: &str| std::fs::read(folder.path().join(at).join(name)).unwrap();
         assert_eq!(read("one"), read("three"), "{name}");
     }
-    let blocks = listed.iter().find(|plot| plot["path"].as_str().unwrap().ends_with("0002_blocks.png")).unwrap();
+    let blocks = listed.iter().find(|plot| plot["path"].as_str().unwrap().ends_with("0001_blocks.png")).unwrap();
     assert_eq!((blocks["stream"].as_str(), blocks["what"].as_str()), (Some("depth 00/px"), Some("blocks")));
-    assert_eq!((blocks["frame"].as_u64(), blocks["face"].as_str()), (Some(2), Some("px")));
+    assert_eq!((blocks["frame"].as_u64(), blocks["face"].as_str()), (Some(1), Some("px")));
     // A second run joins the folder; what else lies there stays.
     std::fs::write(folder.path().join("one/other.txt"), "mine").unwrap();
     let few = plots("inspect a.lfold --plot one --stream depth --frame 4 --json", folder.path());
@@ -247,12 +247,14 @@ fn what_a_frame_writes_is_tinted_and_the_rest_is_grey() {
         let pixels = (top..top + 900).flat_map(|y| (left..left + 1024).map(move |x| (x, y)));
         pixels.filter(|&(x, y)| drawn.get_pixel(x, y).0.iter().any(|code| *code != drawn.get_pixel(x, y).0[0])).count()
     };
-    for (codec, what) in [("predictive", "blocks"), ("quadtree", "nodes"), ("aabb", "boxes"), ("bc4w", "blocks")] {
+    // The frame that is drawn is the one that changes most: with a window, records repeat changes.
+    let codecs = [("predictive", "blocks", 1), ("quadtree", "nodes", 2), ("aabb", "boxes", 2), ("bc4w", "blocks", 2)];
+    for (codec, what, busiest) in codecs {
         fine(&format!("encode . -o {codec}.lfold --stream depth --depth-codec {codec}"), folder.path());
         fine(&format!("inspect {codec}.lfold --plot p"), folder.path());
         assert!(coloured(&format!("depth_00_px_0000_{what}.png")) > 800_000, "{codec}");
         if codec != "bc4w" {
-            let moved = coloured(&format!("depth_00_px_0002_{what}.png"));
+            let moved = coloured(&format!("depth_00_px_{busiest:04}_{what}.png"));
             assert!((1000..300_000).contains(&moved), "{codec} {moved}");
         }
         fine(&format!("inspect {codec}.lfold --plot p --frame 5"), folder.path());
