@@ -194,7 +194,7 @@ mod tests {
         };
         let few = of(2, None).unwrap();
         assert!(few.storage == Storage::Memory && few.at_once.acquired > SourceBands::ROWS, "{few:?}");
-        let tight = of(2, Some(240)).unwrap();
+        let tight = of(2, Some(245)).unwrap();
         assert!(tight.storage == Storage::Memory && tight.at_once.acquired == SourceBands::ROWS, "{tight:?}");
         // 7 GB of views.
         for megabytes in [None, Some(1000), Some(600)] {

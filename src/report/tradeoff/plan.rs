@@ -268,7 +268,11 @@ fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
     let Study { sweep, stream, axes, .. } = &study;
     let concerns = |name: &str| sweep.knob(name).is_some_and(|knob| knob.concerns(*stream));
     let is_swept = |name: &str| axes.iter().any(|axis| axis.knob == name);
-    let mut fixed: Vec<Setting> = given.iter().filter(|(name, _)| concerns(name)).cloned().collect();
+    // Such as --depth-domain in a study of another codec than the quadtree.
+    let is_of_another =
+        |(name, value): &(&str, &str)| study.fixed.iter().any(|(own, fixed)| own == name && fixed != value);
+    let fits = |name: &str| sweep.knob(name).is_none_or(|knob| !knob.implies.iter().any(is_of_another));
+    let mut fixed: Vec<Setting> = given.iter().filter(|(name, _)| concerns(name) && fits(name)).cloned().collect();
     if let Some((name, _)) = fixed.iter().find(|(name, _)| is_swept(name)) {
         return Err(Error::Usage(format!(
             "--{name}: study {} sweeps it, so that it cannot be fixed as well",
@@ -361,11 +365,14 @@ mod tests {
         let request = Request { streams: &[Color, Depth], sweeps: &[], preset: Some(Preset::Paper), fixed: &[] };
         let paper = plan(&request).unwrap();
         let counts: Vec<_> = paper.studies.iter().map(|study| (study.name.as_str(), study.points().len())).collect();
-        assert_eq!(counts, [("boxes", 25), ("cells", 25), ("bound", 8), ("codecs", 1)]);
+        assert_eq!(counts, [("boxes", 25), ("cells", 25), ("bound", 8), ("predictive", 8), ("codecs", 1)]);
         assert!(paper.tiles && paper.left_out.is_empty());
         assert_eq!(points(&paper.studies[0])[0], "depth-codec=aabb depth-window=1 max-aabbs=1");
+        let inverse = plan(&Request { fixed: &[("depth-domain", "inverse".to_owned())], ..request }).unwrap();
+        let of_domain = inverse.studies.iter().filter(|study| points(study)[0].contains("depth-domain=inverse"));
+        assert_eq!(of_domain.map(|study| study.name.as_str()).collect::<Vec<_>>(), ["boxes", "bound", "codecs"]);
         let color = plan(&Request { streams: &[Color], ..request }).unwrap();
-        assert_eq!((color.studies.len(), color.left_out.len(), color.tiles), (1, 3, false));
+        assert_eq!((color.studies.len(), color.left_out.len(), color.tiles), (1, 4, false));
         let quick = plan(&Request { preset: Some(Preset::Quick), ..request }).unwrap();
         for (few, all) in quick.studies.iter().zip(&paper.studies) {
             let all = points(all);
