@@ -114,7 +114,7 @@ fn cameras(entries: &[String]) -> String {
 #[test]
 fn units_are_seen_in_the_frames_of_their_cameras() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "--max-error 0");
+    container(folder.path(), "--max-error 0 --depth-codec quadtree");
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let chosen = Selection::default().choose(&decoder).unwrap();
     let entries = [camera([5.0, 1.0, 2.0], r#", "frames": [1, 2]"#), camera([-5.0, 1.0, 2.0], r#", "frames": [2, 9]"#)];
@@ -147,7 +147,7 @@ fn report(folder: &Path, options: &str) -> Value {
 #[test]
 fn stats_say_what_a_view_saves() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "--max-error 0");
+    container(folder.path(), "--max-error 0 --depth-codec quadtree");
     let all = report(folder.path(), "");
     assert_eq!(all["bytes_read"], all["bytes_total"]);
     assert_eq!(all["units"], all["visible_units"]);

@@ -215,15 +215,6 @@ impl DepthArgs {
                 _ => {}
             }
         }
-        if self.depth_codec == DepthCodec::Predictive {
-            let of_quadtrees = [
-                ("--depth-domain", self.domain.depth_domain != DomainKind::default()),
-                ("--min-children", self.model.min_children != NodeSettings::default().min_children),
-            ];
-            if let Some((option, _)) = of_quadtrees.iter().find(|(_, is_given)| *is_given) {
-                return refuse(format!("{option} is about modelling functions: it needs --depth-codec quadtree"));
-            }
-        }
         let codes = ErrorBound::Codes(self.max_error.unwrap_or(NodeSettings::default().bound));
         settings.depth.error = self.max_error_relative.map_or(codes, ErrorBound::Relative);
         settings.temporal.max_aabbs = self.max_aabbs;
