@@ -136,6 +136,8 @@ pub fn transform_with_own_tables() -> Footage {
 pub fn dataset() -> Footage {
     let mut settings = EncodeSettings { compression: Compression::Lzma2(1), cell: 8, ..EncodeSettings::default() };
     settings.temporal.keyframe_interval = 3;
+    // Several tiles of each image.
+    settings.depth.codec = DepthCodec::Quadtree;
     let manifest = r#"{
         "lightfield": 1, "name": "two", "fps": 24, "frames": [10, 20], "projection": "cubemap", "size": [16, 16],
         "faces_present": ["px", "ny"],
