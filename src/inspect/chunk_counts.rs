@@ -149,8 +149,9 @@ fn count_predictive(chunk: &PredictiveChunk) -> Result<ChunkMeasure> {
         measure.predictive.add_frame(frame);
         measure.constant &= frame.picture.iter().all(|code| *code == frame.picture[0]);
         bits += frame.bits;
-        // Parts of a byte go to the frame that ends it; what is left of the chunk is added to its first frame.
-        let bytes_until = (bits / 8.0) as u64;
+        // Parts of a byte go to the frame that ends it; what is left of the chunk is added to its first frame. A frame of next to
+        // no bits can have less than none: a word that the coder's state takes in counts as 16 bits, and can be worth more.
+        let bytes_until = ((bits / 8.0) as u64).max(bytes_before);
         let (keyframe_units, bytes) = (u64::from(frame.frame == 0), bytes_until - bytes_before);
         let cost = FrameCost { keyframe_units, bytes, updated_pixels: frame.updated_pixels, ..FrameCost::default() };
         measure.events.push(Event { frame: frame.frame, cost });

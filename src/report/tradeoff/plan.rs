@@ -102,6 +102,8 @@ const fn axis(knob: &'static str, paper: &'static str, quick: &'static str) -> P
     PresetAxis { knob, paper, quick }
 }
 
+const BOUNDS: &[PresetAxis] = &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")];
+
 const PRESETS: &[PresetStudy] = &[
     PresetStudy {
         name: "boxes",
@@ -124,7 +126,7 @@ const PRESETS: &[PresetStudy] = &[
         title: "Error bound of depth",
         figures: "GDC figures 5 and 8",
         stream: StreamKind::Depth,
-        axes: &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")],
+        axes: BOUNDS,
         fixed: &[("depth-codec", "quadtree")],
     },
     PresetStudy {
@@ -132,7 +134,7 @@ const PRESETS: &[PresetStudy] = &[
         title: "Error bound of predictive depth",
         figures: "beside GDC figures 5 and 8",
         stream: StreamKind::Depth,
-        axes: &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")],
+        axes: BOUNDS,
         fixed: &[("depth-codec", "predictive")],
     },
     PresetStudy {

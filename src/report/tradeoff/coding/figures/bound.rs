@@ -10,7 +10,7 @@ use crate::report::tradeoff::study::{Axis, Results, Study};
 const CHART: [u32; 2] = [500, 330];
 
 const fn line(measure: &'static str) -> PanelLine {
-    PanelLine { label: "with error bound", measure }
+    PanelLine { label: "within the bound", measure }
 }
 
 const PANELS: [Panel; 3] = [
@@ -31,9 +31,7 @@ pub fn figures(results: &Results) -> Vec<Figure> {
 fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Figure> {
     let along = along(results, study, axis);
     let base = runs::in_boxes(results, &study.fixed);
-    let is_quadtree = study.fixed.contains(&("depth-codec", "quadtree".to_owned()));
-    let name = if is_quadtree { "modelling functions" } else { "predicted codes" };
-    let row: Vec<Drawing> = PANELS.iter().map(|panel| draw(panel, name, &along, base)).collect::<Option<_>>()?;
+    let row: Vec<Drawing> = PANELS.iter().map(|panel| draw(panel, &along, base)).collect::<Option<_>>()?;
     let beside = match base {
         Some(_) => " The dashed line is depth in boxes of codes, without modelling functions.",
         None => " Depth without modelling functions (depth-codec aabb) was not measured.",
@@ -49,9 +47,8 @@ fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Figure> {
     Some(Figure { name: format!("{}-decoding", study.name), caption, drawing })
 }
 
-fn draw(panel: &Panel, name: &str, along: &Along<'_>, base: Option<&Measured>) -> Option<Drawing> {
+fn draw(panel: &Panel, along: &Along<'_>, base: Option<&Measured>) -> Option<Drawing> {
     let mut chart = along.chart(panel)?;
-    chart.series.iter_mut().filter(|series| !series.name.is_empty()).for_each(|series| series.name = name.to_owned());
     let base = base.and_then(|base| base.number(panel.lines.first()?.measure)).filter(|y| y.is_finite());
     let marks = chart.series.iter().flat_map(|series| &series.marks);
     chart.y = axis::Axis::linear(panel.title, extents(marks).into_iter().chain(base).collect::<Vec<_>>());
