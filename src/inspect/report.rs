@@ -160,6 +160,7 @@ struct PredictiveReport {
     static_tiles: u64,
     constant_units: u64,
     error_bound_codes: u16,
+    window: u8,
     epsilon: u16,
     max_error_codes: u16,
     keyframe_interval: u32,
@@ -406,6 +407,8 @@ impl PredictiveReport {
             static_tiles: stats.static_units,
             constant_units: stats.constant_units,
             error_bound_codes: header.bound.saturating_add(header.epsilon),
+            // Each frame follows the one before.
+            window: 1,
             epsilon: header.epsilon,
             max_error_codes: header.bound,
             keyframe_interval: header.keyframe_interval,

@@ -563,3 +563,34 @@ fn a_file_that_claims_millions_of_frames_costs_nothing_and_gets_no_rows() {
     assert_eq!((stats.keyframes, stats.static_units, stats.updated_pixels), (1, 1, u64::from(SIZE * SIZE)));
     assert_says(&message(inspected(&decoder, ALL_ROWS)), &["67108864 rows", "choose fewer"]);
 }
+
+#[test]
+fn blocks_of_predictive_depth_are_counted_with_their_bytes() {
+    let vectors = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid");
+    let mut codings = std::collections::BTreeSet::new();
+    for name in ["predictive", "predictive-lossless", "predictive-noise"] {
+        let file = format!("{name}.lfold");
+        let text = stdout(&lightfold(&["inspect", &file, "--json", "--per-frame"], &vectors));
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let rows = json["frame_rows"].as_array().unwrap();
+        let of_rows = |key: &str| rows.iter().map(|row| row[key].as_u64().unwrap()).sum::<u64>();
+        let (mut payload, mut updated) = (0, 0);
+        for stream in json["streams"].as_array().unwrap() {
+            let number = |key: &str| stream[key].as_u64().unwrap();
+            let sum = |key: &str| stream[key].as_object().unwrap().values().map(|of| of.as_u64().unwrap()).sum::<u64>();
+            let shown = number("frames") * number("width") * number("height");
+            let (pixels, bytes) = (sum("predicted_pixels"), sum("predicted_bytes"));
+            assert!(
+                pixels <= shown
+                    && pixels - stream["predicted_pixels"]["same"].as_u64().unwrap() <= number("updated_pixels")
+            );
+            assert!(bytes > 0 && bytes <= number("payload_bytes"), "{name}: {stream}");
+            assert_eq!(number("window"), 1);
+            let used = stream["predicted_blocks"].as_object().unwrap().iter().filter(|(_, count)| **count != 0);
+            codings.extend(used.map(|(coding, _)| coding.clone()));
+            (payload, updated) = (payload + number("payload_bytes"), updated + number("updated_pixels"));
+        }
+        assert_eq!((of_rows("bytes"), of_rows("updated_pixels")), (payload, updated), "{name}");
+    }
+    assert!(codings.len() >= 5, "{codings:?}");
+}
