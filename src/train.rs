@@ -1,4 +1,4 @@
-//! Trains entropy tables of the transform codec (color.md 6.7) on the colour of containers.
+//! Trains entropy tables of the transform codec (color.md 6.7) and of predictive depth (depth.md 15.8) on containers.
 //!
 //! Chunks that share their place in a file count once, as they are stored once.
 
@@ -9,26 +9,89 @@ use std::collections::HashSet;
 use serde::Serialize;
 
 use crate::color::HalfKey;
-use crate::color::transform::Tables;
-use crate::color::transform::encode::{PayloadCounts, PricedTables, Trainer, table_text};
+use crate::color::transform::encode::count_payload;
+use crate::color::transform::tables::Transform;
 use crate::container::ChunkEntry;
 use crate::decode::{Decoder, memory};
+use crate::depth::predictive::PredictiveChunk;
+use crate::depth::predictive::tables::Predictive;
+use crate::entropy::{Counts, Model, PayloadCounts, PricedTables, Tables, Trainer, table_text};
 use crate::error::{Error, Result};
 use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
-use crate::streams::{CodecHeader, StreamInfo};
+use crate::streams::{CodecHeader, DepthCoding, StreamInfo};
+
+/// A codec whose tables are trained.
+pub trait TrainedCodec: Model {
+    /// Why a container is refused that has no payload to count.
+    const NOTHING_TO_COUNT: &'static str;
+
+    /// Tables of a stream of this codec.
+    fn tables_of(stream: &StreamInfo) -> Option<&Tables<Self>>;
+
+    /// Counts the payload of a stream's chunk; `None` if it has no symbols of the model.
+    fn count(
+        stream: &StreamInfo,
+        chunk: &ChunkEntry,
+        payload: &[u8],
+        tables: &PricedTables<Self>,
+    ) -> Result<Option<PayloadCounts<Self>>>;
+}
+
+impl TrainedCodec for Transform {
+    const NOTHING_TO_COUNT: &'static str = "no colour in transform blocks: encode it with `color_codec` transform";
+
+    fn tables_of(stream: &StreamInfo) -> Option<&Tables<Transform>> {
+        if let CodecHeader::Color(header) = &stream.header { header.tables() } else { None }
+    }
+
+    fn count(
+        stream: &StreamInfo,
+        chunk: &ChunkEntry,
+        payload: &[u8],
+        tables: &PricedTables<Transform>,
+    ) -> Result<Option<PayloadCounts<Transform>>> {
+        let [_, _, width, height] = stream.entry.unit_rect(chunk.key.unit);
+        let (size, frames) = ([width as usize, height as usize], chunk.key.frame_count);
+        match stream.is_half_float() {
+            Some(true) => count_payload::<HalfKey>(payload, size, frames, tables),
+            _ => count_payload::<u8>(payload, size, frames, tables),
+        }
+    }
+}
+
+impl TrainedCodec for Predictive {
+    const NOTHING_TO_COUNT: &'static str = "no predictive depth: encode it with `depth_codec` predictive";
+
+    fn tables_of(stream: &StreamInfo) -> Option<&Tables<Predictive>> {
+        let CodecHeader::Depth(header) = &stream.header else { return None };
+        if let DepthCoding::Predictive(header) = &header.coding { Some(&header.tables) } else { None }
+    }
+
+    fn count(
+        stream: &StreamInfo,
+        chunk: &ChunkEntry,
+        payload: &[u8],
+        _: &PricedTables<Predictive>,
+    ) -> Result<Option<PayloadCounts<Predictive>>> {
+        let CodecHeader::Depth(header) = &stream.header else { return Ok(None) };
+        let DepthCoding::Predictive(header) = &header.coding else { return Ok(None) };
+        let (area, frames) = (stream.unit_area(chunk.key.unit), chunk.key.frame_count);
+        PredictiveChunk::parse(payload.to_vec(), header.clone(), area, frames)?.count().map(Some)
+    }
+}
 
 #[derive(Debug, Clone, Copy)]
 pub struct TrainSettings {
-    /// Number of table sets, 1 to [`crate::color::transform::tables::MOST_OWN`].
+    /// Number of table sets, 1 to [`crate::entropy::tables::MOST_OWN`].
     pub sets: usize,
     pub memory: Budget,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct TrainSummary {
-    /// Payloads of transform blocks and palettes.
+    /// Payloads of the codec.
     pub payloads: u64,
     pub symbols: u64,
     pub sets: usize,
@@ -41,7 +104,7 @@ pub struct TrainSummary {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trained {
-    /// The sets in the form of formats/color-tables.txt.
+    /// The sets in the form of the format's file.
     pub text: String,
     pub summary: TrainSummary,
 }
@@ -54,37 +117,32 @@ pub struct TrainingChunk<'a> {
     chunk: &'a ChunkEntry,
 }
 
-/// Colour chunks of the transform codec.
+/// Chunks of a codec.
 ///
 /// # Errors
 /// [`Error::Invalid`] names an input that has none.
-pub fn find_chunks(inputs: &[Decoder]) -> Result<Vec<TrainingChunk<'_>>> {
+pub fn find_chunks<C: TrainedCodec>(inputs: &[Decoder]) -> Result<Vec<TrainingChunk<'_>>> {
     let mut found = Vec::new();
     for (input, decoder) in inputs.iter().enumerate() {
         let (before, mut places) = (found.len(), HashSet::new());
-        for stream in decoder.streams().iter().filter(|stream| tables_of(stream).is_some()) {
+        for stream in decoder.streams().iter().filter(|stream| C::tables_of(stream).is_some()) {
             let chunks = decoder.reader().index().stream_chunks(stream.index).iter();
             let chunks = chunks.filter(|chunk| places.insert((chunk.offset, chunk.stored_bytes)));
             found.extend(chunks.map(|chunk| TrainingChunk { input, stream, chunk }));
         }
         if found.len() == before {
-            return Err(nothing_to_count(decoder));
+            return Err(nothing_to_count::<C>(decoder));
         }
     }
     Ok(found)
 }
 
-fn tables_of(stream: &StreamInfo) -> Option<&Tables> {
-    if let CodecHeader::Color(header) = &stream.header { header.tables() } else { None }
-}
-
-fn nothing_to_count(decoder: &Decoder) -> Error {
-    Error::invalid("no colour in transform blocks: encode it with `color_codec` transform")
-        .in_file(decoder.reader().path())
+fn nothing_to_count<C: TrainedCodec>(decoder: &Decoder) -> Error {
+    Error::invalid(C::NOTHING_TO_COUNT).in_file(decoder.reader().path())
 }
 
 /// Trains on chunks that [`find_chunks`] found in `inputs`; the monitor advances by one for each.
-pub fn train(
+pub fn train<C: TrainedCodec>(
     inputs: &[Decoder],
     chunks: Vec<TrainingChunk<'_>>,
     settings: TrainSettings,
@@ -93,18 +151,18 @@ pub fn train(
     let TrainSettings { sets, memory } = settings;
     let each = chunks.iter().map(|at| memory::chunk_bytes(&at.stream.header, &at.stream.entry, at.chunk)).max();
     let containers: u64 = inputs.iter().map(|decoder| memory::container_bytes(decoder.reader())).sum();
-    let fixed = containers + chunks.len() as u64 * PayloadCounts::BYTES;
+    let fixed = containers + chunks.len() as u64 * (Counts::<C>::BYTES + size_of::<PayloadCounts<C>>() as u64);
     let need = Need { what: "training", fixed, each: each.unwrap_or(0), instead: "fewer inputs" };
     let at_once = memory.at_once(&need, rayon::current_num_threads())?;
     let counted = try_map_at_once(chunks, at_once, |at| {
         monitor.check()?;
-        let counts = count(&inputs[at.input], at)?;
+        let counts = count::<C>(&inputs[at.input], at)?;
         monitor.advance(1);
         Ok((at.input, counts))
     })?;
     for (at, decoder) in inputs.iter().enumerate() {
         if !counted.iter().any(|(input, counts)| *input == at && counts.is_some()) {
-            return Err(nothing_to_count(decoder));
+            return Err(nothing_to_count::<C>(decoder));
         }
     }
     let trainer = Trainer::new(counted.into_iter().filter_map(|(_, counts)| counts).collect());
@@ -119,26 +177,19 @@ pub fn train(
     tables.write(&mut header);
     let summary = TrainSummary {
         payloads: payloads as u64,
-        symbols: trainer.payloads().iter().map(PayloadCounts::symbols).sum(),
+        symbols: trainer.symbols(),
         sets,
         payload_bytes: trainer.bytes(),
         trained_payload_bytes: trainer.bytes_with(&PricedTables::new(tables)),
-        // Less the number of sets, which every header has.
-        table_bytes: header.len() as u64 - 1,
+        table_bytes: header.len() as u64,
     };
     Ok(Trained { text, summary })
 }
 
-fn count(decoder: &Decoder, at: TrainingChunk<'_>) -> Result<Option<PayloadCounts>> {
+fn count<C: TrainedCodec>(decoder: &Decoder, at: TrainingChunk<'_>) -> Result<Option<PayloadCounts<C>>> {
     let TrainingChunk { stream, chunk, .. } = at;
-    let Some(tables) = tables_of(stream) else { return Ok(None) };
+    let Some(tables) = C::tables_of(stream) else { return Ok(None) };
     let tables = PricedTables::new(tables.clone());
     let payload = decoder.reader().fetch(chunk)?;
-    let [_, _, width, height] = stream.entry.unit_rect(chunk.key.unit);
-    let (size, frames) = ([width as usize, height as usize], chunk.key.frame_count);
-    let counts = match stream.is_half_float() {
-        Some(true) => PayloadCounts::of::<HalfKey>(&payload, size, frames, &tables),
-        _ => PayloadCounts::of::<u8>(&payload, size, frames, &tables),
-    };
-    counts.map_err(|error| decoder.reader().blame(chunk, error))
+    C::count(stream, chunk, &payload, &tables).map_err(|error| decoder.reader().blame(chunk, error))
 }

@@ -7,7 +7,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
-    pack, place, quadtree, quilt, render, selftest, simplify, train_color,
+    pack, place, quadtree, quilt, render, selftest, simplify, train,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -51,7 +51,11 @@ pub enum Command {
     /// Join containers, recompress them, or pack quadtrees at an error bound
     Pack(pack::Args),
     /// Train entropy tables of colour on containers
-    TrainColor(train_color::Args),
+    #[command(after_help = train::COLOR_HELP)]
+    TrainColor(train::Args),
+    /// Train entropy tables of predictive depth on containers
+    #[command(after_help = train::DEPTH_HELP)]
+    TrainDepth(train::Args),
     /// Show sizes and contents of a container or a scene, verify a container, check the conventions of a dataset
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time

@@ -30,7 +30,7 @@ mod render;
 mod selftest;
 mod simplify;
 mod tradeoff;
-mod train_color;
+mod train;
 mod unfinished_folder;
 
 use std::ffi::OsString;
@@ -39,6 +39,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::color::transform::tables::Transform;
+use crate::depth::predictive::tables::Predictive;
 use crate::error::{Error, Result};
 
 pub use command_line::{Cli, Command, command};
@@ -94,7 +96,8 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Interpolate(args) => interpolate::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),
-        Command::TrainColor(args) => train_color::run(&args, global),
+        Command::TrainColor(args) => train::run::<Transform>(&args, global),
+        Command::TrainDepth(args) => train::run::<Predictive>(&args, global),
         Command::Selftest(args) => selftest::run(&args, global),
         Command::Completions(args) => completions::run(&args, command()),
         Command::Man(args) => man::run(&args, command()),

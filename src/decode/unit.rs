@@ -59,7 +59,7 @@ impl<'a> UnitDecoder<'a> {
         let rect @ [_, _, width, height] = stream.entry.unit_rect(unit);
         let (size, area) = ([width, height], stream.unit_area(unit));
         let state = match &stream.header {
-            CodecHeader::Depth(header) => State::Depth(TemporalState::new(area, header.window(), *header)),
+            CodecHeader::Depth(header) => State::Depth(TemporalState::new(area, header.window(), header.clone())),
             CodecHeader::Material(header) => State::Material(TemporalState::new(area, header.temporal.window, *header)),
             CodecHeader::Color(header) => match (header.format, &header.coding) {
                 (ColorFormat::EightBit(_), ColorCoding::Cells(_)) => {

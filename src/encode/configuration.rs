@@ -4,8 +4,6 @@
 use serde::Serialize;
 
 use crate::color::SearchSettings;
-use crate::color::transform::Tables;
-use crate::color::transform::tables::TableSet;
 use crate::depth::TemporalSettings;
 use crate::depth::mode_decision::Decide;
 use crate::effort::Effort;
@@ -13,6 +11,7 @@ use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
+use crate::entropy::{Model, TableSet, Tables};
 use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
 use crate::image::{StreamKind, ToneMap};
@@ -51,6 +50,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         color_codec,
         color_chunk,
         color_tables,
+        depth_tables,
         search,
         color_blocks,
         compression,
@@ -85,7 +85,8 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`color_cell`", cell.to_string()),
         ("`color_codec`", if *color_codec == ColorCodec::Cells { "cells" } else { "transform" }.to_owned()),
         ("`color_chunk`", color_chunk.to_string()),
-        ("`color_tables`", color_tables.as_ref().map_or_else(|| "none".to_owned(), digest_of_tables)),
+        ("`color_tables`", digest_of_tables(color_tables.as_slice())),
+        ("`depth_tables`", digest_of_tables(depth_tables)),
         ("`psnr`", format!("{min_psnr_db} dB")),
         ("`color_qp`", constant_step.map_or_else(|| "none".to_owned(), |step| step.to_string())),
         ("`lookahead`", lookahead.to_string()),
@@ -94,9 +95,12 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn digest_of_tables(set: &TableSet) -> String {
+fn digest_of_tables<M: Model>(sets: &[TableSet<M>]) -> String {
+    if sets.is_empty() {
+        return "none".to_owned();
+    }
     let mut bytes = Vec::new();
-    Tables::with_own(vec![set.clone()]).write(&mut bytes);
+    Tables::with_own(sets.to_vec()).write(&mut bytes);
     digest(&bytes)
 }
 

@@ -11,11 +11,12 @@ use crate::depth::block::MAX_TILE;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
-use crate::depth::predictive::PredictiveHeader;
 use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::predictive::{self, PredictiveHeader};
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{DepthRange, TemporalSettings};
 use crate::effort::Effort;
+use crate::entropy::tables::MOST_OWN;
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::transfer::ToneMap;
@@ -196,6 +197,8 @@ pub struct EncodeSettings {
     pub color_chunk: u32,
     /// Entropy tables of the transform codec beside the built-in ones, stored in each colour stream.
     pub color_tables: Option<TableSet>,
+    /// Entropy tables of predictive depth beside the built-in ones, at most [`MOST_OWN`], stored in each depth stream.
+    pub depth_tables: Vec<predictive::tables::TableSet>,
     /// Quality of colour, and the search for it.
     pub search: SearchSettings,
     /// Keyframes of [`ColorCodec::Cells`] in blocks; `None` for samples.
@@ -222,6 +225,7 @@ impl Default for EncodeSettings {
             color_codec: ColorCodec::default(),
             color_chunk: 24,
             color_tables: None,
+            depth_tables: Vec::new(),
             search: SearchSettings { min_psnr_db: ColorCodec::default().usual_psnr_db(), ..SearchSettings::default() },
             color_blocks: None,
             compression: Compression::default(),
@@ -247,6 +251,12 @@ impl EncodeSettings {
         }
         if self.color_tables.is_some() && self.color_codec != ColorCodec::Transform {
             return Err(Error::Usage("`color_tables` is of `color_codec` transform".into()));
+        }
+        if !self.depth_tables.is_empty() && self.depth.codec != DepthCodec::Predictive {
+            return Err(Error::Usage("`depth_tables` is of `depth_codec` predictive".into()));
+        }
+        if self.depth_tables.len() > MOST_OWN {
+            return Err(Error::Usage(format!("`depth_tables`: at most {MOST_OWN} table sets are possible")));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if self.color_codec == ColorCodec::Transform {
@@ -335,6 +345,7 @@ impl EncodeSettings {
                 epsilon,
                 keyframe_interval,
                 projection: Projection::new(shape, range),
+                tables: predictive::tables::Tables::with_own(self.depth_tables.clone()),
             }),
         })
     }

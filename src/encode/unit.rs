@@ -162,9 +162,9 @@ impl Unit {
     fn of_depth(header: &DepthHeader, area: UnitArea, settings: &EncodeSettings) -> Result<Unit> {
         let [width, height] = area.size();
         let grid = Grid { width, height };
-        Ok(match header.coding {
-            DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
-            DepthCoding::BoxesInBlocks(temporal) => {
+        Ok(match &header.coding {
+            &DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
+            &DepthCoding::BoxesInBlocks(temporal) => {
                 let size = [grid.width, grid.height];
                 Unit::Depth(TemporalEncoder::in_blocks(size, temporal, settings.depth.effort))
             }
@@ -182,7 +182,7 @@ impl Unit {
             }
             DepthCoding::Predictive(header) => {
                 let DepthSettings { decide, effort, .. } = settings.depth;
-                Unit::DepthPredictive(Box::new(PredictiveEncoder::new(&header, area, decide, effort)?))
+                Unit::DepthPredictive(Box::new(PredictiveEncoder::new(header, area, decide, effort)?))
             }
         })
     }

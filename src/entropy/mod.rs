@@ -6,11 +6,25 @@
 
 pub mod distribution;
 pub mod family;
+pub mod model;
+#[cfg(feature = "encode")]
+pub mod prices;
 pub mod rans;
+#[cfg(feature = "encode")]
+pub mod table_text;
+pub mod tables;
 pub mod text_reader;
+#[cfg(feature = "encode")]
+pub mod training;
 
 pub use distribution::{Distribution, SYMBOLS};
 pub use family::Family;
+pub use model::Model;
+#[cfg(feature = "encode")]
+pub use prices::{Counts, PricedTables, Prices};
 pub use rans::Decoder;
 #[cfg(feature = "encode")]
 pub use rans::Encoder;
+pub use tables::{TableSet, Tables};
+#[cfg(feature = "encode")]
+pub use training::{PayloadCounts, Trainer};

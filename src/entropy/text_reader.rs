@@ -77,7 +77,7 @@ impl<'a> TextReader<'a> {
         set
     }
 
-    const fn distribution(&mut self, alphabet: usize) -> Distribution {
+    pub const fn distribution(&mut self, alphabet: usize) -> Distribution {
         let mut frequencies = [0; SYMBOLS];
         let (mut symbol, mut sum) = (0, 0);
         while symbol < alphabet {

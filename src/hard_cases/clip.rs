@@ -13,6 +13,7 @@ use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
 use crate::depth::predictive::encoder::PredictiveEncoder;
 use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::predictive::tables::Tables;
 use crate::depth::predictive::{PredictiveHeader, UnitArea};
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
@@ -132,7 +133,7 @@ impl Clip {
         decide: Decide,
     ) -> Result<Clip> {
         let projection = Projection::new(shape, any_range()?);
-        let header = PredictiveHeader { bound, epsilon, keyframe_interval, projection };
+        let header = PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables: Tables::default() };
         let mut encoder = PredictiveEncoder::new(&header, UnitArea::whole(source.size), decide, EFFORT)?;
         let chunks = source.encode(|frame| {
             Ok(match frame {

@@ -164,6 +164,7 @@ struct PredictiveReport {
     epsilon: u16,
     max_error_codes: u16,
     keyframe_interval: u32,
+    own_table_sets: usize,
     predicted_blocks: BTreeMap<&'static str, u64>,
     predicted_pixels: BTreeMap<&'static str, u64>,
     /// Bytes of the symbols, whole ones.
@@ -412,6 +413,7 @@ impl PredictiveReport {
             epsilon: header.epsilon,
             max_error_codes: header.bound,
             keyframe_interval: header.keyframe_interval,
+            own_table_sets: header.tables.own().len(),
             predicted_blocks: of(|share| share.blocks),
             predicted_pixels: of(|share| share.pixels),
             predicted_bytes: of(|share| (share.bits / 8.0) as u64),

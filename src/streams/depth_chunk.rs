@@ -28,7 +28,7 @@ impl PictureChunk for DepthChunk {
     fn parse(header: &DepthHeader, payload: Payload, area: UnitArea, frames: u32) -> Result<DepthChunk> {
         let size = area.size();
         let grid = Grid { width: size[0], height: size[1] };
-        Ok(match header.coding {
+        Ok(match &header.coding {
             DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(Layout::Values, payload, size, frames)?),
             DepthCoding::BoxesInBlocks(_) => {
                 DepthChunk::Boxes(TemporalChunk::parse(Layout::BlockTiles, payload, size, frames)?)
@@ -41,7 +41,7 @@ impl PictureChunk for DepthChunk {
             }
             DepthCoding::Blocks => DepthChunk::Blocks(BlockChunk::parse(payload, grid, frames)?),
             DepthCoding::Predictive(header) => {
-                DepthChunk::Predictive(Box::new(PredictiveChunk::parse(payload, header, area, frames)?))
+                DepthChunk::Predictive(Box::new(PredictiveChunk::parse(payload, header.clone(), area, frames)?))
             }
         })
     }

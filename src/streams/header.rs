@@ -32,7 +32,7 @@ pub const COLOR_CELLS_BC6H: [u8; 4] = *b"CCB6";
 pub const COLOR_TRANSFORM_8: [u8; 4] = *b"CTR8";
 pub const COLOR_TRANSFORM_HALF: [u8; 4] = *b"CTRH";
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DepthHeader {
     /// Metres of codes 0 and 65534.
     pub range: DepthRange,
@@ -42,7 +42,7 @@ pub struct DepthHeader {
     pub coding: DepthCoding,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum DepthCoding {
     /// Codes as they are, in boxes around what changes; only the window matters to a decoder.
     Boxes(TemporalSettings),
@@ -123,12 +123,12 @@ impl DepthHeader {
 
     /// Whether the coding needs a cube face.
     pub fn is_of_cube(&self) -> bool {
-        matches!(self.coding, DepthCoding::Predictive(header) if header.projection.shape == Shape::CubeDistance)
+        matches!(&self.coding, DepthCoding::Predictive(header) if header.projection.shape == Shape::CubeDistance)
     }
 
     /// Largest error of a decoded surface in codes (depth.md 6); `None` without a bound.
     pub fn error_bound(&self) -> Option<u16> {
-        match self.coding {
+        match &self.coding {
             DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => Some(temporal.epsilon),
             DepthCoding::Nodes(nodes) => Some(nodes.bound.saturating_add(nodes.epsilon)),
             DepthCoding::Tree(_) => Some(0),

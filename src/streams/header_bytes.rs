@@ -2,7 +2,6 @@
 
 use crate::block::SIDE;
 use crate::color::quality::Pu21;
-use crate::color::transform::Tables;
 use crate::container::StreamEntry;
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -12,6 +11,7 @@ use crate::depth::predictive::PredictiveHeader;
 use crate::depth::predictive::projection::{Projection, Shape};
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
+use crate::entropy::Tables;
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::image::{DepthKind, StreamKind};
@@ -37,13 +37,13 @@ impl CodecHeader {
                     DepthKind::Distance => 0,
                     DepthKind::Planar => 1,
                 });
-                match header.coding {
+                match &header.coding {
                     DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => {
-                        write_temporal(&temporal, &mut out);
+                        write_temporal(temporal, &mut out);
                     }
-                    DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(&nodes, &mut out),
+                    DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(nodes, &mut out),
                     DepthCoding::Blocks => {}
-                    DepthCoding::Predictive(predictive) => write_predictive(&predictive, &mut out),
+                    DepthCoding::Predictive(predictive) => write_predictive(predictive, &mut out),
                 }
             }
             CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
@@ -61,6 +61,7 @@ impl CodecHeader {
                 }
                 if let ColorCoding::Transform(tables) = &header.coding {
                     out.extend_from_slice(&[PLANES, 0, 0, 0]);
+                    out.push(tables.own_count());
                     tables.write(&mut out);
                 }
             }
@@ -173,8 +174,9 @@ fn write_predictive(header: &PredictiveHeader, out: &mut Vec<u8>) {
     out.put_u16(header.epsilon);
     out.put_u32(header.keyframe_interval);
     out.put_u16(header.projection.shape as u16);
-    out.put_u16(0);
+    out.extend([0, header.tables.own_count()]);
     out.put_u32(header.projection.octave);
+    header.tables.write(out);
 }
 
 fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
@@ -185,14 +187,15 @@ fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
     if keyframe_interval == 0 {
         return Err(fields.error("a keyframe interval of 0 frames"));
     }
-    let (shape, reserved, octave) = (fields.u16()?, fields.u16()?, fields.u32()?);
+    let (shape, reserved, own_sets, octave) = (fields.u16()?, fields.u8()?, fields.u8()?, fields.u32()?);
     let known = u8::try_from(shape).ok().and_then(Shape::from_byte);
     let shape = known.ok_or_else(|| fields.error(format!("projection {shape} is unknown")))?;
     let projection = Projection { shape, octave };
     if reserved != 0 || !projection.is_legal() {
         return Err(fields.error(format!("projection {} with {octave} codes for a factor of two", shape as u8)));
     }
-    Ok(PredictiveHeader { bound, epsilon, keyframe_interval, projection })
+    let tables = Tables::read(fields, own_sets)?;
+    Ok(PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables })
 }
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
@@ -224,7 +227,8 @@ fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
                 return Err(fields.error(format!("{planes} planes of colour, {PLANES} were expected")));
             }
             fields.zeros(3)?;
-            ColorCoding::Transform(Tables::read(fields)?)
+            let own_sets = fields.u8()?;
+            ColorCoding::Transform(Tables::read(fields, own_sets)?)
         }
         _ => ColorCoding::Cells(None),
     };
@@ -290,18 +294,23 @@ mod tests {
         let transform = |format, tables| {
             CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Transform(tables), min_psnr_db: 40.0 })
         };
+        let predictive = |tables| {
+            depth(DepthCoding::Predictive(PredictiveHeader {
+                bound: 100,
+                epsilon: 3,
+                keyframe_interval: 64,
+                projection: Projection { shape: Shape::Planar, octave: 9731 },
+                tables,
+            }))
+        };
         vec![
             depth(DepthCoding::Boxes(temporal)),
             depth(DepthCoding::BoxesInBlocks(temporal)),
             depth(DepthCoding::Nodes(nodes)),
             depth(DepthCoding::Tree(NodeHeader { window: 1, ..nodes })),
             depth(DepthCoding::Blocks),
-            depth(DepthCoding::Predictive(PredictiveHeader {
-                bound: 100,
-                epsilon: 3,
-                keyframe_interval: 64,
-                projection: Projection { shape: Shape::Planar, octave: 9731 },
-            })),
+            predictive(Tables::default()),
+            predictive(Tables::with_own(Tables::default().sets()[1..4].to_vec())),
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }),
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }),
             color(tone, None),

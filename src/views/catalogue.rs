@@ -66,14 +66,15 @@ impl<'a> Catalogue<'a> {
             let entry = decoder.probe(depth);
             let chosen = probes.takes(&entry.name);
             let Some(color) = same_face(depth, StreamKind::Color).filter(|_| chosen) else { continue };
-            let CodecHeader::Depth(header) = depth.header else { continue };
+            let CodecHeader::Depth(header) = &depth.header else { continue };
             let coded = coding_of(color);
             if *coding.get_or_insert(coded) != coded {
                 return Err(Error::unsupported(
                     "colours of one light field are coded in more than one way: encode them alike",
                 ));
             }
-            let face = FaceStreams { depth, header, color, material: same_face(depth, StreamKind::Material) };
+            let face =
+                FaceStreams { depth, header: header.clone(), color, material: same_face(depth, StreamKind::Material) };
             check_sizes(&entry.name, &face)?;
             let at = match views.iter().position(|view| view.probe == depth.probe) {
                 Some(at) => at,

@@ -14,6 +14,7 @@ use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
 use lightfold::depth::nodes::Grid;
 use lightfold::depth::predictive::encoder::PredictiveEncoder;
 use lightfold::depth::predictive::projection::Projection;
+use lightfold::depth::predictive::tables::Tables;
 use lightfold::depth::predictive::{self, PredictiveChunk, PredictiveHeader, UnitArea};
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalSettings};
@@ -70,12 +71,10 @@ fn example_of_tree() -> Vec<u8> {
     encoder.finish().unwrap().unwrap().payload
 }
 
-const PREDICTIVE: PredictiveHeader = PredictiveHeader {
-    bound: 2,
-    epsilon: 0,
-    keyframe_interval: 64,
-    projection: Projection { shape: predictive::projection::Shape::None, octave: 0 },
-};
+fn predictive_header() -> PredictiveHeader {
+    let projection = Projection { shape: predictive::projection::Shape::None, octave: 0 };
+    PredictiveHeader { bound: 2, epsilon: 0, keyframe_interval: 64, projection, tables: Tables::default() }
+}
 
 /// The payload of depth.md 15.9: the codes of depth.md 9, predicted.
 fn example_of_prediction() -> Vec<u8> {
@@ -83,7 +82,7 @@ fn example_of_prediction() -> Vec<u8> {
     let mut second = first.clone();
     second[3 * 12 + 11] = 5008;
     let area = UnitArea::whole([12, 8]);
-    let mut encoder = PredictiveEncoder::new(&PREDICTIVE, area, Decide::Mse, Effort::Normal).unwrap();
+    let mut encoder = PredictiveEncoder::new(&predictive_header(), area, Decide::Mse, Effort::Normal).unwrap();
     assert!([first, second].iter().all(|frame| encoder.push(frame).is_none()));
     encoder.finish().unwrap().payload
 }
@@ -132,7 +131,7 @@ fn the_examples_of_depth_md_are_what_the_encoders_write() {
     let nodes = NodeChunk::parse(hex_bytes(&document, 0), grid, 2, Domain::log()).unwrap();
     assert_eq!(nodes.advance(&mut picture, None, 1, 1), 96 + 16);
     assert_eq!([picture[0], picture[8], picture[3 * 12 + 10], picture[3 * 12 + 11]], [20_000, u16::MAX, 5002, 5008]);
-    let chunk = PredictiveChunk::parse(hex_bytes(&document, 2), PREDICTIVE, UnitArea::whole([12, 8]), 2);
+    let chunk = PredictiveChunk::parse(hex_bytes(&document, 2), predictive_header(), UnitArea::whole([12, 8]), 2);
     assert_eq!(chunk.unwrap().advance(&mut picture, None, 1).unwrap(), 96 + 32);
     assert_eq!([picture[0], picture[1], picture[8], picture[3 * 12 + 11]], [19_998, 20_033, u16::MAX, 5010]);
 }

@@ -9,10 +9,11 @@ use lightfold::color::transform::palette::CACHED;
 use lightfold::color::transform::payload::Header;
 use lightfold::color::transform::region::Region;
 use lightfold::color::transform::steps::{StepIndices, Steps};
-use lightfold::color::transform::tables::{BUILT_IN, MOST_OWN};
+use lightfold::color::transform::tables::BUILT_IN;
 use lightfold::color::transform::{Tables, TransformChunk};
 use lightfold::entropy::Encoder;
 use lightfold::entropy::Family;
+use lightfold::entropy::tables::MOST_OWN;
 
 use crate::docs::{hex_bytes, read, table};
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use lightfold::container::Compression;
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
+use lightfold::depth::predictive::tables::Tables;
 use lightfold::encode::{ColorBlockSettings, ColorCodec, DepthCodec, EncodeSettings, ErrorBound};
 use lightfold::image::{Plane, StreamKind, exr, png};
 use lightfold::streams::{ColorBlocks, ColorFormat};
@@ -125,6 +126,12 @@ pub fn transform(hdr: bool) -> Footage {
     })
 }
 
+fn predictive_with_own_tables() -> Footage {
+    let mut footage = depth(DepthCodec::Predictive);
+    footage.settings.depth_tables = Tables::default().sets()[2..4].to_vec();
+    footage
+}
+
 pub fn transform_with_own_tables() -> Footage {
     let mut footage = transform(false);
     let container = encoded(&footage.source(), &footage.settings);
@@ -177,6 +184,7 @@ pub fn all() -> Vec<(&'static str, Footage)> {
         ("boxes in blocks", depth(DepthCodec::BoxesInBlocks)),
         ("blocks", depth(DepthCodec::Blocks)),
         ("predictive", depth(DepthCodec::Predictive)),
+        ("predictive with own tables", predictive_with_own_tables()),
         ("material", material(false)),
         ("material in blocks", material(true)),
         ("color", color(false, None)),

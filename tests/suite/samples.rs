@@ -200,7 +200,7 @@ pub fn predictive_codec(header: PredictiveHeader) -> CodecHeader {
 
 /// Predictive depth.
 pub fn predictive(shape: Shape, images: &[Vec<u16>], header: PredictiveHeader) -> Stream {
-    let entry = entry(shape, &predictive_codec(header));
+    let entry = entry(shape, &predictive_codec(header.clone()));
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let area = UnitArea { rect: entry.unit_rect(unit), image: [entry.width, entry.height] };

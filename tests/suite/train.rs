@@ -4,12 +4,12 @@ use std::fs;
 
 use half::f16;
 use lightfold::color::SearchSettings;
-use lightfold::color::transform::encode::table_text;
-use lightfold::color::transform::tables::TableSet;
+use lightfold::color::transform::tables::{TableSet, Transform};
 use lightfold::container::Compression;
 use lightfold::decode::Decoder;
 use lightfold::effort::Effort;
 use lightfold::encode::EncodeSettings;
+use lightfold::entropy::table_text;
 use lightfold::image::{ColorPlane, Face, Plane};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
@@ -45,7 +45,7 @@ fn settings(color: ColorFormat) -> EncodeSettings {
 
 pub fn trained(inputs: &[Decoder], sets: usize) -> (Vec<TableSet>, TrainSummary) {
     let settings = TrainSettings { sets, memory: Budget::UNLIMITED };
-    let trained = train(inputs, find_chunks(inputs).unwrap(), settings, &Silent).unwrap();
+    let trained = train::<Transform>(inputs, find_chunks::<Transform>(inputs).unwrap(), settings, &Silent).unwrap();
     (table_text::read(trained.text.as_bytes()).unwrap(), trained.summary)
 }
 
@@ -161,6 +161,44 @@ fn more_sets_than_payloads_are_refused() {
     let one_cell = EncodeSettings { cell: 192, ..settings(EncodeSettings::default().color) };
     let inputs = [decoder(&encoded(&source, &one_cell))];
     let settings = TrainSettings { sets: 2, memory: Budget::UNLIMITED };
-    let error = train(&inputs, find_chunks(&inputs).unwrap(), settings, &Silent).unwrap_err().to_string();
+    let error = train::<Transform>(&inputs, find_chunks::<Transform>(&inputs).unwrap(), settings, &Silent)
+        .unwrap_err()
+        .to_string();
     assert_eq!(error, "`sets` 2: more than the inputs have payloads, 1");
+}
+
+/// Noise on a slope, the same kind of it in all frames.
+fn rough(_: Face, frame: u32) -> Plane<f32> {
+    let mut random = Random(u64::from(frame) + 9);
+    Plane::from_fn(192, 160, |x, y| 2.0 + (x + y) as f32 / 300.0 + random.below(1000) as f32 * 3e-5)
+}
+
+#[test]
+fn commands_train_and_use_tables_of_depth() {
+    let folder = TempDir::new().unwrap();
+    let place = folder.path();
+    Footage { depth: Some(&rough), frames: [0, 5], ..Footage::new(192, 160) }.write(place);
+    let encode = "encode . --max-error 3 --stream depth";
+    fine(&format!("{encode} -o plain.lfold"), place);
+    let report = fine("train-depth plain.lfold -o tables.txt --sets 2 --json", place);
+    let report: Value = serde_json::from_slice(&report.stdout).unwrap();
+    assert_eq!((report["sets"].as_u64(), report["payloads"].as_u64()), (Some(2), Some(4)), "tiles of 128: {report}");
+    let of = |name: &str| report[name].as_u64().unwrap();
+    assert!(of("trained_payload_bytes") < of("payload_bytes"), "{report}");
+    fine(&format!("{encode} -o own.lfold --depth-tables tables.txt"), place);
+    fine("diff . own.lfold --stream depth --max-error 3", place);
+    let inspected = String::from_utf8(fine("inspect own.lfold", place).stdout).unwrap();
+    assert!(inspected.contains(", 2 table sets"), "{inspected}");
+    let bytes = |name: &str| fs::read(place.join(name)).unwrap().len() as u64;
+    assert!(bytes("own.lfold") < bytes("plain.lfold") + of("table_bytes"), "payloads are no smaller");
+    for (command, words) in [
+        ("train-color plain.lfold -o x.txt", "plain.lfold: no colour in transform blocks"),
+        (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables is of"),
+        (
+            &format!("{encode} --depth-tables plain.lfold -o x.lfold"),
+            "plain.lfold: line 1: a decimal number was expected",
+        ),
+    ] {
+        assert!(refused(command, place).contains(words), "{command}: {}", refused(command, place));
+    }
 }

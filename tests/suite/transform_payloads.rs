@@ -27,7 +27,7 @@ pub fn usual_header(bytes: usize) -> Header {
 
 /// Own table sets by chance: every third symbol or so has no slot.
 pub fn own_sets(count: u8, random: &mut Random) -> Tables {
-    let mut bytes = vec![count];
+    let mut bytes = Vec::new();
     for _ in 0..count {
         for (cluster, alphabet) in ALPHABETS.into_iter().enumerate() {
             let certain = cluster >= NODE.clusters && random.below(9) == 0;
@@ -45,18 +45,18 @@ pub fn own_sets(count: u8, random: &mut Random) -> Tables {
             }
         }
     }
-    Tables::read(&mut Fields::new(&bytes, 0, "")).unwrap()
+    Tables::read(&mut Fields::new(&bytes, 0, ""), count).unwrap()
 }
 
 /// Tables with one set of a stream's own: the frequencies of the distributions of each family.
 pub fn own_set(frequencies: impl Fn(Family) -> Vec<u16>) -> Tables {
-    let mut bytes = vec![1];
+    let mut bytes = Vec::new();
     for family in FAMILIES {
         for _ in 0..family.clusters {
             frequencies(family)[..family.alphabet - 1].iter().for_each(|&count| bytes.put_varint(count.into()));
         }
     }
-    Tables::read(&mut Fields::new(&bytes, 0, "")).unwrap()
+    Tables::read(&mut Fields::new(&bytes, 0, ""), 1).unwrap()
 }
 
 /// What occurs in payloads.

@@ -3,13 +3,21 @@
 use lightfold::container::{Compression, EncodedChunk};
 use lightfold::depth::predictive::PredictiveHeader;
 use lightfold::depth::predictive::projection::{Projection, Shape as Pixels};
+use lightfold::depth::predictive::tables::{Predictive, TableSet, Tables};
+use lightfold::entropy::{Distribution, Model, SYMBOLS};
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};
 
 fn header(bound: u16, pixels: Pixels) -> PredictiveHeader {
     let octave = if pixels == Pixels::None { 0 } else { 16_384 };
-    PredictiveHeader { bound, epsilon: 0, keyframe_interval: 3, projection: Projection { shape: pixels, octave } }
+    PredictiveHeader {
+        bound,
+        epsilon: 0,
+        keyframe_interval: 3,
+        projection: Projection { shape: pixels, octave },
+        tables: Tables::default(),
+    }
 }
 
 /// Depth codes of surfaces in front of a wall, with an edge that moves and a hole.
@@ -62,6 +70,20 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         let image = random([20, 12], 3);
         one(samples::predictive(shape(0, [20, 12], [16, 16], 0, 3), &image, header(0, Pixels::Planar)))
     }));
+    all.push(("predictive-own-tables", {
+        // Another set of the format first, so that payloads name it by another number; then one of equal frequencies.
+        let tables = Tables::default();
+        let equal = |&alphabet: &u8| {
+            let mut counts = [0; SYMBOLS];
+            counts[..usize::from(alphabet)].fill(1);
+            Distribution::of_counts(&counts, alphabet.into())
+        };
+        let equal: Vec<Distribution> = Predictive::ALPHABETS.iter().map(equal).collect();
+        let own = vec![TableSet::new(&equal), tables.sets()[4].clone()];
+        let image = random([40, 24], 3);
+        let header = PredictiveHeader { tables: Tables::with_own(own), ..header(10, Pixels::Planar) };
+        one(samples::predictive(shape(1, [40, 24], [24, 24], 2, 3), &image, header))
+    }));
     all.push(("predictive-background", {
         let image = vec![vec![u16::MAX; 90]; 4];
         one(samples::predictive(shape(6, [10, 9], [16, 16], 0, 4), &image, header(100, Pixels::None)))
@@ -106,6 +128,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("predictive-bound", codec(16, &[0xFF, 0xFF]), "a bound of 65535 codes"),
         ("predictive-projection", codec(24, &[3]), "projection 3 is unknown"),
         ("predictive-reserved", codec(26, &[1]), "projection 2 with 16384 codes"),
+        ("predictive-own-tables-missing", codec(27, &[1]), "1 more bytes expected, 0 left"),
+        ("predictive-own-tables-too-many", codec(27, &[9]), "9 table sets, at most 8 are legal"),
         ("predictive-octave", codec(29, &[1]), "projection 2 with 256 codes"),
         ("predictive-octave-of-none", codec(24, &[0]), "projection 0 with 16384 codes"),
         ("predictive-interval", codec(20, &[0]), "a keyframe interval of 0 frames"),

@@ -6,7 +6,7 @@ from boxes import read_depth_fields
 from container import fetch
 from fields import Fields, check
 from nodes import log_of, wrap
-from transform import Substream, slots_of
+from transform import Substream, read_distribution, slots_of
 
 # Contexts, symbols and distributions of each family (depth.md 15.7).
 FAMILIES = {
@@ -40,25 +40,27 @@ def read_tables():
         alphabets += [symbols] * count
     sets = [[slots_of([next(numbers) for _ in range(symbols)]) for symbols in alphabets] for _ in range(8)]
     assert next(numbers, None) is None
-    return first, of_context, sets
+    return first, of_context, alphabets, sets
 
 
-FIRST, DISTRIBUTION, SETS = read_tables()
+FIRST, DISTRIBUTION, ALPHABETS, SETS = read_tables()
 
 
 def read_predictive_header(stream):
-    """Bound, projection and octave."""
+    """Bound, projection, octave and table sets."""
     check(stream.unit_width <= 1024 and stream.unit_height <= 1024, "the units are too large")
     fields = Fields(stream.header)
     read_depth_fields(fields)
     bound, _epsilon, interval, projection = fields.take("HHIH")
-    fields.zeros(2)
-    octave = fields.take("I")
+    fields.zeros(1)
+    own_sets, octave = fields.take("BI")
+    check(own_sets <= 8, "there are too many table sets")
     check(bound <= 65534 and interval >= 1 and projection <= 2, "a header is illegal")
     check(512 <= octave <= 131071 if projection else octave == 0, "the octave is illegal")
     check(projection < 2 or stream.width == stream.height, "a cube face is not square")
+    own = [[read_distribution(fields, symbols) for symbols in ALPHABETS] for _ in range(own_sets)]
     fields.finish()
-    return bound, projection, octave
+    return bound, projection, octave, SETS + own
 
 
 class Symbols(Substream):
@@ -88,7 +90,7 @@ def steep(g):
 class Unit:
     def __init__(self, rect, side, header):
         left, top, self.w, self.h = rect
-        self.bound, projection, octave = header
+        self.bound, projection, octave, _sets = header
         self.step, self.same, self.apart = (2 * self.bound + 1) * 256, (3 * self.bound + 2) * 256, (2 * self.bound + 1) * 640
         self.K = octave * 2955 >> 11
         self.R = (1 << 22) // self.K if self.K else 0
@@ -319,9 +321,9 @@ class Unit:
 def decode_predictive(data, chunks, rect, side, header):
     for _first, count, place in chunks:
         payload = fetch(data, place)
-        check(payload and payload[0] <= 7, "a table set is unknown")
+        check(payload and payload[0] < len(header[3]), "a table set is unknown")
         check(count <= 4096, "a chunk has too many frames")
-        stream, unit = Symbols(payload[1:], SETS[payload[0]]), Unit(rect, side, header)
+        stream, unit = Symbols(payload[1:], header[3][payload[0]]), Unit(rect, side, header)
         pictures = []
         for _ in range(count):
             unit.frame(stream)

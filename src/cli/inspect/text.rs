@@ -289,9 +289,15 @@ fn setting(stats: &StreamStats<'_>) -> String {
                     nodes.keyframe_interval
                 ),
                 DepthCoding::Blocks => format!("BC4w blocks without a bound, tile {units}"),
-                DepthCoding::Predictive(PredictiveHeader { bound, epsilon, keyframe_interval, .. }) => {
+                DepthCoding::Predictive(PredictiveHeader { bound, epsilon, keyframe_interval, ref tables, .. }) => {
                     let epsilon = if epsilon > 0 { format!(" and {epsilon} in time") } else { String::new() };
-                    format!("predictive, ±{bound} codes{epsilon}, keyframe every {keyframe_interval}, tile {units}")
+                    let tables = match tables.own().len() as u64 {
+                        0 => String::new(),
+                        own => format!(", {}", counted(own, "table set")),
+                    };
+                    format!(
+                        "predictive, ±{bound} codes{epsilon}, keyframe every {keyframe_interval}, tile {units}{tables}"
+                    )
                 }
             };
             format!("{coding}, {}", header.kind.name())

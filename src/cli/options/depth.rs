@@ -1,5 +1,7 @@
 //! Options of depth.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::choice::{Choices, InBlocks, one_of};
@@ -10,6 +12,7 @@ use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::settings::TemporalSettings;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
+use crate::entropy::table_text;
 use crate::error::Result;
 use crate::image::DepthKind;
 
@@ -78,6 +81,10 @@ pub struct DepthArgs {
     /// Largest error of a decoded depth relative to the depth, such as 0.1%, for quadtree and predictive
     #[arg(long, alias = "error-relative", value_name = "SHARE", value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
+    /// Entropy tables of lightfold train-depth, for predictive: stored once in each stream, used by each chunk that they make
+    /// smaller
+    #[arg(long, value_name = "TABLES")]
+    pub depth_tables: Option<PathBuf>,
     #[command(flatten)]
     pub domain: DomainArgs,
     #[command(flatten)]
@@ -217,6 +224,8 @@ impl DepthArgs {
         }
         let codes = ErrorBound::Codes(self.max_error.unwrap_or(NodeSettings::default().bound));
         settings.depth.error = self.max_error_relative.map_or(codes, ErrorBound::Relative);
+        settings.depth_tables =
+            self.depth_tables.as_deref().map(table_text::read_file).transpose()?.unwrap_or_default();
         settings.temporal.max_aabbs = self.max_aabbs;
         settings.depth.domain = self.domain.depth_domain;
         self.model.apply(settings);

@@ -15,13 +15,13 @@ use crate::error::Result;
 
 /// Tables in which every distribution is certain of one symbol, which takes no bits: `of` says which by cluster.
 fn certain(of: impl Fn(usize) -> usize) -> Tables {
-    let mut bytes = vec![1];
+    let mut bytes = Vec::new();
     for (cluster, alphabet) in ALPHABETS.into_iter().enumerate() {
         for symbol in 0..usize::from(alphabet) - 1 {
             bytes.put_varint(if symbol == of(cluster).min(usize::from(alphabet) - 1) { 4096 } else { 0 });
         }
     }
-    Tables::read(&mut Fields::new(&bytes, 0, "")).unwrap()
+    Tables::read(&mut Fields::new(&bytes, 0, ""), 1).unwrap()
 }
 
 /// A payload of the stream's own set for so many regions, whose substreams are all the same.

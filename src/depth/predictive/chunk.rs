@@ -1,5 +1,8 @@
 //! A chunk of predictive coding: a table set's number and one substream, from which frames are decoded in order (depth.md 15.2).
 
+#[cfg(feature = "encode")]
+use std::cell::RefCell;
+
 use crate::container::Payload;
 use crate::container::fields::Fields;
 use crate::depth::predictive::area::UnitArea;
@@ -11,6 +14,11 @@ use crate::depth::predictive::pixel::{
 };
 use crate::depth::predictive::plane::{Plane, Side};
 use crate::depth::predictive::settings::{MAX_FRAMES, MAX_SIDE, PredictiveHeader};
+#[cfg(feature = "encode")]
+use crate::depth::predictive::source::Counting;
+use crate::depth::predictive::source::{Reader, Source};
+#[cfg(feature = "encode")]
+use crate::depth::predictive::tables::Predictive;
 use crate::depth::predictive::tables::TableSet;
 use crate::depth::predictive::tile::{Area, Tile};
 use crate::entropy;
@@ -51,8 +59,8 @@ impl PredictiveChunk {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
         let set = fields.u8()?;
-        let tables =
-            TableSet::new(set.into()).ok_or_else(|| fields.error_at(0, format!("table set {set} is unknown")))?;
+        let tables = header.tables.sets().get(usize::from(set)).cloned();
+        let tables = tables.ok_or_else(|| fields.error_at(0, format!("table set {set} is unknown")))?;
         if frames > MAX_FRAMES {
             return Err(fields.error(format!("a chunk of {frames} frames, at most {MAX_FRAMES} are legal")));
         }
@@ -86,16 +94,16 @@ impl PredictiveChunk {
         // A picture that another decoder's frame is in, or none, is written whole.
         let is_ours = at.is_some_and(|at| at + 1 == state.next);
         let mut updated = 0;
-        let mut stream = entropy::Decoder::resume(&self.payload[HEAD..], state.mark);
+        let mut source = self.reader(entropy::Decoder::resume(&self.payload[HEAD..], state.mark));
         while state.next <= target {
-            let mut frame = FrameDecoder { stream, tables: self.tables, tile: &mut state.tile, picture, updated: 0 };
+            let mut frame = FrameDecoder { source, tile: &mut state.tile, picture, updated: 0 };
             frame.decode(|_, _| ());
             updated += frame.updated;
-            stream = frame.stream;
+            source = frame.source;
             state.next += 1;
-            self.check_substream(&stream, state.next)?;
+            self.check_substream(&source.stream, state.next)?;
         }
-        state.mark = stream.mark();
+        state.mark = source.stream.mark();
         if !is_ours {
             let [width, height] = [state.tile.width, state.tile.height];
             state.tile.show(Area { x: 0, y: 0, width, height }, picture);
@@ -117,21 +125,20 @@ impl PredictiveChunk {
     pub fn for_each_frame(&self, mut visit: impl FnMut(&FrameBlocks<'_>) -> Result<()>) -> Result<()> {
         let mut tile = Tile::new(&self.header, self.area)?;
         let mut picture = vec![0; tile.width * tile.height];
-        let mut stream = entropy::Decoder::new(&self.payload[HEAD..]);
+        let mut source = self.reader(entropy::Decoder::new(&self.payload[HEAD..]));
         let mut blocks = Vec::new();
         for number in 0..self.frames {
             blocks.clear();
-            let start = stream.bits_left();
+            let start = source.stream.bits_left();
             let mut before = start;
-            let mut frame =
-                FrameDecoder { stream, tables: self.tables, tile: &mut tile, picture: &mut picture, updated: 0 };
-            frame.decode(|mode, stream| {
-                let left = stream.bits_left();
+            let mut frame = FrameDecoder { source, tile: &mut tile, picture: &mut picture, updated: 0 };
+            frame.decode(|mode, source| {
+                let left = source.stream.bits_left();
                 blocks.push((mode, std::mem::replace(&mut before, left) - left));
             });
             let updated_pixels = frame.updated;
-            stream = frame.stream;
-            self.check_substream(&stream, number + 1)?;
+            source = frame.source;
+            self.check_substream(&source.stream, number + 1)?;
             let blocks = blocks.iter().enumerate();
             visit(&FrameBlocks {
                 frame: number,
@@ -139,12 +146,38 @@ impl PredictiveChunk {
                     .map(|(at, &(mode, bits))| CodedBlock { area: tile.area(at), coding: BlockCoding::of(mode), bits })
                     .collect(),
                 updated_pixels,
-                bits: start - stream.bits_left(),
+                bits: start - source.stream.bits_left(),
                 size: self.area.size(),
                 picture: &picture,
             })?;
         }
         Ok(())
+    }
+
+    /// Counts the symbols of all frames.
+    ///
+    /// # Errors
+    /// As for [`Self::advance`].
+    #[cfg(feature = "encode")]
+    pub fn count(&self) -> Result<entropy::PayloadCounts<Predictive>> {
+        let counts = RefCell::new(entropy::Counts::default());
+        let mut tile = Tile::new(&self.header, self.area)?;
+        let mut picture = vec![0; tile.width * tile.height];
+        let mut source =
+            Counting { reader: self.reader(entropy::Decoder::new(&self.payload[HEAD..])), counts: &counts };
+        for number in 0..self.frames {
+            let mut frame = FrameDecoder { source, tile: &mut tile, picture: &mut picture, updated: 0 };
+            frame.decode(|_, _| ());
+            source = frame.source;
+            self.check_substream(&source.reader.stream, number + 1)?;
+        }
+        let counts = counts.into_inner();
+        let bits = entropy::Prices::new(&self.tables).total(&counts);
+        Ok(entropy::PayloadCounts { counts, bytes: self.payload.len() as u64, bits })
+    }
+
+    fn reader<'a>(&'a self, stream: entropy::Decoder<'a>) -> Reader<'a> {
+        Reader { stream, tables: self.tables.distributions() }
     }
 
     /// Checks a substream of which the first `frames` frames are decoded.
@@ -203,25 +236,20 @@ impl FrameBlocks<'_> {
     }
 }
 
-struct FrameDecoder<'a, 'b> {
-    stream: entropy::Decoder<'a>,
-    tables: TableSet,
+struct FrameDecoder<'b, S> {
+    source: S,
     tile: &'b mut Tile,
     picture: &'b mut [u16],
     updated: u64,
 }
 
-impl FrameDecoder<'_, '_> {
-    fn symbol(&mut self, context: usize) -> usize {
-        self.stream.symbol(self.tables.distribution(context))
-    }
-
-    /// `coded` gets the mode of each block, and the substream behind it.
-    fn decode(&mut self, mut coded: impl FnMut(usize, &entropy::Decoder<'_>)) {
-        if self.symbol(contexts::frame(self.tile.later())) == 1 {
+impl<S: Source> FrameDecoder<'_, S> {
+    /// `coded` gets the mode of each block, and the source behind it.
+    fn decode(&mut self, mut coded: impl FnMut(usize, &S)) {
+        if self.source.symbol(contexts::frame(self.tile.later())) == 1 {
             for block in 0..self.tile.blocks.len() {
                 self.block(block);
-                coded(self.tile.blocks[block].mode, &self.stream);
+                coded(self.tile.blocks[block].mode, &self.source);
             }
         } else if !self.tile.is_later {
             self.picture.fill(u16::MAX);
@@ -234,7 +262,7 @@ impl FrameDecoder<'_, '_> {
 
     fn block(&mut self, at: usize) {
         let area = self.tile.area(at);
-        let mode = self.symbol(self.tile.mode_context(at));
+        let mode = self.source.symbol(self.tile.mode_context(at));
         self.tile.blocks[at].mode = mode;
         if mode == SAME {
             if !self.tile.is_later {
@@ -247,7 +275,7 @@ impl FrameDecoder<'_, '_> {
             PIXELS => self.pixels(area),
             QUARTERS => {
                 for quarter in self.tile.quarters(area) {
-                    match self.symbol(self.tile.small_mode_context(quarter)) {
+                    match self.source.symbol(self.tile.small_mode_context(quarter)) {
                         0 => self.pixels(quarter),
                         mode => {
                             let mut plane = self.tile.small_plane_from(quarter, (mode - 1) % SOURCES);
@@ -284,10 +312,10 @@ impl FrameDecoder<'_, '_> {
 
     /// A signed number: 0, or twice its class and 1, or 2 where it is positive.
     fn change(&mut self, context: usize) -> i32 {
-        match self.symbol(context) {
+        match self.source.symbol(context) {
             0 => 0,
             symbol => {
-                let magnitude = rest(&mut self.stream, &CHANGES, (symbol - 1) / 2) as i32;
+                let magnitude = rest(&mut self.source, &CHANGES, (symbol - 1) / 2) as i32;
                 if symbol % 2 == 1 { -magnitude } else { magnitude }
             }
         }
@@ -295,61 +323,49 @@ impl FrameDecoder<'_, '_> {
 
     fn pixels(&mut self, area: Area) {
         let (later, steps) = (self.tile.later(), self.tile.steps);
-        let mut symbols = PixelSymbols { stream: self.stream.clone(), tables: self.tables };
+        let mut source = self.source.clone();
         for y in area.y..area.y + area.height {
             let (above, row, corrections) = self.tile.rows(area.x, y, area.width);
             let (mut left, mut above_left, mut over) = (row[0], above[0], above[1]);
             for ((pixel, &above_right), &correction) in row[1..].iter_mut().zip(&above[2..]).zip(corrections) {
                 let around = Around { left, above: over, above_left, above_right, before: *pixel, correction };
-                left = symbols.pixel(&around, &steps, later);
+                left = pixel_of(&mut source, &around, &steps, later);
                 *pixel = left;
                 (above_left, over) = (over, above_right);
             }
         }
-        self.stream = symbols.stream;
+        self.source = source;
     }
 }
 
 /// Reads a number's raw bits behind its class.
-fn rest<const COUNT: usize>(stream: &mut entropy::Decoder<'_>, classes: &Classes<COUNT>, class: usize) -> u32 {
-    classes.least[class] + stream.bits(classes.bits[class].into())
+fn rest<const COUNT: usize>(source: &mut impl Source, classes: &Classes<COUNT>, class: usize) -> u32 {
+    classes.least[class] + source.bits(classes.bits[class].into())
 }
 
-struct PixelSymbols<'a> {
-    stream: entropy::Decoder<'a>,
-    tables: TableSet,
+#[inline(always)]
+fn pixel_of(source: &mut impl Source, around: &Around, steps: &Steps, later: usize) -> Pixel {
+    let above = contexts::pixel_above(&around.above, &around.above_right, later);
+    let symbol = source.symbol(contexts::pixel(&around.left, above));
+    match symbol {
+        0..SYMBOL_KEEP => around.predict(steps).with_residual(RESIDUALS[symbol], steps),
+        SYMBOL_KEEP => around.before.kept(),
+        SYMBOL_BACKGROUND => Pixel::BACKGROUND,
+        _ => far_pixel(source, around, steps, symbol),
+    }
 }
 
-impl PixelSymbols<'_> {
-    #[inline(always)]
-    fn symbol(&mut self, context: usize) -> usize {
-        self.stream.symbol(self.tables.distribution(context))
+/// A pixel on another surface, or with a residual of three steps or more.
+fn far_pixel(source: &mut impl Source, around: &Around, steps: &Steps, symbol: usize) -> Pixel {
+    let prediction = around.predict(steps);
+    if symbol < SYMBOL_ABOVE {
+        let which = symbol - SYMBOL_CANDIDATE;
+        let class = source.symbol(contexts::candidate(which));
+        let magnitude = rest(source, &CANDIDATES, class) as i32;
+        let residual = if magnitude > 0 && source.bits(1) == 1 { -magnitude } else { magnitude };
+        return around.candidates(&prediction, steps).pixels[which].on_surface(residual, steps);
     }
-
-    #[inline(always)]
-    fn pixel(&mut self, around: &Around, steps: &Steps, later: usize) -> Pixel {
-        let above = contexts::pixel_above(&around.above, &around.above_right, later);
-        let symbol = self.symbol(contexts::pixel(&around.left, above));
-        match symbol {
-            0..SYMBOL_KEEP => around.predict(steps).with_residual(RESIDUALS[symbol], steps),
-            SYMBOL_KEEP => around.before.kept(),
-            SYMBOL_BACKGROUND => Pixel::BACKGROUND,
-            _ => self.far_pixel(around, steps, symbol),
-        }
-    }
-
-    /// A pixel on another surface, or with a residual of three steps or more.
-    fn far_pixel(&mut self, around: &Around, steps: &Steps, symbol: usize) -> Pixel {
-        let prediction = around.predict(steps);
-        if symbol < SYMBOL_ABOVE {
-            let which = symbol - SYMBOL_CANDIDATE;
-            let class = self.symbol(contexts::candidate(which));
-            let magnitude = rest(&mut self.stream, &CANDIDATES, class) as i32;
-            let residual = if magnitude > 0 && self.stream.bits(1) == 1 { -magnitude } else { magnitude };
-            return around.candidates(&prediction, steps).pixels[which].on_surface(residual, steps);
-        }
-        let class = self.symbol(contexts::escape(&around.left, &around.above, &around.above_right));
-        let magnitude = rest(&mut self.stream, &ESCAPES, class) as i32;
-        prediction.escaped(if symbol == SYMBOL_ABOVE { magnitude } else { -magnitude }, steps)
-    }
+    let class = source.symbol(contexts::escape(&around.left, &around.above, &around.above_right));
+    let magnitude = rest(source, &ESCAPES, class) as i32;
+    prediction.escaped(if symbol == SYMBOL_ABOVE { magnitude } else { -magnitude }, steps)
 }

@@ -1,9 +1,11 @@
 //! Encodes the frames of one unit into chunks, each of which starts anew.
 
+use std::sync::Arc;
+
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
 use crate::depth::predictive::area::UnitArea;
-use crate::depth::predictive::price::{Prices, Recorder};
+use crate::depth::predictive::price::{PricedTables, Recorder, priced};
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
 use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader};
 use crate::depth::predictive::tile::Tile;
@@ -17,6 +19,7 @@ pub const CLOSE_AT_BYTES_A_PIXEL: usize = 128;
 pub struct PredictiveEncoder {
     settings: SearchSettings,
     keyframe_interval: u32,
+    tables: Arc<PricedTables>,
     /// The table set by whose prices modes are chosen: for the first frame the bound's usual one, then the cheapest so far.
     set: usize,
     tile: Tile,
@@ -36,6 +39,7 @@ impl PredictiveEncoder {
         Ok(PredictiveEncoder {
             settings: SearchSettings { bound, epsilon, error_weight, effort },
             keyframe_interval: header.keyframe_interval.min(MAX_FRAMES),
+            tables: priced(&header.tables),
             set: usual_set(bound),
             tile: Tile::new(header, area)?,
             recorder: Recorder::default(),
@@ -51,10 +55,9 @@ impl PredictiveEncoder {
             frames >= self.keyframe_interval || self.recorder.held_bytes() >= CLOSE_AT_BYTES_A_PIXEL * source.len();
         let finished = if is_full { self.finish() } else { None };
         self.next_frame += 1;
-        let (all, settings) = (Prices::all(), self.settings);
-        let Self { tile, set, recorder: sink, .. } = self;
-        FrameSearch { tile, source, prices: &all[*set], settings, sink }.run();
-        self.set = self.recorder.cheapest(all);
+        let Self { tile, tables, set, recorder: sink, settings, .. } = self;
+        FrameSearch { tile, source, prices: &tables.prices[*set], settings: *settings, sink }.run();
+        self.set = self.tables.cheapest(&self.recorder.counts).0;
         finished
     }
 
@@ -62,7 +65,7 @@ impl PredictiveEncoder {
         let (first_frame, frame_count) = (self.first_frame, self.next_frame - self.first_frame);
         self.first_frame = self.next_frame;
         self.tile.clear();
-        let payload = std::mem::take(&mut self.recorder).finish(self.set);
+        let payload = std::mem::take(&mut self.recorder).finish(&self.tables);
         self.set = usual_set(self.settings.bound);
         (frame_count > 0).then_some(EncodedChunk { first_frame, frame_count, payload })
     }

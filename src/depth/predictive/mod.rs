@@ -25,6 +25,7 @@ pub mod projection;
 #[cfg(feature = "encode")]
 mod search;
 pub mod settings;
+mod source;
 pub mod tables;
 #[cfg(all(test, feature = "encode"))]
 mod tests;

@@ -1,11 +1,19 @@
 //! Symbols of an open chunk, and what they cost.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
-use crate::depth::predictive::contexts::CLUSTERS;
-use crate::depth::predictive::tables::{CLUSTER_OF, SETS, TableSet};
-use crate::entropy::distribution::SLOTS;
-use crate::entropy::{Encoder, SYMBOLS};
+use crate::depth::predictive::tables::{Predictive, Tables};
+use crate::entropy::{self, Encoder};
+
+pub type Counts = entropy::Counts<Predictive>;
+pub type Prices = entropy::Prices<Predictive>;
+pub type PricedTables = entropy::PricedTables<Predictive>;
+
+/// The built-in sets are priced once.
+pub fn priced(tables: &Tables) -> Arc<PricedTables> {
+    static BUILT_IN: LazyLock<Arc<PricedTables>> = LazyLock::new(|| Arc::new(PricedTables::new(Tables::default())));
+    if tables.own().is_empty() { BUILT_IN.clone() } else { Arc::new(PricedTables::new(tables.clone())) }
+}
 
 /// Takes what a decoder will read, in its order.
 pub trait Sink {
@@ -13,32 +21,6 @@ pub trait Sink {
 
     /// At most 24 raw bits.
     fn bits(&mut self, value: u32, count: u32);
-}
-
-/// Bits of each symbol of each cluster.
-#[derive(Debug)]
-pub struct Prices(Box<[[f32; SYMBOLS]; CLUSTERS]>);
-
-impl Prices {
-    /// Those of all table sets.
-    pub fn all() -> &'static [Prices; SETS] {
-        static ALL: LazyLock<[Prices; SETS]> = LazyLock::new(|| TableSet::all().map(Prices::new));
-        &ALL
-    }
-
-    fn new(tables: TableSet) -> Prices {
-        let price = |frequency: u32| (f64::from(SLOTS) / f64::from(frequency.max(1))).log2() as f32;
-        let prices = tables
-            .distributions()
-            .each_ref()
-            .map(|distribution| std::array::from_fn(|symbol| price(distribution.frequency(symbol))));
-        Prices(Box::new(prices))
-    }
-
-    #[inline(always)]
-    pub fn of(&self, context: usize, symbol: usize) -> f64 {
-        f64::from(self.0[usize::from(CLUSTER_OF[context])][symbol])
-    }
 }
 
 /// Counts bits.
@@ -51,7 +33,7 @@ pub struct Pricer<'a> {
 impl Sink for Pricer<'_> {
     #[inline(always)]
     fn symbol(&mut self, context: usize, symbol: usize) {
-        self.bits += self.prices.of(context, symbol);
+        self.bits += f64::from(self.prices.symbol(context, symbol));
     }
 
     #[inline(always)]
@@ -63,22 +45,16 @@ impl Sink for Pricer<'_> {
 const RAW: u32 = 1 << 31;
 
 /// The symbols of a chunk.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Recorder {
     steps: Vec<u32>,
-    pub counts: Box<[[u64; SYMBOLS]; CLUSTERS]>,
-}
-
-impl Default for Recorder {
-    fn default() -> Self {
-        Recorder { steps: Vec::new(), counts: Box::new([[0; SYMBOLS]; CLUSTERS]) }
-    }
+    pub counts: Counts,
 }
 
 impl Sink for Recorder {
     fn symbol(&mut self, context: usize, symbol: usize) {
         self.steps.push((context << 4 | symbol) as u32);
-        self.counts[usize::from(CLUSTER_OF[context])][symbol] += 1;
+        self.counts.count(context, symbol);
     }
 
     fn bits(&mut self, value: u32, count: u32) {
@@ -93,21 +69,10 @@ impl Recorder {
         self.steps.len() * size_of::<u32>()
     }
 
-    /// The table set that codes all symbols in the fewest bits, of those with these prices.
-    pub fn cheapest(&self, sets: &[Prices; SETS]) -> usize {
-        let bits = |prices: &Prices| -> f64 {
-            let rows = self.counts.iter().zip(prices.0.iter());
-            let symbols = rows.flat_map(|(counts, prices)| counts.iter().zip(prices));
-            symbols.filter(|(count, _)| **count > 0).map(|(&count, &price)| count as f64 * f64::from(price)).sum()
-        };
-        let bits = sets.each_ref().map(bits);
-        (0..SETS).min_by(|&a, &b| bits[a].total_cmp(&bits[b])).unwrap_or(0)
-    }
-
-    /// The payload, coded with a table set.
-    pub fn finish(self, set: usize) -> Vec<u8> {
-        let mut out = vec![set as u8];
-        let Some(tables) = TableSet::new(set) else { return out };
+    /// The payload, coded with the cheapest table set.
+    pub fn finish(self, tables: &PricedTables) -> Vec<u8> {
+        let set = tables.cheapest(&self.counts).0;
+        let (mut out, tables) = (vec![set as u8], &tables.tables.sets()[set]);
         let mut encoder = Encoder::default();
         for step in self.steps {
             if step & RAW != 0 {

@@ -91,6 +91,11 @@ impl<S: Sink> FrameSearch<'_, S> {
         })
     }
 
+    /// Bits of a symbol.
+    fn price(&self, context: usize, symbol: usize) -> f64 {
+        self.prices.symbol(context, symbol).into()
+    }
+
     fn backgrounds(&self, area: Area) -> usize {
         let of_row = |y: usize| &self.source[y * self.tile.width + area.x..][..area.width];
         rows(area).map(|(y, _)| of_row(y).iter().filter(|&&code| code == BACKGROUND_CODE).count()).sum()
@@ -116,7 +121,7 @@ impl<S: Sink> FrameSearch<'_, S> {
 
     fn surfaces(&mut self, at: usize, trial: Trial, backgrounds: usize) {
         let Trial { area, context, .. } = trial;
-        let mut cheapest = self.price_of_pixels(area) + self.prices.of(context, PIXELS);
+        let mut cheapest = self.price_of_pixels(area) + self.price(context, PIXELS);
         let plane = if backgrounds > 0 {
             None
         } else {
@@ -185,11 +190,11 @@ impl<S: Sink> FrameSearch<'_, S> {
     /// The plans of the quarters of a block, if they cost less than `cheapest` together and one is a plane.
     fn price_of_quarters(&mut self, trial: Trial, cheapest: f64) -> Option<Vec<Option<Found>>> {
         let kept = self.keep(trial.area);
-        let mut total = self.prices.of(trial.context, QUARTERS);
+        let mut total = self.price(trial.context, QUARTERS);
         let mut plans = Vec::with_capacity(4);
         for area in self.tile.quarters(trial.area) {
             let context = self.tile.small_mode_context(area);
-            let pixels = self.price_of_pixels(area) + self.prices.of(context, 0);
+            let pixels = self.price_of_pixels(area) + self.price(context, 0);
             let plane = if self.backgrounds(area) > 0 {
                 None
             } else {
@@ -300,8 +305,7 @@ impl<S: Sink> FrameSearch<'_, S> {
     ) {
         let plane = plane.changed(change, self.tile.change_steps(trial.side));
         let mut found = Found { cost: 0.0, source, change, plane };
-        let mut pricer =
-            Pricer { prices: self.prices, bits: self.prices.of(trial.context, trial.first + found.mode()) };
+        let mut pricer = Pricer { prices: self.prices, bits: self.price(trial.context, trial.first + found.mode()) };
         if found.is_changed() {
             put_change(&mut pricer, trial.side, change);
         }

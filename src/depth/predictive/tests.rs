@@ -4,14 +4,22 @@ use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
 use crate::depth::predictive::encoder::PredictiveEncoder;
 use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::predictive::tables::Tables;
 use crate::depth::predictive::{PredictiveChunk, PredictiveHeader, UnitArea};
 use crate::effort::Effort;
+use crate::entropy::Trainer;
 
 const BOUNDS: [u16; 8] = [0, 1, 2, 10, 49, 100, 1000, 65_534];
 
 fn header(bound: u16, shape: Shape) -> PredictiveHeader {
     let octave = if shape == Shape::None { 0 } else { 9731 };
-    PredictiveHeader { bound, epsilon: 0, keyframe_interval: 64, projection: Projection { shape, octave } }
+    PredictiveHeader {
+        bound,
+        epsilon: 0,
+        keyframe_interval: 64,
+        projection: Projection { shape, octave },
+        tables: Tables::default(),
+    }
 }
 
 fn encode(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort: Effort) -> EncodedChunk {
@@ -21,7 +29,7 @@ fn encode(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort
 }
 
 fn decoder(header: &PredictiveHeader, area: UnitArea, chunk: &EncodedChunk) -> PredictiveChunk {
-    PredictiveChunk::parse(chunk.payload.clone(), *header, area, chunk.frame_count).unwrap()
+    PredictiveChunk::parse(chunk.payload.clone(), header.clone(), area, chunk.frame_count).unwrap()
 }
 
 /// Encodes, decodes in order, and compares every pixel.
@@ -179,15 +187,16 @@ fn a_substream_that_is_cut_or_goes_on_is_refused() {
     let frames = pictures([16, 16]).remove(6);
     let header = header(0, Shape::None);
     let chunk = encode(&header, area, &frames, Effort::Normal);
-    let with = |payload: Vec<u8>| PredictiveChunk::parse(payload, header, area, 4).and_then(|chunk| chunk.check());
+    let parse = |payload: Vec<u8>, area, frames| PredictiveChunk::parse(payload, header.clone(), area, frames);
+    let with = |payload: Vec<u8>| parse(payload, area, 4).and_then(|chunk| chunk.check());
     with(chunk.payload.clone()).unwrap();
     assert!(with([&chunk.payload[..], &[0, 0]].concat()).is_err());
     for length in (0..chunk.payload.len()).step_by(7) {
         assert!(with(chunk.payload[..length].to_vec()).is_err(), "{length}");
     }
     assert!(with([&[8], &chunk.payload[1..]].concat()).is_err());
-    assert!(PredictiveChunk::parse(chunk.payload.clone(), header, UnitArea::whole([1025, 1]), 4).is_err());
-    assert!(PredictiveChunk::parse(chunk.payload, header, area, 4097).is_err());
+    assert!(parse(chunk.payload.clone(), UnitArea::whole([1025, 1]), 4).is_err());
+    assert!(parse(chunk.payload, area, 4097).is_err());
 }
 
 #[test]
@@ -221,4 +230,24 @@ fn a_chunk_is_closed_before_its_symbols_take_much_memory() {
     }
     frames.extend(encoder.finish().map(|chunk| chunk.frame_count));
     assert!(frames.len() > 1 && frames.iter().sum::<u32>() == 40, "{frames:?}");
+}
+
+#[test]
+fn chunks_are_counted_and_take_the_cheapest_of_own_sets() {
+    let area = UnitArea::whole([40, 24]);
+    let frames: Vec<Vec<u16>> =
+        (0..3).map(|t| (0..960).map(|at| (9000 + at % 40 * 90 + (at * at * 31 + t) % 61) as u16).collect()).collect();
+    let plain = header(2, Shape::None);
+    let chunk = encode(&plain, area, &frames, Effort::Normal);
+    let counted = decoder(&plain, area, &chunk).count().unwrap();
+    assert_eq!(counted.bytes, chunk.payload.len() as u64);
+    // Symbols take nearly all of the payload: raw bits are few here.
+    let part = counted.bits / 8.0 / counted.bytes as f64;
+    assert!((0.5..=1.0).contains(&part), "{part}");
+    let own = Trainer::new(vec![counted]).train(1);
+    let with_own = PredictiveHeader { tables: Tables::with_own(own), ..plain };
+    let smaller = encode(&with_own, area, &frames, Effort::Normal);
+    assert_eq!(smaller.payload[0], 8, "the own set is the cheapest");
+    assert!(smaller.payload.len() < chunk.payload.len(), "{} and {} bytes", smaller.payload.len(), chunk.payload.len());
+    check(&with_own, area, &frames, Effort::Normal);
 }

@@ -124,7 +124,7 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
     }
     let of_probe = |streams: &Vec<&StreamInfo>| {
         let depth = streams.iter().filter_map(|stream| match &stream.header {
-            CodecHeader::Depth(header) => Some(([stream.entry.width, stream.entry.height], *header)),
+            CodecHeader::Depth(header) => Some(([stream.entry.width, stream.entry.height], header.clone())),
             _ => None,
         });
         let faces: Vec<_> = depth.collect();

@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use crate::color::quality::{EightBit, Pu21, Quality};
 use crate::color::transform::authored::{ANY, PALETTES, USUAL, WHOLE, random_payload};
-use crate::color::transform::contexts::CLUSTERS;
 use crate::color::transform::domain::ChromaSlopes;
 use crate::color::transform::encode::{PricedTables, TransformEncoder};
 use crate::color::transform::payload::Header;
 use crate::color::transform::steps::StepIndices;
-use crate::color::transform::tables::TableSet;
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::color::{CellFormat, HalfKey, SearchSettings};
-use crate::entropy::SYMBOLS;
+use crate::entropy::{Counts, TableSet};
 use crate::error::Result;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Job, Record, Unit};
@@ -38,12 +36,12 @@ pub fn any_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, ran
 
 /// The built-in sets, and two of random frequencies.
 pub fn random_tables(random: &mut Random) -> Tables {
-    let set = |random: &mut Random| {
-        let counts: Vec<[u64; SYMBOLS]> =
-            (0..CLUSTERS).map(|_| [(); SYMBOLS].map(|()| 1 + u64::from(random.below(400)))).collect();
-        counts.try_into().ok().map(|counts: [_; CLUSTERS]| TableSet::of_counts(&counts))
+    let set = |random: &mut Random| -> TableSet<_> {
+        let mut counts = Counts::default();
+        counts.by_cluster_mut().as_flattened_mut().fill_with(|| 1 + u64::from(random.below(400)));
+        counts.fitted()
     };
-    Tables::with_own((0..2).filter_map(|_| set(random)).collect())
+    Tables::with_own((0..2).map(|_| set(random)).collect())
 }
 
 struct Cell {

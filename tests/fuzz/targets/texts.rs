@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use lightfold::color::transform::encode::table_text;
+use lightfold::color::transform::tables::Transform;
 use lightfold::container::Reader;
 use lightfold::dataset::seurat::{SeuratCapture, SeuratView};
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
+use lightfold::entropy::table_text;
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::StreamKind;
 use lightfold::image::{Face, FrameRange, Pattern, ReadLimits};
@@ -109,7 +110,7 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
 
 /// Entropy tables are parsed, written and parsed again.
 pub fn run_color_tables(bytes: &[u8]) -> Judged {
-    let sets = match table_text::read(bytes) {
+    let sets = match table_text::read::<Transform>(bytes) {
         Ok(sets) => sets,
         Err(error) => return refused(&error),
     };

@@ -50,7 +50,8 @@ impl Case {
             return Ok(Tables::default());
         }
         let mut fields = Fields::new(&self.own_sets, 0, "color.md 6.7");
-        let tables = Tables::read(&mut fields)?;
+        let count = fields.u8()?;
+        let tables = Tables::read(&mut fields, count)?;
         fields.finish()?;
         Ok(tables)
     }

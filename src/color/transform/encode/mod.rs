@@ -8,7 +8,6 @@ mod quantise;
 mod rate;
 mod search;
 mod source;
-pub mod table_text;
 mod training;
 mod tree;
 mod weights;
@@ -28,7 +27,7 @@ use crate::error::Result;
 
 pub use promise::Start;
 pub use rate::PricedTables;
-pub use training::{PayloadCounts, Trainer};
+pub use training::count_payload;
 
 /// A PSNR that no error has.
 const LOSSLESS_DB: f64 = 200.0;

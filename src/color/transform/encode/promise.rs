@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use crate::color::quality::Quality;
 use crate::color::settings::SearchSettings;
 use crate::color::transform::blocks::regions;
-use crate::color::transform::contexts::CLUSTERS;
 use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
 use crate::color::transform::encode::rate::{Counts, PricedTables, SymbolCounter, Writer};
 use crate::color::transform::encode::search::{Search, SearchContext};
@@ -21,7 +20,7 @@ use crate::color::transform::payload::Header;
 use crate::color::transform::reconstruct::TransformChunk;
 use crate::color::transform::steps::{OCTAVE, StepIndices, Steps};
 use crate::effort::Effort;
-use crate::entropy::{Encoder, SYMBOLS};
+use crate::entropy::Encoder;
 
 /// λ in steps² a bit.
 const LAMBDA: f32 = 0.09;
@@ -253,7 +252,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             header: &header,
             domain: &S::DOMAIN,
             steps: Steps::new(header.steps, &S::DOMAIN),
-            costs: &self.tables.costs[start.set],
+            prices: &self.tables.prices[start.set],
             bases: &self.bases,
             lambda: LAMBDA,
             weights,
@@ -272,14 +271,12 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     }
 
     fn cheapest_set(&self, header: &Header, trees: &[Tree]) -> usize {
-        let mut counts: Box<Counts> = Box::new([[0; SYMBOLS]; CLUSTERS]);
+        let mut counts = Counts::default();
         for tree in trees {
             let mut cache = ColorCache::new(&header.colors);
             tree.code(&mut SymbolCounter(&mut counts), &mut cache, S::DOMAIN.key_bits);
         }
-        let bits = self.tables.costs.iter().map(|costs| costs.total(&counts));
-        let cheapest = bits.enumerate().reduce(|best, next| if next.1 < best.1 { next } else { best });
-        cheapest.map_or(0, |(set, _)| set)
+        self.tables.cheapest(&counts).0
     }
 
     fn payload(&self, trial: &Trial) -> Vec<u8> {

@@ -2,7 +2,7 @@
 
 use crate::color::transform::blocks::Shape;
 use crate::color::transform::contexts::{PlaneContext, Position};
-use crate::color::transform::encode::rate::Costs;
+use crate::color::transform::encode::rate::{Prices, number_bits};
 use crate::color::transform::scan::{self, Magnitudes};
 
 /// Coefficients below this are never worth a last level.
@@ -39,7 +39,7 @@ pub struct Plane<'a> {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Quantiser<'a> {
-    pub costs: &'a Costs,
+    pub prices: &'a Prices,
     pub lambda: f32,
 }
 
@@ -57,7 +57,7 @@ impl Quantiser<'_> {
         let at = |position: Position| position.y() * side + position.x();
         let order = scan::order(plane.shape.level);
         let energy: f32 = plane.coefficients.iter().map(|value| value * value).sum();
-        let empty = Cost { error: energy, bits: self.costs.symbol(plane.context.coded(plane.coded_before), 0) };
+        let empty = Cost { error: energy, bits: self.prices.symbol(plane.context.coded(plane.coded_before), 0) };
         let nothing = Quantised { cost: empty, energy, coded: false };
         let Some(first) = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO)
         else {
@@ -67,7 +67,7 @@ impl Quantiser<'_> {
             order[..=first].iter().map(|&position| plane.coefficients[at(position)]).map(|value| value * value).sum();
         // Squared error of what lies beyond the scan's current position, if it is all dropped.
         let mut dropped = (energy - reachable).max(0.0);
-        let flag = self.costs.symbol(plane.context.coded(plane.coded_before), 1);
+        let flag = self.prices.symbol(plane.context.coded(plane.coded_before), 1);
         let mut last = None;
         let mut cost = Cost::default();
         for (index, &position) in order[..=first].iter().enumerate().rev() {
@@ -122,10 +122,10 @@ impl Quantiser<'_> {
         other: usize,
     ) -> Choice {
         let context = plane.context.level(position, magnitudes.sum(position), other);
-        let zero = Cost { error: size * size, bits: self.costs.symbol(context, 0) };
+        let zero = Cost { error: size * size, bits: self.prices.symbol(context, 0) };
         let mut best = Choice { magnitude: 0, cost: zero };
         for magnitude in nearest.saturating_sub(1).max(1)..=nearest {
-            self.improve(&mut best, magnitude, size, self.costs.number(context, magnitude));
+            self.improve(&mut best, magnitude, size, number_bits(self.prices, context, magnitude));
         }
         best
     }
@@ -136,7 +136,7 @@ impl Quantiser<'_> {
         let place = self.last_bits(&plane.context, index);
         let mut best = Choice { magnitude: 0, cost: Cost { error: f32::INFINITY, bits: 0.0 } };
         for magnitude in nearest.saturating_sub(1).max(1)..=nearest {
-            self.improve(&mut best, magnitude, size, self.costs.number(context, magnitude - 1) + place);
+            self.improve(&mut best, magnitude, size, number_bits(self.prices, context, magnitude - 1) + place);
         }
         best
     }
@@ -153,13 +153,13 @@ impl Quantiser<'_> {
     /// Bits of the scan index of a plane's last level.
     fn last_bits(&self, context: &PlaneContext, index: usize) -> f32 {
         let class = (index + 1).ilog2() as usize;
-        let bits = self.costs.symbol(context.last(), class);
+        let bits = self.prices.symbol(context.last(), class);
         if class == 0 {
             return bits;
         }
         let low_bits = class - class.min(2);
         let high = (index + 1 - (1 << class)) >> low_bits;
-        bits + self.costs.symbol(context.last_bits(class), high) + low_bits as f32
+        bits + self.prices.symbol(context.last_bits(class), high) + low_bits as f32
     }
 }
 

@@ -6,7 +6,7 @@ use crate::color::transform::contexts::{self, PlaneContext};
 use crate::color::transform::domain::{CHANNELS, Domain};
 use crate::color::transform::encode::estimate::{Estimates, Pricing};
 use crate::color::transform::encode::quantise::{Cost, Plane, Quantiser};
-use crate::color::transform::encode::rate::{Costs, RateCounter};
+use crate::color::transform::encode::rate::{Prices, RateCounter, number_bits};
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
 use crate::color::transform::encode::tree::{BlockLevels, Tree};
 use crate::color::transform::encode::weights::{FrameWeights, TimeWeights};
@@ -26,7 +26,7 @@ pub struct SearchContext<'a> {
     pub header: &'a Header,
     pub domain: &'a Domain,
     pub steps: Steps,
-    pub costs: &'a Costs,
+    pub prices: &'a Prices,
     pub bases: &'a TimeBases,
     pub lambda: f32,
     pub weights: &'a FrameWeights,
@@ -111,7 +111,7 @@ impl<'a> Search<'a> {
     }
 
     fn kind_bits(&self, block: Block, kind: usize) -> f32 {
-        self.context.costs.symbol(contexts::node(block.shape), kind)
+        self.context.prices.symbol(contexts::node(block.shape), kind)
     }
 
     fn node(&mut self, block: Block) -> Found {
@@ -197,7 +197,7 @@ impl<'a> Search<'a> {
     }
 
     fn transform(&mut self, block: Block, length: usize) -> Found {
-        let SearchContext { costs, bases, lambda, steps, weights, .. } = self.context;
+        let SearchContext { prices, bases, lambda, steps, weights, .. } = self.context;
         let pricing = self.context.pricing();
         let weights = TimeWeights::new(bases, weights.of(block));
         let (shape, pixels) = (block.shape, block.shape.pixels());
@@ -226,7 +226,7 @@ impl<'a> Search<'a> {
                 let context = PlaneContext::new(channel, shape, plane);
                 let mut magnitudes = Magnitudes::default();
                 let plane_of = Plane { coefficients, shape, context, other: &other, coded_before: coded };
-                let quantiser = Quantiser { costs, lambda: lambda / weight };
+                let quantiser = Quantiser { prices, lambda: lambda / weight };
                 let mut quantised = quantiser.quantise(&plane_of, levels, &mut magnitudes);
                 weights.subtract(plane, levels, &mut errors);
                 quantised.cost.error = weight * (quantised.cost.error - saved);
@@ -246,7 +246,7 @@ impl<'a> Search<'a> {
             }
             cost.add(coded_cost);
             cost.error += tail_energy;
-            cost.bits += costs.number(contexts::planes(channel, shape.level, planes_before), planes as u32);
+            cost.bits += number_bits(prices, contexts::planes(channel, shape.level, planes_before), planes as u32);
             if channel == 0 || planes > 0 {
                 planes_before = planes.min(2);
             }
@@ -260,7 +260,7 @@ impl<'a> Search<'a> {
     /// The block as a palette, if it has few colours.
     fn palette(&mut self, block: Block) -> Option<Found> {
         let palette = self.exact_palette(block)?;
-        let mut rate = RateCounter { costs: self.context.costs, bits: self.kind_bits(block, PALETTE) };
+        let mut rate = RateCounter { prices: self.context.prices, bits: self.kind_bits(block, PALETTE) };
         let SearchContext { domain, header, .. } = self.context;
         palette.clone().code(&mut rate, block.shape, &mut self.state.cache, domain.key_bits);
         note_palette(&palette, block, header, domain, &mut self.state.means);

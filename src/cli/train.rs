@@ -1,4 +1,5 @@
-//! `lightfold train-color IN… -o TABLES`: entropy tables of the transform codec, trained on containers.
+//! `lightfold train-color IN… -o TABLES` and `train-depth`: entropy tables of the transform codec and of predictive depth, trained
+//! on containers.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,26 +10,32 @@ use crate::cli::options::{MemoryArgs, check_stdout};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::color::transform::tables::MOST_OWN;
 use crate::decode::Decoder;
+use crate::entropy::tables::MOST_OWN;
 use crate::error::Result;
-use crate::train::{self, TrainSettings, TrainSummary, Trained};
+use crate::train::{self, TrainSettings, TrainSummary, Trained, TrainedCodec};
 
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
+pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
     lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \
     lightfold train-color kitchen.lfold -o - --sets 4\n\n\
     The tables suit footage of the same kind, noise and quality; other footage may gain nothing from them. A container stores \
     them once, in some 1.3 kB, and each cell takes the cheapest set, trained or built in. Encodes with tables can be trained on \
-    again.")]
+    again.";
+
+pub const DEPTH_HELP: &str = "Examples:\n  lightfold train-depth kitchen.lfold hall.lfold -o house.txt --sets 2\n  \
+    lightfold encode garden/lightfield.json --depth-tables house.txt -o garden.lfold\n\n\
+    A set suits footage of the same kind and error bound. A container stores the sets once for each depth stream, in some 2 kB \
+    each, and each chunk takes the cheapest set, trained or built in.";
+
+#[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Containers with colour of the transform codec, - for standard input
+    /// Containers with what is trained, - for standard input
     #[arg(value_name = "IN.lfold", required = true)]
     pub inputs: Vec<PathBuf>,
     /// The tables to write, as text; - for standard output
     #[arg(long, short, value_name = "TABLES")]
     pub output: PathBuf,
-    /// Number of table sets; --color-tables takes one
+    /// Number of table sets; --color-tables takes one, --depth-tables all
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=MOST_OWN as i64))]
     pub sets: u8,
     /// Report as JSON
@@ -45,17 +52,17 @@ struct Report {
     seconds: f64,
 }
 
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+pub fn run<C: TrainedCodec>(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     check_stdout(&args.output, args.json)?;
     let start = Instant::now();
     if args.inputs.iter().any(|input| is_same_file(input, &args.output)) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
     }
     let inputs = args.inputs.iter().map(Decoder::open).collect::<Result<Vec<_>>>()?;
-    let chunks = train::find_chunks(&inputs)?;
+    let chunks = train::find_chunks::<C>(&inputs)?;
     let progress = Progress::start(global, "training", chunks.len() as u64)?;
     let settings = TrainSettings { sets: args.sets.into(), memory: args.memory.get() };
-    let Trained { text, summary } = train::train(&inputs, chunks, settings, &progress)?;
+    let Trained { text, summary } = train::train::<C>(&inputs, chunks, settings, &progress)?;
     drop(progress);
     output::write_file(&args.output, &text)?;
     let report = Report { summary, seconds: start.elapsed().as_secs_f64() };

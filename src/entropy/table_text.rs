@@ -1,12 +1,11 @@
-//! Table sets as text, in the form of formats/color-tables.txt (color.md 6.7).
+//! Table sets as text, in the form of formats/color-tables.txt and formats/depth-tables.txt (color.md 6.7, depth.md 15.8).
 
 use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
-use crate::color::transform::contexts::{ALPHABETS, FAMILIES};
-use crate::color::transform::tables::{CLUSTER_OF, TableSet};
 use crate::entropy::text_reader::{Fault, TextReader};
+use crate::entropy::{Model, TableSet};
 use crate::error::{Error, Result};
 use crate::files::open_regular;
 
@@ -14,7 +13,7 @@ use crate::files::open_regular;
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Reads all sets of a file, at least one.
-pub fn read_file(path: &Path) -> Result<Vec<TableSet>> {
+pub fn read_file<M: Model>(path: &Path) -> Result<Vec<TableSet<M>>> {
     let mut text = Vec::new();
     open_regular(path)?.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
     if text.len() as u64 > MAX_BYTES {
@@ -23,23 +22,21 @@ pub fn read_file(path: &Path) -> Result<Vec<TableSet>> {
     read(&text).map_err(|error| error.in_file(path))
 }
 
-pub fn read(text: &[u8]) -> Result<Vec<TableSet>> {
+pub fn read<M: Model>(text: &[u8]) -> Result<Vec<TableSet<M>>> {
     let mut reader = TextReader::new(text);
-    for (context, family) in FAMILIES.iter().flat_map(|family| (0..family.contexts).map(move |at| (at, family))) {
+    for (context, family) in M::FAMILIES.iter().flat_map(|family| (0..family.contexts).map(move |at| (at, family))) {
         let cluster = reader.cluster(*family);
         check(&reader)?;
-        if cluster != CLUSTER_OF[family.first_context + context] {
-            return Err(at_line(
-                reader.line(),
-                "the distribution that formats/color-tables.txt gives this context was expected",
-            ));
+        if usize::from(cluster) != M::cluster_of(family.first_context + context) {
+            let problem = format!("the distribution that {} gives this context was expected", M::FILE);
+            return Err(at_line(reader.line(), &problem));
         }
     }
     let mut sets = Vec::new();
     while sets.is_empty() || !reader.is_at_end() {
-        let distributions = reader.set(&ALPHABETS);
+        let distributions: Vec<_> = M::ALPHABETS.iter().map(|&alphabet| reader.distribution(alphabet.into())).collect();
         check(&reader)?;
-        sets.push(TableSet::new(distributions));
+        sets.push(TableSet::new(&distributions));
     }
     Ok(sets)
 }
@@ -62,23 +59,24 @@ fn check(reader: &TextReader<'_>) -> Result<()> {
 }
 
 /// The reverse of [`read`].
-pub fn write(sets: &[TableSet]) -> String {
-    let mut text = "# Entropy tables of the transform codec (color.md 6.7): decimal numbers.\n\
-        # Clusters of contexts, counted from the first of their family; a line for each family.\n"
-        .to_owned();
+pub fn write<M: Model>(sets: &[TableSet<M>]) -> String {
+    let mut text = format!(
+        "# {}: decimal numbers.\n# Clusters of contexts, counted from the first of their family; a line for each family.\n",
+        M::TITLE
+    );
     let line = |text: &mut String, numbers: &mut dyn Iterator<Item = u32>| {
         let words: Vec<String> = numbers.map(|number| number.to_string()).collect();
         text.push_str(&words.join(" "));
         text.push('\n');
     };
-    for family in FAMILIES {
-        let clusters = &CLUSTER_OF[family.first_context..][..family.contexts];
-        line(&mut text, &mut clusters.iter().map(|&cluster| u32::from(cluster) - family.first_cluster as u32));
+    for family in M::FAMILIES {
+        let contexts = family.first_context..family.first_context + family.contexts;
+        line(&mut text, &mut contexts.map(|context| (M::cluster_of(context) - family.first_cluster) as u32));
     }
     for (number, set) in sets.iter().enumerate() {
         // Writing to a string does not fail.
         let _ = writeln!(text, "# Set {number}: the frequencies of each cluster, which sum to 4096.");
-        for family in FAMILIES {
+        for family in M::FAMILIES {
             for distribution in &set.distributions()[family.first_cluster..][..family.clusters] {
                 line(&mut text, &mut (0..family.alphabet).map(|symbol| distribution.frequency(symbol)));
             }
@@ -90,15 +88,23 @@ pub fn write(sets: &[TableSet]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::transform::Tables;
+    use crate::color::transform::tables::Transform;
+    use crate::depth::predictive::tables::Predictive;
+    use crate::entropy::Tables;
 
-    const BUILT_IN: &str = include_str!("../../../../formats/color-tables.txt");
+    const COLOR: &str = include_str!("../../formats/color-tables.txt");
+    const DEPTH: &str = include_str!("../../formats/depth-tables.txt");
 
     #[test]
     fn the_built_in_sets_come_back_as_the_file_of_the_format() {
-        let sets = read(BUILT_IN.as_bytes()).unwrap();
+        check::<Transform>(COLOR);
+        check::<Predictive>(DEPTH);
+    }
+
+    fn check<M: Model>(built_in: &str) {
+        let sets = read::<M>(built_in.as_bytes()).unwrap();
         assert_eq!(sets, Tables::default().sets());
-        assert_eq!(write(&sets), BUILT_IN);
+        assert_eq!(write(&sets), built_in);
         let own = write(&sets[2..3]);
         assert_eq!(read(own.as_bytes()).unwrap(), sets[2..3]);
         let without_comments = own.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("  # x\r\n");
@@ -107,11 +113,11 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said_with_its_line() {
-        let lines: Vec<&str> = BUILT_IN.lines().collect();
+        let lines: Vec<&str> = COLOR.lines().collect();
         let says = |line: usize, new: &str| {
             let mut changed = lines.clone();
             changed[line - 1] = new;
-            read(changed.join("\n").as_bytes()).unwrap_err().to_string()
+            read::<Transform>(changed.join("\n").as_bytes()).unwrap_err().to_string()
         };
         assert_eq!(says(17, "1882 x 678 407"), "line 17: a decimal number was expected, or a comment behind #");
         assert_eq!(says(17, "1882 -1 678 407"), "line 17: a decimal number was expected, or a comment behind #");
@@ -124,7 +130,12 @@ mod tests {
         assert_eq!(says(3, "8"), "line 3: a number of at most 7 was expected");
         assert!(says(3, "1").starts_with("line 3: the distribution that formats/color-tables.txt gives"));
         let cut = lines[..15].join("\n");
-        assert_eq!(read(cut.as_bytes()).unwrap_err().to_string(), "line 15: the text ends where a number was expected");
-        assert!(read(lines[..300].join("\n").as_bytes()).is_err() && read(b"").is_err() && read(&[0xff]).is_err());
+        assert_eq!(
+            read::<Transform>(cut.as_bytes()).unwrap_err().to_string(),
+            "line 15: the text ends where a number was expected"
+        );
+        for text in [lines[..300].join("\n").as_bytes(), b"", &[0xff], DEPTH.as_bytes()] {
+            assert!(read::<Transform>(text).is_err());
+        }
     }
 }

@@ -1,0 +1,130 @@
+//! Table sets: the built-in ones of a codec's format, and those that a stream brings along (color.md 6.7, depth.md 15.8).
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use crate::container::fields::Fields;
+use crate::entropy::{Distribution, Model};
+use crate::error::Result;
+
+/// Most sets that a stream brings along.
+pub const MOST_OWN: usize = 8;
+
+/// The distributions of a model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableSet<M>(Arc<[Distribution]>, PhantomData<M>);
+
+impl<M: Model> TableSet<M> {
+    /// As many distributions as the model has.
+    pub fn new(distributions: &[Distribution]) -> TableSet<M> {
+        debug_assert_eq!(distributions.len(), M::ALPHABETS.len());
+        TableSet(distributions.into(), PhantomData)
+    }
+
+    #[inline(always)]
+    pub fn distribution(&self, context: usize) -> &Distribution {
+        &self.0[M::cluster_of(context)]
+    }
+
+    pub fn distributions(&self) -> &[Distribution] {
+        &self.0
+    }
+
+    fn read(fields: &mut Fields<'_>) -> Result<TableSet<M>> {
+        let read = |&alphabet: &u8| Distribution::read(fields, alphabet.into());
+        Ok(TableSet(M::ALPHABETS.iter().map(read).collect::<Result<_>>()?, PhantomData))
+    }
+}
+
+/// The sets that payloads of a stream name: the built-in ones, then the stream's own.
+#[derive(Debug, Clone)]
+pub struct Tables<M> {
+    sets: Arc<Vec<TableSet<M>>>,
+    built_in: usize,
+}
+
+impl<M: Model> PartialEq for Tables<M> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.sets, &other.sets) || self.sets == other.sets
+    }
+}
+
+impl<M: Model> Eq for Tables<M> {}
+
+impl<M: Model> Default for Tables<M> {
+    fn default() -> Self {
+        M::built_in().clone()
+    }
+}
+
+impl<M: Model> Tables<M> {
+    /// The built-in sets of a model, for [`Model::built_in`].
+    pub fn of_format<const CLUSTERS: usize>(sets: &[[Distribution; CLUSTERS]]) -> Tables<M> {
+        Tables { sets: Arc::new(sets.iter().map(|set| TableSet::new(set)).collect()), built_in: sets.len() }
+    }
+
+    pub fn with_own(own: Vec<TableSet<M>>) -> Tables<M> {
+        let Tables { sets, built_in } = M::built_in();
+        Tables { sets: Arc::new(sets.iter().cloned().chain(own).collect()), built_in: *built_in }
+    }
+
+    pub fn sets(&self) -> &[TableSet<M>] {
+        &self.sets
+    }
+
+    /// Sets that are not built in.
+    pub fn own(&self) -> &[TableSet<M>] {
+        &self.sets[self.built_in..]
+    }
+
+    /// Reads `count` sets of a stream's own.
+    pub fn read(fields: &mut Fields<'_>, count: u8) -> Result<Tables<M>> {
+        let count = usize::from(count);
+        if count > MOST_OWN {
+            return Err(fields.error(format!("{count} table sets, at most {MOST_OWN} are legal")));
+        }
+        if count == 0 {
+            return Ok(Tables::default());
+        }
+        Ok(Tables::with_own((0..count).map(|_| TableSet::read(fields)).collect::<Result<_>>()?))
+    }
+
+    /// Number of own sets.
+    pub fn own_count(&self) -> u8 {
+        self.own().len() as u8
+    }
+
+    /// Writes the own sets, the reverse of [`Tables::read`].
+    pub fn write(&self, out: &mut Vec<u8>) {
+        for set in self.own() {
+            for (distribution, &alphabet) in set.distributions().iter().zip(M::ALPHABETS) {
+                distribution.write(alphabet.into(), out);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::transform::tables::Transform;
+    use crate::depth::predictive::tables::Predictive;
+
+    #[test]
+    fn own_sets_come_back() {
+        check::<Transform>();
+        check::<Predictive>();
+    }
+
+    fn check<M: Model>() {
+        let own = Tables::<M>::default().sets()[..2].to_vec();
+        let tables = Tables::with_own(own);
+        let mut bytes = Vec::new();
+        tables.write(&mut bytes);
+        let mut fields = Fields::new(&bytes, 0, "");
+        assert_eq!(Tables::<M>::read(&mut fields, 2).unwrap(), tables);
+        assert_eq!(fields.remaining(), 0);
+        assert!(Tables::<M>::read(&mut Fields::new(&bytes, 0, ""), 9).is_err());
+        assert!(Tables::<M>::read(&mut Fields::new(&bytes[..bytes.len() - 1], 0, ""), 2).is_err());
+    }
+}

@@ -1,0 +1,151 @@
+//! Table sets from counts of symbols: payloads are grouped by the set that codes them in the fewest bits.
+
+use crate::entropy::prices::cheapest;
+use crate::entropy::{Counts, Model, PricedTables, Prices, TableSet, Tables};
+
+/// Most rounds of grouping.
+const ROUNDS: usize = 8;
+/// A trained set has seen each symbol as often as it is among so many of its cluster in the built-in sets: symbols that
+/// training footage lacks occur in other footage.
+const PRIOR_SYMBOLS: u64 = 64;
+
+/// Symbols of a payload, and the size of what codes them.
+#[derive(Debug)]
+pub struct PayloadCounts<M> {
+    pub counts: Counts<M>,
+    pub bytes: u64,
+    /// Bits of the symbols with the payload's set.
+    pub bits: f64,
+}
+
+/// Counts of payloads, from which sets are trained.
+#[derive(Debug)]
+pub struct Trainer<M> {
+    payloads: Vec<PayloadCounts<M>>,
+}
+
+impl<M: Model> Trainer<M> {
+    pub fn new(payloads: Vec<PayloadCounts<M>>) -> Trainer<M> {
+        Trainer { payloads }
+    }
+
+    pub fn payloads(&self) -> &[PayloadCounts<M>] {
+        &self.payloads
+    }
+
+    pub fn symbols(&self) -> u64 {
+        self.payloads.iter().map(|payload| payload.counts.total()).sum()
+    }
+
+    /// Bytes of all payloads.
+    pub fn bytes(&self) -> u64 {
+        self.payloads.iter().map(|payload| payload.bytes).sum()
+    }
+
+    /// Bytes of the same symbols where each payload has the cheapest set of these tables.
+    pub fn bytes_with(&self, tables: &PricedTables<M>) -> u64 {
+        let saved_bits = self.payloads.iter().map(|payload| payload.bits - tables.cheapest(&payload.counts).1);
+        (self.bytes() as f64 - saved_bits.sum::<f64>() / 8.0).round() as u64
+    }
+
+    /// Trains `sets` table sets.
+    pub fn train(&self, sets: usize) -> Vec<TableSet<M>> {
+        // The first groups are payloads in the order of their number of symbols.
+        let mut order: Vec<usize> = (0..self.payloads.len()).collect();
+        order.sort_by_key(|&at| (self.payloads[at].counts.total(), at));
+        let mut group_of = vec![0; self.payloads.len()];
+        for (rank, &at) in order.iter().enumerate() {
+            group_of[at] = rank * sets / order.len();
+        }
+        let mut trained = self.sets_of(&group_of, sets);
+        for _ in 0..ROUNDS {
+            let prices: Vec<Prices<M>> = trained.iter().map(Prices::new).collect();
+            let grouped: Vec<usize> =
+                self.payloads.iter().map(|payload| cheapest(&prices, &payload.counts).0).collect();
+            if grouped == group_of {
+                break;
+            }
+            group_of = grouped;
+            trained = self.sets_of(&group_of, sets);
+        }
+        trained
+    }
+
+    fn sets_of(&self, group_of: &[usize], sets: usize) -> Vec<TableSet<M>> {
+        let built_in = Tables::<M>::default();
+        let mut sums = vec![prior(&built_in); sets];
+        // A symbol counts as PRIOR_SYMBOLS are of the frequencies of all built-in sets.
+        let scale = 4096 * built_in.sets().len() as u64 / PRIOR_SYMBOLS;
+        for (payload, &group) in self.payloads.iter().zip(group_of) {
+            sums[group].add(&payload.counts, scale);
+        }
+        sums.iter().map(Counts::fitted).collect()
+    }
+}
+
+fn prior<M: Model>(built_in: &Tables<M>) -> Counts<M> {
+    let mut prior = Counts::default();
+    for set in built_in.sets() {
+        for (counts, distribution) in prior.by_cluster_mut().iter_mut().zip(set.distributions()) {
+            for (symbol, count) in counts.iter_mut().enumerate() {
+                *count += u64::from(distribution.frequency(symbol));
+            }
+        }
+    }
+    prior
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::transform::tables::Transform;
+    use crate::depth::predictive::tables::Predictive;
+    use crate::entropy::SYMBOLS;
+
+    /// Payloads of one symbol of the first cluster, so many times.
+    fn payloads(symbols: &[(usize, u64)]) -> Trainer<Transform> {
+        let payload = |&(symbol, count): &(usize, u64)| {
+            let mut counts = Counts::default();
+            counts.by_cluster_mut()[0][symbol] = count;
+            PayloadCounts { counts, bytes: 1000, bits: 8000.0 }
+        };
+        Trainer::new(symbols.iter().map(payload).collect())
+    }
+
+    #[test]
+    fn payloads_are_grouped_by_what_they_hold() {
+        let trainer = payloads(&[(0, 5000), (1, 4000), (0, 7000), (1, 9000)]);
+        let [one, two] = &trainer.train(2)[..] else { panic!("two sets were expected") };
+        let frequencies = |set: &TableSet<_>| [0, 1].map(|symbol| set.distributions()[0].frequency(symbol));
+        let mut found = [frequencies(one), frequencies(two)];
+        found.sort_unstable();
+        assert!(found[0][0] < 50 && found[0][1] > 4000 && found[1][0] > 4000 && found[1][1] < 50, "{found:?}");
+        // 25,000 symbols of next to no bits are left of 32,000 bits.
+        let tables = PricedTables::new(Tables::with_own(trainer.train(2)));
+        assert_eq!(trainer.bytes(), 4000);
+        assert!(trainer.bytes_with(&tables) < 200, "{}", trainer.bytes_with(&tables));
+    }
+
+    #[test]
+    fn what_training_footage_lacks_is_as_likely_as_in_the_built_in_sets() {
+        check_prior::<Transform>();
+        check_prior::<Predictive>();
+    }
+
+    fn check_prior<M: Model>() {
+        let mut counts = Counts::<M>::default();
+        counts.by_cluster_mut()[0][0] = 1;
+        let trained = &Trainer::new(vec![PayloadCounts { counts, bytes: 1000, bits: 8000.0 }]).train(1)[0];
+        let tables = Tables::<M>::default();
+        for (at, distribution) in trained.distributions().iter().enumerate().skip(1) {
+            for symbol in 0..SYMBOLS {
+                let sum: u32 = tables.sets().iter().map(|set| set.distributions()[at].frequency(symbol)).sum();
+                let mean = f64::from(sum) / tables.sets().len() as f64;
+                assert!(
+                    (f64::from(distribution.frequency(symbol)) - mean).abs() <= 8.0,
+                    "cluster {at}, symbol {symbol}"
+                );
+            }
+        }
+    }
+}
