@@ -4,9 +4,9 @@
 
 #![doc(hidden)]
 
+pub mod built_in;
 pub mod distribution;
 pub mod family;
-pub mod model;
 #[cfg(feature = "encode")]
 pub mod prices;
 pub mod rans;
@@ -19,12 +19,11 @@ pub mod training;
 
 pub use distribution::{Distribution, SYMBOLS};
 pub use family::Family;
-pub use model::Model;
 #[cfg(feature = "encode")]
 pub use prices::{Counts, PricedTables, Prices};
 pub use rans::Decoder;
 #[cfg(feature = "encode")]
 pub use rans::Encoder;
-pub use tables::{TableSet, Tables};
+pub use tables::{Model, TableSet, Tables};
 #[cfg(feature = "encode")]
 pub use training::{PayloadCounts, Trainer};

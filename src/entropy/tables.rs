@@ -1,14 +1,33 @@
-//! Table sets: the built-in ones of a codec's format, and those that a stream brings along (color.md 6.7, depth.md 15.8).
+//! Entropy models: the contexts of a codec's symbols, the distributions that they share, and table sets, the built-in ones of its
+//! format and those that a stream brings along (color.md 6.7, depth.md 15.8).
 
+use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
 use crate::container::fields::Fields;
-use crate::entropy::{Distribution, Model};
+use crate::entropy::{Distribution, Family};
 use crate::error::Result;
 
 /// Most sets that a stream brings along.
 pub const MOST_OWN: usize = 8;
+
+/// The entropy model of a codec.
+pub trait Model: Debug + Clone + Copy + PartialEq + Eq + Send + Sync + 'static {
+    /// The first line of [`Model::FILE`], up to its colon.
+    const TITLE: &'static str;
+    /// The file of the format that has the contexts' distributions and the built-in sets.
+    const FILE: &'static str;
+    const FAMILIES: &'static [Family];
+    /// Values of the symbols of each distribution.
+    const ALPHABETS: &'static [u8];
+
+    /// The distribution of a context.
+    fn cluster_of(context: usize) -> usize;
+
+    /// The built-in sets alone.
+    fn built_in() -> &'static Tables<Self>;
+}
 
 /// The distributions of a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,5 +145,25 @@ mod tests {
         assert_eq!(fields.remaining(), 0);
         assert!(Tables::<M>::read(&mut Fields::new(&bytes, 0, ""), 9).is_err());
         assert!(Tables::<M>::read(&mut Fields::new(&bytes[..bytes.len() - 1], 0, ""), 2).is_err());
+    }
+
+    #[test]
+    fn contexts_share_distributions_of_their_family_and_every_symbol_has_a_slot() {
+        check_model::<Transform>();
+        check_model::<Predictive>();
+    }
+
+    fn check_model<M: Model>() {
+        for family in M::FAMILIES {
+            let clusters = family.first_cluster..family.first_cluster + family.clusters;
+            let mut contexts = family.first_context..family.first_context + family.contexts;
+            assert!(contexts.all(|context| clusters.contains(&M::cluster_of(context))));
+            for set in M::built_in().sets() {
+                for distribution in &set.distributions()[clusters.clone()] {
+                    assert!((0..family.alphabet).all(|symbol| distribution.frequency(symbol) > 0));
+                    assert_eq!((0..family.alphabet).map(|symbol| distribution.frequency(symbol)).sum::<u32>(), 4096);
+                }
+            }
+        }
     }
 }

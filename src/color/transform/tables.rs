@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES};
-use crate::entropy::model::BuiltIn;
+use crate::entropy::built_in::BuiltIn;
 use crate::entropy::{self, Family, Model};
 
 /// Built-in sets.

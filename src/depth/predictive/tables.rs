@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::depth::predictive::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES};
-use crate::entropy::model::BuiltIn;
+use crate::entropy::built_in::BuiltIn;
 use crate::entropy::{self, Family, Model};
 
 /// Built-in sets.
