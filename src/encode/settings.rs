@@ -197,7 +197,7 @@ pub struct EncodeSettings {
     pub color_chunk: u32,
     /// Entropy tables of the transform codec beside the built-in ones, stored in each colour stream.
     pub color_tables: Option<TableSet>,
-    /// Entropy tables of predictive depth beside the built-in ones, at most [`MOST_OWN`], stored in each depth stream.
+    /// Entropy tables of predictive depth beside the built-in ones, at most eight sets, stored in each depth stream.
     pub depth_tables: Vec<predictive::tables::TableSet>,
     /// Quality of colour, and the search for it.
     pub search: SearchSettings,
