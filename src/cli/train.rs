@@ -24,7 +24,7 @@ pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold h
 
 pub const DEPTH_HELP: &str = "Examples:\n  lightfold train-depth kitchen.lfold hall.lfold -o house.txt --sets 2\n  \
     lightfold encode garden/lightfield.json --depth-tables house.txt -o garden.lfold\n\n\
-    A set suits footage of the same kind and error bound. A container stores the sets once for each depth stream, in some 2 kB \
+    A set suits footage of the same kind and error bound. A container stores the sets once for each depth stream, in some 3 kB \
     each, and each chunk takes the cheapest set, trained or built in.";
 
 #[derive(Debug, clap::Args)]
