@@ -29,7 +29,7 @@ pub const DEPTH_HELP: &str = "Examples:\n  lightfold train-depth kitchen.lfold h
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Containers with what is trained, - for standard input
+    /// Containers with streams of the codec, - for standard input
     #[arg(value_name = "IN.lfold", required = true)]
     pub inputs: Vec<PathBuf>,
     /// The tables to write, as text; - for standard output
