@@ -2,9 +2,6 @@
 
 use crate::depth::predictive::projection::Curvature;
 
-/// Rounds of weighting, at most.
-const ROUNDS: usize = 30;
-
 /// A value at (x, y), in pixels from the block's centre.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
@@ -21,15 +18,15 @@ pub struct Fit {
     pub error: f64,
 }
 
-/// Stops early where no plane comes near `bound`, or one is well within it.
-pub fn minimax(samples: &[Sample], bound: f64, curvature: Curvature) -> Fit {
+/// Stops after `rounds` of weighting, earlier where no plane comes near `bound`, or one is well within it.
+pub fn minimax(samples: &[Sample], bound: f64, curvature: Curvature, rounds: usize) -> Fit {
     let mean = samples.iter().map(|sample| sample.value).sum::<f64>() / samples.len().max(1) as f64;
     let bend = if curvature.codes > 0 { 0.5 / f64::from(curvature.codes) } else { 0.0 };
     let mut weights = [1.0; 64];
     let mut errors = [0.0; 64];
     let mut numbers = [mean, 0.0, 0.0];
     let mut best = Fit { numbers, error: f64::INFINITY };
-    for round in 0..ROUNDS {
+    for round in 0..rounds {
         let mut sums = [[0.0; 4]; 3];
         for (sample, weight) in samples.iter().zip(weights) {
             let height = numbers[1] * sample.x + numbers[2] * sample.y;
@@ -91,7 +88,7 @@ mod tests {
                 Sample { x, y, value: 1000.0 + 7.0 * x - 3.0 * y + outlier }
             })
             .collect();
-        let fit = minimax(&samples, 4.0, curvature);
+        let fit = minimax(&samples, 4.0, curvature, 30);
         assert!(fit.error < 5.0, "{fit:?}");
         assert!((fit.numbers[1] - 7.0).abs() < 1.0 && (fit.numbers[2] + 3.0).abs() < 1.0);
     }

@@ -15,6 +15,9 @@ use crate::depth::predictive::tile::{Area, Tile};
 use crate::depth::quantise::BACKGROUND_CODE;
 use crate::effort::Effort;
 
+/// Rounds of a fit, at most.
+const ROUNDS: usize = 30;
+const FAST_ROUNDS: usize = 8;
 /// Largest number of a plane's change.
 const MOST_CHANGE: f64 = 8000.0;
 
@@ -119,17 +122,26 @@ impl<S: Sink> FrameSearch<'_, S> {
         }
     }
 
+    fn is_fast(&self) -> bool {
+        self.settings.effort == Effort::Fast
+    }
+
     fn surfaces(&mut self, at: usize, trial: Trial, backgrounds: usize) {
         let Trial { area, context, .. } = trial;
-        let mut cheapest = self.price_of_pixels(area) + self.price(context, PIXELS);
-        let plane = if backgrounds > 0 {
+        let mut plane = if backgrounds > 0 {
             None
         } else {
             let sources = [0, 1, 2].map(|source| self.tile.plane_from(at, source));
-            self.best_plane::<BLOCK>(trial, sources).filter(|found| found.cost <= cheapest)
+            self.best_plane::<BLOCK>(trial, sources)
         };
-        if let Some(found) = plane {
-            cheapest = found.cost;
+        let mut cheapest = plane.map_or(f64::INFINITY, |found| found.cost);
+        let takes_plane = self.is_fast() && plane.is_some_and(|found| !found.is_changed());
+        if !takes_plane {
+            let kept = self.keep(area);
+            if let Some(cost) = self.price_of_pixels(area, self.price(context, PIXELS), cheapest) {
+                (cheapest, plane) = (cost, None);
+            }
+            self.restore(area, &kept);
         }
         let tries_quarters = match (self.settings.effort, plane) {
             (Effort::Fast, found) => found.is_none(),
@@ -174,17 +186,24 @@ impl<S: Sink> FrameSearch<'_, S> {
 
     /// Codes the pixels of an area one after the other.
     fn pixels(&mut self, area: Area) {
-        code_pixels(self.tile, area, self.source, self.sink);
+        for y in area.y..area.y + area.height {
+            code_row(self.tile, area, y, self.source, self.sink);
+        }
     }
 
-    /// Bits and weighted errors of an area coded by pixels. The tile stays as it is.
-    fn price_of_pixels(&mut self, area: Area) -> f64 {
-        let kept = self.keep(area);
+    /// Codes the pixels of an area into the tile; answers their bits, weighted errors and `mode_bits`, if these are less than `limit`. Else
+    /// rows may be left as they were.
+    fn price_of_pixels(&mut self, area: Area, mode_bits: f64, limit: f64) -> Option<f64> {
         let mut pricer = Pricer { prices: self.prices, bits: 0.0 };
-        let squares = code_pixels(self.tile, area, self.source, &mut pricer);
-        let cost = pricer.bits + self.weighted(squares);
-        self.restore(area, &kept);
-        cost
+        let (mut squares, mut cost) = (0, mode_bits);
+        for y in area.y..area.y + area.height {
+            squares += code_row(self.tile, area, y, self.source, &mut pricer);
+            cost = pricer.bits + self.weighted(squares) + mode_bits;
+            if cost >= limit {
+                return None;
+            }
+        }
+        Some(cost)
     }
 
     /// The plans of the quarters of a block, if they cost less than `cheapest` together and one is a plane.
@@ -194,21 +213,24 @@ impl<S: Sink> FrameSearch<'_, S> {
         let mut plans = Vec::with_capacity(4);
         for area in self.tile.quarters(trial.area) {
             let context = self.tile.small_mode_context(area);
-            let pixels = self.price_of_pixels(area) + self.price(context, 0);
-            let plane = if self.backgrounds(area) > 0 {
+            let mut plane = if self.backgrounds(area) > 0 {
                 None
             } else {
                 let sources = [0, 1, 2].map(|source| self.tile.small_plane_from(area, source));
                 let trial = Trial { area, side: Side::Quarter, context, first: 1 };
-                self.best_plane::<SMALL>(trial, sources).filter(|found| found.cost <= pixels)
+                self.best_plane::<SMALL>(trial, sources)
             };
-            total += plane.map_or(pixels, |found| found.cost);
-            match plane {
-                Some(found) => self.tile.fill_plane::<SMALL>(area, &found.plane),
-                None => {
-                    let mut pricer = Pricer { prices: self.prices, bits: 0.0 };
-                    code_pixels(self.tile, area, self.source, &mut pricer);
+            let limit = plane.map_or(cheapest - total, |found| found.cost);
+            match (self.price_of_pixels(area, self.price(context, 0), limit), plane) {
+                (Some(cost), _) => {
+                    plane = None;
+                    total += cost;
                 }
+                (None, Some(found)) => {
+                    self.tile.fill_plane::<SMALL>(area, &found.plane);
+                    total += found.cost;
+                }
+                (None, None) => total = f64::INFINITY,
             }
             plans.push(plane);
             if total >= cheapest {
@@ -242,7 +264,7 @@ impl<S: Sink> FrameSearch<'_, S> {
             self.consider::<SIDE>(trial, (source, plane), [0; 3], &mut best);
         }
         let takes_what_is_carried_on = match self.settings.effort {
-            Effort::Fast => best.is_some() || trial.side == Side::Quarter,
+            Effort::Fast => best.is_some(),
             Effort::Normal | Effort::Exhaustive => best.is_some() && self.settings.error_weight == 0.0,
         };
         if takes_what_is_carried_on {
@@ -251,7 +273,8 @@ impl<S: Sink> FrameSearch<'_, S> {
         let bound = f64::from(self.settings.bound);
         let mut samples = [Sample { x: 0.0, y: 0.0, value: 0.0 }; 64];
         let count = self.samples::<SIDE>(trial.area, &mut samples);
-        let fit = minimax(&samples[..count], bound, self.tile.curvature);
+        let rounds = if self.is_fast() { FAST_ROUNDS } else { ROUNDS };
+        let fit = minimax(&samples[..count], bound, self.tile.curvature, rounds);
         if fit.error > bound + 0.5 {
             return best;
         }
@@ -267,11 +290,11 @@ impl<S: Sink> FrameSearch<'_, S> {
                 continue;
             }
             let [value, x, y] = exact.map(|number| number.round() as i32);
-            let near = |at: i32| [at, at - 1, at + 1];
-            let trials = near(value).into_iter().flat_map(|value| {
-                let with_slopes = near(x).into_iter().flat_map(move |x| near(y).map(move |y| [value, x, y]));
-                let one_slope =
-                    near(x).map(move |x| [value, x, 0]).into_iter().chain(near(y).map(move |y| [value, 0, y]));
+            let tried = if self.is_fast() { 1 } else { 3 };
+            let near = |at: i32| [at, at - 1, at + 1].into_iter().take(tried);
+            let trials = near(value).flat_map(|value| {
+                let with_slopes = near(x).flat_map(move |x| near(y).map(move |y| [value, x, y]));
+                let one_slope = near(x).map(move |x| [value, x, 0]).chain(near(y).map(move |y| [value, 0, y]));
                 with_slopes.chain(one_slope).chain([[value, 0, 0]])
             });
             for change in trials {
@@ -373,21 +396,19 @@ fn put_rest<const COUNT: usize>(sink: &mut impl Sink, classes: &Classes<COUNT>, 
     sink.bits(magnitude - classes.least[class], classes.bits[class].into());
 }
 
-/// Codes the pixels of an area one after the other into the tile; answers the sum of squared errors.
-fn code_pixels(tile: &mut Tile, area: Area, source: &[u16], sink: &mut impl Sink) -> u64 {
+/// Codes the pixels of a row of an area one after the other into the tile; answers the sum of squared errors.
+fn code_row(tile: &mut Tile, area: Area, y: usize, source: &[u16], sink: &mut impl Sink) -> u64 {
     let mut squares = 0;
-    for (y, row) in rows(area) {
-        let start = tile.at(area.x as isize, y as isize);
-        let at = y * tile.width + area.x;
-        for x in row {
-            let (source, correction) = (source[at + x], tile.corrections[at + x]);
-            let around = tile.around(start + x, correction);
-            let pixel = code_pixel(tile, &around, source, sink);
-            tile.pixels[start + x] = pixel;
-            if source != BACKGROUND_CODE {
-                let error = u64::from(pixel.code(correction).abs_diff(source));
-                squares += error * error;
-            }
+    let start = tile.at(area.x as isize, y as isize);
+    let at = y * tile.width + area.x;
+    for x in 0..area.width {
+        let (source, correction) = (source[at + x], tile.corrections[at + x]);
+        let around = tile.around(start + x, correction);
+        let pixel = code_pixel(tile, &around, source, sink);
+        tile.pixels[start + x] = pixel;
+        if source != BACKGROUND_CODE {
+            let error = u64::from(pixel.code(correction).abs_diff(source));
+            squares += error * error;
         }
     }
     squares
