@@ -72,8 +72,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         false => (0..grid.ups_m.len()).map(|row| grid.in_row(&range, row).len()).max().unwrap_or(0),
     };
     let folder = folder_of_views(args.output.as_deref());
-    let held = loaded + pictures_bytes(args, &grid.row, outputs.as_ref());
-    let limits = Limits { budget: args.memory.get(), held, threads: rayon::current_num_threads(), folder: &folder };
+    let held = loaded.bytes + pictures_bytes(args, &grid.row, outputs.as_ref());
+    let (budget, threads) = (args.memory.get(), rayon::current_num_threads());
+    let limits = Limits { budget, held, freed: loaded.freed, threads, folder: &folder };
     let plan = memory::plan(&grid.row, count, need, &limits)?;
     let mut measured = Measured {
         load: loading.elapsed(),

@@ -40,6 +40,8 @@ const PICTURE_PIXEL_BYTES: u64 = 8 + 16 + 3 * 8;
 const HIGHLIGHT_BYTES: usize = 32 + 4 * 32;
 /// Bytes of a line while its scanline is interpolated: itself, its run, what a view draws of both, and the highlight.
 const LINE_BYTES: usize = size_of::<Line>() + size_of::<Run>() + 8 + HIGHLIGHT_BYTES;
+/// Threads take unequal parts of bands and strips, and the heap of each keeps the room of its largest: so much more, as a part of 1.
+const HEAPS_PART: u64 = 5;
 /// Bytes of the hits of a ray, while a scanline is acquired.
 const HIT_BYTES: u64 = 3 * 72;
 
@@ -128,6 +130,8 @@ pub struct Limits<'a> {
     pub budget: Budget,
     /// Bytes that are there already, or that others hold: the scene, a quilt, pictures that are compared.
     pub held: u64,
+    /// Part of `held` that loading freed, and views that wait in memory take again.
+    pub freed: u64,
     pub threads: usize,
     /// A place for a file of views.
     pub folder: &'a Path,
@@ -135,9 +139,10 @@ pub struct Limits<'a> {
 
 /// Plans `count` views, those of a line or of a column. An error is a budget that does not suffice.
 pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Limits<'_>) -> Result<Plan> {
-    let Limits { budget, held, threads, folder } = *limits;
+    let Limits { budget, held, freed, threads, folder } = *limits;
     let [width, height] = views.size.map(u64::from);
     let (count, threads) = (count as u64, threads as u64);
+    let in_heaps = |bytes: u64| if threads > 1 { bytes + bytes / HEAPS_PART } else { bytes };
     let whole = if sources.by_bands { 0 } else { sources.bytes(width * height) };
     // A widened window has twice as many columns.
     let hits = 2 * width * u64::from(SourceBands::ROWS) * HIT_BYTES * threads;
@@ -148,14 +153,15 @@ pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Lim
         true => height,
         false => (strips / strip_row.max(1)).clamp(1, STRIP_ROWS_A_THREAD * threads).min(height.max(1)),
     };
-    let fixed = held + whole + hits.max(lines + strip_rows * strip_row);
-    let each = if sources.by_bands { sources.bytes(width * u64::from(SourceBands::ROWS)) } else { 0 };
+    let fixed = held + whole + hits.max(in_heaps(lines + strip_rows * strip_row));
+    let each = if sources.by_bands { in_heaps(sources.bytes(width * u64::from(SourceBands::ROWS))) } else { 0 };
     // Columns are taken as they are made.
     let all_views = if sources.by_columns { 0 } else { count * width * height * VIEW_PIXEL_BYTES };
-    let fits = fixed + each + all_views <= budget.bytes.unwrap_or(u64::MAX);
+    let new_views = all_views.saturating_sub(freed);
+    let fits = fixed + each + new_views <= budget.bytes.unwrap_or(u64::MAX);
     let in_memory = fits && all_views <= budget.bytes.unwrap_or(USUAL_VIEW_BYTES);
     let (waiting, storage) =
-        if in_memory { (all_views, Storage::Memory) } else { (0, Storage::File(folder.to_owned())) };
+        if in_memory { (new_views, Storage::Memory) } else { (0, Storage::File(folder.to_owned())) };
     // Holes are filled when all bands are done.
     let filling = held + whole + width * height * (VIEW_PIXEL_BYTES + PICTURE_PIXEL_BYTES);
     let fixed = waiting + fixed.max(filling.saturating_sub(each));
@@ -190,7 +196,7 @@ mod tests {
         let need = SourceNeed { pixel_bytes: 1800.0, pixel_lines: 8.0, by_bands: true, by_columns: false };
         let of = |count: usize, megabytes: Option<u64>| {
             let budget = megabytes.map_or(Budget::UNLIMITED, |megabytes| Budget::of(megabytes * 1_000_000));
-            plan(&views, count, need, &Limits { budget, held: 100_000_000, threads: 2, folder: &folder })
+            plan(&views, count, need, &Limits { budget, held: 100_000_000, freed: 0, threads: 2, folder: &folder })
         };
         let few = of(2, None).unwrap();
         assert!(few.storage == Storage::Memory && few.at_once.acquired > SourceBands::ROWS, "{few:?}");

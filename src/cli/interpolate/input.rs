@@ -24,6 +24,13 @@ use crate::scene::{LightRays, Play, Scene, SceneAtTime};
 /// Memory of code, stacks and tables.
 const PROGRAM_BYTES: u64 = 32 << 20;
 
+/// Memory of an input that is open.
+pub(super) struct Loaded {
+    pub bytes: u64,
+    /// Part of it that loading freed.
+    pub freed: u64,
+}
+
 pub(super) enum Input {
     Scene(Box<Scene>),
     /// Of probes that are named.
@@ -98,16 +105,19 @@ impl Input {
         views: &OutputViews,
         acquire: &AcquireSettings,
         monitor: &dyn Monitor,
-    ) -> Result<(u64, SourceNeed)> {
+    ) -> Result<(Loaded, SourceNeed)> {
         let resident = || machine::memory_bytes().unwrap_or(PROGRAM_BYTES);
+        let all = || Loaded { bytes: resident(), freed: 0 };
         Ok(match self {
-            Input::Images(_) => (resident(), SourceNeed::images(args.probe.len() as u32)),
-            Input::Field(_) => (resident(), SourceNeed::images(args.max_sources)),
+            Input::Images(_) => (all(), SourceNeed::images(args.probe.len() as u32)),
+            Input::Field(_) => (all(), SourceNeed::images(args.max_sources)),
             Input::Scene(scene) => {
                 let scene = scene.at(0.0);
                 let need = SourceNeed::measured(&scene, views, acquire, monitor)?;
-                // What loading has freed stays with the allocator, and threads hardly use it again.
-                let loaded = resident().max(PROGRAM_BYTES + scene.bytes());
+                // What loading has freed stays with the allocator; views of this thread take it again, other threads hardly.
+                let in_use = PROGRAM_BYTES + scene.bytes();
+                let bytes = resident().max(in_use);
+                let loaded = Loaded { bytes, freed: bytes - in_use };
                 (loaded, if args.by_columns() { need.by_columns() } else { need })
             }
         })
