@@ -31,12 +31,7 @@ pub trait TrainedCodec: Model {
     fn tables_of(stream: &StreamInfo) -> Option<&Tables<Self>>;
 
     /// Counts the payload of a stream's chunk; `None` if it has no symbols of the model.
-    fn count(
-        stream: &StreamInfo,
-        chunk: &ChunkEntry,
-        payload: &[u8],
-        tables: &PricedTables<Self>,
-    ) -> Result<Option<PayloadCounts<Self>>>;
+    fn count(stream: &StreamInfo, chunk: &ChunkEntry, payload: &[u8]) -> Result<Option<PayloadCounts<Self>>>;
 }
 
 impl TrainedCodec for Transform {
@@ -46,12 +41,8 @@ impl TrainedCodec for Transform {
         if let CodecHeader::Color(header) = &stream.header { header.tables() } else { None }
     }
 
-    fn count(
-        stream: &StreamInfo,
-        chunk: &ChunkEntry,
-        payload: &[u8],
-        tables: &PricedTables<Transform>,
-    ) -> Result<Option<PayloadCounts<Transform>>> {
+    fn count(stream: &StreamInfo, chunk: &ChunkEntry, payload: &[u8]) -> Result<Option<PayloadCounts<Transform>>> {
+        let Some(tables) = Transform::tables_of(stream) else { return Ok(None) };
         let [_, _, width, height] = stream.entry.unit_rect(chunk.key.unit);
         let (size, frames) = ([width as usize, height as usize], chunk.key.frame_count);
         match stream.is_half_float() {
@@ -69,12 +60,7 @@ impl TrainedCodec for Predictive {
         if let DepthCoding::Predictive(header) = &header.coding { Some(&header.tables) } else { None }
     }
 
-    fn count(
-        stream: &StreamInfo,
-        chunk: &ChunkEntry,
-        payload: &[u8],
-        _: &PricedTables<Predictive>,
-    ) -> Result<Option<PayloadCounts<Predictive>>> {
+    fn count(stream: &StreamInfo, chunk: &ChunkEntry, payload: &[u8]) -> Result<Option<PayloadCounts<Predictive>>> {
         let CodecHeader::Depth(header) = &stream.header else { return Ok(None) };
         let DepthCoding::Predictive(header) = &header.coding else { return Ok(None) };
         let (area, frames) = (stream.unit_area(chunk.key.unit), chunk.key.frame_count);
@@ -100,6 +86,18 @@ pub struct TrainSummary {
     pub trained_payload_bytes: u64,
     /// Bytes of the sets in a codec header.
     pub table_bytes: u64,
+    /// Containers that were not trained on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOut>,
+}
+
+/// Trained sets on containers that were not trained on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct HeldOut {
+    pub payloads: u64,
+    pub payload_bytes: u64,
+    /// Bytes of the same symbols where each payload has the cheapest trained set; none is built in.
+    pub trained_payload_bytes: u64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -109,68 +107,98 @@ pub struct Trained {
     pub summary: TrainSummary,
 }
 
-/// A chunk to count.
+/// Containers, and their chunks of a codec.
+#[derive(Debug)]
+pub struct Footage<'a> {
+    inputs: &'a [Decoder],
+    chunks: Vec<TrainingChunk<'a>>,
+}
+
 #[derive(Debug, Clone, Copy)]
-pub struct TrainingChunk<'a> {
+struct TrainingChunk<'a> {
     input: usize,
     stream: &'a StreamInfo,
     chunk: &'a ChunkEntry,
 }
 
-/// Chunks of a codec.
-///
-/// # Errors
-/// [`Error::Invalid`] names an input that has none.
-pub fn find_chunks<C: TrainedCodec>(inputs: &[Decoder]) -> Result<Vec<TrainingChunk<'_>>> {
-    let mut found = Vec::new();
-    for (input, decoder) in inputs.iter().enumerate() {
-        let (before, mut places) = (found.len(), HashSet::new());
-        for stream in decoder.streams().iter().filter(|stream| C::tables_of(stream).is_some()) {
-            let chunks = decoder.reader().index().stream_chunks(stream.index).iter();
-            let chunks = chunks.filter(|chunk| places.insert((chunk.offset, chunk.stored_bytes)));
-            found.extend(chunks.map(|chunk| TrainingChunk { input, stream, chunk }));
+impl<'a> Footage<'a> {
+    /// # Errors
+    /// [`Error::Invalid`] names an input that has no chunk of the codec.
+    pub fn find<C: TrainedCodec>(inputs: &'a [Decoder]) -> Result<Footage<'a>> {
+        let mut found = Vec::new();
+        for (input, decoder) in inputs.iter().enumerate() {
+            let (before, mut places) = (found.len(), HashSet::new());
+            for stream in decoder.streams().iter().filter(|stream| C::tables_of(stream).is_some()) {
+                let chunks = decoder.reader().index().stream_chunks(stream.index).iter();
+                let chunks = chunks.filter(|chunk| places.insert((chunk.offset, chunk.stored_bytes)));
+                found.extend(chunks.map(|chunk| TrainingChunk { input, stream, chunk }));
+            }
+            if found.len() == before {
+                return Err(nothing_to_count::<C>(decoder));
+            }
         }
-        if found.len() == before {
-            return Err(nothing_to_count::<C>(decoder));
-        }
+        Ok(Footage { inputs, chunks: found })
     }
-    Ok(found)
+
+    /// Number of chunks.
+    pub fn len(&self) -> u64 {
+        self.chunks.len() as u64
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.chunks.is_empty()
+    }
+
+    /// Counts the symbols of all chunks; the monitor advances by one for each.
+    fn count<C: TrainedCodec>(self, memory: Budget, monitor: &dyn Monitor) -> Result<Trainer<C>> {
+        let Footage { inputs, chunks } = self;
+        let each = chunks.iter().map(|at| memory::chunk_bytes(&at.stream.header, &at.stream.entry, at.chunk)).max();
+        let containers: u64 = inputs.iter().map(|decoder| memory::container_bytes(decoder.reader())).sum();
+        let fixed = containers + chunks.len() as u64 * (Counts::<C>::BYTES + size_of::<PayloadCounts<C>>() as u64);
+        let need = Need { what: "training", fixed, each: each.unwrap_or(0), instead: "fewer inputs" };
+        let at_once = memory.at_once(&need, rayon::current_num_threads())?;
+        let counted = try_map_at_once(chunks, at_once, |at| {
+            monitor.check()?;
+            let counts = count::<C>(&inputs[at.input], at)?;
+            monitor.advance(1);
+            Ok((at.input, counts))
+        })?;
+        for (at, decoder) in inputs.iter().enumerate() {
+            if !counted.iter().any(|(input, counts)| *input == at && counts.is_some()) {
+                return Err(nothing_to_count::<C>(decoder));
+            }
+        }
+        Ok(Trainer::new(counted.into_iter().filter_map(|(_, counts)| counts).collect()))
+    }
 }
 
 fn nothing_to_count<C: TrainedCodec>(decoder: &Decoder) -> Error {
     Error::invalid(C::NOTHING_TO_COUNT).in_file(decoder.reader().path())
 }
 
-/// Trains on chunks that [`find_chunks`] found in `inputs`; the monitor advances by one for each.
+/// Trains on footage, and measures the sets on other footage; the monitor advances by one for each chunk.
 pub fn train<C: TrainedCodec>(
-    inputs: &[Decoder],
-    chunks: Vec<TrainingChunk<'_>>,
+    footage: Footage<'_>,
+    held_out: Option<Footage<'_>>,
     settings: TrainSettings,
     monitor: &dyn Monitor,
 ) -> Result<Trained> {
     let TrainSettings { sets, memory } = settings;
-    let each = chunks.iter().map(|at| memory::chunk_bytes(&at.stream.header, &at.stream.entry, at.chunk)).max();
-    let containers: u64 = inputs.iter().map(|decoder| memory::container_bytes(decoder.reader())).sum();
-    let fixed = containers + chunks.len() as u64 * (Counts::<C>::BYTES + size_of::<PayloadCounts<C>>() as u64);
-    let need = Need { what: "training", fixed, each: each.unwrap_or(0), instead: "fewer inputs" };
-    let at_once = memory.at_once(&need, rayon::current_num_threads())?;
-    let counted = try_map_at_once(chunks, at_once, |at| {
-        monitor.check()?;
-        let counts = count::<C>(&inputs[at.input], at)?;
-        monitor.advance(1);
-        Ok((at.input, counts))
-    })?;
-    for (at, decoder) in inputs.iter().enumerate() {
-        if !counted.iter().any(|(input, counts)| *input == at && counts.is_some()) {
-            return Err(nothing_to_count::<C>(decoder));
-        }
-    }
-    let trainer = Trainer::new(counted.into_iter().filter_map(|(_, counts)| counts).collect());
+    let trainer = footage.count::<C>(memory, monitor)?;
     let payloads = trainer.payloads().len();
     if payloads < sets {
         return Err(Error::Usage(format!("`sets` {sets}: more than the inputs have payloads, {payloads}")));
     }
     let own = trainer.train(sets);
+    let measure = |footage: Footage<'_>| {
+        let held_out = footage.count::<C>(memory, monitor)?;
+        Ok::<_, Error>(HeldOut {
+            payloads: held_out.payloads().len() as u64,
+            payload_bytes: held_out.bytes(),
+            trained_payload_bytes: held_out.bytes_with(&PricedTables::new(Tables::of_built_in(own.clone()))),
+        })
+    };
+    let held_out = held_out.map(measure).transpose()?;
     let text = table_text::write(&own);
     let tables = Tables::with_own(own);
     let mut header = Vec::new();
@@ -182,14 +210,13 @@ pub fn train<C: TrainedCodec>(
         payload_bytes: trainer.bytes(),
         trained_payload_bytes: trainer.bytes_with(&PricedTables::new(tables)),
         table_bytes: header.len() as u64,
+        held_out,
     };
     Ok(Trained { text, summary })
 }
 
 fn count<C: TrainedCodec>(decoder: &Decoder, at: TrainingChunk<'_>) -> Result<Option<PayloadCounts<C>>> {
     let TrainingChunk { stream, chunk, .. } = at;
-    let Some(tables) = C::tables_of(stream) else { return Ok(None) };
-    let tables = PricedTables::new(tables.clone());
     let payload = decoder.reader().fetch(chunk)?;
-    C::count(stream, chunk, &payload, &tables).map_err(|error| decoder.reader().blame(chunk, error))
+    C::count(stream, chunk, &payload).map_err(|error| decoder.reader().blame(chunk, error))
 }

@@ -13,7 +13,7 @@ use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::decode::Decoder;
 use crate::entropy::tables::MOST_OWN;
 use crate::error::Result;
-use crate::train::{self, TrainSettings, TrainSummary, Trained, TrainedCodec};
+use crate::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
 
 pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
     lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \
@@ -23,7 +23,8 @@ pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold h
     again.";
 
 pub const DEPTH_HELP: &str = "Examples:\n  lightfold train-depth kitchen.lfold hall.lfold -o house.txt --sets 2\n  \
-    lightfold encode garden/lightfield.json --depth-tables house.txt -o garden.lfold\n\n\
+    lightfold encode garden/lightfield.json --depth-tables house.txt -o garden.lfold\n  \
+    lightfold train-depth kitchen.lfold hall.lfold --held-out garden.lfold -o house.txt\n\n\
     A set suits footage of the same kind and error bound. A container stores the sets once for each depth stream, in some 3 kB \
     each, and each chunk takes the cheapest set, trained or built in.";
 
@@ -38,6 +39,9 @@ pub struct Args {
     /// Number of table sets; --color-tables takes one, --depth-tables all
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=MOST_OWN as i64))]
     pub sets: u8,
+    /// A container to measure the trained sets on, without the built-in ones; repeatable
+    #[arg(long, value_name = "IN.lfold")]
+    pub held_out: Vec<PathBuf>,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -55,14 +59,17 @@ struct Report {
 pub fn run<C: TrainedCodec>(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     check_stdout(&args.output, args.json)?;
     let start = Instant::now();
-    if args.inputs.iter().any(|input| is_same_file(input, &args.output)) {
+    if args.inputs.iter().chain(&args.held_out).any(|input| is_same_file(input, &args.output)) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
     }
-    let inputs = args.inputs.iter().map(Decoder::open).collect::<Result<Vec<_>>>()?;
-    let chunks = train::find_chunks::<C>(&inputs)?;
-    let progress = Progress::start(global, "training", chunks.len() as u64)?;
+    let open = |paths: &[PathBuf]| paths.iter().map(Decoder::open).collect::<Result<Vec<_>>>();
+    let (inputs, held_out) = (open(&args.inputs)?, open(&args.held_out)?);
+    let footage = Footage::find::<C>(&inputs)?;
+    let held_out = (!held_out.is_empty()).then(|| Footage::find::<C>(&held_out)).transpose()?;
+    let chunks = footage.len() + held_out.as_ref().map_or(0, Footage::len);
+    let progress = Progress::start(global, "training", chunks)?;
     let settings = TrainSettings { sets: args.sets.into(), memory: args.memory.get() };
-    let Trained { text, summary } = train::train::<C>(&inputs, chunks, settings, &progress)?;
+    let Trained { text, summary } = train::train::<C>(footage, held_out, settings, &progress)?;
     drop(progress);
     output::write_file(&args.output, &text)?;
     let report = Report { summary, seconds: start.elapsed().as_secs_f64() };
@@ -75,12 +82,16 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
 }
 
 fn words(path: &Path, summary: TrainSummary) -> String {
-    let TrainSummary { payloads, symbols, sets, payload_bytes, trained_payload_bytes, table_bytes } = summary;
+    let TrainSummary { payloads, symbols, sets, payload_bytes, trained_payload_bytes, table_bytes, held_out } = summary;
     let [before, after, stored] = [payload_bytes, trained_payload_bytes, table_bytes].map(human_bytes);
     let sets = if sets == 1 { "1 table set".to_owned() } else { format!("{sets} table sets") };
+    let held_out = held_out.map_or(String::new(), |HeldOut { payloads, payload_bytes, trained_payload_bytes }| {
+        let [before, after] = [payload_bytes, trained_payload_bytes].map(human_bytes);
+        format!("; {payloads} held-out payloads take {before}, with the trained sets alone about {after}")
+    });
     format!(
         "{}: {sets} from {symbols} symbols of {payloads} payloads; these take {before}, with the trained tables about {after}, \
-         and {stored} for the tables",
+         and {stored} for the tables{held_out}",
         path.display()
     )
 }

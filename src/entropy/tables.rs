@@ -77,9 +77,9 @@ impl<M: Model> Default for Tables<M> {
 }
 
 impl<M: Model> Tables<M> {
-    /// The built-in sets of a model, for [`Model::built_in`].
-    pub fn of_format<const CLUSTERS: usize>(sets: &[[Distribution; CLUSTERS]]) -> Tables<M> {
-        Tables { sets: Arc::new(sets.iter().map(|set| TableSet::new(set)).collect()), built_in: sets.len() }
+    /// Tables of these sets alone, as built in, for [`Model::built_in`].
+    pub fn of_built_in(sets: Vec<TableSet<M>>) -> Tables<M> {
+        Tables { built_in: sets.len(), sets: Arc::new(sets) }
     }
 
     pub fn with_own(own: Vec<TableSet<M>>) -> Tables<M> {

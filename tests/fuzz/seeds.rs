@@ -300,11 +300,6 @@ pub fn cameras() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
-/// Entropy tables as text.
-pub fn color_tables() -> Vec<Vec<u8>> {
-    vec![include_bytes!("../../formats/color-tables.txt").to_vec()]
-}
-
 /// The CSV of sweeps.
 pub fn sweeps() -> Vec<Vec<u8>> {
     let knobs: Vec<&str> = CODING.knobs.iter().map(|knob| knob.key()).collect();

@@ -14,7 +14,7 @@ use lightfold::image::{ColorPlane, Face, Plane};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::streams::{CodecHeader, ColorFormat};
-use lightfold::train::{TrainSettings, TrainSummary, find_chunks, train};
+use lightfold::train::{self, TrainSettings, TrainSummary, train};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -43,9 +43,13 @@ fn settings(color: ColorFormat) -> EncodeSettings {
     EncodeSettings { color, search, compression: Compression::None, ..EncodeSettings::default() }
 }
 
+fn footage(inputs: &[Decoder]) -> train::Footage<'_> {
+    train::Footage::find::<Transform>(inputs).unwrap()
+}
+
 pub fn trained(inputs: &[Decoder], sets: usize) -> (Vec<TableSet>, TrainSummary) {
     let settings = TrainSettings { sets, memory: Budget::UNLIMITED };
-    let trained = train::<Transform>(inputs, find_chunks::<Transform>(inputs).unwrap(), settings, &Silent).unwrap();
+    let trained = train::<Transform>(footage(inputs), None, settings, &Silent).unwrap();
     (table_text::read(trained.text.as_bytes()).unwrap(), trained.summary)
 }
 
@@ -161,9 +165,7 @@ fn more_sets_than_payloads_are_refused() {
     let one_cell = EncodeSettings { cell: 192, ..settings(EncodeSettings::default().color) };
     let inputs = [decoder(&encoded(&source, &one_cell))];
     let settings = TrainSettings { sets: 2, memory: Budget::UNLIMITED };
-    let error = train::<Transform>(&inputs, find_chunks::<Transform>(&inputs).unwrap(), settings, &Silent)
-        .unwrap_err()
-        .to_string();
+    let error = train::<Transform>(footage(&inputs), None, settings, &Silent).unwrap_err().to_string();
     assert_eq!(error, "`sets` 2: more than the inputs have payloads, 1");
 }
 
@@ -180,11 +182,15 @@ fn commands_train_and_use_tables_of_depth() {
     Footage { depth: Some(&rough), frames: [0, 5], ..Footage::new(192, 160) }.write(place);
     let encode = "encode . --max-error 3 --stream depth";
     fine(&format!("{encode} -o plain.lfold"), place);
-    let report = fine("train-depth plain.lfold -o tables.txt --sets 2 --json", place);
+    let report = fine("train-depth plain.lfold -o tables.txt --sets 2 --held-out plain.lfold --json", place);
     let report: Value = serde_json::from_slice(&report.stdout).unwrap();
     assert_eq!((report["sets"].as_u64(), report["payloads"].as_u64()), (Some(2), Some(4)), "tiles of 128: {report}");
     let of = |name: &str| report[name].as_u64().unwrap();
     assert!(of("trained_payload_bytes") < of("payload_bytes"), "{report}");
+    let held_out = |name: &str| report["held_out"][name].as_u64().unwrap();
+    assert_eq!((held_out("payloads"), held_out("payload_bytes")), (4, of("payload_bytes")));
+    assert!(held_out("trained_payload_bytes") >= of("trained_payload_bytes"), "built-in sets are of no use: {report}");
+    assert!(held_out("trained_payload_bytes") < of("payload_bytes"), "{report}");
     fine(&format!("{encode} -o own.lfold --depth-tables tables.txt"), place);
     fine("diff . own.lfold --stream depth --max-error 3", place);
     let inspected = String::from_utf8(fine("inspect own.lfold", place).stdout).unwrap();

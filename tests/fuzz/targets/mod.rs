@@ -1,6 +1,8 @@
 //! What is fuzzed: functions that take any bytes and say what became of them. The runner and the package of `cargo fuzz`
 //! call the same ones.
 
+use lightfold::color::transform::tables::Transform;
+use lightfold::depth::predictive::tables::Predictive;
 use lightfold::error::{Error, Result};
 
 pub mod container;
@@ -80,7 +82,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },
-    Target { name: "color-tables", execs: 2000, run: texts::run_color_tables, bound: texts::bound },
+    Target { name: "color-tables", execs: 2000, run: texts::run_tables::<Transform>, bound: texts::bound },
+    Target { name: "depth-tables", execs: 2000, run: texts::run_tables::<Predictive>, bound: texts::bound },
     Target { name: "gltf", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "glb", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "quads", execs: 1000, run: models::run_quads, bound: models::bound },

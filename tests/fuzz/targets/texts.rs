@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use lightfold::color::transform::tables::Transform;
 use lightfold::container::Reader;
 use lightfold::dataset::seurat::{SeuratCapture, SeuratView};
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
-use lightfold::entropy::table_text;
+use lightfold::entropy::{Model, table_text};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::StreamKind;
 use lightfold::image::{Face, FrameRange, Pattern, ReadLimits};
@@ -108,9 +107,9 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
     }
 }
 
-/// Entropy tables are parsed, written and parsed again.
-pub fn run_color_tables(bytes: &[u8]) -> Judged {
-    let sets = match table_text::read::<Transform>(bytes) {
+/// Entropy tables of a model are parsed, written and parsed again.
+pub fn run_tables<M: Model + PartialEq>(bytes: &[u8]) -> Judged {
+    let sets = match table_text::read::<M>(bytes) {
         Ok(sets) => sets,
         Err(error) => return refused(&error),
     };

@@ -3,11 +3,11 @@
 use crate::color::transform::blocks::{Block, regions};
 use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::domain::Keyed;
-use crate::color::transform::encode::rate::{Counts, PricedTables};
+use crate::color::transform::encode::rate::Counts;
 use crate::color::transform::payload::{Layout, check_frames, holds_cells};
 use crate::color::transform::region::{Region, most_items};
-use crate::color::transform::tables::Transform;
-use crate::entropy::{Decoder, PayloadCounts};
+use crate::color::transform::tables::{Tables, Transform};
+use crate::entropy::{Decoder, PayloadCounts, Prices};
 use crate::error::{Error, Result};
 
 /// Counts a payload that was encoded with `tables`; `None` if it holds keyframes and weights.
@@ -15,22 +15,23 @@ pub fn count_payload<S: Keyed>(
     payload: &[u8],
     size: [usize; 2],
     frames: u32,
-    tables: &PricedTables,
+    tables: &Tables,
 ) -> Result<Option<PayloadCounts<Transform>>> {
     if holds_cells(payload) {
         return Ok(None);
     }
     check_frames(frames)?;
-    let Layout { header, substreams } = Layout::parse::<S>(payload, size, &tables.tables)?;
+    let Layout { header, substreams } = Layout::parse::<S>(payload, size, tables)?;
+    let set = &tables.sets()[header.set];
     let mut counts = Counts::default();
     for ([_, _, width, height], substream) in regions(size).zip(substreams) {
         let bytes = &payload[substream];
-        let reader = Reader { stream: Decoder::new(bytes), tables: &tables.tables.sets()[header.set] };
+        let reader = Reader { stream: Decoder::new(bytes), tables: set };
         let root = Block::root([width, height], frames as usize);
         let counting = CountingReader { reader, counts: &mut counts };
         Region::read_by(counting, most_items(bytes), root, &header, &S::DOMAIN).map_err(Error::invalid)?;
     }
-    let bits = tables.prices[header.set].total(&counts);
+    let bits = Prices::new(set).total(&counts);
     Ok(Some(PayloadCounts { counts, bytes: payload.len() as u64, bits }))
 }
 
