@@ -3,6 +3,7 @@
 
 mod cornell;
 mod courtyard;
+mod fence;
 mod interior;
 mod mirrors;
 mod parts;
@@ -20,11 +21,18 @@ pub enum DemoKind {
     Object,
     Mirrors,
     Cornell,
+    Fence,
 }
 
 impl DemoKind {
-    pub const ALL: [DemoKind; 5] =
-        [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Object, DemoKind::Mirrors, DemoKind::Cornell];
+    pub const ALL: [DemoKind; 6] = [
+        DemoKind::Courtyard,
+        DemoKind::Interior,
+        DemoKind::Object,
+        DemoKind::Mirrors,
+        DemoKind::Cornell,
+        DemoKind::Fence,
+    ];
 
     fn definition(self) -> &'static Definition {
         match self {
@@ -33,6 +41,7 @@ impl DemoKind {
             DemoKind::Object => &turning::SCENE,
             DemoKind::Mirrors => &mirrors::SCENE,
             DemoKind::Cornell => &cornell::SCENE,
+            DemoKind::Fence => &fence::SCENE,
         }
     }
 

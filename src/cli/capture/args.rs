@@ -18,7 +18,7 @@ use crate::scene::Pass;
     lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
     lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence.\n\n\
     --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
     camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\", \"shift\" (the middle of the image \
     beside the viewing axis, in widths and heights) and \"frames\" ([first, last]); the probes of a lightfield.json; or cameras as for `decode --camera`, which capture perspective images: the \
