@@ -7,6 +7,7 @@ const LEAST_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
 const NEAR_SURFACE: f32 = 0.03;
+const RECORDED_SINE: f32 = 0.05;
 // Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
 
@@ -153,6 +154,29 @@ fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f3
     return share * found.light;
 }
 
+// How much of the light of a point is what views saw of it: 1 where one looks in the direction of the eye.
+fn recorded_share(point: vec3<f32>) -> f32 {
+    var share = 0.0;
+    for (var number = 0u; number < view_count(); number++) {
+        let view = view_at(number);
+        let from_view = point - views[view].from_eye;
+        let at = project(view, local_of(view, point));
+        if (at.face == NO_FACE || dot(point, from_view) <= 0.0) {
+            continue;
+        }
+        let surface = nearest_inverse_depth(at);
+        if (surface == BACKGROUND || surface == UNKNOWN) {
+            continue;
+        }
+        if (abs(log(bitcast<f32>(surface) / at.inverse_depth)) > scene.hole_difference) {
+            continue;
+        }
+        let sine = length(cross(point, views[view].from_eye)) / (length(point) * length(from_view));
+        share = max(share, clamp(1.0 - sine / RECORDED_SINE, 0.0, 1.0));
+    }
+    return share * share * (3.0 - 2.0 * share);
+}
+
 // Divides the share of a surface among its secondary rays.
 fn divide(next: Pending) -> vec3<f32> {
     let whole = next.share * next.light;
@@ -164,6 +188,15 @@ fn divide(next: Pending) -> vec3<f32> {
     if (!seen.found) {
         return whole;
     }
+    // The eye's own rays; what others meet is seen from elsewhere.
+    var recorded = 0.0;
+    if (next.bounces == scene.max_bounces) {
+        recorded = next.share * recorded_share(next.point);
+    }
+    let share = next.share - recorded;
+    if (share < LEAST_SHARE) {
+        return whole;
+    }
     counted[NORMAL_EVALS]++;
     let at_point = front_of(Ray(next.point, next.direction), seen.refract > 0.0);
     let front = at_point.surface;
@@ -173,19 +206,19 @@ fn divide(next: Pending) -> vec3<f32> {
     }
     let material = at_angle(seen, cosine);
     var exits: array<Exit, MAX_INSIDE>;
-    if (next.share * material.refract >= LEAST_SHARE) {
+    if (share * material.refract >= LEAST_SHARE) {
         exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, proxy_of(at_point.around));
     }
     // Refracted rays, then the reflected one, in one loop: drivers inline functions at each call.
     var light = vec3(0.0);
-    var left = next.share;
+    var left = share;
     for (var at = 0u; at <= MAX_INSIDE; at++) {
         let origin = at_point.point + LIFT_TEXELS * front.texel_m * front.normal;
         var ray = Ray(origin, reflect(next.direction, front.normal));
-        var part = next.share * material.reflect;
+        var part = share * material.reflect;
         if (at < MAX_INSIDE) {
             ray = exits[at].ray;
-            part = next.share * material.refract * exits[at].part;
+            part = share * material.refract * exits[at].part;
         }
         if (part < LEAST_SHARE) {
             continue;
@@ -196,7 +229,7 @@ fn divide(next: Pending) -> vec3<f32> {
             left -= part;
         }
     }
-    return light + max(left, 0.0) * next.light;
+    return light + (max(left, 0.0) + recorded) * next.light;
 }
 
 fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {

@@ -10,6 +10,9 @@
 //! ([`crate::march::specular::proxy`]) ends in the proxy's environment, with the colour that views see there, or saw there
 //! through the solid. Of other solids, the colour that views saw stands in for what is hidden.
 //!
+//! What a view saw of a surface holds the reflection and refraction that it saw there. Where the eye sees the surface from nearly the same
+//! direction, that is shown (not in the paper): pictures become what a probe recorded as the eye comes to it.
+//!
 //! Secondary rays go anywhere, so all units of the active views must be decoded.
 
 use glam::Vec3;
@@ -18,9 +21,10 @@ use crate::march::intersect::intersect;
 use crate::march::specular::material::Material;
 use crate::march::specular::solid::{Refraction, reflect};
 use crate::march::{
-    ActiveViews, Counters, Patch, Proxies, Ray, RayResult, RenderSettings, StepsFrom, background, intersect_from,
-    light_of, patch, surface, surface_color, surface_material,
+    ActiveView, ActiveViews, Counters, HOLE_DIFFERENCE, Patch, Proxies, Ray, RayResult, RenderSettings, StepsFrom,
+    background, intersect_from, light_of, patch, surface, surface_color, surface_material,
 };
+use crate::views::{BACKGROUND, UNKNOWN};
 
 /// Rays of a smaller share are not traced.
 pub const LEAST_SHARE: f32 = 1.0 / 256.0;
@@ -31,6 +35,9 @@ pub const LIFT_TEXELS: f32 = 1.0;
 /// A ray that stays hidden from all views for longer than this, in texels of the surface that it leaves, is lost: it may
 /// have met a surface that nobody sees.
 pub const HIDDEN_TEXELS: f32 = 12.0;
+
+/// Sine of the angle between the directions of the eye and of a view to a surface at which what the view saw no longer counts.
+pub const RECORDED_SINE: f32 = 0.05;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceHit {
@@ -86,6 +93,24 @@ impl<'a> SecondaryRays<'a> {
         light
     }
 
+    /// How much of the light of a point is what views saw of it: 1 where one looks in the direction of the eye, 0 from [`RECORDED_SINE`] on.
+    fn recorded_share(&self, point: Vec3) -> f32 {
+        let difference = HOLE_DIFFERENCE + self.settings.steps.uncertainty();
+        let share = |view: &ActiveView<'_>| {
+            let from_view = point - view.from_eye;
+            let at = view.view.project(view.local(point))?;
+            let surface = view.nearest_inverse_depth(&at);
+            let is_seen = surface != BACKGROUND
+                && surface != UNKNOWN
+                && (surface / at.inverse_depth).ln().abs() <= difference
+                && point.dot(from_view) > 0.0;
+            let sine = point.cross(view.from_eye).length() / (point.length() * from_view.length());
+            is_seen.then_some((1.0 - sine / RECORDED_SINE).clamp(0.0, 1.0))
+        };
+        let share = self.views.views.iter().filter_map(share).fold(0.0, f32::max);
+        share * share * (3.0 - 2.0 * share)
+    }
+
     /// Divides the share of a surface among its secondary rays; returns the light that needs no further rays.
     fn divide(&mut self, next: &Pending, counters: &mut Counters) -> Vec3 {
         let Pending { hit, share, bounces } = *next;
@@ -95,6 +120,13 @@ impl<'a> SecondaryRays<'a> {
         }
         counters.material_samples += 1;
         let Some(material) = surface_material(self.views, hit.point) else { return whole };
+        // The eye's own rays; what others meet is seen from elsewhere.
+        let is_primary = bounces == self.settings.max_bounces.min(MAX_BOUNCES);
+        let recorded = if is_primary { share * self.recorded_share(hit.point) } else { 0.0 };
+        let share = share - recorded;
+        if share < LEAST_SHARE {
+            return whole;
+        }
         counters.normal_evals += 1;
         let Some(front) = self.front(&hit, &material) else { return whole };
         let cosine = -hit.direction.dot(front.patch.normal);
@@ -126,7 +158,7 @@ impl<'a> SecondaryRays<'a> {
                 left -= share * material.reflect;
             }
         }
-        light + left.max(0.0) * hit.light
+        light + (left.max(0.0) + recorded) * hit.light
     }
 
     /// The surface at a hit: that of a proxy for refractive materials on one, else a patch fitted to texels.
