@@ -65,7 +65,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             let frames = subject.reference_frames(args.frames.frames);
             truth.jobs(frames, subject.frames().unwrap_or(ALL_FRAMES), global)?
         }
-        None => args.jobs(subject.frames(), global)?,
+        None => args.jobs(subject.as_ref(), global)?,
     };
     subject.check(&jobs, global)?;
     let mut pictures = Pictures::open(args, &jobs, subject.tone())?;
@@ -85,7 +85,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         }
         let eyes = rendered.images.len() / job.names.len().max(1);
         for (name, pictures_of) in job.names.iter().zip(rendered.images.chunks(eyes.max(1))) {
-            pictures.put(name, pictures_of)?;
+            pictures.put(name, job, pictures_of)?;
         }
         if let (Some(file), Some(frame)) = (&mut trace, &rendered.trace) {
             let line = serde_json::to_string(frame).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
@@ -161,8 +161,13 @@ impl Args {
     }
 
     /// What the cameras see, in these frames; of a still scene in all that they ask for.
-    fn jobs(&self, frames: Option<FrameRange>, global: &GlobalArgs) -> Result<Vec<Job>> {
-        let cameras = self.cameras.cameras()?;
+    fn jobs(&self, subject: &dyn Subject, global: &GlobalArgs) -> Result<Vec<Job>> {
+        let (frames, mut cameras) = (subject.frames(), self.cameras.cameras()?);
+        if cameras.is_empty() {
+            let (camera, words) = subject.own_camera()?;
+            global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
+            cameras.push(TimedCamera { camera, frames: None });
+        }
         let available = frames.unwrap_or(ALL_FRAMES);
         if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MOST_STILL_FRAMES) {
             return Err(Error::Usage(format!(

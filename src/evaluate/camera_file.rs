@@ -89,7 +89,14 @@ impl CameraFile {
     }
 
     fn entries(text: &[u8]) -> Result<CameraFile> {
-        serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))
+        serde_json::from_slice(text).map_err(|error| {
+            if CameraSet::from_json(text).is_ok() {
+                return Error::invalid(
+                    "probes, as place writes them for capture --cameras; cameras with \"eye\" and \"look_at\" were expected",
+                );
+            }
+            Error::invalid(format!("not a camera file: {error}"))
+        })
     }
 
     /// The cameras of a file's bytes.

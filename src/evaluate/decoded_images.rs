@@ -1,5 +1,6 @@
 //! Images of a container, in metres and linear light.
 
+use crate::container::ProbeEntry;
 use crate::dataset::{ProbeInfo, planar_to_distance};
 use crate::decode::{Decoder, Picture};
 use crate::depth::CodeTable;
@@ -14,16 +15,19 @@ pub struct DecodedImages {
     pub probes: Vec<ProbeInfo>,
 }
 
+pub(super) fn probe_info(entry: &ProbeEntry) -> ProbeInfo {
+    ProbeInfo {
+        name: entry.name.clone(),
+        position: entry.position,
+        orientation: entry.orientation,
+        frames: FrameRange { first: entry.frames[0], last: entry.frames[1] },
+        intrinsics: (entry.intrinsics != [0.0; 4]).then_some(entry.intrinsics),
+    }
+}
+
 impl DecodedImages {
     pub fn new(decoder: Decoder) -> DecodedImages {
-        let probe = |entry: &crate::container::ProbeEntry| ProbeInfo {
-            name: entry.name.clone(),
-            position: entry.position,
-            orientation: entry.orientation,
-            frames: FrameRange { first: entry.frames[0], last: entry.frames[1] },
-            intrinsics: (entry.intrinsics != [0.0; 4]).then_some(entry.intrinsics),
-        };
-        let probes = decoder.reader().index().probes.iter().map(probe).collect();
+        let probes = decoder.reader().index().probes.iter().map(probe_info).collect();
         DecodedImages { decoder, probes }
     }
 

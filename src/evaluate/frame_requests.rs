@@ -28,7 +28,7 @@ pub fn frame_requests(
 ) -> Result<Vec<FrameRequest>> {
     let stated = cameras.iter().filter(|timed| timed.frames.is_some()).count();
     let first = FrameRange { first: available.first, last: available.first };
-    let frames = frames.unwrap_or(if stated == 0 { first } else { available });
+    let (asked, frames) = (frames, frames.unwrap_or(if stated == 0 { first } else { available }));
     let request = |frame: u32, timed: &TimedCamera| FrameRequest { frame, cameras: vec![timed.camera] };
     let requests: Vec<FrameRequest> = match (cameras, stated) {
         ([], _) => return Err(Error::Usage("a path needs at least one camera".into())),
@@ -45,6 +45,7 @@ pub fn frame_requests(
             )));
         }
         (_, stated) if stated == cameras.len() => {
+            check_covered(cameras, asked.and_then(|asked| asked.intersect(available)))?;
             let of = |timed: &TimedCamera| timed.frames.and_then(|own| own.intersect(frames));
             cameras
                 .iter()
@@ -63,6 +64,23 @@ pub fn frame_requests(
         return Err(Error::Usage(format!("no camera looks in the frames {frames}")));
     }
     Ok(requests)
+}
+
+/// Refuses frames that are asked for and that no camera looks in.
+fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>) -> Result<()> {
+    let Some(asked) = asked else { return Ok(()) };
+    let mut own: Vec<FrameRange> = cameras.iter().filter_map(|timed| timed.frames).collect();
+    own.sort_unstable_by_key(|range| range.first);
+    let mut next = u64::from(asked.first);
+    for range in own {
+        if u64::from(range.first) <= next {
+            next = next.max(u64::from(range.last) + 1);
+        }
+    }
+    if next > u64::from(asked.last) {
+        return Ok(());
+    }
+    Err(Error::Usage(format!("no camera looks in frame {next} of {asked}; ask for frames of the path, or lengthen it")))
 }
 
 /// Number of frames that cameras state and `frames` asks for, but that are not `available`.
@@ -112,7 +130,9 @@ mod tests {
         // Cameras with frames of their own.
         let own = [Some(range(5, 6)), Some(range(6, 6)), Some(range(0, 4))];
         assert_eq!(of(&own, None), [(5, 0), (6, 0), (6, 1), (3, 2), (4, 2)]);
-        assert_eq!(of(&own, Some(range(6, 20))), [(6, 0), (6, 1)]);
+        assert_eq!(of(&own, Some(range(6, 6))), [(6, 0), (6, 1)]);
+        let error = frame_requests(&cameras(&own), Some(range(6, 20)), range(3, 9)).unwrap_err().to_string();
+        assert!(error.starts_with("no camera looks in frame 7 of 6-9"), "{error}");
     }
 
     #[test]

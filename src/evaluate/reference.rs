@@ -8,10 +8,11 @@ use crate::container::header::is_container;
 use crate::dataset::{ProbeInfo, Source, SourceOptions};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
-use crate::evaluate::decoded_images::DecodedImages;
+use crate::evaluate::decoded_images::{DecodedImages, probe_info};
 use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Projection, StreamKind};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
+use crate::streams::StreamInfo;
 
 /// A principal point that is at most this many pixels beside the middle of its image is taken to be the middle.
 const CENTRE_TOLERANCE: f64 = 0.01;
@@ -106,7 +107,7 @@ impl Reference {
         let mut images = Vec::new();
         for (at, stream) in streams().filter(|(_, stream)| stream.kind == StreamKind::Color) {
             let of = |kind| {
-                let same = |other: &crate::streams::StreamInfo| {
+                let same = |other: &StreamInfo| {
                     (other.kind, other.probe, other.face) == (kind, stream.probe, stream.face)
                         && other.size() == stream.size()
                 };
@@ -188,6 +189,15 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
         let place = group.faces.iter().position(|other| *other == face);
         place.filter(|_| same).map(|place| [at, place])
     })
+}
+
+/// The camera that took an image of a container, as people see it: faces of cube maps are stored mirrored.
+pub fn upright_camera(decoder: &Decoder, stream: &StreamInfo) -> Result<Camera> {
+    let probe = probe_info(decoder.probe(stream));
+    match stream.face {
+        Face::View => camera(Projection::Perspective, &probe, stream.face, stream.size()),
+        face => camera(Projection::Cubemap, &probe, face, stream.size()).map(Camera::mirrored),
+    }
 }
 
 fn camera(projection: Projection, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {

@@ -215,7 +215,30 @@ fn frames_that_are_passed_over_are_told() {
     std::fs::write(at.join("path.json"), format!(r#"{{"cameras": [{pose} 1}}, {pose} 47}}]}}"#)).unwrap();
     let words = noted("--camera path.json --size 16 --null");
     assert!(words.contains("skipping 45 frames of the cameras; the container has 0-2"), "{words}");
+    let words = refused("render a.lfold --camera path.json --frames 0-2 --null", at);
+    assert!(words.contains("no camera looks in frame 0 of 0-2"), "{words}");
     assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of frames 2-9"));
+}
+
+#[test]
+fn without_a_camera_the_first_probe_s_own_view_is_shown() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let words = fine("render a.lfold --exclude-probe 00 --frames 0 --size 48 -o own.png", at).stderr;
+    let words = String::from_utf8(words).unwrap();
+    assert!(words.contains("the view of probe 01, face nz; --eye and --look-at"), "{words}");
+    let there = "--eye 0.3,1.5,0 --look-at 0.3,1.5,-1";
+    fine(&format!("render a.lfold --exclude-probe 00 {there} --fov 90 --frames 0 --size 48 -o there.png"), at);
+    let read = |name: &str| std::fs::read(at.join(name)).unwrap();
+    assert!(read("own.png") == read("there.png"));
+    fine(&format!("render a.lfold {there} --frames 0 --size 48 -o default.png"), at);
+    fine(&format!("render a.lfold {there} --fov 60 --frames 0 --size 48 -o sixty.png"), at);
+    assert!(read("default.png") == read("sixty.png"));
+    std::fs::write(at.join("cameras.json"), r#"{"lightfold_cameras": 1, "cameras": [{"position": [0, 1, 0]}]}"#)
+        .unwrap();
+    let words = refused("render a.lfold --camera cameras.json --null", at);
+    assert!(words.contains("probes, as place writes them for capture --cameras"), "{words}");
 }
 
 /// Near and far of a camera of a file are planes that cut surfaces off, by every method.

@@ -41,7 +41,7 @@ pub struct CameraArgs {
     pub camera: Vec<PathBuf>,
     /// Position of a camera in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
-        requires_all = ["look_at", "fov"])]
+        requires = "look_at")]
     pub eye: Option<DVec3>,
     /// Point that the camera looks at, in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
@@ -49,7 +49,7 @@ pub struct CameraArgs {
     /// Up direction of the camera [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
     pub up: Option<DVec3>,
-    /// Vertical field of view of the camera in degrees
+    /// Vertical field of view of the camera in degrees [default: 60]
     #[arg(long, value_name = "DEGREES", requires = "eye")]
     pub fov: Option<f64>,
     /// Aspect ratio of the camera, such as 16/9 [default: 1]
@@ -66,8 +66,8 @@ impl CameraArgs {
         for path in &self.camera {
             cameras.extend(CameraFile::read(path)?);
         }
-        if let (Some(eye), Some(target), Some(fov_y_deg)) = (self.eye, self.look_at, self.fov) {
-            let lens = Lens { aspect: self.aspect.unwrap_or(1.0), ..Lens::new(fov_y_deg) };
+        if let (Some(eye), Some(target)) = (self.eye, self.look_at) {
+            let lens = Lens { aspect: self.aspect.unwrap_or(1.0), ..Lens::new(self.fov.unwrap_or(60.0)) };
             let camera = Camera::look_at(eye, target, self.up.unwrap_or(DVec3::Y), lens)?;
             cameras.push(TimedCamera { camera, frames: None });
         }

@@ -11,8 +11,8 @@ use crate::gpu::device::DeviceChoice;
 #[command(
     mut_arg("frames", |frames| frames.help("Only these frames, such as 10-99 or 12 [default: frames of the cameras or \
         the reference, else the first]")),
-    group(clap::ArgGroup::new("from").required(true).multiple(true).args(["camera", "eye", "reference", "list_devices"])),
-    after_help = "Examples:\n  lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
+    after_help = "Examples:\n  lightfold render film.lfold -o first.png\n  \
+    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
     lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
     lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
     lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
@@ -27,7 +27,7 @@ use crate::gpu::device::DeviceChoice;
     of the file, from both sides and without depth test; z-buffer shows the nearest triangle at each of --samples N x N samples of \
     a pixel, which it covers where alpha is above the threshold of the sample: thresholds of a pixel are (0.5, 1.5, 2.5, ...) / N^2. \
     PNG and EXR images have the alpha of the scene; with --reference it is over black.\n\n\
-    A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
+    Without a camera the first probe's own view is rendered, towards -Z. A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
     \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames names one \
     frame or is absent, all of them show that frame. Either all cameras of a path have \"frames\", or none has. Poses with a \
     \"frame\" are key poses: position is interpolated linearly, orientation by slerp: {\"cameras\": [{\"eye\": \

@@ -12,18 +12,21 @@ use crate::cli::options::word_of;
 use crate::cli::{GlobalArgs, refuse};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
+use crate::evaluate::reference::upright_camera;
 use crate::gpu::Gpu;
 use crate::gpu::render::playback::DeviceRenderer;
-use crate::image::FrameRange;
 use crate::image::transfer::ToneMap;
+use crate::image::{Face, FrameRange, StreamKind};
 use crate::march::active_views::ActiveViews;
 use crate::march::memory::{march_bytes, picture_bytes, splat_bytes};
 use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::SelectionSettings;
 use crate::march::settings::SpecularMode;
+use crate::math::Camera;
 use crate::memory::Need;
 use crate::monitor::Monitor;
+use crate::streams::StreamInfo;
 use crate::views::catalogue::ProbeChoice;
 
 const SHEET_BYTES: u64 = 1 << 20;
@@ -81,6 +84,19 @@ impl Subject for LightFieldSubject<'_> {
 
     fn frames(&self) -> Option<FrameRange> {
         Some(self.playback.player.frames())
+    }
+
+    /// That of the first probe, towards −Z where it is a cube map.
+    fn own_camera(&self) -> Result<(Camera, String)> {
+        let probe = self.playback.player.field.views.first().map(|view| view.probe);
+        let images = || {
+            let of_probe = |stream: &&StreamInfo| Some(stream.probe) == probe && stream.kind == StreamKind::Color;
+            self.decoder.streams().iter().filter(of_probe)
+        };
+        let ahead = images().find(|stream| stream.face == Face::Nz).or_else(|| images().next());
+        let image = ahead.ok_or_else(|| Error::Usage("name a camera: no probe has colour and depth".into()))?;
+        let words = format!("the view of probe {}, face {}", self.decoder.probe(image).name, image.face.name());
+        Ok((upright_camera(self.decoder, image)?, words))
     }
 
     fn tone(&self) -> ToneMap {

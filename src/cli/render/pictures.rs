@@ -44,6 +44,19 @@ pub struct Job {
     pub references: Vec<usize>,
 }
 
+impl Job {
+    /// What a picture shows, in which frame and from where in metres.
+    fn caption(&self, name: &PictureName) -> String {
+        let each = self.request.cameras.len() / self.names.len().max(1);
+        let at = self.names.iter().position(|other| other == name).unwrap_or(0) * each;
+        let eye = self.request.cameras.get(at).map_or(String::new(), |camera| {
+            let [x, y, z] = camera.eye().to_array();
+            format!(", eye {x:.2},{y:.2},{z:.2}")
+        });
+        format!("{} {}, frame {}{eye}", name.subject, name.number, self.request.frame)
+    }
+}
+
 enum Destination {
     Nowhere,
     StandardOutput,
@@ -142,10 +155,10 @@ impl Pictures {
     }
 
     /// Writes one image, or those of both eyes: side by side unless the pattern has a field for the eye.
-    pub fn put(&mut self, name: &PictureName, eyes: &[RenderedImage]) -> Result<()> {
+    pub fn put(&mut self, name: &PictureName, job: &Job, eyes: &[RenderedImage]) -> Result<()> {
         let joined = beside(eyes)?;
         if let Some((_, sheet)) = &mut self.sheet {
-            sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(self.tone));
+            sheet.add(job.caption(name), &joined.rgba_codes(self.tone));
         }
         if matches!(self.destination, Destination::StandardOutput) {
             return self.print(&joined);

@@ -11,6 +11,7 @@ use crate::gpu::Gpu;
 use crate::image::FrameRange;
 use crate::image::transfer::ToneMap;
 use crate::march::playback::trace::FrameTrace;
+use crate::math::Camera;
 use crate::monitor::Monitor;
 
 /// An open input.
@@ -24,6 +25,9 @@ pub trait Subject {
     fn reference_frames(&self, asked: Option<FrameRange>) -> Option<FrameRange> {
         asked
     }
+
+    /// The camera of a picture where none is asked for, and its words.
+    fn own_camera(&self) -> Result<(Camera, String)>;
 
     fn tone(&self) -> ToneMap;
 
