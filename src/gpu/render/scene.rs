@@ -230,6 +230,7 @@ mod tests {
             ("LEAST_SHARE", secondary_rays::LEAST_SHARE),
             ("LIFT_TEXELS", secondary_rays::LIFT_TEXELS),
             ("HIDDEN_TEXELS", secondary_rays::HIDDEN_TEXELS),
+            ("RECORDED_SINE", secondary_rays::RECORDED_SINE),
         ];
         let counted = (0..).zip(COUNTED).map(|(at, (name, _))| (name, f64::from(at)));
         let numbers = numbers.into_iter().map(|(name, value)| (name, value.into()));
