@@ -92,7 +92,7 @@ impl CameraFile {
         serde_json::from_slice(text).map_err(|error| {
             if CameraSet::from_json(text).is_ok() {
                 return Error::invalid(
-                    "probes, as place writes them for capture --cameras; cameras with \"eye\" and \"look_at\" were expected",
+                    "probes, as place writes them for capture; cameras with \"eye\" and \"look_at\" were expected",
                 );
             }
             Error::invalid(format!("not a camera file: {error}"))
