@@ -46,25 +46,31 @@ fn seen_of(sum: Sum) -> Seen {
     return Seen(false, vec3(0.0), sum.difference);
 }
 
+// A sum with the texels of surfaces around a point in a view, by the share of the view.
+fn with_view(before: Sum, view: u32, at: Projected, share: f32) -> Sum {
+    var sum = before;
+    var taps = taps_around(at.at, at.face);
+    for (var tap = 0u; tap < 4u; tap++) {
+        let surface = inverse_depth_bits(at.face, taps.texels[tap]);
+        if (surface == BACKGROUND || surface == UNKNOWN) {
+            continue;
+        }
+        let difference = abs(log(bitcast<f32>(surface) / at.inverse_depth));
+        let weight = share * (taps.weights[tap] * views[view].camera_weight / (difference + DEPTH_EPSILON));
+        sum.color += weight * texel_color(at.face, taps.texels[tap]);
+        sum.weight += weight;
+        sum.difference = min(sum.difference, difference);
+    }
+    return sum;
+}
+
 fn surface_color(point: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
     for (var number = 0u; number < view_count(); number++) {
         let view = view_at(number);
         let at = project(view, local_of(view, point));
-        if (at.face == NO_FACE) {
-            continue;
-        }
-        var taps = taps_around(at.at, at.face);
-        for (var tap = 0u; tap < 4u; tap++) {
-            let surface = inverse_depth_bits(at.face, taps.texels[tap]);
-            if (surface == BACKGROUND || surface == UNKNOWN) {
-                continue;
-            }
-            let difference = abs(log(bitcast<f32>(surface) / at.inverse_depth));
-            let weight = taps.weights[tap] * views[view].camera_weight / (difference + DEPTH_EPSILON);
-            sum.color += weight * texel_color(at.face, taps.texels[tap]);
-            sum.weight += weight;
-            sum.difference = min(sum.difference, difference);
+        if (at.face != NO_FACE) {
+            sum = with_view(sum, view, at, 1.0);
         }
     }
     return seen_of(sum);

@@ -1,7 +1,8 @@
 // Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/march/specular/secondary_rays.rs.
 //
 // In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
-// `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `background_color` and `light_of`.
+// `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `with_view`, `background_color`, `light_of`, and what
+// active_views.wgsl has.
 
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
@@ -18,6 +19,11 @@ struct Pending {
     light: vec3<f32>,
     share: f32,
     bounces: u32,
+}
+
+struct Recorded {
+    share: f32,
+    light: vec3<f32>,
 }
 
 const FOUND_NOTHING = 0u;
@@ -154,9 +160,11 @@ fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f3
     return share * found.light;
 }
 
-// How much of the light of a point is what views saw of it: 1 where one looks in the direction of the eye.
-fn recorded_share(point: vec3<f32>) -> f32 {
-    var share = 0.0;
+// What views recorded of a point that look in nearly the eye's direction, and its share of the light: 1 where one looks in that
+// direction, 0 where all differ by RECORDED_SINE or more.
+fn recorded_of(point: vec3<f32>) -> Recorded {
+    var greatest = 0.0;
+    var sum = EMPTY_SUM;
     for (var number = 0u; number < view_count(); number++) {
         let view = view_at(number);
         let from_view = point - views[view].from_eye;
@@ -172,9 +180,17 @@ fn recorded_share(point: vec3<f32>) -> f32 {
             continue;
         }
         let sine = length(cross(point, views[view].from_eye)) / (length(point) * length(from_view));
-        share = max(share, clamp(1.0 - sine / RECORDED_SINE, 0.0, 1.0));
+        let share = clamp(1.0 - sine / RECORDED_SINE, 0.0, 1.0);
+        if (share > 0.0) {
+            greatest = max(greatest, share);
+            sum = with_view(sum, view, at, share);
+        }
     }
-    return share * share * (3.0 - 2.0 * share);
+    let seen = seen_of(sum);
+    if (!seen.found) {
+        return Recorded(0.0, vec3(0.0));
+    }
+    return Recorded(greatest * greatest * (3.0 - 2.0 * greatest), light_of(seen.color));
 }
 
 // Divides the share of a surface among its secondary rays.
@@ -189,20 +205,22 @@ fn divide(next: Pending) -> vec3<f32> {
         return whole;
     }
     // The eye's own rays; what others meet is seen from elsewhere.
-    var recorded = 0.0;
+    var seen_there = Recorded(0.0, vec3(0.0));
     if (next.bounces == scene.max_bounces) {
-        recorded = next.share * recorded_share(next.point);
+        seen_there = recorded_of(next.point);
     }
-    let share = next.share - recorded;
+    let recorded = next.share * seen_there.share * seen_there.light;
+    let share = next.share - next.share * seen_there.share;
+    let rest = recorded + share * next.light;
     if (share < LEAST_SHARE) {
-        return whole;
+        return rest;
     }
     counted[NORMAL_EVALS]++;
     let at_point = front_of(Ray(next.point, next.direction), seen.refract > 0.0);
     let front = at_point.surface;
     let cosine = -dot(next.direction, front.normal);
     if (!front.found || cosine <= 0.0) {
-        return whole;
+        return rest;
     }
     let material = at_angle(seen, cosine);
     var exits: array<Exit, MAX_INSIDE>;
@@ -229,7 +247,7 @@ fn divide(next: Pending) -> vec3<f32> {
             left -= part;
         }
     }
-    return light + (max(left, 0.0) + recorded) * next.light;
+    return recorded + light + max(left, 0.0) * next.light;
 }
 
 fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {

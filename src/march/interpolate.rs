@@ -70,16 +70,19 @@ fn image_of<'a>(view: &ActiveView<'a>, local: Vec3) -> Option<(&'a FaceTexels, P
 
 /// The texels of surfaces around a point in all views, in a fixed order.
 pub(crate) fn surface_texels(views: &ActiveViews<'_>, point: Vec3, mut visit: impl FnMut(WeightedTexel<'_>)) {
-    for view in &views.views {
-        let Some((face, at)) = image_of(view, view.local(point)) else { continue };
-        let taps = Taps::around(at.at, face);
-        for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
-            let inverse_depth = face.inverse_depth[texel];
-            if inverse_depth != BACKGROUND && inverse_depth != UNKNOWN {
-                let difference = (inverse_depth / at.inverse_depth).ln().abs();
-                let weight = weight * view.camera_weight / (difference + DEPTH_EPSILON);
-                visit(WeightedTexel { face, texel, weight, difference });
-            }
+    views.views.iter().for_each(|view| texels_of_view(view, point, &mut visit));
+}
+
+/// The texels of surfaces around a point in a view.
+fn texels_of_view(view: &ActiveView<'_>, point: Vec3, mut visit: impl FnMut(WeightedTexel<'_>)) {
+    let Some((face, at)) = image_of(view, view.local(point)) else { return };
+    let taps = Taps::around(at.at, face);
+    for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
+        let inverse_depth = face.inverse_depth[texel];
+        if inverse_depth != BACKGROUND && inverse_depth != UNKNOWN {
+            let difference = (inverse_depth / at.inverse_depth).ln().abs();
+            let weight = weight * view.camera_weight / (difference + DEPTH_EPSILON);
+            visit(WeightedTexel { face, texel, weight, difference });
         }
     }
 }
@@ -109,6 +112,22 @@ impl Sum {
 pub fn surface_color(views: &ActiveViews<'_>, point: Vec3) -> Option<Interpolated> {
     let mut sum = Sum::EMPTY;
     surface_texels(views, point, |texel| sum.add(texel));
+    sum.mean()
+}
+
+/// The colour of a surface point in views by their share, which is 0 or more. None where no such view has a surface in its direction.
+pub fn surface_color_of(
+    views: &ActiveViews<'_>,
+    point: Vec3,
+    share: impl Fn(&ActiveView<'_>) -> f32,
+) -> Option<Interpolated> {
+    let mut sum = Sum::EMPTY;
+    for view in &views.views {
+        let share = share(view);
+        if share > 0.0 {
+            texels_of_view(view, point, |texel| sum.add(WeightedTexel { weight: share * texel.weight, ..texel }));
+        }
+    }
     sum.mean()
 }
 

@@ -23,7 +23,7 @@ mod tests;
 pub use active_views::{ActiveView, ActiveViews, Occupancy};
 pub use clip::ClipPlanes;
 pub use counters::Counters;
-pub use interpolate::{DEPTH_EPSILON, Interpolated, background_color, surface_color};
+pub use interpolate::{DEPTH_EPSILON, Interpolated, background_color, surface_color, surface_color_of};
 pub use intersect::intersect_from;
 pub use playback::frames::{PictureOptions, Renderer, Stage};
 pub use pyramid::{DepthPyramid, LEAST_M, Level, Pyramids, ViewPyramids};

@@ -22,7 +22,7 @@ use crate::march::specular::material::Material;
 use crate::march::specular::solid::{Refraction, reflect};
 use crate::march::{
     ActiveView, ActiveViews, Counters, HOLE_DIFFERENCE, Patch, Proxies, Ray, RayResult, RenderSettings, StepsFrom,
-    background, intersect_from, light_of, patch, surface, surface_color, surface_material,
+    background, intersect_from, light_of, patch, surface, surface_color, surface_color_of, surface_material,
 };
 use crate::views::{BACKGROUND, UNKNOWN};
 
@@ -93,22 +93,27 @@ impl<'a> SecondaryRays<'a> {
         light
     }
 
-    /// How much of the light of a point is what views saw of it: 1 where one looks in the direction of the eye, 0 from [`RECORDED_SINE`] on.
-    fn recorded_share(&self, point: Vec3) -> f32 {
+    /// What views recorded of a point that look in nearly the eye's direction, and its share of the light: 1 where one looks in that
+    /// direction, 0 where all differ by [`RECORDED_SINE`] or more.
+    fn recorded(&self, point: Vec3) -> Option<(f32, Vec3)> {
         let difference = HOLE_DIFFERENCE + self.settings.steps.uncertainty();
         let share = |view: &ActiveView<'_>| {
             let from_view = point - view.from_eye;
-            let at = view.view.project(view.local(point))?;
+            let Some(at) = view.view.project(view.local(point)) else { return 0.0 };
             let surface = view.nearest_inverse_depth(&at);
             let is_seen = surface != BACKGROUND
                 && surface != UNKNOWN
                 && (surface / at.inverse_depth).ln().abs() <= difference
                 && point.dot(from_view) > 0.0;
+            if !is_seen {
+                return 0.0;
+            }
             let sine = point.cross(view.from_eye).length() / (point.length() * from_view.length());
-            is_seen.then_some((1.0 - sine / RECORDED_SINE).clamp(0.0, 1.0))
+            (1.0 - sine / RECORDED_SINE).clamp(0.0, 1.0)
         };
-        let share = self.views.views.iter().filter_map(share).fold(0.0, f32::max);
-        share * share * (3.0 - 2.0 * share)
+        let found = surface_color_of(self.views, point, share)?;
+        let share = self.views.views.iter().map(share).fold(0.0, f32::max);
+        Some((share * share * (3.0 - 2.0 * share), light_of(self.views.coding, found.color)))
     }
 
     /// Divides the share of a surface among its secondary rays; returns the light that needs no further rays.
@@ -122,8 +127,11 @@ impl<'a> SecondaryRays<'a> {
         let Some(material) = surface_material(self.views, hit.point) else { return whole };
         // The eye's own rays; what others meet is seen from elsewhere.
         let is_primary = bounces == self.settings.max_bounces.min(MAX_BOUNCES);
-        let recorded = if is_primary { share * self.recorded_share(hit.point) } else { 0.0 };
-        let share = share - recorded;
+        let recorded = if is_primary { self.recorded(hit.point) } else { None };
+        let (recorded_share, recorded_light) = recorded.unwrap_or_default();
+        let recorded = share * recorded_share * recorded_light;
+        let share = share - share * recorded_share;
+        let whole = recorded + share * hit.light;
         if share < LEAST_SHARE {
             return whole;
         }
@@ -158,7 +166,7 @@ impl<'a> SecondaryRays<'a> {
                 left -= share * material.reflect;
             }
         }
-        light + (left.max(0.0) + recorded) * hit.light
+        recorded + light + left.max(0.0) * hit.light
     }
 
     /// The surface at a hit: that of a proxy for refractive materials on one, else a patch fitted to texels.
