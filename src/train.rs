@@ -140,23 +140,21 @@ impl<'a> Footage<'a> {
         Ok(Footage { inputs, chunks: found })
     }
 
-    /// Number of chunks.
-    pub fn len(&self) -> u64 {
+    pub fn chunk_count(&self) -> u64 {
         self.chunks.len() as u64
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.chunks.is_empty()
+    /// Bytes of the containers with the counts of all chunks, and of counting one.
+    fn bytes<C: TrainedCodec>(&self) -> [u64; 2] {
+        let chunk_bytes = |at: &TrainingChunk<'_>| memory::chunk_bytes(&at.stream.header, &at.stream.entry, at.chunk);
+        let containers: u64 = self.inputs.iter().map(|decoder| memory::container_bytes(decoder.reader())).sum();
+        let counts = self.chunk_count() * (Counts::<C>::BYTES + size_of::<PayloadCounts<C>>() as u64);
+        [containers + counts, self.chunks.iter().map(chunk_bytes).max().unwrap_or(0)]
     }
 
     /// Counts the symbols of all chunks; the monitor advances by one for each.
-    fn count<C: TrainedCodec>(self, memory: Budget, monitor: &dyn Monitor) -> Result<Trainer<C>> {
+    fn count<C: TrainedCodec>(self, at_once: usize, monitor: &dyn Monitor) -> Result<Trainer<C>> {
         let Footage { inputs, chunks } = self;
-        let each = chunks.iter().map(|at| memory::chunk_bytes(&at.stream.header, &at.stream.entry, at.chunk)).max();
-        let containers: u64 = inputs.iter().map(|decoder| memory::container_bytes(decoder.reader())).sum();
-        let fixed = containers + chunks.len() as u64 * (Counts::<C>::BYTES + size_of::<PayloadCounts<C>>() as u64);
-        let need = Need { what: "training", fixed, each: each.unwrap_or(0), instead: "fewer inputs" };
-        let at_once = memory.at_once(&need, rayon::current_num_threads())?;
         let counted = try_map_at_once(chunks, at_once, |at| {
             monitor.check()?;
             let counts = count::<C>(&inputs[at.input], at)?;
@@ -184,18 +182,22 @@ pub fn train<C: TrainedCodec>(
     monitor: &dyn Monitor,
 ) -> Result<Trained> {
     let TrainSettings { sets, memory } = settings;
-    let trainer = footage.count::<C>(memory, monitor)?;
+    let all = [Some(&footage), held_out.as_ref()].into_iter().flatten().map(Footage::bytes::<C>);
+    let [fixed, each] = all.fold([0, 0], |[fixed, each], [held, chunk]| [fixed + held, each.max(chunk)]);
+    let need = Need { what: "training", fixed, each, instead: "fewer containers" };
+    let at_once = memory.at_once(&need, rayon::current_num_threads())?;
+    let trainer = footage.count::<C>(at_once, monitor)?;
     let payloads = trainer.payloads().len();
     if payloads < sets {
         return Err(Error::Usage(format!("`sets` {sets}: more than the inputs have payloads, {payloads}")));
     }
     let own = trainer.train(sets);
     let measure = |footage: Footage<'_>| {
-        let held_out = footage.count::<C>(memory, monitor)?;
+        let held_out = footage.count::<C>(at_once, monitor)?;
         Ok::<_, Error>(HeldOut {
             payloads: held_out.payloads().len() as u64,
             payload_bytes: held_out.bytes(),
-            trained_payload_bytes: held_out.bytes_with(&PricedTables::new(Tables::of_built_in(own.clone()))),
+            trained_payload_bytes: held_out.bytes_with(&PricedTables::new(Tables::of_sets(own.clone()))),
         })
     };
     let held_out = held_out.map(measure).transpose()?;

@@ -62,11 +62,14 @@ pub fn run<C: TrainedCodec>(args: &Args, global: &GlobalArgs) -> Result<ExitStat
     if args.inputs.iter().chain(&args.held_out).any(|input| is_same_file(input, &args.output)) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
     }
+    if let Some(path) = args.held_out.iter().find(|held| args.inputs.iter().any(|input| is_same_file(input, held))) {
+        return refuse(format!("--held-out {}: it is trained on; leave it out of one of both", path.display()));
+    }
     let open = |paths: &[PathBuf]| paths.iter().map(Decoder::open).collect::<Result<Vec<_>>>();
     let (inputs, held_out) = (open(&args.inputs)?, open(&args.held_out)?);
     let footage = Footage::find::<C>(&inputs)?;
     let held_out = (!held_out.is_empty()).then(|| Footage::find::<C>(&held_out)).transpose()?;
-    let chunks = footage.len() + held_out.as_ref().map_or(0, Footage::len);
+    let chunks = footage.chunk_count() + held_out.as_ref().map_or(0, Footage::chunk_count);
     let progress = Progress::start(global, "training", chunks)?;
     let settings = TrainSettings { sets: args.sets.into(), memory: args.memory.get() };
     let Trained { text, summary } = train::train::<C>(footage, held_out, settings, &progress)?;

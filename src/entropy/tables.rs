@@ -77,9 +77,15 @@ impl<M: Model> Default for Tables<M> {
 }
 
 impl<M: Model> Tables<M> {
-    /// Tables of these sets alone, as built in, for [`Model::built_in`].
-    pub fn of_built_in(sets: Vec<TableSet<M>>) -> Tables<M> {
-        Tables { built_in: sets.len(), sets: Arc::new(sets) }
+    /// The built-in sets of a model, for [`Model::built_in`].
+    pub fn of_format<const CLUSTERS: usize>(sets: &[[Distribution; CLUSTERS]]) -> Tables<M> {
+        let tables = Tables::of_sets(sets.iter().map(|set| TableSet::new(set)).collect());
+        Tables { built_in: sets.len(), ..tables }
+    }
+
+    /// These sets alone: none is built in.
+    pub fn of_sets(sets: Vec<TableSet<M>>) -> Tables<M> {
+        Tables { sets: Arc::new(sets), built_in: 0 }
     }
 
     pub fn with_own(own: Vec<TableSet<M>>) -> Tables<M> {

@@ -182,15 +182,19 @@ fn commands_train_and_use_tables_of_depth() {
     Footage { depth: Some(&rough), frames: [0, 5], ..Footage::new(192, 160) }.write(place);
     let encode = "encode . --max-error 3 --stream depth";
     fine(&format!("{encode} -o plain.lfold"), place);
-    let report = fine("train-depth plain.lfold -o tables.txt --sets 2 --held-out plain.lfold --json", place);
+    fine("encode . --max-error 5 --stream depth -o other.lfold", place);
+    let report = fine("train-depth plain.lfold -o tables.txt --sets 2 --held-out other.lfold --json", place);
     let report: Value = serde_json::from_slice(&report.stdout).unwrap();
     assert_eq!((report["sets"].as_u64(), report["payloads"].as_u64()), (Some(2), Some(4)), "tiles of 128: {report}");
     let of = |name: &str| report[name].as_u64().unwrap();
     assert!(of("trained_payload_bytes") < of("payload_bytes"), "{report}");
     let held_out = |name: &str| report["held_out"][name].as_u64().unwrap();
-    assert_eq!((held_out("payloads"), held_out("payload_bytes")), (4, of("payload_bytes")));
-    assert!(held_out("trained_payload_bytes") >= of("trained_payload_bytes"), "built-in sets are of no use: {report}");
-    assert!(held_out("trained_payload_bytes") < of("payload_bytes"), "{report}");
+    assert_eq!(held_out("payloads"), 4);
+    assert!(held_out("payload_bytes") < of("payload_bytes"), "a greater bound takes fewer bytes: {report}");
+    assert!(
+        held_out("trained_payload_bytes").abs_diff(held_out("payload_bytes")) < of("payload_bytes") / 5,
+        "{report}"
+    );
     fine(&format!("{encode} -o own.lfold --depth-tables tables.txt"), place);
     fine("diff . own.lfold --stream depth --max-error 3", place);
     let inspected = String::from_utf8(fine("inspect own.lfold", place).stdout).unwrap();
@@ -199,6 +203,7 @@ fn commands_train_and_use_tables_of_depth() {
     assert!(bytes("own.lfold") < bytes("plain.lfold") + of("table_bytes"), "payloads are no smaller");
     for (command, words) in [
         ("train-color plain.lfold -o x.txt", "plain.lfold: no colour in transform blocks"),
+        ("train-depth plain.lfold -o x.txt --held-out plain.lfold", "--held-out plain.lfold: it is trained on"),
         (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables is of"),
         (
             &format!("{encode} --depth-tables plain.lfold -o x.lfold"),

@@ -33,8 +33,7 @@ impl Model for Predictive {
     }
 
     fn built_in() -> &'static Tables {
-        static TABLES: LazyLock<Tables> =
-            LazyLock::new(|| Tables::of_built_in(FORMAT.sets.iter().map(|set| TableSet::new(set)).collect()));
+        static TABLES: LazyLock<Tables> = LazyLock::new(|| Tables::of_format(&FORMAT.sets));
         &TABLES
     }
 }
