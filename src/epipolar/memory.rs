@@ -40,8 +40,10 @@ const PICTURE_PIXEL_BYTES: u64 = 8 + 16 + 3 * 8;
 const HIGHLIGHT_BYTES: usize = 32 + 4 * 32;
 /// Bytes of a line while its scanline is interpolated: itself, its run, what a view draws of both, and the highlight.
 const LINE_BYTES: usize = size_of::<Line>() + size_of::<Run>() + 8 + HIGHLIGHT_BYTES;
-/// Threads take unequal parts of bands and strips, and the heap of each keeps the room of its largest: so much more, as a part of 1.
+/// Threads take unequal parts of bands and strips, and the heap of each keeps the room of its largest: 1/5 more.
 const HEAPS_PART: u64 = 5;
+/// Allocations of more bytes take no freed memory again.
+const REUSED_BYTES: u64 = 16 << 20;
 /// Bytes of the hits of a ray, while a scanline is acquired.
 const HIT_BYTES: u64 = 3 * 72;
 
@@ -157,7 +159,8 @@ pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Lim
     let each = if sources.by_bands { in_heaps(sources.bytes(width * u64::from(SourceBands::ROWS))) } else { 0 };
     // Columns are taken as they are made.
     let all_views = if sources.by_columns { 0 } else { count * width * height * VIEW_PIXEL_BYTES };
-    let new_views = all_views.saturating_sub(freed);
+    let is_reused = width * height * size_of::<[f16; 3]>() as u64 <= REUSED_BYTES;
+    let new_views = all_views.saturating_sub(if is_reused { freed } else { 0 });
     let fits = fixed + each + new_views <= budget.bytes.unwrap_or(u64::MAX);
     let in_memory = fits && all_views <= budget.bytes.unwrap_or(USUAL_VIEW_BYTES);
     let (waiting, storage) =
@@ -202,6 +205,10 @@ mod tests {
         assert!(few.storage == Storage::Memory && few.at_once.acquired > SourceBands::ROWS, "{few:?}");
         let tight = of(2, Some(245)).unwrap();
         assert!(tight.storage == Storage::Memory && tight.at_once.acquired == SourceBands::ROWS, "{tight:?}");
+        // Views take again what loading freed.
+        let limits =
+            Limits { budget: Budget::UNLIMITED, held: 100_000_000, freed: 20_000_000, threads: 2, folder: &folder };
+        assert_eq!(plan(&views, 2, need, &limits).unwrap().bytes, few.bytes - 20_000_000);
         // 7 GB of views.
         for megabytes in [None, Some(1000), Some(600)] {
             let many = of(500, megabytes).unwrap();

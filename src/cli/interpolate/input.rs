@@ -112,12 +112,14 @@ impl Input {
             Input::Images(_) => (all(), SourceNeed::images(args.probe.len() as u32)),
             Input::Field(_) => (all(), SourceNeed::images(args.max_sources)),
             Input::Scene(scene) => {
+                // What moves a scene is held beside it.
+                let is_still = scene.duration_s() == 0.0;
                 let scene = scene.at(0.0);
                 let need = SourceNeed::measured(&scene, views, acquire, monitor)?;
                 // What loading has freed stays with the allocator; views of this thread take it again, other threads hardly.
                 let in_use = PROGRAM_BYTES + scene.bytes();
                 let bytes = resident().max(in_use);
-                let loaded = Loaded { bytes, freed: bytes - in_use };
+                let loaded = Loaded { bytes, freed: if is_still { bytes - in_use } else { 0 } };
                 (loaded, if args.by_columns() { need.by_columns() } else { need })
             }
         })
