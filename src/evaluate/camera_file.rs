@@ -91,9 +91,7 @@ impl CameraFile {
     fn entries(text: &[u8]) -> Result<CameraFile> {
         serde_json::from_slice(text).map_err(|error| {
             if CameraSet::from_json(text).is_ok() {
-                return Error::invalid(
-                    "probes, as place writes them for capture; cameras with \"eye\" and \"look_at\" were expected",
-                );
+                return Error::invalid("this file has probes to capture, not cameras with \"eye\" and \"look_at\"");
             }
             Error::invalid(format!("not a camera file: {error}"))
         })

@@ -16,7 +16,7 @@ pub struct FrameRequest {
 /// The frame requests of a path.
 ///
 /// - One camera without frames renders all of `frames`.
-/// - Cameras with frames render those that are in `frames`, one camera after the other.
+/// - Cameras with frames render those that are in `frames`, one camera after the other. Each of `frames` that is available must have one.
 /// - Several cameras without frames are poses of one camera: the first renders the first of `frames`, and so on. A range
 ///   of one frame is rendered by all of them.
 ///
@@ -45,7 +45,7 @@ pub fn frame_requests(
             )));
         }
         (_, stated) if stated == cameras.len() => {
-            check_covered(cameras, asked.and_then(|asked| asked.intersect(available)))?;
+            check_covered(cameras, asked, available)?;
             let of = |timed: &TimedCamera| timed.frames.and_then(|own| own.intersect(frames));
             cameras
                 .iter()
@@ -67,17 +67,19 @@ pub fn frame_requests(
 }
 
 /// Refuses frames that are asked for and that no camera looks in.
-fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>) -> Result<()> {
-    let Some(asked) = asked else { return Ok(()) };
+fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>, available: FrameRange) -> Result<()> {
+    let Some((asked, needed)) = asked.and_then(|asked| Some((asked, asked.intersect(available)?))) else {
+        return Ok(());
+    };
     let mut own: Vec<FrameRange> = cameras.iter().filter_map(|timed| timed.frames).collect();
     own.sort_unstable_by_key(|range| range.first);
-    let mut next = u64::from(asked.first);
+    let mut next = u64::from(needed.first);
     for range in own {
         if u64::from(range.first) <= next {
             next = next.max(u64::from(range.last) + 1);
         }
     }
-    if next > u64::from(asked.last) {
+    if next > u64::from(needed.last) {
         return Ok(());
     }
     Err(Error::Usage(format!("no camera looks in frame {next} of {asked}; ask for frames of the path, or lengthen it")))
@@ -132,7 +134,7 @@ mod tests {
         assert_eq!(of(&own, None), [(5, 0), (6, 0), (6, 1), (3, 2), (4, 2)]);
         assert_eq!(of(&own, Some(range(6, 6))), [(6, 0), (6, 1)]);
         let error = frame_requests(&cameras(&own), Some(range(6, 20)), range(3, 9)).unwrap_err().to_string();
-        assert!(error.starts_with("no camera looks in frame 7 of 6-9"), "{error}");
+        assert!(error.starts_with("no camera looks in frame 7 of 6-20"), "{error}");
     }
 
     #[test]

@@ -238,7 +238,7 @@ fn without_a_camera_the_first_probe_s_own_view_is_shown() {
     std::fs::write(at.join("cameras.json"), r#"{"lightfold_cameras": 1, "cameras": [{"position": [0, 1, 0]}]}"#)
         .unwrap();
     let words = refused("render a.lfold --camera cameras.json --null", at);
-    assert!(words.contains("probes, as place writes them for capture; cameras with"), "{words}");
+    assert!(words.contains("cameras.json: this file has probes to capture, not cameras with"), "{words}");
 }
 
 /// Near and far of a camera of a file are planes that cut surfaces off, by every method.

@@ -27,7 +27,8 @@ use crate::gpu::device::DeviceChoice;
     of the file, from both sides and without depth test; z-buffer shows the nearest triangle at each of --samples N x N samples of \
     a pixel, which it covers where alpha is above the threshold of the sample: thresholds of a pixel are (0.5, 1.5, 2.5, ...) / N^2. \
     PNG and EXR images have the alpha of the scene; with --reference it is over black.\n\n\
-    Without a camera the first probe's own view is rendered, towards -Z. A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
+    Without a camera a container is shown as its first probe sees it: face nz of a cube map, or its perspective image. A simplified scene \
+    needs a camera. A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
     \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames names one \
     frame or is absent, all of them show that frame. Either all cameras of a path have \"frames\", or none has. Poses with a \
     \"frame\" are key poses: position is interpolated linearly, orientation by slerp: {\"cameras\": [{\"eye\": \

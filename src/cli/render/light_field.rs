@@ -86,7 +86,7 @@ impl Subject for LightFieldSubject<'_> {
         Some(self.playback.player.frames())
     }
 
-    /// That of the first probe, towards −Z where it is a cube map.
+    /// That of the first probe's face nz, or of its perspective image.
     fn own_camera(&self) -> Result<(Camera, String)> {
         let probe = self.playback.player.field.views.first().map(|view| view.probe);
         let images = || {
@@ -95,7 +95,8 @@ impl Subject for LightFieldSubject<'_> {
         };
         let ahead = images().find(|stream| stream.face == Face::Nz).or_else(|| images().next());
         let image = ahead.ok_or_else(|| Error::Usage("name a camera: no probe has colour and depth".into()))?;
-        let words = format!("the view of probe {}, face {}", self.decoder.probe(image).name, image.face.name());
+        let face = if image.face == Face::View { String::new() } else { format!(", face {}", image.face.name()) };
+        let words = format!("rendering the view of probe {}{face}", self.decoder.probe(image).name);
         Ok((upright_camera(self.decoder, image)?, words))
     }
 

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
 use super::args::Args;
 use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::refuse;
@@ -16,6 +18,7 @@ use crate::image::plane::Plane;
 use crate::image::png;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
+use crate::math::Camera;
 use crate::report::picture::contact_sheet::ContactSheet;
 
 const EYES: [&str; 2] = ["left", "right"];
@@ -47,13 +50,13 @@ pub struct Job {
 impl Job {
     /// What a picture shows, in which frame and from where in metres.
     fn caption(&self, name: &PictureName) -> String {
-        let each = self.request.cameras.len() / self.names.len().max(1);
-        let at = self.names.iter().position(|other| other == name).unwrap_or(0) * each;
-        let eye = self.request.cameras.get(at).map_or(String::new(), |camera| {
-            let [x, y, z] = camera.eye().to_array();
-            format!(", eye {x:.2},{y:.2},{z:.2}")
-        });
-        format!("{} {}, frame {}{eye}", name.subject, name.number, self.request.frame)
+        let eyes = self.request.cameras.len() / self.names.len().max(1);
+        let at = self.names.iter().position(|other| other == name).unwrap_or(0) * eyes;
+        let cameras = &self.request.cameras[at..at + eyes];
+        let [x, y, z] = (cameras.iter().map(Camera::eye).sum::<DVec3>() / eyes.max(1) as f64).to_array();
+        let frame = self.request.frame;
+        let number = if name.number == frame { String::new() } else { format!(" {}", name.number) };
+        format!("{}{number}, frame {frame}, eye {x:.2},{y:.2},{z:.2}", name.subject)
     }
 }
 
