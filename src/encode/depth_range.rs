@@ -1,12 +1,15 @@
 //! Near and far of a probe: as given, or found in its images, which are kept for the encoder where memory allows.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
 use crate::depth::DepthRange;
+use crate::depth::predictive::Levels;
+use crate::depth::predictive::levels::MAX_LEVELS;
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
 use crate::encode::source::{FrameSource, GroupRef};
@@ -16,19 +19,46 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::convert::DepthExtent;
 
+/// Pixels with a surface for each level, at least: few levels of few pixels are chance.
+const LEAST_OCCURRENCES: u64 = 64;
+
 /// Near and far of a probe, and the scan of its images, if one was made now.
 #[derive(Debug)]
 pub(super) struct ProbeDepth {
     pub range: DepthRange,
+    /// Codes that occur, where the images were scanned and hold few.
+    pub levels: Levels,
     pub scanned: Option<ScannedProbe>,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scan {
     /// `None` without a surface.
     pub extent: Option<DepthExtent>,
     /// Whether there are invalid depths that become near.
     pub has_invalid: bool,
+    /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur.
+    pub distances_m: Option<Vec<f32>>,
+}
+
+impl Scan {
+    /// All that near and far follow from.
+    pub fn limits(&self) -> (Option<DepthExtent>, bool) {
+        (self.extent, self.has_invalid)
+    }
+
+    /// The codes that occur; empty if there are too many, or none.
+    fn levels(&self, range: DepthRange) -> Levels {
+        let near = self.has_invalid.then_some(0);
+        let mut codes: Vec<u16> =
+            self.distances_m.iter().flatten().map(|&distance_m| range.code(distance_m)).chain(near).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        match &self.distances_m {
+            Some(_) => Levels::new(codes).unwrap_or_default(),
+            None => Levels::default(),
+        }
+    }
 }
 
 /// Near and far of the settings, else of the source.
@@ -42,23 +72,25 @@ pub(super) fn depth_of_probe(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
     groups: &[GroupRef<'_>],
-    known: Option<Scan>,
+    known: Option<&Scan>,
     monitor: &dyn Monitor,
 ) -> Result<ProbeDepth> {
     let given = given_range(source, settings);
     if let [Some(near), Some(far)] = given {
-        return Ok(ProbeDepth { range: DepthRange::new(near, far)?, scanned: None });
+        return Ok(ProbeDepth { range: DepthRange::new(near, far)?, levels: Levels::default(), scanned: None });
     }
     let probe = groups.first().map_or("", |group| source.probes()[group.group.probe].name.as_str());
     if let Some(known) = known {
-        return Ok(ProbeDepth { range: found_range(probe, given, known)?, scanned: None });
+        let range = found_range(probe, given, known)?;
+        return Ok(ProbeDepth { range, levels: known.levels(range), scanned: None });
     }
     let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
-    Ok(ProbeDepth { range: found_range(probe, given, scanned.scan)?, scanned: Some(scanned) })
+    let range = found_range(probe, given, &scanned.scan)?;
+    Ok(ProbeDepth { range, levels: scanned.scan.levels(range), scanned: Some(scanned) })
 }
 
 /// The range from what was given, which is at most one of near and far, and what was found.
-fn found_range(probe: &str, given: [Option<f32>; 2], found: Scan) -> Result<DepthRange> {
+fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<DepthRange> {
     let Some(extent) = found.extent else {
         return match given[0].or(given[1]) {
             Some(bound) => DepthRange::new(bound, bound),
@@ -96,11 +128,12 @@ pub(super) fn scan_probe(
     monitor: &dyn Monitor,
 ) -> Result<ScannedProbe> {
     struct ScannedFrame {
-        scan: Scan,
+        extent: Option<DepthExtent>,
+        has_invalid: bool,
         reading: Duration,
         kept: Option<((usize, u32), Vec<DepthPlane>)>,
     }
-    let kept_bytes = AtomicU64::new(0);
+    let (kept_bytes, distances) = (AtomicU64::new(0), Distances::new());
     let jobs: Vec<_> =
         groups.iter().flat_map(|&group| group.group.frames.iter().map(move |frame| (group, frame))).collect();
     let frames = try_map_at_once(jobs, limits.frames_at_once, |(GroupRef { at, group }, frame)| {
@@ -110,20 +143,66 @@ pub(super) fn scan_probe(
         let reading = start.elapsed();
         let extent = planes.iter().filter_map(DepthExtent::of).reduce(DepthExtent::union);
         let has_invalid = planes.iter().any(|plane| plane.data().contains(&0.0));
+        distances.add(planes.iter().flat_map(|plane| plane.data().iter().copied()));
         let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
         let keep = kept_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes <= limits.keep_bytes;
         let kept = keep.then_some(((at, frame), planes));
-        Ok(ScannedFrame { scan: Scan { extent, has_invalid }, reading, kept })
+        Ok(ScannedFrame { extent, has_invalid, reading, kept })
     })?;
     let time = |kept: bool| frames.iter().filter(|frame| frame.kept.is_some() == kept).map(|frame| frame.reading).sum();
     let (reading, scanning) = (time(true), time(false));
-    let extent = frames.iter().filter_map(|frame| frame.scan.extent).reduce(DepthExtent::union);
+    let extent = frames.iter().filter_map(|frame| frame.extent).reduce(DepthExtent::union);
     if let Some(extent) = extent {
         DepthRange::new(extent.near_m, extent.far_m)?;
     }
-    let has_invalid = frames.iter().any(|frame| frame.scan.has_invalid);
+    let has_invalid = frames.iter().any(|frame| frame.has_invalid);
+    let scan = Scan { extent, has_invalid, distances_m: distances.few() };
     let kept = frames.into_iter().filter_map(|frame| frame.kept).collect();
-    Ok(ScannedProbe { scan: Scan { extent, has_invalid }, kept, reading, scanning })
+    Ok(ScannedProbe { scan, kept, reading, scanning })
+}
+
+/// The distances of surfaces that occur, as long as they are few. Threads add to it in any order.
+struct Distances {
+    /// Their bits; `None` where there are more than [`MAX_LEVELS`].
+    found: Mutex<Option<HashSet<u32>>>,
+    surfaces: AtomicU64,
+}
+
+impl Distances {
+    fn new() -> Distances {
+        Distances { found: Mutex::new(Some(HashSet::new())), surfaces: AtomicU64::new(0) }
+    }
+
+    fn add(&self, metres: impl Iterator<Item = f32>) {
+        if self.found.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
+            return;
+        }
+        let (mut found, mut last, mut surfaces) = (HashSet::new(), f32::INFINITY, 0);
+        for metres in metres.filter(|&metres| metres > 0.0 && metres < f32::INFINITY) {
+            surfaces += 1;
+            if metres != last && found.insert(metres.to_bits()) && found.len() > MAX_LEVELS {
+                break;
+            }
+            last = metres;
+        }
+        self.surfaces.fetch_add(surfaces, Ordering::Relaxed);
+        let mut all = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = all.as_mut() {
+            known.extend(found);
+            if known.len() > MAX_LEVELS {
+                *all = None;
+            }
+        }
+    }
+
+    /// The distances, ascending, if they are few and recur.
+    fn few(self) -> Option<Vec<f32>> {
+        let found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner)?;
+        let recur = found.len() as u64 * LEAST_OCCURRENCES <= self.surfaces.into_inner();
+        let mut distances: Vec<f32> = found.into_iter().map(f32::from_bits).collect();
+        distances.sort_unstable_by(f32::total_cmp);
+        recur.then_some(distances)
+    }
 }
 
 #[cfg(test)]
@@ -150,5 +229,26 @@ mod tests {
             let error = pool.install(scan).unwrap_err();
             assert!(error.to_string().contains("z.11.exr"), "{error}");
         }
+    }
+
+    #[test]
+    fn few_distances_that_recur_are_found_in_any_order() {
+        let repeated = |values: u64, times: u64| {
+            let distances = Distances::new();
+            for frame in 0..times {
+                distances
+                    .add((0..values).map(|at| 1.0 + ((at * 7 + frame) % values) as f32).chain([f32::INFINITY, 0.0]));
+            }
+            distances.few()
+        };
+        let ascending = |values: u64| Some((0..values).map(|at| 1.0 + at as f32).collect::<Vec<_>>());
+        assert_eq!(repeated(5, 64), ascending(5));
+        assert_eq!(repeated(4096, 64), ascending(4096));
+        assert_eq!(repeated(5, 63), None);
+        assert_eq!(repeated(4097, 64), None);
+        // Few in every frame, many in all.
+        let distances = Distances::new();
+        (0..100).for_each(|frame| distances.add((0..10_000).map(|at| (1 + frame * 50 + at % 50) as f32)));
+        assert_eq!(distances.few(), None);
     }
 }

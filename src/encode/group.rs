@@ -14,7 +14,7 @@ use crate::encode::source::{FrameSource, name_frame};
 use crate::error::{Error, Result};
 use crate::image::transfer::EncodeTable;
 use crate::image::{DepthPlane, Plane, StreamKind};
-use crate::streams::{CodecHeader, ColorFormat, convert};
+use crate::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader, convert};
 
 pub(super) enum Coded {
     Depth(Plane<u16>),
@@ -80,6 +80,23 @@ impl<'a> GroupCoder<'a> {
         self.pu21.as_ref().ok_or_else(|| Error::invalid("half floats in a stream of another format"))
     }
 
+    /// Refuses codes that are no levels: images were looked through for these before.
+    fn check_levels(&self, codes: &Plane<u16>) -> Result<()> {
+        let CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(header), .. }) = &self.header else {
+            return Ok(());
+        };
+        match header.levels.find_other(codes.data()) {
+            Some(at) => {
+                let (x, y) = (at % codes.width() as usize, at / codes.width() as usize);
+                Err(Error::invalid(format!(
+                    "pixel ({x}, {y}) has a depth that was not there when the images were looked through: encode again, with \
+                     images that do not change meanwhile"
+                )))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of clipped pixels.
     pub fn read(
         &self,
@@ -102,7 +119,11 @@ impl<'a> GroupCoder<'a> {
                     Some(planes) => planes,
                     None => times.read(|| source.read_depth(self.group, frame))?,
                 };
-                let code = |plane| convert::depth_codes(plane, quantiser).map(Coded::Depth);
+                let code = |plane| {
+                    let codes = convert::depth_codes(plane, quantiser)?;
+                    self.check_levels(&codes)?;
+                    Ok(Coded::Depth(codes))
+                };
                 times.code(|| planes.iter().map(code).collect())
             }
             StreamKind::Material => {

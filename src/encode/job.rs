@@ -276,11 +276,12 @@ impl<W: Write> Job<'_, W> {
     fn encode_depth(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
         let Some(first) = groups.first() else { return Ok(()) };
         let probe = first.group.probe;
-        let known = self.completed.scans.get(&probe).map(|note| note.scan);
+        let known = self.completed.scans.get(&probe).map(|note| note.scan.clone());
         // Files as they are before they are read.
         let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
         let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
-        let ProbeDepth { range, scanned } = depth_of_probe(self.source, self.settings, groups, known, self.monitor)?;
+        let ProbeDepth { range, levels, scanned } =
+            depth_of_probe(self.source, self.settings, groups, known.as_ref(), self.monitor)?;
         let (mut kept, mut note) = (HashMap::new(), None);
         if let Some(scanned) = scanned {
             let scan_note = ScanNote { scan: scanned.scan, files };
@@ -296,7 +297,7 @@ impl<W: Write> Job<'_, W> {
                 range,
                 background: presented_background(self.source.background(), range),
                 kind: self.source.depth_kind(),
-                coding: self.settings.depth_coding(range, self.shape_of(group.group))?,
+                coding: self.settings.depth_coding(range, self.shape_of(group.group), &levels)?,
             });
             let Some(part) = self.begin(group, &header)? else { continue };
             let mut coder = GroupCoder::new(group.group, header, self.settings)?;

@@ -9,7 +9,7 @@
 //!
 //! The configuration ([`crate::encode::configuration`]) must be equal; the number of threads is not in it. A file that was
 //! read for a complete chunk must not have changed in size or time. Other files may have, as when a broken frame was rendered
-//! again, unless near or far of the probe change with it.
+//! again, unless near or far of the probe change with it, or the few distances that predictive depth has as levels.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ use crate::encode::depth_range::{self, Scan, given_range};
 use crate::encode::order::Order;
 use crate::encode::source::{FrameSource, GroupRef, name_frame};
 use crate::encode::unit::Closed;
-use crate::encode::{EncodeSettings, budget, configuration};
+use crate::encode::{DepthCodec, EncodeSettings, budget, configuration};
 use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
 use crate::image::StreamKind;
@@ -99,7 +99,7 @@ pub(super) struct ScanNote {
 impl ScanNote {
     pub fn to_bytes(&self, probe: usize) -> Result<Vec<u8>> {
         let files = self.files.iter().map(|(&file, &stamp)| (file, stamp)).collect();
-        configuration::to_bytes(&Note::Scan { probe, scan: self.scan, files })
+        configuration::to_bytes(&Note::Scan { probe, scan: self.scan.clone(), files })
     }
 }
 
@@ -238,10 +238,15 @@ impl Completed {
             if is_used {
                 let limits = budget::scan_limits(source, settings, &groups)?;
                 let scan = depth_range::scan_probe(source, &groups, limits, monitor)?.scan;
-                if scan != before.scan {
+                let changed = match settings.depth.codec {
+                    _ if scan.limits() != before.scan.limits() => Some("the nearest or the farthest surface"),
+                    DepthCodec::Predictive if scan != before.scan => Some("the few distances"),
+                    _ => None,
+                };
+                if let Some(changed) = changed {
                     let name = source.probes().get(probe).map_or("", |probe| probe.name.as_str());
                     return Err(configuration::other(&format!(
-                        "files have changed since, and with them the nearest or the farthest surface of probe {name}"
+                        "files have changed since, and with them {changed} of probe {name}"
                     )));
                 }
                 self.scans.insert(probe, ScanNote { scan, files });

@@ -32,7 +32,7 @@ pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dy
     let mut found = TilePsnr::default();
     let all = depth_groups(source);
     for groups in all.chunk_by(|one, next| one.group.probe == next.group.probe) {
-        let ProbeDepth { range, scanned } = depth_of_probe(source, settings, groups, None, monitor)?;
+        let ProbeDepth { range, scanned, .. } = depth_of_probe(source, settings, groups, None, monitor)?;
         let mut kept = scanned.map(|scanned| scanned.kept).unwrap_or_default();
         let (quantiser, domain) = (Quantiser::new(range), Domain::new(settings.depth.domain, range)?);
         for &GroupRef { at, group } in groups {

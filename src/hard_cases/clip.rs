@@ -14,7 +14,7 @@ use crate::depth::nodes::Grid;
 use crate::depth::predictive::encoder::PredictiveEncoder;
 use crate::depth::predictive::projection::{Projection, Shape};
 use crate::depth::predictive::tables::Tables;
-use crate::depth::predictive::{PredictiveHeader, UnitArea};
+use crate::depth::predictive::{Levels, PredictiveHeader, UnitArea};
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use crate::effort::Effort;
@@ -133,13 +133,12 @@ impl Clip {
         decide: Decide,
     ) -> Result<Clip> {
         let projection = Projection::new(shape, any_range()?);
-        let header = PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables: Tables::default() };
+        let (tables, levels) = (Tables::default(), Levels::default());
+        let header = PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables, levels };
         let mut encoder = PredictiveEncoder::new(&header, UnitArea::whole(source.size), decide, EFFORT)?;
-        let chunks = source.encode(|frame| {
-            Ok(match frame {
-                Some(frame) => encoder.push(frame),
-                None => encoder.finish(),
-            })
+        let chunks = source.encode(|frame| match frame {
+            Some(frame) => encoder.push(frame),
+            None => Ok(encoder.finish()),
         })?;
         let header = depth_header(any_range()?, DepthCoding::Predictive(header));
         Ok(Clip::new(format!("{shape:?}, {decide:?}"), header, source, chunks))

@@ -165,6 +165,8 @@ struct PredictiveReport {
     max_error_codes: u16,
     keyframe_interval: u32,
     own_table_sets: usize,
+    /// 0 where any code may occur.
+    levels: usize,
     predicted_blocks: BTreeMap<&'static str, u64>,
     predicted_pixels: BTreeMap<&'static str, u64>,
     /// Bytes of the symbols, whole ones.
@@ -414,6 +416,7 @@ impl PredictiveReport {
             max_error_codes: header.bound,
             keyframe_interval: header.keyframe_interval,
             own_table_sets: header.tables.own().len(),
+            levels: header.levels.codes().len(),
             predicted_blocks: of(|share| share.blocks),
             predicted_pixels: of(|share| share.pixels),
             predicted_bytes: of(|share| (share.bits / 8.0) as u64),

@@ -7,8 +7,8 @@ use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
 use crate::depth::block::MAX_TILE;
 use crate::depth::domain::DomainKind;
-use crate::depth::predictive::PredictiveHeader;
 use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::predictive::{Levels, PredictiveHeader};
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::entropy::Tables;
@@ -174,9 +174,13 @@ fn write_predictive(header: &PredictiveHeader, out: &mut Vec<u8>) {
     out.put_u16(header.epsilon);
     out.put_u32(header.keyframe_interval);
     out.put_u16(header.projection.shape as u16);
-    out.extend([0, header.tables.own_count()]);
+    out.extend([u8::from(!header.levels.is_empty()), header.tables.own_count()]);
     out.put_u32(header.projection.octave);
     header.tables.write(out);
+    if !header.levels.is_empty() {
+        out.put_u16(header.levels.codes().len() as u16);
+        header.levels.codes().iter().for_each(|&code| out.put_u16(code));
+    }
 }
 
 fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
@@ -187,15 +191,24 @@ fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
     if keyframe_interval == 0 {
         return Err(fields.error("a keyframe interval of 0 frames"));
     }
-    let (shape, reserved, own_sets, octave) = (fields.u16()?, fields.u8()?, fields.u8()?, fields.u32()?);
+    let (shape, has_levels, own_sets, octave) = (fields.u16()?, fields.u8()?, fields.u8()?, fields.u32()?);
     let known = u8::try_from(shape).ok().and_then(Shape::from_byte);
     let shape = known.ok_or_else(|| fields.error(format!("projection {shape} is unknown")))?;
     let projection = Projection { shape, octave };
-    if reserved != 0 || !projection.is_legal() {
+    if !projection.is_legal() {
         return Err(fields.error(format!("projection {} with {octave} codes for a factor of two", shape as u8)));
     }
     let tables = Tables::read(fields, own_sets)?;
-    Ok(PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables })
+    let levels = match has_levels {
+        0 => Levels::default(),
+        1 if bound == 0 && epsilon == 0 && shape == Shape::None => {
+            let codes = (0..fields.u16()?).map(|_| fields.u16()).collect::<Result<Vec<_>>>()?;
+            Levels::new(codes).map_err(|error| fields.error(error.to_string()))?
+        }
+        1 => return Err(fields.error("levels in a stream with a bound, a threshold or a projection")),
+        other => return Err(fields.error(format!("levels of kind {other} are unknown"))),
+    };
+    Ok(PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables, levels })
 }
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
@@ -294,15 +307,22 @@ mod tests {
         let transform = |format, tables| {
             CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Transform(tables), min_psnr_db: 40.0 })
         };
-        let predictive = |tables| {
-            depth(DepthCoding::Predictive(PredictiveHeader {
-                bound: 100,
-                epsilon: 3,
-                keyframe_interval: 64,
-                projection: Projection { shape: Shape::Planar, octave: 9731 },
-                tables,
-            }))
+        let predictive = |tables| PredictiveHeader {
+            bound: 100,
+            epsilon: 3,
+            keyframe_interval: 64,
+            projection: Projection { shape: Shape::Planar, octave: 9731 },
+            tables,
+            levels: Levels::default(),
         };
+        let levels = PredictiveHeader {
+            bound: 0,
+            epsilon: 0,
+            projection: Projection::default(),
+            levels: Levels::new(vec![3, 700, 65_534]).unwrap(),
+            ..predictive(Tables::default())
+        };
+        let predictive = |tables| depth(DepthCoding::Predictive(predictive(tables)));
         vec![
             depth(DepthCoding::Boxes(temporal)),
             depth(DepthCoding::BoxesInBlocks(temporal)),
@@ -311,6 +331,7 @@ mod tests {
             depth(DepthCoding::Blocks),
             predictive(Tables::default()),
             predictive(Tables::with_own(Tables::default().sets()[1..4].to_vec())),
+            depth(DepthCoding::Predictive(levels)),
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }),
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }),
             color(tone, None),

@@ -15,7 +15,7 @@ use lightfold::depth::nodes::Grid;
 use lightfold::depth::predictive::encoder::PredictiveEncoder;
 use lightfold::depth::predictive::projection::Projection;
 use lightfold::depth::predictive::tables::Tables;
-use lightfold::depth::predictive::{self, PredictiveChunk, PredictiveHeader, UnitArea};
+use lightfold::depth::predictive::{self, Levels, PredictiveChunk, PredictiveHeader, UnitArea};
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::effort::Effort;
@@ -73,7 +73,14 @@ fn example_of_tree() -> Vec<u8> {
 
 fn predictive_header() -> PredictiveHeader {
     let projection = Projection { shape: predictive::projection::Shape::None, octave: 0 };
-    PredictiveHeader { bound: 2, epsilon: 0, keyframe_interval: 64, projection, tables: Tables::default() }
+    PredictiveHeader {
+        bound: 2,
+        epsilon: 0,
+        keyframe_interval: 64,
+        projection,
+        tables: Tables::default(),
+        levels: Levels::default(),
+    }
 }
 
 /// The payload of depth.md 15.9: the codes of depth.md 9, predicted.
@@ -83,7 +90,7 @@ fn example_of_prediction() -> Vec<u8> {
     second[3 * 12 + 11] = 5008;
     let area = UnitArea::whole([12, 8]);
     let mut encoder = PredictiveEncoder::new(&predictive_header(), area, Decide::Mse, Effort::Normal).unwrap();
-    assert!([first, second].iter().all(|frame| encoder.push(frame).is_none()));
+    assert!([first, second].iter().all(|frame| encoder.push(frame).unwrap().is_none()));
     encoder.finish().unwrap().payload
 }
 

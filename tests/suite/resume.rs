@@ -18,7 +18,7 @@ use lightfold::encode::{
 use lightfold::image::{Plane, StreamKind, exr};
 use lightfold::monitor::{Monitor, Silent};
 
-use crate::resume_footage::{Footage, all, color, dataset, depth, transform};
+use crate::resume_footage::{Footage, all, color, dataset, depth, few_depths, transform};
 use crate::samples::Random;
 
 /// Bytes that are still there when their writer is gone.
@@ -460,6 +460,21 @@ fn a_later_frame_that_moves_near_or_far_is_refused() {
     let only_notes = State { container: left.container[..16].to_vec(), journal: left.journal.clone() };
     assert_eq!(only_notes.chunks(), 0);
     comes_to(&only_notes, &footage, &footage.whole(), "notes alone");
+}
+
+#[test]
+fn a_later_frame_with_another_distance_is_refused_only_where_there_are_levels() {
+    for (codec, is_refused) in [(DepthCodec::Predictive, true), (DepthCodec::Boxes, false)] {
+        let footage = few_depths(codec);
+        let left = stopped_after(&footage.whole().0, 0.5);
+        exr::write_depth(&footage.path(last_frame(&left) + 1), &Plane::filled(40, 24, 2.5)).unwrap();
+        if is_refused {
+            let said = refused(&left, &footage);
+            assert!(said.contains("the few distances of probe"), "{said}");
+        } else {
+            comes_to(&left, &footage, &footage.whole(), "boxes");
+        }
+    }
 }
 
 #[test]

@@ -50,12 +50,20 @@ pub fn depth(codec: DepthCodec) -> Footage {
     settings.temporal.window = 3;
     settings.depth.codec = codec;
     settings.depth.error = ErrorBound::Codes(40);
-    Footage::new(StreamKind::Depth, settings, |path| {
-        for (frame, codes) in samples::moving_codes([40, 24], 23, 7).into_iter().enumerate() {
-            let metres = codes.iter().map(|&code| if code == u16::MAX { f32::INFINITY } else { 1.0 + f32::from(code) });
-            exr::write_depth(&path(frame as u32), &Plane::new(40, 24, metres.collect()).unwrap()).unwrap();
-        }
-    })
+    Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 1.0 + f32::from(code)))
+}
+
+/// The same with 16 distances.
+pub fn few_depths(codec: DepthCodec) -> Footage {
+    let settings = depth(codec).settings.clone();
+    Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 1.0 + f32::from(code % 16)))
+}
+
+fn write_depths(path: &dyn Fn(u32) -> PathBuf, metres: impl Fn(u16) -> f32) {
+    for (frame, codes) in samples::moving_codes([40, 24], 23, 7).into_iter().enumerate() {
+        let metres = codes.iter().map(|&code| if code == u16::MAX { f32::INFINITY } else { metres(code) });
+        exr::write_depth(&path(frame as u32), &Plane::new(40, 24, metres.collect()).unwrap()).unwrap();
+    }
 }
 
 pub fn material(in_blocks: bool) -> Footage {
@@ -185,6 +193,7 @@ pub fn all() -> Vec<(&'static str, Footage)> {
         ("blocks", depth(DepthCodec::Blocks)),
         ("predictive", depth(DepthCodec::Predictive)),
         ("predictive with own tables", predictive_with_own_tables()),
+        ("predictive with levels", few_depths(DepthCodec::Predictive)),
         ("material", material(false)),
         ("material in blocks", material(true)),
         ("color", color(false, None)),

@@ -1,11 +1,13 @@
 //! Footage goes in, is decoded, and is what it was: sizes, ranges and settings that are easy to get wrong.
 
+use std::path::Path;
+
 use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::container::{Compression, Reader, Writer};
-use lightfold::dataset::{InvalidDepth, Source, SourceOptions};
+use lightfold::dataset::{InvalidDepth, SequenceLayout, Source, SourceOptions};
 use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
@@ -13,10 +15,10 @@ use lightfold::depth::settings::TemporalSettings;
 use lightfold::effort::Effort;
 use lightfold::encode::{ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
-use lightfold::image::{Face, Plane};
+use lightfold::image::{Face, Plane, StreamKind, exr};
 use lightfold::metrics::SquaredError;
 use lightfold::monitor::Silent;
-use lightfold::streams::{CodecHeader, ColorFormat, convert};
+use lightfold::streams::{CodecHeader, ColorFormat, DepthCoding, convert};
 
 use crate::footage::{Footage, Random, drifting_color};
 use crate::samples;
@@ -427,4 +429,53 @@ fn of_two_damaged_chunks_the_first_is_named() {
             assert!(error.contains("unit 3,"), "{error}");
         }
     }
+}
+
+/// Depth of a sensor: few distances, with noise among neighbours.
+fn sensor(folder: &Path, levels: u32) -> Source {
+    let mut random = Random(5);
+    for frame in 0..3 {
+        let mut metres = |x: u32, y: u32| match (x * 5 + y * 3) % 41 {
+            0 => f32::INFINITY,
+            _ => 0.5 + 0.02 * ((x + y / 2 + random.below(3)) % levels) as f32,
+        };
+        let plane = Plane::from_fn(80, 60, |x, y| metres(x, y));
+        exr::write_depth(&folder.join(format!("z.{frame}.exr")), &plane).unwrap();
+    }
+    let (spec, layout) = (folder.join("z.%d.exr"), SequenceLayout::default());
+    Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &SourceOptions::default()).unwrap()
+}
+
+/// Levels of a stream of predictive depth.
+fn levels_of(bytes: &[u8]) -> usize {
+    let decoder = decoder(bytes);
+    let CodecHeader::Depth(header) = &decoder.streams()[0].header else { panic!("depth expected") };
+    let DepthCoding::Predictive(predictive) = &header.coding else { panic!("prediction expected") };
+    predictive.levels.codes().len()
+}
+
+#[test]
+fn few_distances_become_levels_without_loss() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = sensor(folder.path(), 60);
+    let levels = |settings: &EncodeSettings| {
+        let bytes = encoded(&source, settings);
+        check_depth(&source, &bytes, 0);
+        levels_of(&bytes)
+    };
+    let with_bound =
+        |bound| EncodeSettings { depth: depth_settings(DepthCodec::Predictive, bound), ..EncodeSettings::default() };
+    // 1091 times 60 is not above 65535.
+    assert_eq!([0, 100, 545].map(|bound| levels(&with_bound(bound))), [60; 3]);
+    // The one bound that is not given is looked for in all images, and so are levels.
+    assert_eq!(levels(&EncodeSettings { near_m: Some(0.25), ..with_bound(0) }), 60);
+    let mut slow = with_bound(0);
+    slow.temporal.epsilon = 1;
+    assert_eq!(levels_of(&encoded(&source, &slow)), 0);
+    // The images are not looked through.
+    let given = EncodeSettings { near_m: Some(0.5), far_m: Some(2.0), ..with_bound(0) };
+    assert_eq!(levels(&given), 0);
+    let bytes = encoded(&source, &with_bound(546));
+    check_depth(&source, &bytes, 546);
+    assert_eq!(levels_of(&bytes), 0);
 }

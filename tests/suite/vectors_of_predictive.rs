@@ -1,10 +1,10 @@
 //! The frozen containers of [`crate::vectors`] whose depth is predicted (formats/depth.md 15).
 
 use lightfold::container::{Compression, EncodedChunk};
-use lightfold::depth::predictive::PredictiveHeader;
 use lightfold::depth::predictive::projection::{Projection, Shape as Pixels};
 use lightfold::depth::predictive::tables::{Predictive, TableSet, Tables};
-use lightfold::entropy::{Distribution, Model, SYMBOLS};
+use lightfold::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
+use lightfold::entropy::{Distribution, Model, SYMBOLS, Trainer};
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};
@@ -17,6 +17,7 @@ fn header(bound: u16, pixels: Pixels) -> PredictiveHeader {
         keyframe_interval: 3,
         projection: Projection { shape: pixels, octave },
         tables: Tables::default(),
+        levels: Levels::default(),
     }
 }
 
@@ -71,22 +72,45 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         one(samples::predictive(shape(0, [20, 12], [16, 16], 0, 3), &image, header(0, Pixels::Planar)))
     }));
     all.push(("predictive-own-tables", {
-        // Another set of the format first, so that payloads name it by another number; then one of equal frequencies.
-        let tables = Tables::default();
+        // One of equal frequencies, then one that was trained on the footage, which payloads name.
         let equal = |&alphabet: &u8| {
             let mut counts = [0; SYMBOLS];
             counts[..usize::from(alphabet)].fill(1);
             Distribution::of_counts(&counts, alphabet.into())
         };
         let equal: Vec<Distribution> = Predictive::ALPHABETS.iter().map(equal).collect();
-        let own = vec![TableSet::new(&equal), tables.sets()[4].clone()];
-        let image = random([40, 24], 3);
+        let (shape, image) = (shape(1, [40, 24], [24, 24], 2, 3), random([40, 24], 3));
+        let plain = samples::predictive(shape, &image, header(10, Pixels::Planar));
+        let count = |unit: u32, chunk: &EncodedChunk| {
+            let area = UnitArea { rect: plain.entry.unit_rect(unit), image: [40, 24] };
+            let payload = chunk.payload.clone();
+            PredictiveChunk::parse(payload, header(10, Pixels::Planar), area, chunk.frame_count)
+                .unwrap()
+                .count()
+                .unwrap()
+        };
+        let counts = plain.chunks.iter().map(|(unit, chunk)| count(*unit, chunk)).collect();
+        let own = [vec![TableSet::new(&equal)], Trainer::new(counts).train(1)].concat();
         let header = PredictiveHeader { tables: Tables::with_own(own), ..header(10, Pixels::Planar) };
-        one(samples::predictive(shape(1, [40, 24], [24, 24], 2, 3), &image, header))
+        let stream = samples::predictive(shape, &image, header);
+        assert!(stream.chunks.iter().all(|(_, chunk)| chunk.payload[0] == 10));
+        one(stream)
     }));
     all.push(("predictive-background", {
         let image = vec![vec![u16::MAX; 90]; 4];
         one(samples::predictive(shape(6, [10, 9], [16, 16], 0, 4), &image, header(100, Pixels::None)))
+    }));
+    all.push(("predictive-levels", {
+        let codes: Vec<u16> = (0..70).map(|at| 300 + at * at * 13 + at % 3).collect();
+        let mut random = Random(3);
+        let mut number = |x: u32, y: u32, t: u32| (x / 3 + y / 4 + t + random.below(2) as u32) as usize % codes.len();
+        let mut code = |x: u32, y: u32, t: u32| if x + y < 9 + t { u16::MAX } else { codes[number(x, y, t / 2)] };
+        let mut image = |t: u32| (0..37 * 21).map(|at| code(at % 37, at / 37, t)).collect();
+        let images: Vec<Vec<u16>> = (0..5).map(&mut image).collect();
+        let header = PredictiveHeader { levels: Levels::new(codes.clone()).unwrap(), ..header(0, Pixels::None) };
+        let stream = samples::predictive(shape(6, [37, 21], [24, 16], 4, 5), &images, header);
+        assert!(stream.chunks.iter().any(|(_, chunk)| chunk.payload[0] == 8));
+        one(stream)
     }));
     all
 }
@@ -108,6 +132,16 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         entry.codec_header = bytes.into();
         one(Stream { entry, chunks: good.chunks.clone() })
     };
+    let with_levels = |levels: &[u8]| {
+        let mut entry = good.entry.clone();
+        let mut bytes = entry.codec_header.to_vec();
+        // No projection, and levels.
+        (bytes[24], bytes[26]) = (0, 1);
+        bytes[28..32].fill(0);
+        bytes.extend(levels);
+        entry.codec_header = bytes.into();
+        one(Stream { entry, chunks: good.chunks.clone() })
+    };
     let resized = |width: u32, unit: u32| {
         let mut entry = good.entry.clone();
         (entry.width, entry.unit_width) = (width, unit);
@@ -117,7 +151,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let cut = |count: usize| payload(&move |payload| payload.truncate(payload.len() - count));
     vec![
         ("predictive-empty", payload(&|payload| payload.clear()), "1 more bytes expected, 0 left"),
-        ("predictive-set", payload(&|payload| payload[0] = 8), "table set 8 is unknown"),
+        ("predictive-set", payload(&|payload| payload[0] = 9), "table set 9 is unknown"),
         ("predictive-cut", cut(2), short),
         ("predictive-cut-in-half", cut(101), short),
         (
@@ -127,7 +161,17 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ),
         ("predictive-bound", codec(16, &[0xFF, 0xFF]), "a bound of 65535 codes"),
         ("predictive-projection", codec(24, &[3]), "projection 3 is unknown"),
-        ("predictive-reserved", codec(26, &[1]), "projection 2 with 16384 codes"),
+        ("predictive-levels-unknown", codec(26, &[2]), "levels of kind 2 are unknown"),
+        (
+            "predictive-levels-of-a-cube",
+            codec(26, &[1]),
+            "levels in a stream with a bound, a threshold or a projection",
+        ),
+        ("predictive-levels-missing", with_levels(&[]), "2 more bytes expected, 0 left"),
+        ("predictive-levels-none", with_levels(&[0, 0]), "0 levels, 1 to 4096 are legal"),
+        ("predictive-levels-too-few", with_levels(&[2, 0, 1, 0]), "2 more bytes expected, 0 left"),
+        ("predictive-levels-descend", with_levels(&[2, 0, 9, 0, 8, 0]), "level 8 behind 9, levels ascend"),
+        ("predictive-levels-background", with_levels(&[1, 0, 0xFF, 0xFF]), "background as a level"),
         ("predictive-own-tables-missing", codec(27, &[1]), "1 more bytes expected, 0 left"),
         ("predictive-own-tables-too-many", codec(27, &[9]), "9 table sets, at most 8 are legal"),
         ("predictive-octave", codec(29, &[1]), "projection 2 with 256 codes"),

@@ -38,7 +38,7 @@ def read_tables():
         of_context += [distributions + next(numbers) for _ in range(contexts)]
         distributions += count
         alphabets += [symbols] * count
-    sets = [[slots_of([next(numbers) for _ in range(symbols)]) for symbols in alphabets] for _ in range(8)]
+    sets = [[slots_of([next(numbers) for _ in range(symbols)]) for symbols in alphabets] for _ in range(9)]
     assert next(numbers, None) is None
     return first, of_context, alphabets, sets
 
@@ -47,20 +47,25 @@ FIRST, DISTRIBUTION, ALPHABETS, SETS = read_tables()
 
 
 def read_predictive_header(stream):
-    """Bound, projection, octave and table sets."""
+    """Bound, projection, octave, table sets and levels."""
     check(stream.unit_width <= 1024 and stream.unit_height <= 1024, "the units are too large")
     fields = Fields(stream.header)
     read_depth_fields(fields)
-    bound, _epsilon, interval, projection = fields.take("HHIH")
-    fields.zeros(1)
-    own_sets, octave = fields.take("BI")
+    bound, epsilon, interval, projection, has_levels, own_sets, octave = fields.take("HHIHBBI")
     check(own_sets <= 8, "there are too many table sets")
     check(bound <= 65534 and interval >= 1 and projection <= 2, "a header is illegal")
     check(512 <= octave <= 131071 if projection else octave == 0, "the octave is illegal")
     check(projection < 2 or stream.width == stream.height, "a cube face is not square")
     own = [[read_distribution(fields, symbols) for symbols in ALPHABETS] for _ in range(own_sets)]
+    levels = []
+    if has_levels:
+        check(has_levels == 1 and bound == 0 and epsilon == 0 and projection == 0, "levels are illegal here")
+        count = fields.take("H")
+        check(1 <= count <= 4096, "a number of levels is illegal")
+        levels = [fields.take("H") for _ in range(count)]
+        check(all(one < next for one, next in zip(levels, levels[1:] + [65535])), "levels do not ascend")
     fields.finish()
-    return bound, projection, octave, SETS + own
+    return bound, projection, octave, SETS + own, levels
 
 
 class Symbols(Substream):
@@ -90,7 +95,7 @@ def steep(g):
 class Unit:
     def __init__(self, rect, side, header):
         left, top, self.w, self.h = rect
-        self.bound, projection, octave, _sets = header
+        self.bound, projection, octave, _sets, self.levels = header
         self.step, self.same, self.apart = (2 * self.bound + 1) * 256, (3 * self.bound + 2) * 256, (2 * self.bound + 1) * 640
         self.K = octave * 2955 >> 11
         self.R = (1 << 22) // self.K if self.K else 0
@@ -112,6 +117,8 @@ class Unit:
             for x in range(self.w):
                 pixel = self.pixels[x, y]
                 code = clamp(wrap(pixel[V] + self.q[y * self.w + x] + 128) >> 8, 0, 65534)
+                if self.levels:
+                    code = self.levels[min(code, len(self.levels) - 1)]
                 codes.append(65535 if pixel[K] == 8 else code)
         return b"".join(code.to_bytes(2, "little") for code in codes)
 

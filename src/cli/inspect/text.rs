@@ -289,14 +289,26 @@ fn setting(stats: &StreamStats<'_>) -> String {
                     nodes.keyframe_interval
                 ),
                 DepthCoding::Blocks => format!("BC4w blocks without a bound, tile {units}"),
-                DepthCoding::Predictive(PredictiveHeader { bound, epsilon, keyframe_interval, ref tables, .. }) => {
+                DepthCoding::Predictive(PredictiveHeader {
+                    bound,
+                    epsilon,
+                    keyframe_interval,
+                    ref tables,
+                    ref levels,
+                    ..
+                }) => {
                     let epsilon = if epsilon > 0 { format!(" and {epsilon} in time") } else { String::new() };
                     let tables = match tables.own().len() as u64 {
                         0 => String::new(),
                         own => format!(", {}", counted(own, "table set")),
                     };
+                    let levels = match levels.codes().len() {
+                        0 => String::new(),
+                        count => format!(", {count} levels"),
+                    };
                     format!(
-                        "predictive, ±{bound} codes{epsilon}, keyframe every {keyframe_interval}, tile {units}{tables}"
+                        "predictive, ±{bound} codes{levels}{epsilon}, keyframe every {keyframe_interval}, tile \
+                         {units}{tables}"
                     )
                 }
             };

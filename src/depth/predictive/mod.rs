@@ -3,7 +3,8 @@
 //! A unit is coded in blocks of 8x8 pixels: as in the frame before, background, a plane carried on from the left or from above,
 //! four blocks of 4x4 pixels, or pixel by pixel. Pixels are predicted with slopes that each residual corrects; residuals are in
 //! steps of 2E + 1 codes. Codes are held without the curvature that the projection gives to planes ([`projection`]). Symbols
-//! have static distributions in contexts of symbols that are decoded already.
+//! have static distributions in contexts of symbols that are decoded already. Where few codes occur, their numbers are coded
+//! in their place ([`levels`]).
 //!
 //! Based on: M. J. Weinberger, G. Seroussi, G. Sapiro, *The LOCO-I Lossless Image Compression Algorithm*, 2000, for near-lossless
 //! residuals and contexts.
@@ -15,6 +16,7 @@ pub mod contexts;
 pub mod encoder;
 #[cfg(feature = "encode")]
 mod fit;
+pub mod levels;
 pub mod magnitude;
 pub mod modes;
 pub mod pixel;
@@ -33,4 +35,5 @@ pub mod tile;
 
 pub use area::UnitArea;
 pub use chunk::PredictiveChunk;
+pub use levels::Levels;
 pub use settings::PredictiveHeader;

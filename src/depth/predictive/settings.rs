@@ -1,5 +1,6 @@
 //! What a header says of predictive coding (depth.md 3, 15.1).
 
+use crate::depth::predictive::levels::Levels;
 use crate::depth::predictive::projection::Projection;
 use crate::depth::predictive::tables::Tables;
 
@@ -18,4 +19,6 @@ pub struct PredictiveHeader {
     pub projection: Projection,
     /// Table sets that payloads name.
     pub tables: Tables,
+    /// Codes that occur; empty where any may. With them the bound is 0, and there is no projection.
+    pub levels: Levels,
 }

@@ -5,7 +5,7 @@ use crate::depth::mode_decision::Decide;
 use crate::depth::predictive::encoder::PredictiveEncoder;
 use crate::depth::predictive::projection::{Projection, Shape};
 use crate::depth::predictive::tables::Tables;
-use crate::depth::predictive::{PredictiveChunk, PredictiveHeader, UnitArea};
+use crate::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
 use crate::effort::Effort;
 use crate::entropy::Trainer;
 
@@ -19,12 +19,13 @@ fn header(bound: u16, shape: Shape) -> PredictiveHeader {
         keyframe_interval: 64,
         projection: Projection { shape, octave },
         tables: Tables::default(),
+        levels: Levels::default(),
     }
 }
 
 fn encode(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort: Effort) -> EncodedChunk {
     let mut encoder = PredictiveEncoder::new(header, area, Decide::Mse, effort).unwrap();
-    assert!(frames.iter().all(|frame| encoder.push(frame).is_none()));
+    assert!(frames.iter().all(|frame| encoder.push(frame).unwrap().is_none()));
     encoder.finish().unwrap()
 }
 
@@ -208,14 +209,33 @@ fn any_bytes_are_decoded_or_refused_in_one_sentence() {
             projection: Projection { shape, octave: if shape == Shape::None { 0 } else { [512, 131_071][seed % 2] } },
             ..header(BOUNDS[seed % BOUNDS.len()], shape)
         };
+        let levels = Levels::new(vec![9, 700, 701]).unwrap();
+        let header = if seed % 4 == 0 { PredictiveHeader { levels, ..self::header(0, Shape::None) } } else { header };
         let mut payload: Vec<u8> = (0..600).map(|at| noise(seed * 1009 + at) as u8).collect();
-        payload[0] %= 8;
+        payload[0] %= 9;
         let mut chunk = PredictiveChunk::parse(payload, header, area, 100).unwrap();
         let mut picture = vec![0; 16 * 12];
         let failed = (0..100).find_map(|frame: u32| chunk.advance(&mut picture, frame.checked_sub(1), frame).err());
         let message = failed.expect("random bytes do not end where frames do").to_string();
         assert!(message.contains("a substream that"), "{message}");
     }
+}
+
+#[test]
+fn few_codes_far_apart_take_fewer_bytes_by_number() {
+    let area = UnitArea::whole([40, 24]);
+    let codes: Vec<u16> = (0..90).map(|at| 2000 + at * 153 + at * at).collect();
+    let code = |at: usize, t: usize| match at % 97 {
+        0..7 => u16::MAX,
+        _ => codes[at % 40 + at / 80 + noise(at + 1000 * t) as usize % 2],
+    };
+    let frames: Vec<Vec<u16>> = (0..3).map(|t| (0..960).map(|at| code(at, t)).collect()).collect();
+    let plain = check(&header(0, Shape::None), area, &frames, Effort::Normal);
+    let levels = PredictiveHeader { levels: Levels::new(codes.clone()).unwrap(), ..header(0, Shape::None) };
+    let by_number = check(&levels, area, &frames, Effort::Normal);
+    assert!(2 * by_number.len() < plain.len(), "{} and {} bytes", by_number.len(), plain.len());
+    let mut encoder = PredictiveEncoder::new(&levels, area, Decide::Mse, Effort::Normal).unwrap();
+    assert!(encoder.push(&[2001; 960]).is_err());
 }
 
 #[test]
@@ -226,7 +246,7 @@ fn a_chunk_is_closed_before_its_symbols_take_much_memory() {
     let mut frames = Vec::new();
     for t in 0..40 {
         let picture: Vec<u16> = (0..256).map(|at| noise(at + 1000 * t) as u16).collect();
-        frames.extend(encoder.push(&picture).map(|chunk| chunk.frame_count));
+        frames.extend(encoder.push(&picture).unwrap().map(|chunk| chunk.frame_count));
     }
     frames.extend(encoder.finish().map(|chunk| chunk.frame_count));
     assert!(frames.len() > 1 && frames.iter().sum::<u32>() == 40, "{frames:?}");
@@ -247,7 +267,7 @@ fn chunks_are_counted_and_take_the_cheapest_of_own_sets() {
     let own = Trainer::new(vec![counted]).train(1);
     let with_own = PredictiveHeader { tables: Tables::with_own(own), ..plain };
     let smaller = encode(&with_own, area, &frames, Effort::Normal);
-    assert_eq!(smaller.payload[0], 8, "the own set is the cheapest");
+    assert_eq!(smaller.payload[0], 9, "the own set is the cheapest");
     assert!(smaller.payload.len() < chunk.payload.len(), "{} and {} bytes", smaller.payload.len(), chunk.payload.len());
     check(&with_own, area, &frames, Effort::Normal);
 }

@@ -2,6 +2,7 @@
 
 use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::contexts;
+use crate::depth::predictive::levels::Levels;
 use crate::depth::predictive::modes::{BACKGROUND, BLOCK, OUTSIDE, PIXELS, PLANES, QUARTERS, SMALL};
 use crate::depth::predictive::pixel::{Around, Pixel, Steps};
 use crate::depth::predictive::plane::{ChangeSteps, Plane, Side};
@@ -47,6 +48,8 @@ pub struct Tile {
     pub corrections: Vec<i32>,
     pub steps: Steps,
     pub curvature: Curvature,
+    /// What pixels hold the numbers of; empty where they hold codes.
+    levels: Levels,
     /// Whether a frame of the chunk was decoded.
     pub is_later: bool,
 }
@@ -71,6 +74,7 @@ impl Tile {
             corrections: header.projection.corrections(area),
             steps: Steps::new(header.bound),
             curvature: header.projection.curvature(),
+            levels: header.levels.clone(),
             is_later: false,
         })
     }
@@ -233,6 +237,7 @@ impl Tile {
             for ((code, &correction), pixel) in codes.zip(&self.pixels[start..][..area.width]) {
                 *code = pixel.code(correction);
             }
+            self.levels.to_codes(&mut picture[to..][..area.width]);
         }
     }
 }
