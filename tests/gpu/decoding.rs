@@ -20,6 +20,7 @@ use lightfold::march::settings::SpecularMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
+use lightfold::streams::CodecHeader;
 use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField};
 use lightfold::views::player::{Player, UnitRequest};
@@ -157,6 +158,12 @@ fn compare_walk(
     let mut decodes = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
     if !decodes.decodes() {
         return Err("the device does not decode it".into());
+    }
+    let is_entropy_coded =
+        |header: &CodecHeader| matches!(header, CodecHeader::Color(color) if color.tables().is_some());
+    let is_coded = decoder.streams().iter().any(|stream| is_entropy_coded(&stream.header));
+    if DeviceRenderer::new(gpu, options.clone()).decoding_unless_entropy_coded(&decoder, coding).decodes() == is_coded {
+        return Err(format!("entropy-coded colour: {is_coded}, and the choice is for the other").into());
     }
     if let (Some(words), Some(units)) = (kept_words, decodes.gpu_backend()) {
         units.kept_words = words;

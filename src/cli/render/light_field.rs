@@ -124,7 +124,9 @@ impl Subject for LightFieldSubject<'_> {
             }
             (_, Some(gpu)) => {
                 let coding = self.playback.player.field.coding;
-                MethodRenderer::Device(Box::new(DeviceRenderer::new(gpu, options).decoding(self.decoder, coding)))
+                MethodRenderer::Device(Box::new(
+                    DeviceRenderer::new(gpu, options).decoding_unless_entropy_coded(self.decoder, coding),
+                ))
             }
             (_, None) => MethodRenderer::March(CpuRenderer::new(options)),
         };

@@ -261,7 +261,7 @@ impl DeviceTexels {
         let Some(textures) = self.textures.as_ref().filter(|_| !stale.is_empty()) else { return Ok(0) };
         let [x, y] = origin.texels;
         gpu.guard("texels", || {
-            let mut sent = 0;
+            let (mut sent, mut changed) = (0, None);
             for (kind, rect) in stale {
                 let (texture, bytes) = match kind {
                     StreamKind::Depth => (&textures.inverse_depths, bytemuck::cast_slice(&texels.inverse_depth)),
@@ -274,13 +274,14 @@ impl DeviceTexels {
                     let place = Place { texture, origin: [x, y, origin.layer] };
                     sent += write(gpu, place, bytes, texels.size, rect);
                 }
-                for (level, Level { size, greatest }) in image.pyramid.levels.iter().enumerate() {
-                    if kind != StreamKind::Depth {
-                        break;
-                    }
-                    let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
-                    sent += write(gpu, place, bytemuck::cast_slice(greatest), *size, above(rect, level));
+                if kind == StreamKind::Depth {
+                    changed = Some(bounds(changed, rect));
                 }
+            }
+            let levels = image.pyramid.levels.iter().enumerate().filter_map(|(at, level)| Some((at, level, changed?)));
+            for (level, Level { size, greatest }, changed) in levels {
+                let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
+                sent += write(gpu, place, bytemuck::cast_slice(greatest), *size, above(changed, level));
             }
             sent
         })
