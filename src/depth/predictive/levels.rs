@@ -21,8 +21,8 @@ impl Levels {
         if codes.is_empty() || codes.len() > MAX_LEVELS {
             return Err(Error::invalid(format!("{} levels, 1 to {MAX_LEVELS} are legal", codes.len())));
         }
-        if let Some([one, next]) = codes.array_windows().find(|[one, next]| one >= next) {
-            return Err(Error::invalid(format!("level {next} behind {one}, levels ascend")));
+        if let Some(pair) = codes.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(Error::invalid(format!("level {} behind {}, levels ascend", pair[1], pair[0])));
         }
         match codes.last() {
             Some(&last) if last > FAR_CODE => Err(Error::invalid("background as a level")),
