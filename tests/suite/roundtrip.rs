@@ -435,11 +435,11 @@ fn of_two_damaged_chunks_the_first_is_named() {
 fn sensor(folder: &Path, levels: u32) -> Source {
     let mut random = Random(5);
     for frame in 0..3 {
-        let mut metres = |x: u32, y: u32| match (x * 5 + y * 3) % 41 {
+        let metres = |x: u32, y: u32| match (x * 5 + y * 3) % 41 {
             0 => f32::INFINITY,
             _ => 0.5 + 0.02 * ((x + y / 2 + random.below(3)) % levels) as f32,
         };
-        let plane = Plane::from_fn(80, 60, |x, y| metres(x, y));
+        let plane = Plane::from_fn(80, 60, metres);
         exr::write_depth(&folder.join(format!("z.{frame}.exr")), &plane).unwrap();
     }
     let (spec, layout) = (folder.join("z.%d.exr"), SequenceLayout::default());

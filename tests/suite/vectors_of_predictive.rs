@@ -103,7 +103,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     all.push(("predictive-levels", {
         let codes: Vec<u16> = (0..70).map(|at| 300 + at * at * 13 + at % 3).collect();
         let mut random = Random(3);
-        let mut number = |x: u32, y: u32, t: u32| (x / 3 + y / 4 + t + random.below(2) as u32) as usize % codes.len();
+        let mut number = |x: u32, y: u32, t: u32| (x / 3 + y / 4 + t + random.below(2)) as usize % codes.len();
         let mut code = |x: u32, y: u32, t: u32| if x + y < 9 + t { u16::MAX } else { codes[number(x, y, t / 2)] };
         let mut image = |t: u32| (0..37 * 21).map(|at| code(at % 37, at / 37, t)).collect();
         let images: Vec<Vec<u16>> = (0..5).map(&mut image).collect();
