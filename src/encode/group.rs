@@ -17,6 +17,7 @@ use crate::image::{DepthPlane, Plane, StreamKind};
 use crate::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader, convert};
 
 pub(super) enum Coded {
+    /// Codes, or numbers of levels where the stream has some.
     Depth(Plane<u16>),
     Bytes(Plane<[u8; 3]>),
     Half(Plane<[HalfKey; 3]>),
@@ -80,21 +81,24 @@ impl<'a> GroupCoder<'a> {
         self.pu21.as_ref().ok_or_else(|| Error::invalid("half floats in a stream of another format"))
     }
 
-    /// Refuses codes that are no levels: images were looked through for these before.
-    fn check_levels(&self, codes: &Plane<u16>) -> Result<()> {
-        let CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(header), .. }) = &self.header else {
-            return Ok(());
+    /// Numbers of levels in place of codes, where the stream has some. Images were looked through for these before.
+    fn numbers(&self, codes: Plane<u16>) -> Result<Plane<u16>> {
+        let levels = match &self.header {
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(header), .. }) => &header.levels,
+            _ => return Ok(codes),
         };
-        match header.levels.find_other(codes.data()) {
-            Some(at) => {
-                let (x, y) = (at % codes.width() as usize, at / codes.width() as usize);
-                Err(Error::invalid(format!(
-                    "pixel ({x}, {y}) has a depth that was not there when the images were looked through: encode again, with \
-                     images that do not change meanwhile"
-                )))
-            }
-            None => Ok(()),
+        if levels.is_empty() {
+            return Ok(codes);
         }
+        let (width, height) = (codes.width(), codes.height());
+        let numbers = levels.numbers(codes.data()).map_err(|at| {
+            let (x, y) = (at % width as usize, at / width as usize);
+            Error::invalid(format!(
+                "pixel ({x}, {y}) has a depth that was not there when the images were looked through: encode again, with \
+                 images that do not change meanwhile"
+            ))
+        })?;
+        Plane::new(width, height, numbers.into_owned())
     }
 
     /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of clipped pixels.
@@ -119,11 +123,7 @@ impl<'a> GroupCoder<'a> {
                     Some(planes) => planes,
                     None => times.read(|| source.read_depth(self.group, frame))?,
                 };
-                let code = |plane| {
-                    let codes = convert::depth_codes(plane, quantiser)?;
-                    self.check_levels(&codes)?;
-                    Ok(Coded::Depth(codes))
-                };
+                let code = |plane| self.numbers(convert::depth_codes(plane, quantiser)?).map(Coded::Depth);
                 times.code(|| planes.iter().map(code).collect())
             }
             StreamKind::Material => {

@@ -193,7 +193,7 @@ impl Unit {
             (Unit::DepthNodes(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect), None),
             (Unit::DepthTree(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::DepthBlocks(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
-            (Unit::DepthPredictive(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
+            (Unit::DepthPredictive(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
             (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
             (Unit::ColorHalf(encoder), Coded::Half(plane)) => {

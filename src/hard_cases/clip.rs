@@ -135,13 +135,35 @@ impl Clip {
         let projection = Projection::new(shape, any_range()?);
         let (tables, levels) = (Tables::default(), Levels::default());
         let header = PredictiveHeader { bound, epsilon, keyframe_interval, projection, tables, levels };
+        Clip::predicted(format!("{shape:?}, {decide:?}"), source, header, decide)
+    }
+
+    /// Predictive depth whose codes are these levels, or background.
+    pub(super) fn levels(source: &Sequence<u16>, codes: Vec<u16>, decide: Decide) -> Result<Clip> {
+        let header = PredictiveHeader {
+            bound: 0,
+            epsilon: 0,
+            keyframe_interval: 64,
+            projection: Projection::default(),
+            tables: Tables::default(),
+            levels: Levels::new(codes)?,
+        };
+        Clip::predicted(format!("{decide:?}"), source, header, decide)
+    }
+
+    fn predicted(what: String, source: &Sequence<u16>, header: PredictiveHeader, decide: Decide) -> Result<Clip> {
         let mut encoder = PredictiveEncoder::new(&header, UnitArea::whole(source.size), decide, EFFORT)?;
         let chunks = source.encode(|frame| match frame {
-            Some(frame) => encoder.push(frame),
+            Some(frame) => {
+                let numbers = header.levels.numbers(frame);
+                let numbers =
+                    numbers.map_err(|at| Error::invalid(format!("pixel {at} has a code that is no level")))?;
+                Ok(encoder.push(&numbers))
+            }
             None => Ok(encoder.finish()),
         })?;
         let header = depth_header(any_range()?, DepthCoding::Predictive(header));
-        Ok(Clip::new(format!("{shape:?}, {decide:?}"), header, source, chunks))
+        Ok(Clip::new(what, header, source, chunks))
     }
 
     /// Codes in boxes (`DAAB`, `DAB5`).

@@ -12,7 +12,6 @@ use crate::hard_cases::case::Inputs;
 use crate::hard_cases::clip::{Clip, open};
 use crate::math::random::Random;
 use crate::monitor::Monitor;
-use crate::streams::DEPTH_PREDICTIVE;
 
 /// Pixels of the pictures that are held on the device together.
 const PIXELS_TOGETHER: u64 = 8 << 20;
@@ -84,10 +83,9 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
     Ok(figures)
 }
 
-/// Clips that devices decode; predictive depth is not among them.
+/// Clips that a device decodes together.
 fn groups<'a>(clips: impl Iterator<Item = Numbered<'a>>) -> Vec<Vec<Numbered<'a>>> {
-    let decoded = clips.filter(|(_, clip)| clip.header.codec() != DEPTH_PREDICTIVE);
-    let keyed = decoded.map(|(case, clip)| {
+    let keyed = clips.map(|(case, clip)| {
         let pixels = clip.pixels() / u64::from(clip.frame_count.max(1));
         ((case, clip), (Family::of(&clip.header), clip.frame_count), pixels)
     });

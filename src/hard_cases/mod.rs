@@ -14,6 +14,7 @@ mod fits;
 mod geometry;
 mod hidden;
 mod interpolate;
+mod levels;
 mod paths;
 mod pictures;
 mod quantisation;
@@ -37,9 +38,10 @@ pub use clip::Clip;
 pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, notes};
 
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 12] = [
+    let families: [fn() -> Vec<HardCase>; 13] = [
         quantisation::cases,
         temporal::cases,
+        levels::cases,
         fits::cases,
         blocks::cases,
         color::cases,

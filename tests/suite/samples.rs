@@ -205,8 +205,8 @@ pub fn predictive(shape: Shape, images: &[Vec<u16>], header: PredictiveHeader) -
     for unit in 0..entry.unit_count() {
         let area = UnitArea { rect: entry.unit_rect(unit), image: [entry.width, entry.height] };
         let mut encoder = PredictiveEncoder::new(&header, area, Decide::Mse, Effort::Normal).unwrap();
-        let closed =
-            images.iter().map(|image| encoder.push(&cut(image, entry.width, area.rect)).unwrap()).collect::<Vec<_>>();
+        let mut push = |codes: &[u16]| encoder.push(&header.levels.numbers(codes).unwrap());
+        let closed: Vec<_> = images.iter().map(|image| push(&cut(image, entry.width, area.rect))).collect();
         chunks.extend(closed.into_iter().chain([encoder.finish()]).flatten().map(|chunk| (unit, chunk)));
     }
     Stream { entry, chunks }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
 use crate::depth::predictive::area::UnitArea;
-use crate::depth::predictive::levels::Levels;
 use crate::depth::predictive::price::{PricedTables, Recorder, priced};
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
 use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader};
@@ -26,7 +25,6 @@ pub struct PredictiveEncoder {
     /// The usual one of such streams.
     first_set: usize,
     tile: Tile,
-    levels: Levels,
     recorder: Recorder,
     first_frame: u32,
     next_frame: u32,
@@ -47,20 +45,15 @@ impl PredictiveEncoder {
             set: usual_set(header),
             first_set: usual_set(header),
             tile: Tile::new(header, area)?,
-            levels: header.levels.clone(),
             recorder: Recorder::default(),
             first_frame: 0,
             next_frame: 0,
         })
     }
 
-    /// Takes in a frame of the unit, row by row; answers the chunk before it, if it begins another.
-    ///
-    /// # Errors
-    /// A code that is none of the header's levels, where it has some.
-    pub fn push(&mut self, source: &[u16]) -> Result<Option<EncodedChunk>> {
-        let numbers = if self.levels.is_empty() { None } else { Some(self.levels.numbers(source)?) };
-        let source = numbers.as_deref().unwrap_or(source);
+    /// Takes in a frame of the unit, row by row: codes, or [numbers of levels](crate::depth::predictive::Levels::numbers) where
+    /// the header has some. Answers the chunk before it, if it begins another.
+    pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
         let frames = self.next_frame - self.first_frame;
         let is_full =
             frames >= self.keyframe_interval || self.recorder.held_bytes() >= CLOSE_AT_BYTES_A_PIXEL * source.len();
@@ -69,7 +62,7 @@ impl PredictiveEncoder {
         let Self { tile, tables, set, recorder: sink, settings, .. } = self;
         FrameSearch { tile, source, prices: &tables.prices[*set], settings: *settings, sink }.run();
         self.set = self.tables.cheapest(&self.recorder.counts).0;
-        Ok(finished)
+        finished
     }
 
     pub fn finish(&mut self) -> Option<EncodedChunk> {

@@ -1,5 +1,7 @@
 //! Surface codes of footage that holds few of them, such as that of a depth sensor: pixels are coded by number (depth.md 15.2).
 
+#[cfg(feature = "encode")]
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::depth::quantise::{BACKGROUND_CODE, FAR_CODE};
@@ -57,22 +59,17 @@ impl Levels {
         }
     }
 
-    /// Where codes are first neither a level nor background; nowhere without levels.
-    #[cfg(feature = "encode")]
-    pub fn find_other(&self, codes: &[u16]) -> Option<usize> {
-        if self.is_empty() { None } else { codes.iter().position(|&code| self.number(code).is_none()) }
-    }
-
-    /// Numbers of the levels that codes are.
+    /// Numbers of the levels that codes are, as the encoder takes them; without levels the codes themselves.
     ///
     /// # Errors
-    /// A code that is no level.
+    /// The place of the first code that is neither a level nor background.
     #[cfg(feature = "encode")]
-    pub fn numbers(&self, codes: &[u16]) -> Result<Vec<u16>> {
-        let number = |&code: &u16| {
-            self.number(code).ok_or_else(|| Error::invalid(format!("depth code {code} is none of the stream's levels")))
-        };
-        codes.iter().map(number).collect()
+    pub fn numbers<'a>(&self, codes: &'a [u16]) -> std::result::Result<Cow<'a, [u16]>, usize> {
+        if self.is_empty() {
+            return Ok(Cow::Borrowed(codes));
+        }
+        let number = |(place, &code)| self.number(code).ok_or(place);
+        codes.iter().enumerate().map(number).collect::<std::result::Result<_, _>>().map(Cow::Owned)
     }
 }
 
@@ -94,17 +91,17 @@ mod tests {
     fn numbers_become_codes_and_codes_numbers() {
         let levels = Levels::new(vec![7, 20, 65_534]).unwrap();
         let codes = [20, 7, BACKGROUND_CODE, 65_534];
-        let mut numbers = levels.numbers(&codes).unwrap();
+        let mut numbers = levels.numbers(&codes).unwrap().into_owned();
         assert_eq!(numbers, [1, 0, BACKGROUND_CODE, 2]);
         levels.to_codes(&mut numbers);
         assert_eq!(numbers, codes);
-        assert!(levels.numbers(&[8]).is_err());
-        assert_eq!([levels.find_other(&codes), levels.find_other(&[7, 8])], [None, Some(1)]);
+        assert_eq!(levels.numbers(&[7, 8, 9]), Err(1));
         let mut beyond = [3, 65_533];
         levels.to_codes(&mut beyond);
         assert_eq!(beyond, [65_534; 2]);
         let mut any = [3, 9];
         Levels::default().to_codes(&mut any);
-        assert_eq!((any, Levels::default().find_other(&any)), ([3, 9], None));
+        assert_eq!(any, [3, 9]);
+        assert_eq!(*Levels::default().numbers(&any).unwrap(), any);
     }
 }

@@ -25,7 +25,7 @@ fn header(bound: u16, shape: Shape) -> PredictiveHeader {
 
 fn encode(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort: Effort) -> EncodedChunk {
     let mut encoder = PredictiveEncoder::new(header, area, Decide::Mse, effort).unwrap();
-    assert!(frames.iter().all(|frame| encoder.push(frame).unwrap().is_none()));
+    assert!(frames.iter().all(|frame| encoder.push(&header.levels.numbers(frame).unwrap()).is_none()));
     encoder.finish().unwrap()
 }
 
@@ -234,8 +234,6 @@ fn few_codes_far_apart_take_fewer_bytes_by_number() {
     let levels = PredictiveHeader { levels: Levels::new(codes.clone()).unwrap(), ..header(0, Shape::None) };
     let by_number = check(&levels, area, &frames, Effort::Normal);
     assert!(2 * by_number.len() < plain.len(), "{} and {} bytes", by_number.len(), plain.len());
-    let mut encoder = PredictiveEncoder::new(&levels, area, Decide::Mse, Effort::Normal).unwrap();
-    assert!(encoder.push(&[2001; 960]).is_err());
 }
 
 #[test]
@@ -246,7 +244,7 @@ fn a_chunk_is_closed_before_its_symbols_take_much_memory() {
     let mut frames = Vec::new();
     for t in 0..40 {
         let picture: Vec<u16> = (0..256).map(|at| noise(at + 1000 * t) as u16).collect();
-        frames.extend(encoder.push(&picture).unwrap().map(|chunk| chunk.frame_count));
+        frames.extend(encoder.push(&picture).map(|chunk| chunk.frame_count));
     }
     frames.extend(encoder.finish().map(|chunk| chunk.frame_count));
     assert!(frames.len() > 1 && frames.iter().sum::<u32>() == 40, "{frames:?}");
