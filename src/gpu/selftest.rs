@@ -11,6 +11,7 @@ pub mod highlights;
 mod nodes;
 pub mod pictures;
 mod plans;
+mod predictive;
 #[cfg(feature = "simplify")]
 mod rooms;
 #[cfg(feature = "epipolar")]

@@ -1,7 +1,7 @@
 //! Random valid streams of every codec, decoded by both decoders in any order of frames.
 //!
 //! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
-//! part of the intermediate form comes from its encoder.
+//! part of the intermediate form, and predictive depth, come from their encoders.
 
 use crate::color::cells::builder::CellBuilder;
 use crate::color::transform::payload::CELLS;
@@ -23,9 +23,11 @@ use crate::error::Result;
 use crate::gpu::decode::UnitFrame;
 use crate::gpu::family::Family;
 use crate::gpu::kernels::{self, Kernel};
+use crate::gpu::prepare::prepared_bytes;
 use crate::gpu::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
 use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
+use crate::gpu::selftest::predictive;
 use crate::gpu::selftest::transform::{any_payload, random_tables};
 use crate::gpu::verify::Verification;
 use crate::gpu::{Gpu, GpuDecoder};
@@ -96,8 +98,11 @@ fn compare(
     if random.one_in(8) {
         // Enough for any of these chunks and its successor, too little for all of them.
         let chunks = decoder.reader().index().chunks.iter();
-        let of = chunks.filter(|chunk| streams.iter().any(|stream| stream.index == chunk.key.stream));
-        on_gpu.limit_resident(of.map(|chunk| chunk.raw_bytes as usize).fold(1 << 15, usize::max))?;
+        let of = chunks.filter_map(|chunk| {
+            let stream = streams.iter().find(|stream| stream.index == chunk.key.stream)?;
+            Some(prepared_bytes(stream, chunk) as usize)
+        });
+        on_gpu.limit_resident(of.fold(1 << 15, usize::max))?;
     }
     if random.one_in(8) {
         on_gpu.limit_work(1000);
@@ -166,11 +171,12 @@ fn depth_header(random: &mut Random) -> Result<CodecHeader> {
         NodeHeader { window, epsilon: 0, keyframe_interval: 64, bound: 100, domain }
     };
     let temporal = random_temporal(random);
-    let coding = match random.below(12) {
+    let coding = match random.below(15) {
         0..4 => DepthCoding::Nodes(nodes(random, temporal.window)),
         4 => DepthCoding::Tree(nodes(random, 1)),
         5 | 6 => DepthCoding::Blocks,
         7 | 8 => DepthCoding::BoxesInBlocks(temporal),
+        9..12 => DepthCoding::Predictive(predictive::random_header(random)?),
         _ => DepthCoding::Boxes(temporal),
     };
     let (range, kind) = (DepthRange::new(0.5, 8.0)?, DepthKind::Distance);
@@ -221,7 +227,7 @@ fn add_stream(
     let (unit_width, unit_height) = (part(width, random), part(height, random));
     let (unit_width, unit_height) = (unit_width.next_multiple_of(grid), unit_height.next_multiple_of(grid));
     // Each frame of some codecs takes bytes.
-    let is_short = Family::of(header).kernel == &kernels::NODES || tables_of(header).is_some();
+    let is_short = Family::of(header).kernel == &kernels::NODES || is_predictive(header) || tables_of(header).is_some();
     let long = random.one_in(20) && !is_short;
     let frame_count = 1 + random.below(if long { 100_000 } else { 40 });
     let entry = StreamEntry {
@@ -277,6 +283,12 @@ fn unit_chunks(
             }
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Boxes(_), .. }) => {
                 records::<u16>(Layout::Values, size, count, random)?
+            }
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(header), .. }) => {
+                // Made by an encoder, frame by frame, which may close the chunk early.
+                let Some(chunk) = predictive::random_chunk(header, size, count.min(8), random)? else { break };
+                count = chunk.frame_count;
+                chunk.payload
             }
             CodecHeader::Depth(_) => records::<u16>(Layout::BlockTiles, size, count, random)?,
             CodecHeader::Material(header) => records::<[u8; 3]>(header.layout(), size, count, random)?,
@@ -353,6 +365,10 @@ fn records<T: BoxTexel>(layout: Layout, size: [u32; 2], count: u32, random: &mut
         }
     }
     table.finish()
+}
+
+fn is_predictive(header: &CodecHeader) -> bool {
+    matches!(header, CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }))
 }
 
 fn tables_of(header: &CodecHeader) -> Option<&Tables> {
