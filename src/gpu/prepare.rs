@@ -116,7 +116,7 @@ pub fn prepare(
             DepthChunk::Nodes(chunk) => of_nodes(&chunk.runtime),
             DepthChunk::Tree(chunk) => of_nodes(&chunk.leaves.runtime),
             DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
-            DepthChunk::Predictive(chunk) => of_predictive(&chunk)?,
+            DepthChunk::Predictive(chunk) => of_predictive(&chunk, MOST_UNPACKED)?,
         },
         CodecHeader::Material(header) => {
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
@@ -201,8 +201,8 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
 }
 
 /// Predictive coding is decoded here, to boxes of the codes that each frame changes: its symbols depend on those before, and a
-/// unit is one substream.
-fn of_predictive(chunk: &PredictiveChunk) -> Result<Prepared> {
+/// unit is one substream. The codes may take `most_bytes`.
+fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
     let (mut codes, mut boxes, mut records, mut pixels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     chunk.for_each_frame(|frame| {
         let (first, mut work) = (boxes.len(), 0);
@@ -213,8 +213,8 @@ fn of_predictive(chunk: &PredictiveChunk) -> Result<Prepared> {
             let rows = frame.picture.chunks(frame.size[0] as usize).skip(y as usize).take(height as usize);
             rows.for_each(|row| codes.extend_from_slice(&row[x as usize..][..width as usize]));
         }
-        if 2 * codes.len() as u64 > MOST_UNPACKED {
-            let most = MOST_UNPACKED >> 20;
+        if 2 * codes.len() as u64 > most_bytes {
+            let most = most_bytes >> 20;
             return Err(Error::unsupported(format!(
                 "codes of a chunk take more than {most} MiB on a device: choose the CPU, or encode with smaller tiles or fewer \
                  frames between keyframes"
@@ -304,7 +304,13 @@ mod tests {
     use crate::color::cells::builder::CellBuilder;
     use crate::depth::block_tiles::Layout;
     use crate::depth::boxes::PixelBox;
+    use crate::depth::mode_decision::Decide;
+    use crate::depth::predictive::encoder::PredictiveEncoder;
+    use crate::depth::predictive::projection::Projection;
+    use crate::depth::predictive::tables::Tables;
+    use crate::depth::predictive::{Levels, PredictiveHeader};
     use crate::depth::record_table::builder::TableBuilder;
+    use crate::effort::Effort;
 
     #[test]
     fn boxes_count_the_words_that_they_touch() {
@@ -338,6 +344,33 @@ mod tests {
             assert_eq!(prepared.timeline.blend(frame), (blend, closed), "frame {frame}");
         }
         assert_eq!(prepared.weights[1], 5);
+    }
+
+    #[test]
+    fn a_predictive_chunk_whose_codes_take_too_much_is_refused() {
+        let header = PredictiveHeader {
+            bound: 0,
+            epsilon: 0,
+            keyframe_interval: 64,
+            projection: Projection::default(),
+            tables: Tables::default(),
+            levels: Levels::default(),
+        };
+        // 1 MiB of codes in each frame, which changes everywhere.
+        let area = UnitArea::whole([1024, 512]);
+        let mut encoder = PredictiveEncoder::new(&header, area, Decide::Size, Effort::Fast).unwrap();
+        for frame in 0..3 {
+            assert!(encoder.push(&vec![1000 * frame; 1024 * 512]).is_none());
+        }
+        let chunk = encoder.finish().unwrap();
+        let chunk = PredictiveChunk::parse(chunk.payload, header, area, 3).unwrap();
+        let prepared = of_predictive(&chunk, 3 << 20).unwrap();
+        assert_eq!(prepared.stream.len(), 3 << 18);
+        let said = of_predictive(&chunk, 2 << 20).unwrap_err().to_string();
+        assert!(
+            said.contains("codes of a chunk take more than 2 MiB on a device: choose the CPU, or encode with"),
+            "{said}"
+        );
     }
 
     #[test]
