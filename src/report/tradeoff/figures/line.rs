@@ -45,10 +45,32 @@ impl Along<'_> {
             let (name, look) = (line.label.to_owned(), Look::of(at));
             Series { name, kind: x.kind, look, marks }
         });
-        let series: Vec<Series> = series.collect();
+        let series = joined(series.collect());
         let has_value = series.iter().flat_map(|series| &series.marks).any(|mark| !mark.y.is_nan());
         has_value.then(|| chart(x, panel.scale, &unit, series))
     }
+}
+
+/// Parts of the largest value that a chart hardly shows.
+const UNSEEN: f64 = 0.004;
+
+/// Series, of which those that would be drawn over an earlier one are joined with it.
+fn joined(all: Vec<Series>) -> Vec<Series> {
+    let values = all.iter().flat_map(|series| &series.marks).map(|mark| mark.y.abs());
+    let near = UNSEEN * values.filter(|y| y.is_finite()).fold(0.0, f64::max);
+    let mut kept: Vec<Series> = Vec::new();
+    for series in all {
+        let covers = |one: &&mut Series| {
+            let mut pairs = one.marks.iter().zip(&series.marks);
+            let is_same = |(a, b): (&Mark, &Mark)| a.x == b.x && (a.y == b.y || (a.y - b.y).abs() <= near);
+            one.marks.len() == series.marks.len() && pairs.all(is_same)
+        };
+        match kept.iter_mut().find(covers) {
+            Some(one) => one.name = format!("{}, {}", one.name, series.name),
+            None => kept.push(series),
+        }
+    }
+    kept
 }
 
 pub fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Figure> {
@@ -69,4 +91,25 @@ pub fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Figure> {
     let measured = along.points.iter().map(|of| of.point);
     let drawing = sheet(&study.title, &subtitle(results, study, &[], measured), rows);
     Some(Figure { name: study.name.clone(), caption, drawing })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::chart::Kind;
+
+    #[test]
+    fn a_series_that_would_hide_another_is_joined_with_it() {
+        let series = |name: &str, ys: &[f64]| {
+            let marks = ys.iter().zip(0u32..).map(|(&y, x)| Mark { x: x.into(), y, spread: None, name: None });
+            Series { name: name.into(), kind: Kind::Line, look: Look::of(0), marks: marks.collect() }
+        };
+        let names = |all: Vec<Series>| joined(all).into_iter().map(|series| series.name).collect::<Vec<_>>();
+        let (one, close) =
+            (series("one", &[823.0, f64::INFINITY, 40.0]), series("close", &[822.0, f64::INFINITY, 41.0]));
+        assert_eq!(names(vec![one.clone(), close]), ["one, close"]);
+        for other in [&[823.0, f64::INFINITY, 60.0][..], &[823.0, f64::INFINITY], &[823.0, 40.0, 40.0]] {
+            assert_eq!(names(vec![one.clone(), series("other", other)]), ["one", "other"]);
+        }
+    }
 }
