@@ -53,10 +53,10 @@ pub fn depth(codec: DepthCodec) -> Footage {
     Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 1.0 + f32::from(code)))
 }
 
-/// The same with 16 distances.
+/// The same with 16 distances, which are not whole.
 pub fn few_depths(codec: DepthCodec) -> Footage {
     let settings = depth(codec).settings.clone();
-    Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 1.0 + f32::from(code % 16)))
+    Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 0.7 + 0.37 * f32::from(code % 16)))
 }
 
 fn write_depths(path: &dyn Fn(u32) -> PathBuf, metres: impl Fn(u16) -> f32) {

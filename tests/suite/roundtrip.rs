@@ -431,19 +431,20 @@ fn of_two_damaged_chunks_the_first_is_named() {
     }
 }
 
-/// Depth of a sensor: few distances, with noise among neighbours.
-fn sensor(folder: &Path, levels: u32) -> Source {
+/// Depth of a sensor: few distances, with noise among neighbours. Some pixels have a value that is no depth.
+fn sensor(folder: &Path, levels: u32, no_depth: f32) -> Source {
     let mut random = Random(5);
     for frame in 0..3 {
         let metres = |x: u32, y: u32| match (x * 5 + y * 3) % 41 {
-            0 => f32::INFINITY,
+            0 => no_depth,
             _ => 0.5 + 0.02 * ((x + y / 2 + random.below(3)) % levels) as f32,
         };
         let plane = Plane::from_fn(80, 60, metres);
         exr::write_depth(&folder.join(format!("z.{frame}.exr")), &plane).unwrap();
     }
     let (spec, layout) = (folder.join("z.%d.exr"), SequenceLayout::default());
-    Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &SourceOptions::default()).unwrap()
+    let options = SourceOptions { invalid_depth: InvalidDepth::Near, ..SourceOptions::default() };
+    Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap()
 }
 
 /// Levels of a stream of predictive depth.
@@ -457,7 +458,7 @@ fn levels_of(bytes: &[u8]) -> usize {
 #[test]
 fn few_distances_become_levels_without_loss() {
     let folder = tempfile::tempdir().unwrap();
-    let source = sensor(folder.path(), 60);
+    let source = sensor(folder.path(), 60, f32::INFINITY);
     let levels = |settings: &EncodeSettings| {
         let bytes = encoded(&source, settings);
         check_depth(&source, &bytes, 0);
@@ -478,4 +479,28 @@ fn few_distances_become_levels_without_loss() {
     let bytes = encoded(&source, &with_bound(546));
     check_depth(&source, &bytes, 546);
     assert_eq!(levels_of(&bytes), 0);
+}
+
+#[test]
+fn invalid_depth_is_coded_exactly_among_levels() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |near_m, bound| {
+        let depth = depth_settings(DepthCodec::Predictive, bound);
+        EncodeSettings { near_m, depth, ..EncodeSettings::default() }
+    };
+    for no_depth in [0.0, f32::NAN, -1.0] {
+        let source = sensor(folder.path(), 60, no_depth);
+        // Becomes near: the nearest level, or one of its own where nothing lies there.
+        for (near_m, count) in [(None, 60), (Some(0.25), 61)] {
+            let bytes = encoded(&source, &with(near_m, 100));
+            check_depth(&source, &bytes, 0);
+            assert_eq!(levels_of(&bytes), count);
+            let decoder = decoder(&bytes);
+            let Picture::Depth(codes) = decoder.face(&decoder.streams()[0]).decode(1).unwrap() else { panic!() };
+            assert_eq!([codes.get(0, 0), codes.get(41, 41)], [0, 0]);
+        }
+        let bytes = encoded(&source, &with(Some(0.25), 1000));
+        check_depth(&source, &bytes, 1000);
+        assert_eq!(levels_of(&bytes), 0);
+    }
 }
