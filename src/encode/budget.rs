@@ -41,11 +41,13 @@ const SEARCH_BYTES: u64 = 220;
 pub(super) struct ScanLimits {
     pub keep_bytes: u64,
     pub frames_at_once: usize,
+    /// Whether the distances that occur are of use.
+    pub finds_levels: bool,
 }
 
 impl Default for ScanLimits {
     fn default() -> Self {
-        ScanLimits { keep_bytes: KEEP_BYTES, frames_at_once: usize::MAX }
+        ScanLimits { keep_bytes: KEEP_BYTES, frames_at_once: usize::MAX, finds_levels: false }
     }
 }
 
@@ -152,7 +154,7 @@ pub(super) fn scan_limits(
     settings: &EncodeSettings,
     groups: &[GroupRef<'_>],
 ) -> Result<ScanLimits> {
-    let mut limits = ScanLimits::default();
+    let mut limits = ScanLimits { finds_levels: settings.finds_levels(), ..ScanLimits::default() };
     for GroupRef { group, .. } in groups {
         let need = GroupNeed::new(source, group, settings);
         let scanning = Need { what: "scanning", fixed: need.keep, each: need.frame, instead: "" };

@@ -37,7 +37,7 @@ pub(super) struct Scan {
     pub extent: Option<DepthExtent>,
     /// Whether there are invalid depths that become near.
     pub has_invalid: bool,
-    /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur.
+    /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur; `None` where the codec has no levels.
     pub distances_m: Option<Vec<f32>>,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn scan_probe(
         reading: Duration,
         kept: Option<((usize, u32), Vec<DepthPlane>)>,
     }
-    let (kept_bytes, distances) = (AtomicU64::new(0), Distances::new());
+    let (kept_bytes, distances) = (AtomicU64::new(0), Distances::new(limits.finds_levels));
     let jobs: Vec<_> =
         groups.iter().flat_map(|&group| group.group.frames.iter().map(move |frame| (group, frame))).collect();
     let frames = try_map_at_once(jobs, limits.frames_at_once, |(GroupRef { at, group }, frame)| {
@@ -163,14 +163,14 @@ pub(super) fn scan_probe(
 
 /// The distances of surfaces that occur, as long as they are few. Threads add to it in any order.
 struct Distances {
-    /// Their bits; `None` where there are more than [`MAX_LEVELS`].
+    /// Their bits; `None` where there are more than [`MAX_LEVELS`], or nobody asks.
     found: Mutex<Option<HashSet<u32>>>,
     surfaces: AtomicU64,
 }
 
 impl Distances {
-    fn new() -> Distances {
-        Distances { found: Mutex::new(Some(HashSet::new())), surfaces: AtomicU64::new(0) }
+    fn new(are_wanted: bool) -> Distances {
+        Distances { found: Mutex::new(are_wanted.then(HashSet::new)), surfaces: AtomicU64::new(0) }
     }
 
     fn add(&self, metres: impl Iterator<Item = f32>) {
@@ -209,6 +209,7 @@ impl Distances {
 mod tests {
     use super::*;
     use crate::dataset::{SequenceLayout, Source, SourceOptions};
+    use crate::encode::DepthCodec;
     use crate::image::{Plane, StreamKind, exr};
     use crate::monitor::Silent;
 
@@ -231,10 +232,61 @@ mod tests {
         }
     }
 
+    fn scan_of(distances: impl IntoIterator<Item = f32>, has_invalid: bool) -> Scan {
+        let distances: Vec<f32> = distances.into_iter().collect();
+        let extent = DepthExtent { near_m: distances[0], far_m: distances[distances.len() - 1] };
+        Scan { extent: Some(extent), has_invalid, distances_m: Some(distances) }
+    }
+
+    #[test]
+    fn invalid_depth_is_a_level_of_its_own_where_nothing_lies_at_near() {
+        let scan = |has_invalid| scan_of([1.0, 2.5, 4.0], has_invalid);
+        let at = |near, scan: Scan| scan.levels(DepthRange::new(near, 4.0).unwrap()).codes().to_vec();
+        assert_eq!(at(1.0, scan(true)), at(1.0, scan(false)));
+        let (without, with) = (at(0.5, scan(false)), at(0.5, scan(true)));
+        assert!(without[0] > 0);
+        assert_eq!(with, [&[0][..], &without].concat());
+    }
+
+    #[test]
+    fn one_level_more_than_the_most_means_none() {
+        let range = DepthRange::new(0.5, 5000.0).unwrap();
+        let distances = (0..MAX_LEVELS).map(|at| 1.0 + at as f32);
+        assert_eq!(scan_of(distances.clone(), false).levels(range).codes().len(), MAX_LEVELS);
+        assert!(scan_of(distances, true).levels(range).is_empty());
+    }
+
+    #[test]
+    fn a_scan_comes_back_from_a_journal_as_it_was() {
+        let distances = [1e-45, 0.1, 1.0 / 3.0, 0.7 + 0.37, 16_777_217.0, f32::MAX];
+        let scan = scan_of(distances, true);
+        let back: Scan = serde_json::from_slice(&serde_json::to_vec(&scan).unwrap()).unwrap();
+        assert_eq!(back, scan);
+    }
+
+    #[test]
+    fn distances_are_looked_for_only_where_levels_are_of_use() {
+        let folder = tempfile::tempdir().unwrap();
+        exr::write_depth(&folder.path().join("z.0.exr"), &Plane::filled(16, 8, 2.0)).unwrap();
+        let spec = folder.path().join("z.%d.exr");
+        let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
+        let source = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
+        let groups = [GroupRef { at: 0, group: &source.groups()[0] }];
+        let found = |codec, epsilon| {
+            let mut settings = EncodeSettings::default();
+            (settings.depth.codec, settings.temporal.epsilon) = (codec, epsilon);
+            let limits = budget::scan_limits(&source, &settings, &groups).unwrap();
+            scan_probe(&source, &groups, limits, &Silent).unwrap().scan.distances_m
+        };
+        assert_eq!(found(DepthCodec::Predictive, 0), Some(vec![2.0]));
+        assert_eq!(found(DepthCodec::Predictive, 1), None);
+        assert_eq!(found(DepthCodec::Quadtree, 0), None);
+    }
+
     #[test]
     fn few_distances_that_recur_are_found_in_any_order() {
         let repeated = |values: u64, times: u64| {
-            let distances = Distances::new();
+            let distances = Distances::new(true);
             for frame in 0..times {
                 distances
                     .add((0..values).map(|at| 1.0 + ((at * 7 + frame) % values) as f32).chain([f32::INFINITY, 0.0]));
@@ -247,7 +299,7 @@ mod tests {
         assert_eq!(repeated(5, 63), None);
         assert_eq!(repeated(4097, 64), None);
         // Few in every frame, many in all.
-        let distances = Distances::new();
+        let distances = Distances::new(true);
         (0..100).for_each(|frame| distances.add((0..10_000).map(|at| (1 + frame * 50 + at % 50) as f32)));
         assert_eq!(distances.few(), None);
     }

@@ -24,7 +24,7 @@ use crate::encode::depth_range::{self, Scan, given_range};
 use crate::encode::order::Order;
 use crate::encode::source::{FrameSource, GroupRef, name_frame};
 use crate::encode::unit::Closed;
-use crate::encode::{DepthCodec, EncodeSettings, budget, configuration};
+use crate::encode::{EncodeSettings, budget, configuration};
 use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
 use crate::image::StreamKind;
@@ -238,12 +238,10 @@ impl Completed {
             if is_used {
                 let limits = budget::scan_limits(source, settings, &groups)?;
                 let scan = depth_range::scan_probe(source, &groups, limits, monitor)?.scan;
-                let changed = match settings.depth.codec {
-                    _ if scan.limits() != before.scan.limits() => Some("the nearest or the farthest surface"),
-                    DepthCodec::Predictive if scan != before.scan => Some("the few distances"),
-                    _ => None,
-                };
-                if let Some(changed) = changed {
+                if scan != before.scan {
+                    let has_other_range = scan.limits() != before.scan.limits();
+                    let changed =
+                        if has_other_range { "the nearest or the farthest surface" } else { "the few distances" };
                     let name = source.probes().get(probe).map_or("", |probe| probe.name.as_str());
                     return Err(configuration::other(&format!(
                         "files have changed since, and with them {changed} of probe {name}"

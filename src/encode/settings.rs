@@ -325,6 +325,11 @@ impl EncodeSettings {
         NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
     }
 
+    /// Whether streams of depth may have levels. With an update threshold they would be of no use: levels are exact.
+    pub(super) fn finds_levels(&self) -> bool {
+        self.depth.codec == DepthCodec::Predictive && self.temporal.epsilon == 0
+    }
+
     /// `shape` is how pixels lie to the viewing axis; `levels` are the codes that occur, where these are few.
     pub(super) fn depth_coding(&self, range: DepthRange, shape: Shape, levels: &Levels) -> Result<DepthCoding> {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
@@ -345,8 +350,8 @@ impl EncodeSettings {
                 let bound = self.depth.error.codes(range);
                 let steps = (u32::from(FAR_CODE) + 1) / (2 * u32::from(bound) + 1);
                 // No more levels than steps of the bound: half the bytes where steps are small, 2% more at worst measured, and exact.
-                let has_levels = !levels.is_empty() && levels.codes().len() as u32 <= steps && epsilon == 0;
-                let (bound, projection, levels) = if has_levels {
+                let is_few = !levels.is_empty() && levels.codes().len() as u32 <= steps;
+                let (bound, projection, levels) = if self.finds_levels() && is_few {
                     (0, Projection::default(), levels.clone())
                 } else {
                     (bound, Projection::new(shape, range), Levels::default())

@@ -147,7 +147,8 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "N", hide = true, conflicts_with = "depth_tile",
         value_parser = clap::value_parser!(u32).range(1..=256))]
     pub tiles: Option<u32>,
-    /// Nearest surface in metres; with --far, images are not searched for levels [default: measured per probe]
+    /// Nearest surface in metres; with --far, images are not read beforehand, and predictive depth has no levels
+    /// [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,
     /// Farthest surface in metres [default: measured per probe]
