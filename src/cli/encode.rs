@@ -137,20 +137,23 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     {
         return refuse(format!("{}: the input manifest would be overwritten", args.output.container.path.display()));
     }
-    let source = args.open(&options)?;
+    let mut source = args.open(&options)?;
     let (asked, there) = (args.frames.frames, source.manifest.as_ref().map(|manifest| manifest.frame_range()));
     if let (Some(asked), Some(there)) = (asked, there)
         && (asked.first < there.first || asked.last > there.last)
     {
         return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
     }
+    encode::keep_few_planar_depths(&mut source, &settings);
     Encode { source: &source, settings: &settings, target: args.target(), global }.run()
 }
 
 /// Runs a command that needs no further checks.
 pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = command.settings()?;
-    Encode { source: &command.open(&options)?, settings: &settings, target: command.target(), global }.run()
+    let mut source = command.open(&options)?;
+    encode::keep_few_planar_depths(&mut source, &settings);
+    Encode { source: &source, settings: &settings, target: command.target(), global }.run()
 }
 
 pub struct Encode<'a> {

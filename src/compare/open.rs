@@ -43,6 +43,9 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     let one = open(paths[first], forms[first], options, &Other { path: other_path, streams: &[] })?;
     let other = open(other_path, forms[1 - first], options, &Other { path: "", streams: &one.streams })?;
     let mut sides = if first == 0 { [one, other] } else { [other, one] };
+    if sides.iter().flat_map(|side| &side.streams).any(|stream| stream.depth_kind == DepthKind::Planar) {
+        sides.iter_mut().for_each(keep_kind_of_views);
+    }
     check_selection(&sides, &options.selection)?;
     let mut selection = options.selection.clone();
     if let Some(sequence) = sides.iter().find(|side| side.form == SideForm::Sequence) {
@@ -53,6 +56,14 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
         select(side, &selection)?;
     }
     Ok(sides)
+}
+
+/// Takes depth of views as files store it.
+fn keep_kind_of_views(side: &mut Side) {
+    if let Content::Files(source) = &mut side.content {
+        source.keep_kind_of_views();
+        side.streams.iter_mut().for_each(|stream| stream.depth_kind = source.depth_stored);
+    }
 }
 
 fn form_of(path: &str) -> Result<Form> {
@@ -161,7 +172,11 @@ fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>
         Form::Panorama => options.source.face_size.or(other.streams.first().map(|stream| stream.size[0])),
         _ => None,
     };
-    let source = Source::open(Path::new(path), &source)?;
+    let mut source = Source::open(Path::new(path), &source)?;
+    // The range of codes is that of what the container held.
+    if coding.is_some() {
+        source.keep_kind_of_views();
+    }
     let form = if coding.is_some() { SideForm::Decoded } else { SideForm::Dataset };
     from_source(path, form, source, &coding.unwrap_or_default())
 }

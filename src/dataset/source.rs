@@ -460,6 +460,18 @@ impl Source {
         })
     }
 
+    /// Whether planar depth of views becomes distance.
+    pub fn converts_views(&self) -> bool {
+        self.projection == Projection::Perspective && self.depth_in_files != self.depth_stored
+    }
+
+    /// Delivers depth of views as it is stored, also where their cameras are known.
+    pub fn keep_kind_of_views(&mut self) {
+        if self.converts_views() {
+            self.depth_stored = self.depth_in_files;
+        }
+    }
+
     /// Depth of a frame as stored, before background, unit and kind are applied: a plane per face of the group. Values may be
     /// anything, also NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {

@@ -7,14 +7,15 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use crate::dataset::{Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::depth::predictive::Levels;
 use crate::depth::predictive::levels::MAX_LEVELS;
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
-use crate::encode::source::{FrameSource, GroupRef};
+use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::error::{Error, Result};
-use crate::image::DepthPlane;
+use crate::image::{DepthPlane, StreamKind};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::convert::DepthExtent;
@@ -87,6 +88,26 @@ pub(super) fn depth_of_probe(
     let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
     let range = found_range(probe, given, &scanned.scan)?;
     Ok(ProbeDepth { range, levels: scanned.scan.levels(range), scanned: Some(scanned) })
+}
+
+/// Delivers planar depth of views as it is, where a sensor gave few depths: distances along their rays would be many, and no
+/// levels. The first frame of each image tells.
+pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
+    if !settings.finds_levels() || !source.converts_views() || !given_range(source, settings).contains(&None) {
+        return;
+    }
+    let groups = selected_groups(source, settings);
+    let mut depths = groups.iter().map(|group| group.group).filter(|group| group.kind == StreamKind::Depth).peekable();
+    let has_few = |group: &SourceGroup| {
+        // What cannot be read is told by the encoder.
+        let planes = source.read_depth_as_stored(group, group.frames.first).unwrap_or_default();
+        let distances = Distances::new(true);
+        distances.add(planes.iter().flat_map(|plane| plane.data().iter().copied()));
+        distances.few().is_some_and(|found| !found.is_empty())
+    };
+    if depths.peek().is_some() && depths.all(has_few) {
+        source.keep_kind_of_views();
+    }
 }
 
 /// The range from what was given, which is at most one of near and far, and what was found.
@@ -208,9 +229,9 @@ impl Distances {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::{SequenceLayout, Source, SourceOptions};
+    use crate::dataset::{SequenceLayout, SourceOptions};
     use crate::encode::DepthCodec;
-    use crate::image::{Plane, StreamKind, exr};
+    use crate::image::{Plane, exr};
     use crate::monitor::Silent;
 
     #[test]

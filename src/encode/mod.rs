@@ -22,6 +22,7 @@ mod source;
 pub mod tile_quality;
 mod unit;
 
+pub use depth_range::keep_few_planar_depths;
 pub use encoder::{Encoder, EncoderStream, ProbePose};
 pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,

@@ -46,6 +46,7 @@ mod resume;
 mod resume_footage;
 mod roundtrip;
 mod samples;
+mod sensor;
 mod seurat;
 mod simplify;
 mod simplify_export;
