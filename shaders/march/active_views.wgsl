@@ -1,5 +1,5 @@
 // Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs.
-// Needs `project`, `inverse_depth_bits` and what all_views.wgsl has.
+// Needs `project`, `inverse_depth_bits`, `taps_around` and what marched_views.wgsl has.
 
 const EMPTY = 0u;
 const OCCUPIED = 1u;
@@ -23,6 +23,19 @@ fn nearest_inverse_depth(at: Projected) -> u32 {
     return inverse_depth_bits(at.face, min(vec2<u32>(max(at.at, vec2(0.0))), last));
 }
 
+// The greatest inverse depth of the texels that decide about a point.
+fn footprint_inverse_depth(at: Projected) -> u32 {
+    if (!is_around) {
+        return nearest_inverse_depth(at);
+    }
+    var taps = taps_around(at.at, at.face);
+    var greatest = 0u;
+    for (var tap = 0u; tap < 4u; tap++) {
+        greatest = max(greatest, inverse_depth_bits(at.face, taps.texels[tap]));
+    }
+    return greatest;
+}
+
 fn occupancy(view: u32, point: vec3<f32>) -> u32 {
     let local = local_of(view, point);
     let squared = dot(local, local);
@@ -36,7 +49,7 @@ fn occupancy(view: u32, point: vec3<f32>) -> u32 {
     if (near) {
         return EMPTY;
     }
-    let surface = nearest_inverse_depth(at);
+    let surface = footprint_inverse_depth(at);
     if (surface == UNKNOWN) {
         return NOT_KNOWN;
     }
@@ -59,5 +72,5 @@ fn is_surface(point: vec3<f32>) -> bool {
         }
         behind |= says == OCCUPIED;
     }
-    return behind;
+    return behind || until_unknown;
 }

@@ -2,6 +2,10 @@
 // and `local_of`.
 
 const DEPTH_EPSILON: f32 = 0.02;
+const HOLE_DIFFERENCE: f32 = 0.1;
+const ANGLE_EPSILON: f32 = 0.0005;
+const DEPTH_CUT: f32 = 0.2;
+const CUT_WEIGHT: f32 = 0.001;
 
 // What views saw. `difference` is meant only where something was found.
 struct Seen {
@@ -9,6 +13,7 @@ struct Seen {
     // As it is coded: codes over 255, or light.
     color: vec3<f32>,
     difference: f32,
+    coverage: f32,
 }
 
 // Four texels around a place, the first two above the others, with their weights.
@@ -41,9 +46,9 @@ fn taps_around(at: vec2<f32>, face: u32) -> Taps {
 
 fn seen_of(sum: Sum) -> Seen {
     if (sum.weight > 0.0) {
-        return Seen(true, sum.color / sum.weight, sum.difference);
+        return Seen(true, sum.color / sum.weight, sum.difference, 1.0);
     }
-    return Seen(false, vec3(0.0), sum.difference);
+    return Seen(false, vec3(0.0), sum.difference, 1.0);
 }
 
 // A sum with the texels of surfaces around a point in a view, by the share of the view.
@@ -74,6 +79,68 @@ fn surface_color(point: vec3<f32>) -> Seen {
         }
     }
     return seen_of(sum);
+}
+
+// The weight of a view for a point that the eye sees, by the angle between their rays and by resolution.
+fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
+    let from_view = point - views[view].from_eye;
+    let from_eye_m = length(point);
+    let from_view_m = length(from_view);
+    let sine = length(cross(point, from_view)) / max(from_eye_m * from_view_m, MIN_POSITIVE);
+    let angle = select(1.0, sine, dot(point, from_view) > 0.0);
+    let blur = max(from_view_m / max(from_eye_m, MIN_POSITIVE) - 1.0, 0.0);
+    return 1.0 / (angle + blur + ANGLE_EPSILON);
+}
+
+fn fit_weight(difference: f32) -> f32 {
+    let weight = 1.0 / (difference + DEPTH_EPSILON);
+    if ((scene.refinements & REFINE_ANGLES) == 0u) {
+        return weight;
+    }
+    return max(weight - 1.0 / (DEPTH_CUT + DEPTH_EPSILON), CUT_WEIGHT * weight);
+}
+
+// The colour and coverage of a surface point that the eye sees.
+fn seen_from_eye(point: vec3<f32>) -> Seen {
+    var sum = EMPTY_SUM;
+    var covered = 0.0;
+    var all = 0.0;
+    for (var number = 0u; number < view_count(); number++) {
+        let view = view_at(number);
+        let at = project(view, local_of(view, point));
+        if (at.face == NO_FACE) {
+            continue;
+        }
+        var of_view = views[view].camera_weight;
+        if ((scene.refinements & REFINE_ANGLES) != 0u) {
+            of_view = angle_weight(view, point);
+        }
+        var taps = taps_around(at.at, at.face);
+        for (var tap = 0u; tap < 4u; tap++) {
+            let surface = inverse_depth_bits(at.face, taps.texels[tap]);
+            if (surface == UNKNOWN) {
+                continue;
+            }
+            let weight = taps.weights[tap] * of_view;
+            if (surface == BACKGROUND) {
+                all += weight;
+                continue;
+            }
+            let nearer = log(bitcast<f32>(surface) / at.inverse_depth);
+            let difference = abs(nearer);
+            all += select(0.0, weight, nearer <= HOLE_DIFFERENCE);
+            covered += select(0.0, weight, difference <= HOLE_DIFFERENCE);
+            let fitting = weight * fit_weight(difference);
+            sum.color += fitting * texel_color(at.face, taps.texels[tap]);
+            sum.weight += fitting;
+            sum.difference = min(sum.difference, difference);
+        }
+    }
+    var seen = seen_of(sum);
+    if (all > 0.0) {
+        seen.coverage = covered / all;
+    }
+    return seen;
 }
 
 fn background_color(direction: vec3<f32>) -> Seen {

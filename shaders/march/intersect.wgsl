@@ -1,20 +1,15 @@
 // Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
 // src/march/intersect.rs. Needs `is_surface`.
 
-// From the step `first` on: nearer points count as empty.
-fn intersect_from(ray: Ray, first: u32) -> Hit {
-    var before_m = select(0.0, distances_m[max(first, 1u) - 1u], first > 0u);
-    for (var at = first; at < scene.distance_count; at++) {
+// The first step at which marching ends, or all of them.
+fn first_step(ray: Ray, first: u32) -> u32 {
+    var at = first;
+    while (at < scene.distance_count) {
         counted[MARCH_STEPS]++;
-        let distance_m = distances_m[at];
-        if (is_surface(point_at(ray, distance_m))) {
-            return Hit(true, refine(ray, before_m, distance_m));
+        if (is_surface(point_at(ray, distances_m[at]))) {
+            break;
         }
-        before_m = distance_m;
+        at++;
     }
-    return Hit(false, 0.0);
-}
-
-fn intersect(ray: Ray) -> Hit {
-    return intersect_from(ray, 0u);
+    return at;
 }

@@ -16,8 +16,8 @@ struct Scene {
     refine: u32,
     // A hit that differs more is disoccluded.
     hole_difference: f32,
-    // 1: disoccluded pixels get the colour of the nearest texels.
-    fill_holes: u32,
+    // What is shown of surfaces that no view saw: HOLES_BLANK, HOLES_NEAREST or HOLES_BEHIND.
+    holes: u32,
     coding: u32,
     // Light of the brightest code.
     gain: f32,
@@ -37,6 +37,13 @@ struct Scene {
     far_m: f32,
     // The middle of the picture, in parts of `right` and `down`: 0 unless its window is off-axis.
     middle: vec2<f32>,
+    // Logarithm of the ratio of adjacent distances.
+    log_step: f32,
+    // The view nearest to the eye.
+    nearest_view: u32,
+    // REFINE_ANGLES, REFINE_EDGES and REFINE_THIN.
+    refinements: u32,
+    spare_word: u32,
     spare: vec2<f32>,
 }
 
@@ -83,6 +90,14 @@ const VIEW_FACE = 6u;
 const CODING_LIGHT = 0u;
 const CODING_SRGB = 1u;
 const CODING_LINEAR = 2u;
+
+const HOLES_BLANK = 0u;
+const HOLES_NEAREST = 1u;
+const HOLES_BEHIND = 2u;
+// Bits.
+const REFINE_ANGLES = 1u;
+const REFINE_EDGES = 2u;
+const REFINE_THIN = 4u;
 
 @group(0) @binding(0) var<storage, read> scene: Scene;
 @group(0) @binding(1) var<storage, read> views: array<View>;

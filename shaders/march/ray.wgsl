@@ -42,6 +42,20 @@ fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
     return FromSurface(distances_m[last.step], last.step + 1u, true, last.before);
 }
 
+// Where a ray meets a surface, from the step `first` on: nearer points count as empty. Needs `first_step`.
+fn intersect_from(ray: Ray, first: u32) -> Hit {
+    return refined(ray, first_step(ray, first));
+}
+
+// The hit in the interval that ends at a step, if it is one.
+fn refined(ray: Ray, step: u32) -> Hit {
+    if (step >= scene.distance_count) {
+        return Hit(false, 0.0);
+    }
+    let before_m = select(0.0, distances_m[max(step, 1u) - 1u], step > 0u);
+    return Hit(true, refine(ray, before_m, distances_m[step]));
+}
+
 // Bisects the interval in which a surface begins; returns its end that is in the surface. Needs `is_surface`.
 fn refine(ray: Ray, from_m: f32, to_m: f32) -> f32 {
     var empty_m = from_m;

@@ -1,7 +1,6 @@
 // Rendering from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
 //
-// An invocation makes a pixel. Counts are summed over a workgroup. Needs `intersect`, `intersect_from`, `surface_color`, `background_color`,
-// `surface_light` and `light_of`.
+// An invocation makes a pixel. Counts are summed over a workgroup. Needs `follow`.
 
 @group(0) @binding(6) var<storage, read_write> pixels: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> counts: array<u32>;
@@ -11,53 +10,10 @@ const TILE = 8u;
 
 var<workgroup> group_counts: array<atomic<u32>, COUNTERS>;
 
-// Result of a primary ray: a colour in linear light, if any, and whether a view saw it.
-struct RayResult {
-    color: vec3<f32>,
-    is_colored: bool,
-    is_seen: bool,
-}
-
-// The hit between the clip planes, where a primary ray first hits a surface at `met`. Mirrors src/march/clip.rs.
-fn visible_hit(ray: Ray, met: Hit) -> Hit {
-    let cosine = dot(ray.direction, scene.forward);
-    var hit = met;
-    if (met.found && met.distance_m * cosine < scene.near_m) {
-        var first = 0u;
-        while (first < scene.distance_count && distances_m[first] * cosine < scene.near_m) {
-            first++;
-        }
-        while (first < scene.distance_count) {
-            counted[MARCH_STEPS]++;
-            if (!is_surface(point_at(ray, distances_m[first]))) {
-                break;
-            }
-            first++;
-        }
-        hit = intersect_from(ray, first);
-    }
-    let depth_m = hit.distance_m * cosine;
-    return Hit(hit.found && depth_m >= scene.near_m && depth_m <= scene.far_m, hit.distance_m);
-}
-
-fn primary_hit(ray: Ray) -> RayResult {
-    let hit = visible_hit(ray, intersect(ray));
-    if (hit.found) {
-        let seen = surface_color(point_at(ray, hit.distance_m));
-        if (seen.found && seen.difference <= scene.hole_difference) {
-            return RayResult(surface_light(ray, hit.distance_m, seen), true, true);
-        }
-        return RayResult(light_of(seen.color), seen.found, false);
-    }
-    counted[BACKGROUND_RAYS]++;
-    let seen = background_color(ray.direction);
-    return RayResult(light_of(seen.color), seen.found, seen.found);
-}
-
 fn render_pixel(x: u32, y: u32) -> vec4<f32> {
     var color = vec3(0.0);
     var colored = 0u;
-    var seen = 0u;
+    var opaque = 0u;
     let samples = scene.samples;
     for (var at = 0u; at < samples * samples; at++) {
         let sample = (vec2(f32(at % samples), f32(at / samples)) + 0.5) / f32(samples);
@@ -65,18 +21,16 @@ fn render_pixel(x: u32, y: u32) -> vec4<f32> {
         let plane = window + scene.middle;
         let direction = normalize(scene.forward + plane.x * scene.right + plane.y * scene.down);
         counted[PRIMARY_RAYS]++;
-        let found = primary_hit(Ray(vec3(0.0), direction));
-        if (found.is_seen) {
-            seen++;
-        } else {
-            counted[HOLE_RAYS]++;
-        }
-        if (found.is_seen || (found.is_colored && scene.fill_holes == 1u)) {
-            color += found.color;
+        is_around = (scene.refinements & REFINE_EDGES) != 0u;
+        let found = follow(Ray(vec3(0.0), direction));
+        counted[HOLE_RAYS] += select(0u, 1u, found.is_hole);
+        if (found.is_colored && (!found.is_hole || scene.holes != HOLES_BLANK)) {
+            color += found.light;
             colored++;
+            opaque += select(0u, 1u, !found.is_hole || scene.holes == HOLES_BEHIND);
         }
     }
-    return vec4(color / f32(max(colored, 1u)), f32(seen) / f32(samples * samples));
+    return vec4(color / f32(max(colored, 1u)), f32(opaque) / f32(samples * samples));
 }
 
 @compute @workgroup_size(TILE, TILE)

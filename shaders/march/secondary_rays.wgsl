@@ -110,7 +110,7 @@ fn front_of(met: Ray, is_glass: bool) -> Front {
 }
 
 // `around` is the environment map of the proxy that the ray leaves, or ALL_VIEWS.
-fn follow(ray: Ray, texel_m: f32, around: u32) -> Found {
+fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
     counted[SECONDARY_RAYS]++;
     var left = Departure(true, Hit(false, 0.0), 0u);
@@ -241,7 +241,7 @@ fn divide(next: Pending) -> vec3<f32> {
         if (part < LEAST_SHARE) {
             continue;
         }
-        let found = follow(ray, front.texel_m, at_point.around);
+        let found = trace(ray, front.texel_m, at_point.around);
         if (found.kind != FOUND_NOTHING) {
             light += take(found, ray.direction, part, next.bounces);
             left -= part;

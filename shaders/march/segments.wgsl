@@ -90,14 +90,15 @@ fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach
     if (is_view && !(all(low >= vec2(0.0)) && all(high < size))) {
         return false;
     }
-    let from_texel = vec2<u32>(clamp(low, vec2(0.0), size - 1.0));
-    let to_texel = vec2<u32>(clamp(high, vec2(0.0), size - 1.0));
+    let reach = select(0.0, 0.5, is_around);
+    let from_texel = vec2<u32>(clamp(low - reach, vec2(0.0), size - 1.0));
+    let to_texel = vec2<u32>(clamp(high + reach, vec2(0.0), size - 1.0));
     let greatest = greatest_between(face, from_texel, to_texel);
     return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
 }
 
-// From the step `first` on: nearer points count as empty. Mirrors src/march/segments.rs.
-fn intersect_from(ray: Ray, first: u32) -> Hit {
+// The first step at which marching ends, or all of them. Mirrors src/march/segments.rs.
+fn first_step(ray: Ray, first: u32) -> u32 {
     let count = scene.distance_count;
     let origin = greatest_coordinate(ray.origin);
     let direction = greatest_coordinate(ray.direction);
@@ -113,8 +114,7 @@ fn intersect_from(ray: Ray, first: u32) -> Hit {
         if (blocked == last) {
             // A segment that ends there is not empty: it is halved.
             if (last == at && is_surface_there) {
-                let before_m = select(0.0, distances_m[max(at, 1u) - 1u], at > 0u);
-                return Hit(true, refine(ray, before_m, distances_m[at]));
+                return at;
             }
             if (last == at) {
                 length = 1u;
@@ -145,7 +145,7 @@ fn intersect_from(ray: Ray, first: u32) -> Hit {
             }
             if (!passed && !sees_past) {
                 blocked = last;
-                is_surface_there = behind;
+                is_surface_there = behind || until_unknown;
             }
             if (!passed && last > at) {
                 length /= 2u;
@@ -158,9 +158,5 @@ fn intersect_from(ray: Ray, first: u32) -> Hit {
             }
         }
     }
-    return Hit(false, 0.0);
-}
-
-fn intersect(ray: Ray) -> Hit {
-    return intersect_from(ray, 0u);
+    return count;
 }

@@ -8,21 +8,23 @@ use crate::error::Result;
 use crate::image::plane::ColorPlane;
 use crate::image::{CodeSteps, Plane, ToneMap};
 
-/// What is shown where no view saw anything.
+/// What is shown of a surface that no view saw.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum HoleFill {
-    /// Nothing: colour 0.
+    /// What views saw behind it: alpha is 1.
     #[default]
-    Blank,
-    /// The colour of what comes nearest. Alpha is 0 all the same.
+    Behind,
+    /// The colour of the texels whose depth is nearest: alpha is 0.
     Nearest,
+    /// Nothing: colour and alpha are 0.
+    Blank,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
     /// Linear light; the mean of those rays of a pixel that have a colour.
     pub color: Plane<[f32; 3]>,
-    /// The part of a pixel's rays that end in something that a view saw: 1, and 0 in holes.
+    /// The part of a pixel's rays that end in something that a view saw, or that [`HoleFill::Behind`] fills: 1, and 0 in holes.
     pub alpha: Plane<f32>,
 }
 
@@ -53,11 +55,11 @@ impl RenderedImage {
         })
     }
 
-    /// Light multiplied by alpha, and alpha. Where holes are filled, light is not multiplied: it would be gone.
+    /// Light multiplied by alpha, and alpha. With [`HoleFill::Nearest`] light is not multiplied: it would be gone.
     pub fn rgba_light(&self, holes: HoleFill) -> Plane<[f16; 4]> {
         Plane::from_fn(self.color.width(), self.color.height(), |x, y| {
             let alpha = self.alpha.get(x, y);
-            let factor = if holes == HoleFill::Blank { alpha } else { 1.0 };
+            let factor = if holes == HoleFill::Nearest { 1.0 } else { alpha };
             let [r, g, b] = self.color.get(x, y).map(|light| finite(light * factor));
             [r, g, b, f16::from_f32(alpha)]
         })

@@ -17,7 +17,7 @@ use crate::march::counters::Counters;
 use crate::march::intersect::intersect;
 use crate::march::ray::{Ray, Steps};
 use crate::march::render::{Rendered, render, render_plainly};
-use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use crate::march::synthetic::{Sight, SyntheticProbe, room};
 use crate::math::random::Random;
 use crate::math::{Camera, Lens};
@@ -195,6 +195,7 @@ impl Setup {
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::Pyramid,
+            refinements: Refinements::NONE,
         }
     }
 

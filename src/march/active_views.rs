@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::march::{Counters, Pyramids, Ray, ViewPyramids};
+use crate::march::{Counters, Pyramids, Ray, Taps, ViewPyramids};
 use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
@@ -27,6 +27,26 @@ pub enum Occupancy {
     Unknown,
 }
 
+/// Texels that decide whether a view sees past a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Footprint {
+    /// The texel that contains the point (algorithm 4).
+    #[default]
+    Texel,
+    /// The four texels around the point: a view sees past it only where it is nearer than all of them.
+    Around,
+}
+
+impl Footprint {
+    /// How far texels of the footprint reach beyond the one that contains a point, in texels.
+    pub(crate) fn reach(self) -> f32 {
+        match self {
+            Footprint::Texel => 0.0,
+            Footprint::Around => 0.5,
+        }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct ActiveView<'a> {
     pub view: &'a View,
@@ -38,6 +58,7 @@ pub struct ActiveView<'a> {
     pub greatest_inverse_depth: f32,
     /// Pyramids above its inverse depths; an empty one proves nothing.
     pub pyramids: Arc<ViewPyramids>,
+    pub footprint: Footprint,
 }
 
 impl<'a> ActiveView<'a> {
@@ -49,6 +70,7 @@ impl<'a> ActiveView<'a> {
             camera_weight: 1.0,
             greatest_inverse_depth: pyramids.greatest(view),
             pyramids,
+            footprint: Footprint::Texel,
         }
     }
 
@@ -64,6 +86,16 @@ impl<'a> ActiveView<'a> {
         face.inverse_depth[row as usize * face.size[0] as usize + column as usize]
     }
 
+    /// The greatest inverse planar depth of the texels of the footprint; [`UNKNOWN`] where one is.
+    fn footprint_inverse_depth(&self, at: &Projected) -> f32 {
+        match (self.footprint, &self.view.faces[at.face]) {
+            (Footprint::Around, Some(face)) => {
+                Taps::around(at.at, face).texels.into_iter().map(|texel| face.inverse_depth[texel]).fold(0.0, f32::max)
+            }
+            _ => self.nearest_inverse_depth(at),
+        }
+    }
+
     /// BetweenViewpointAndGeometry (algorithm 4, line 1).
     pub fn occupancy(&self, point: Vec3) -> Occupancy {
         let local = self.local(point);
@@ -73,7 +105,7 @@ impl<'a> ActiveView<'a> {
             let is_centre = near && local.length_squared() <= f32::MIN_POSITIVE;
             return if is_centre { Occupancy::Empty } else { Occupancy::Unknown };
         };
-        let surface = self.nearest_inverse_depth(&at);
+        let surface = self.footprint_inverse_depth(&at);
         if near || surface < at.inverse_depth {
             Occupancy::Empty
         } else if surface == UNKNOWN {
@@ -118,6 +150,24 @@ impl<'a> ActiveViews<'a> {
             }
         }
         ActiveViews { views, coding: field.coding }
+    }
+
+    /// The same views with other footprints.
+    pub fn with_footprint(&self, footprint: Footprint) -> ActiveViews<'a> {
+        let view = |view: &ActiveView<'a>| ActiveView { footprint, ..view.clone() };
+        ActiveViews { views: self.views.iter().map(view).collect(), coding: self.coding }
+    }
+
+    /// Number of the view nearest to the eye, the first of several.
+    pub fn nearest_number(&self) -> Option<usize> {
+        let of = |at: &usize| self.views[*at].from_eye.length();
+        (0..self.views.len()).min_by(|a, b| of(a).total_cmp(&of(b)))
+    }
+
+    /// The view nearest to the eye alone.
+    pub fn nearest(&self) -> Option<ActiveViews<'a>> {
+        let nearest = self.views[self.nearest_number()?].clone();
+        Some(ActiveViews { views: vec![nearest], coding: self.coding })
     }
 
     /// Whether a point is on or behind a surface: empty in no view, and occupied in at least one.

@@ -1,12 +1,11 @@
 //! Near and far clip planes of a camera.
 //!
-//! Enters: where a ray meets a surface. Leaves: where it meets one between the planes. A surface before the near plane is
-//! cut away: the ray continues at the plane, from the first point that some view sees to be empty. Secondary rays are not
-//! clipped.
+//! Enters: a ray. Leaves: the distances between which its surfaces show. A surface before the near plane is cut away: the ray
+//! continues behind it. Secondary rays are not clipped.
 
 use glam::Vec3;
 
-use crate::march::{ActiveViews, Counters, Ray, RenderSettings, StepsFrom, intersect_from};
+use crate::march::Ray;
 use crate::math::Camera;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,31 +30,10 @@ impl ClipPlanes {
         (self.near_m..=self.far_m).contains(&depth_m)
     }
 
-    /// The distance in metres at which a ray, which first hits at `hit_m`, hits a surface between the planes.
-    pub fn visible_hit(
-        &self,
-        views: &ActiveViews<'_>,
-        ray: &Ray,
-        hit_m: f32,
-        settings: &RenderSettings,
-        counters: &mut Counters,
-    ) -> Option<f32> {
-        let cosine = ray.direction.dot(self.forward);
-        if hit_m * cosine >= self.near_m {
-            return self.contains(hit_m * cosine).then_some(hit_m);
-        }
-        let distances_m = &settings.steps.distances_m;
-        let mut first = distances_m.partition_point(|distance_m| distance_m * cosine < self.near_m);
-        while let Some(&distance_m) = distances_m.get(first) {
-            counters.march_steps += 1;
-            if !views.is_surface(ray.at(distance_m)) {
-                break;
-            }
-            first += 1;
-        }
-        let steps = StepsFrom { steps: &settings.steps, first };
-        let hit_m = intersect_from(settings.acceleration, views, ray, steps, counters)?;
-        self.contains(hit_m * cosine).then_some(hit_m)
+    /// The distances in metres between which a ray's surfaces show, both included.
+    pub fn distances_m(&self, ray: &Ray) -> [f32; 2] {
+        let cosine = ray.direction.dot(self.forward).max(f32::MIN_POSITIVE);
+        [self.near_m / cosine, self.far_m / cosine]
     }
 }
 
@@ -66,9 +44,10 @@ mod tests {
     use super::*;
     use crate::evaluate::rendered_image::HoleFill;
     use crate::image::transfer::ToneMap;
+    use crate::march::active_views::ActiveViews;
     use crate::march::ray::Steps;
     use crate::march::render::{Rendered, render, render_plainly};
-    use crate::march::settings::{Acceleration, SpecularMode};
+    use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
     use crate::march::synthetic::{SyntheticProbe, room};
     use crate::march::tests::field;
     use crate::math::Lens;
@@ -99,6 +78,7 @@ mod tests {
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration,
+            refinements: Refinements::NONE,
         };
         let fast = render(&views, &camera, &settings, &Silent).unwrap();
         let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();

@@ -13,11 +13,20 @@
 
 use glam::Vec3;
 
-use crate::march::{ActiveView, ActiveViews};
+use crate::march::{ActiveView, ActiveViews, Refinements, Taps};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the weight of depth: a difference of two per cent halves the weight.
 pub const DEPTH_EPSILON: f32 = 0.02;
+/// A hit is disoccluded where the logarithms of the distances of all texels differ from its own by more than this, beyond
+/// the uncertainty of the steps.
+pub const HOLE_DIFFERENCE: f32 = 0.1;
+/// ε of the weight of a view by its angle: so many radians halve the weight of a view that looks as the eye does.
+pub const ANGLE_EPSILON: f32 = 0.0005;
+/// Texels whose depth differs by more than this, in the logarithm, have next to no weight with [`angle_weight`].
+pub const DEPTH_CUT: f32 = 0.2;
+/// The part of its weight that such a texel keeps, so that there is a colour where no other is.
+pub const CUT_WEIGHT: f32 = 0.001;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interpolated {
@@ -25,31 +34,9 @@ pub struct Interpolated {
     pub color: Vec3,
     /// The least difference between the logarithms of the distances of the point and of a texel.
     pub difference: f32,
-}
-
-/// Four texels around a point in an image, with the weights of bilinear interpolation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Taps {
-    /// Indices into the image.
-    pub texels: [usize; 4],
-    /// They sum up to 1.
-    pub weights: [f32; 4],
-}
-
-impl Taps {
-    /// The texels around a place, clamped to the image.
-    pub fn around(at: [f32; 2], face: &FaceTexels) -> Taps {
-        let [x, y] = at.map(|at| at - 0.5);
-        let (left, top) = (x.floor(), y.floor());
-        let (across, down) = (x - left, y - top);
-        let clamp = |at: f32, size: u32| at.clamp(0.0, size.saturating_sub(1) as f32) as usize;
-        let columns = [clamp(left, face.size[0]), clamp(left + 1.0, face.size[0])];
-        let rows = [clamp(top, face.size[1]), clamp(top + 1.0, face.size[1])].map(|row| row * face.size[0] as usize);
-        Taps {
-            texels: [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]],
-            weights: [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down],
-        }
-    }
+    /// The part of the texels around the point that have its surface, of those that do not have a nearer one; 1 where all
+    /// have.
+    pub coverage: f32,
 }
 
 /// A texel near a surface point, with its weight in the mean.
@@ -104,7 +91,8 @@ impl Sum {
     }
 
     fn mean(&self) -> Option<Interpolated> {
-        (self.weight > 0.0).then(|| Interpolated { color: self.color / self.weight, difference: self.difference })
+        let color = self.color / self.weight;
+        (self.weight > 0.0).then_some(Interpolated { color, difference: self.difference, coverage: 1.0 })
     }
 }
 
@@ -129,6 +117,56 @@ pub fn surface_color_of(
         }
     }
     sum.mean()
+}
+
+/// The weight of a view for a point that the eye sees: the less, the more its ray to the point differs from the eye's, and the farther
+/// it is from the point (the penalties of unstructured lumigraph rendering: angle and resolution).
+pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
+    let from_view = point - view.from_eye;
+    let (from_eye_m, from_view_m) = (point.length(), from_view.length());
+    let sine = point.cross(from_view).length() / (from_eye_m * from_view_m).max(f32::MIN_POSITIVE);
+    let angle = if point.dot(from_view) > 0.0 { sine } else { 1.0 };
+    let blur = (from_view_m / from_eye_m.max(f32::MIN_POSITIVE) - 1.0).max(0.0);
+    1.0 / (angle + blur + ANGLE_EPSILON)
+}
+
+/// The weight of a texel by its difference in depth, without next to any beyond [`DEPTH_CUT`].
+fn cut_weight(difference: f32) -> f32 {
+    let weight = 1.0 / (difference + DEPTH_EPSILON);
+    (weight - 1.0 / (DEPTH_CUT + DEPTH_EPSILON)).max(CUT_WEIGHT * weight)
+}
+
+/// The colour and coverage of a surface point that the eye sees. None where no view has a surface in its direction.
+pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, refinements: Refinements) -> Option<Interpolated> {
+    let (mut sum, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0);
+    for view in &views.views {
+        let Some((face, at)) = image_of(view, view.local(point)) else { continue };
+        let of_view = if refinements.angles { angle_weight(view, point) } else { view.camera_weight };
+        let taps = Taps::around(at.at, face);
+        for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
+            let inverse_depth = face.inverse_depth[texel];
+            if inverse_depth == UNKNOWN {
+                continue;
+            }
+            let weight = weight * of_view;
+            if inverse_depth == BACKGROUND {
+                all += weight;
+                continue;
+            }
+            let nearer = (inverse_depth / at.inverse_depth).ln();
+            if nearer <= HOLE_DIFFERENCE {
+                all += weight;
+            }
+            let difference = nearer.abs();
+            if difference <= HOLE_DIFFERENCE {
+                covered += weight;
+            }
+            let fit = if refinements.angles { cut_weight(difference) } else { 1.0 / (difference + DEPTH_EPSILON) };
+            sum.add(WeightedTexel { face, texel, weight: weight * fit, difference });
+        }
+    }
+    let coverage = if all > 0.0 { covered / all } else { 1.0 };
+    sum.mean().map(|mean| Interpolated { coverage, ..mean })
 }
 
 /// The colour of the background in a direction of length 1. None where surfaces hide it from all views.

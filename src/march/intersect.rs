@@ -2,7 +2,7 @@
 //!
 //! Enters: active views and a ray. Leaves: the distance at which it first meets a surface, or that it meets none.
 
-use crate::march::{Acceleration, ActiveViews, Counters, Ray, Steps, StepsFrom, segments};
+use crate::march::{Acceleration, ActiveViews, Counters, Occupancy, Ray, Steps, StepsFrom, Until, segments};
 
 /// The distance in metres at which a ray first meets a surface. Both accelerations give the same bits.
 pub fn intersect(
@@ -23,28 +23,29 @@ pub fn intersect_from(
     steps: StepsFrom<'_>,
     counters: &mut Counters,
 ) -> Option<f32> {
-    match how {
-        Acceleration::None => every_point(views, ray, steps, counters),
-        Acceleration::Pyramid => segments::intersect(views, ray, steps, counters),
-    }
+    let step = first_step(how, views, (ray, steps), Until::Surface, counters)?;
+    Some(views.refine(ray, steps.steps.before(step), steps.steps.refine, counters))
 }
 
-fn every_point(
+/// The number of the first step at which marching along a ray ends.
+pub(crate) fn first_step(
+    how: Acceleration,
     views: &ActiveViews<'_>,
-    ray: &Ray,
-    StepsFrom { steps, first }: StepsFrom<'_>,
+    (ray, steps): (&Ray, StepsFrom<'_>),
+    until: Until,
     counters: &mut Counters,
-) -> Option<f32> {
-    let (nearer, distances_m) = steps.distances_m.split_at(first.min(steps.distances_m.len()));
-    let mut before_m = nearer.last().copied().unwrap_or(0.0);
-    for &distance_m in distances_m {
-        counters.march_steps += 1;
-        if views.is_surface(ray.at(distance_m)) {
-            return Some(views.refine(ray, [before_m, distance_m], steps.refine, counters));
-        }
-        before_m = distance_m;
+) -> Option<usize> {
+    if how == Acceleration::Pyramid {
+        return segments::first_step(views, ray, steps, until, counters);
     }
-    None
+    (steps.first..steps.steps.distances_m.len()).find(|&step| {
+        counters.march_steps += 1;
+        let point = ray.at(steps.steps.distances_m[step]);
+        match until {
+            Until::Surface => views.is_surface(point),
+            Until::Unknown => views.views.iter().all(|view| view.occupancy(point) != Occupancy::Empty),
+        }
+    })
 }
 
 #[cfg(test)]
@@ -55,7 +56,7 @@ mod tests {
     use crate::evaluate::rendered_image::HoleFill;
     use crate::image::transfer::ToneMap;
     use crate::march::render::render;
-    use crate::march::settings::{RenderSettings, SpecularMode};
+    use crate::march::settings::{Refinements, RenderSettings, SpecularMode};
     use crate::march::synthetic::{SyntheticProbe, room};
     use crate::march::tests::field;
     use crate::math::{Camera, Lens};
@@ -81,6 +82,7 @@ mod tests {
                 specular: SpecularMode::None,
                 max_bounces: 0,
                 acceleration: Acceleration::Pyramid,
+                refinements: Refinements::NONE,
             };
             let picture = render(&views, &camera, &settings, &Silent).unwrap();
             assert_eq!(picture.counters.hole_rays, 0, "refined {refine} times");

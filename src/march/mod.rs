@@ -6,6 +6,7 @@ pub mod clip;
 pub mod counters;
 pub mod interpolate;
 pub mod intersect;
+pub mod layers;
 pub mod memory;
 mod packet;
 pub mod playback;
@@ -17,21 +18,24 @@ pub mod settings;
 pub mod shading;
 pub mod specular;
 pub mod synthetic;
+pub mod taps;
 #[cfg(test)]
 mod tests;
 
-pub use active_views::{ActiveView, ActiveViews, Occupancy};
+pub use active_views::{ActiveView, ActiveViews, Footprint, Occupancy};
 pub use clip::ClipPlanes;
 pub use counters::Counters;
-pub use interpolate::{DEPTH_EPSILON, Interpolated, background_color, surface_color, surface_color_of};
+pub use interpolate::{
+    DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, background_color, seen_from_eye, surface_color, surface_color_of,
+};
 pub use intersect::intersect_from;
+pub(crate) use layers::{FirstHits, Layer, Primary, PrimaryHit};
 pub use playback::frames::{PictureOptions, Renderer, Stage};
 pub use pyramid::{DepthPyramid, LEAST_M, Level, Pyramids, ViewPyramids};
-pub use ray::{Ray, Steps, StepsFrom};
+pub use ray::{Ray, Steps, StepsFrom, Until};
 pub use render::{Rendered, distances_m};
-pub use settings::{Acceleration, RenderSettings, SpecularMode};
-pub(crate) use shading::PrimaryHit;
-pub use shading::{HOLE_DIFFERENCE, RayResult, background, light_of, surface};
+pub use settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
+pub use shading::{RayResult, background, light_of, surface};
 pub use specular::material::{fresnel, surface_material};
 pub use specular::normal::{Patch, patch};
 pub use specular::proxy::{Proxies, Proxy, proxies_in_sight};
@@ -39,3 +43,4 @@ pub use specular::secondary_rays::MAX_BOUNCES;
 pub use specular::sphere::Sphere;
 pub use specular::sphere_fit::SphereFit;
 pub use specular::texel_points::SpecularImage;
+pub use taps::Taps;

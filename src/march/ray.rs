@@ -41,6 +41,15 @@ pub struct StepsFrom<'s> {
     pub first: usize,
 }
 
+/// What ends marching.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Until {
+    /// A point that no view sees past, and that is behind a surface of one.
+    Surface,
+    /// A point that no view sees past, known or not.
+    Unknown,
+}
+
 impl Steps {
     /// `count` steps (at least 1) between `near_m` and `far_m`, both above 0; where far is not beyond near, near alone.
     pub fn new(count: u32, near_m: f32, far_m: f32, refine: u32) -> Steps {
@@ -61,6 +70,11 @@ impl Steps {
         let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
         let nearer = std::iter::successors(next(&0.0), next).take(MOST_BEFORE_STEPS as usize);
         nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
+    }
+
+    /// The interval in metres that ends at a step.
+    pub(crate) fn before(&self, step: usize) -> [f32; 2] {
+        [step.checked_sub(1).map_or(0.0, |before| self.distances_m[before]), self.distances_m[step]]
     }
 
     /// Logarithm of the ratio of adjacent distances; 0 where there is one distance.

@@ -8,12 +8,11 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::evaluate::{HoleFill, RenderedImage};
 use crate::image::Plane;
-use crate::march::intersect::intersect;
 use crate::march::packet::render::PacketScene;
 use crate::march::specular::secondary_rays::{SecondaryRays, SurfaceHit};
 use crate::march::{
-    ActiveViews, ClipPlanes, Counters, PrimaryHit, Proxies, Ray, RayResult, RenderSettings, SpecularMode, SphereFit,
-    background, proxies_in_sight, surface,
+    ActiveViews, ClipPlanes, Counters, Layer, Primary, PrimaryHit, Proxies, Ray, RenderSettings, SpecularMode,
+    SphereFit, proxies_in_sight,
 };
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -34,10 +33,11 @@ pub fn render(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let scene = PacketScene::new(views, ClipPlanes::of(camera));
+    let primary = Primary::new(views, ClipPlanes::of(camera), settings);
+    let scene = PacketScene::new(&primary);
     let picture = Picture::new(views, camera, settings, monitor)?;
     picture.rows(|directions, counters| {
-        let mut row = scene.row(settings);
+        let mut row = scene.row();
         let hits = directions.chunks(4).flat_map(|four| row.hits(four, counters).into_iter().take(four.len()));
         hits.collect()
     })
@@ -50,16 +50,17 @@ pub fn distances_m(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Plane<f32>> {
-    let scene = PacketScene::new(views, ClipPlanes::of(camera));
     let settings = RenderSettings { samples: 1, specular: SpecularMode::None, ..settings.clone() };
+    let primary = Primary::new(views, ClipPlanes::of(camera), &settings);
+    let scene = PacketScene::new(&primary);
     let picture = Picture::new(views, camera, &settings, monitor)?;
     let [width, height] = settings.size;
     let row = |y: usize| -> Result<Vec<f32>> {
         monitor.check()?;
         let directions: Vec<Vec3> = (0..width as usize).map(|x| picture.direction([x, y])).collect();
-        let (mut row, mut counters) = (scene.row(&settings), Counters::default());
+        let (mut row, mut counters) = (scene.row(), Counters::default());
         let hits = directions.chunks(4).flat_map(|four| row.hits(four, &mut counters).into_iter().take(four.len()));
-        Ok(hits.map(|hit| hit.distance_m.unwrap_or(f32::INFINITY)).collect())
+        Ok(hits.map(|hit| hit.distance_m().unwrap_or(f32::INFINITY)).collect())
     };
     let rows: Vec<Vec<f32>> = (0..height as usize).into_par_iter().map(row).collect::<Result<_>>()?;
     Plane::new(width, height, rows.concat())
@@ -72,33 +73,16 @@ pub fn render_plainly(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let clip = ClipPlanes::of(camera);
+    let primary = Primary::new(views, ClipPlanes::of(camera), settings);
     let picture = Picture::new(views, camera, settings, monitor)?;
     picture.rows(|directions, counters| {
         let rays = directions.iter().map(|&direction| Ray { origin: Vec3::ZERO, direction });
-        rays.map(|ray| primary_hit(views, clip.as_ref(), &ray, settings, counters)).collect()
+        rays.map(|ray| {
+            let hits = primary.first_hits(&ray, counters);
+            primary.follow(&ray, &hits, counters)
+        })
+        .collect()
     })
-}
-
-fn primary_hit(
-    views: &ActiveViews<'_>,
-    clip: Option<&ClipPlanes>,
-    ray: &Ray,
-    settings: &RenderSettings,
-    counters: &mut Counters,
-) -> PrimaryHit {
-    let mut distance_m = intersect(settings.acceleration, views, ray, &settings.steps, counters);
-    if let Some(clip) = clip {
-        distance_m = distance_m.and_then(|hit_m| clip.visible_hit(views, ray, hit_m, settings, counters));
-    }
-    let result = match distance_m {
-        Some(distance_m) => surface(views, ray.at(distance_m), settings.steps.uncertainty()),
-        None => {
-            counters.background_rays += 1;
-            background(views, ray.direction)
-        }
-    };
-    PrimaryHit { distance_m, result }
 }
 
 pub fn has_secondary_rays(views: &ActiveViews<'_>, specular: SpecularMode) -> bool {
@@ -147,11 +131,12 @@ impl<'a> Picture<'a> {
                 let chunk = first..rays_of_row.min(first + RAYS_AT_ONCE);
                 let directions: Vec<Vec3> = chunk.map(|ray| self.direction([ray, y])).collect();
                 for (hit, &direction) in hits(&directions, &mut counters).into_iter().zip(&directions) {
-                    sum.add(shade(&mut secondary, hit, direction, &mut counters), self.settings.holes);
+                    let light = shade(&mut secondary, &hit, direction, &mut counters);
+                    sum.add(light, hit.is_hole, self.settings.holes);
                     if sum.rays as usize == rays_of_pixel
                         && let Some((color, alpha)) = pixels.next()
                     {
-                        counters.hole_rays += u64::from(sum.rays - sum.seen);
+                        counters.hole_rays += u64::from(sum.holes);
                         (*color, *alpha) = std::mem::take(&mut sum).color_and_alpha();
                     }
                 }
@@ -180,20 +165,22 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Adds the light of secondary rays where a primary ray hits a surface that views saw.
+/// The light of a ray, with that of secondary rays where it hits surfaces; none where it ends in nothing.
 fn shade(
     secondary: &mut Option<SecondaryRays<'_>>,
-    PrimaryHit { distance_m, result }: PrimaryHit,
+    hit: &PrimaryHit,
     direction: Vec3,
     counters: &mut Counters,
-) -> RayResult {
-    match (secondary, distance_m, result) {
-        (Some(secondary), Some(distance_m), RayResult::Light(light)) => {
+) -> Option<Vec3> {
+    let mut light_of = |layer: &Layer| match (secondary.as_mut(), layer.distance_m) {
+        (Some(secondary), Some(distance_m)) => {
             let point = Ray { origin: Vec3::ZERO, direction }.at(distance_m);
-            RayResult::Light(secondary.light(&SurfaceHit { point, direction, light }, counters))
+            layer.share * secondary.light(&SurfaceHit { point, direction, light: layer.light }, counters)
         }
-        _ => result,
-    }
+        _ => layer.share * layer.light,
+    };
+    hit.first?;
+    Some(hit.layers().map(&mut light_of).sum())
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -201,28 +188,25 @@ struct PixelSum {
     color: Vec3,
     /// Rays in `color`.
     colored: u32,
-    /// Rays whose end a view saw.
-    seen: u32,
+    /// Rays that count in alpha.
+    opaque: u32,
+    /// Rays that first meet what no view saw, or end in nothing.
+    holes: u32,
     rays: u32,
 }
 
 impl PixelSum {
-    fn add(&mut self, result: RayResult, holes: HoleFill) {
+    fn add(&mut self, light: Option<Vec3>, is_hole: bool, fill: HoleFill) {
         self.rays += 1;
-        let light = match result {
-            RayResult::Light(light) => {
-                self.seen += 1;
-                Some(light)
-            }
-            RayResult::Disoccluded(nearest) => nearest.filter(|_| holes == HoleFill::Nearest),
-        };
-        if let Some(light) = light {
+        self.holes += u32::from(is_hole);
+        if let Some(light) = light.filter(|_| !is_hole || fill != HoleFill::Blank) {
             self.color += light;
             self.colored += 1;
+            self.opaque += u32::from(!is_hole || fill == HoleFill::Behind);
         }
     }
 
     fn color_and_alpha(self) -> ([f32; 3], f32) {
-        ((self.color / self.colored.max(1) as f32).to_array(), self.seen as f32 / self.rays as f32)
+        ((self.color / self.colored.max(1) as f32).to_array(), self.opaque as f32 / self.rays as f32)
     }
 }

@@ -1,7 +1,6 @@
 //! Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4).
 //!
-//! Enters: active views with pyramids, and a ray. Leaves: the distance of [`crate::march::intersect`], bit for bit, after far
-//! fewer tests.
+//! Enters: active views with pyramids, and a ray. Leaves: the step of testing every point, after far fewer tests.
 //!
 //! In a view, the points of a segment whose ends lie in one face project into the rectangle of texels between them, and none
 //! is farther than the farther end. If the nearest surface of the rectangle, by the pyramid, is beyond that, the segment is
@@ -11,7 +10,7 @@
 use glam::Vec3;
 
 use crate::image::Face;
-use crate::march::{ActiveView, ActiveViews, Counters, LEAST_M, Occupancy, Ray, StepsFrom};
+use crate::march::{ActiveView, ActiveViews, Counters, LEAST_M, Occupancy, Ray, StepsFrom, Until};
 
 /// Rounding error of a coordinate in a view's axes, relative to the sum of the greatest coordinates that it is computed from.
 ///
@@ -60,7 +59,8 @@ pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) ->
         if is_view && !(low >= 0.0 && high < size as f32) {
             return false;
         }
-        (from[axis], to[axis]) = ((low as u32).min(size - 1), (high as u32).min(size - 1));
+        let reach = view.footprint.reach();
+        (from[axis], to[axis]) = (((low - reach) as u32).min(size - 1), ((high + reach) as u32).min(size - 1));
     }
     view.pyramids.faces[face].greatest_between(texels, from, to) * farthest_m < SURELY_BELOW_ONE
 }
@@ -137,26 +137,24 @@ impl Walk {
     }
 }
 
-/// The distance in metres at which a ray first meets a surface: that of testing every point.
+/// The number of the first step at which marching ends: that of testing every point.
 ///
 /// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves empty is halved; after an empty
 /// one the next is doubled where aligned. The view of the last proof is tested first.
-pub(crate) fn intersect(
+pub(crate) fn first_step(
     views: &ActiveViews<'_>,
     ray: &Ray,
     StepsFrom { steps, first }: StepsFrom<'_>,
+    until: Until,
     counters: &mut Counters,
-) -> Option<f32> {
+) -> Option<usize> {
     let distances_m = &steps.distances_m[..];
     let (origin, direction) = (ray.origin.abs().max_element(), ray.direction.abs().max_element());
     let (mut walk, mut favourite) = (Walk::new(first, distances_m.len()), 0);
     loop {
         let (from, to) = match walk.next(distances_m.len()) {
             Next::Test(from, to) => (from, to),
-            Next::Hit(at) => {
-                let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
-                return Some(views.refine(ray, [before_m, distances_m[at]], steps.refine, counters));
-            }
+            Next::Hit(at) => return Some(at),
             Next::End => return None,
         };
         counters.march_steps += 1;
@@ -184,7 +182,7 @@ pub(crate) fn intersect(
                 favourite = view;
                 walk.passed();
             }
-            None => walk.failed(to, (!sees_past).then_some(occupied)),
+            None => walk.failed(to, (!sees_past).then_some(occupied || until == Until::Unknown)),
         }
     }
 }

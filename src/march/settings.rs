@@ -24,6 +24,31 @@ pub enum Acceleration {
     Pyramid,
 }
 
+/// Departures from algorithm 4 that make better pictures. Each costs time where a scene calls for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Refinements {
+    /// Views have weights by the angle between their ray to a point and the eye's, and by their distance from the point, in place of
+    /// their distance from the eye.
+    pub angles: bool,
+    /// A surface reaches as far as any of the four texels around a point. Coverage is interpolated between texels, and
+    /// what is behind a surface shows through the rest.
+    pub edges: bool,
+    /// A surface of the nearest view shows by the share of the views that have it, though others see past it.
+    pub thin: bool,
+}
+
+impl Refinements {
+    /// The paper's algorithm.
+    pub const NONE: Refinements = Refinements { angles: false, edges: false, thin: false };
+    pub const ALL: Refinements = Refinements { angles: true, edges: true, thin: true };
+}
+
+impl Default for Refinements {
+    fn default() -> Refinements {
+        Refinements::ALL
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderSettings {
     /// Width and height in pixels.
@@ -36,4 +61,5 @@ pub struct RenderSettings {
     /// Reflections and refractions of a ray at most.
     pub max_bounces: u32,
     pub acceleration: Acceleration,
+    pub refinements: Refinements,
 }

@@ -3,12 +3,8 @@
 use glam::Vec3;
 
 use crate::image::ToneMap;
-use crate::march::{ActiveViews, Interpolated, background_color, surface_color};
+use crate::march::{ActiveViews, HOLE_DIFFERENCE, Interpolated, background_color, surface_color};
 use crate::views::ColorCoding;
-
-/// A hit is disoccluded where the logarithms of the distances of all texels differ from its own by more than this, beyond
-/// the uncertainty of the steps.
-pub const HOLE_DIFFERENCE: f32 = 0.1;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayResult {
@@ -16,14 +12,6 @@ pub enum RayResult {
     Light(Vec3),
     /// No view saw this point; the light of the nearest texels, where there are any.
     Disoccluded(Option<Vec3>),
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PrimaryHit {
-    /// Metres to the surface, if it meets one.
-    pub(crate) distance_m: Option<f32>,
-    /// Without secondary rays.
-    pub(crate) result: RayResult,
 }
 
 impl RayResult {

@@ -12,13 +12,14 @@ use crate::march::active_views::ActiveViews;
 use crate::march::baseline::splat::splat;
 use crate::march::counters::Counters;
 use crate::march::intersect::{intersect, intersect_from};
+use crate::march::layers::{FirstHits, Primary};
 use crate::march::packet::intersect::{Packet, PacketMarch};
 use crate::march::packet::lanes::lanes_of;
 use crate::march::packet::views::PacketViews;
 use crate::march::pyramid::DepthPyramid;
 use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::render::{render, render_plainly};
-use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use crate::march::synthetic::{SyntheticProbe, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
@@ -108,20 +109,38 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
     view
 }
 
-/// Hits, and march and refinement steps, of packets.
-fn of_packets(
-    views: &ActiveViews<'_>,
-    directions: &[Vec3],
-    steps: &Steps,
-    how: Acceleration,
-) -> (Vec<Option<f32>>, Counters) {
-    let flat = PacketViews::new(views);
+/// First hits, and march and refinement steps, of packets.
+fn of_packets(views: &ActiveViews<'_>, directions: &[Vec3], settings: &RenderSettings) -> (Vec<FirstHits>, Counters) {
+    let primary = Primary::new(views, None, settings);
+    let flat = PacketViews::new(&primary.views);
     let (mut march, mut counters, mut hits) = (PacketMarch::new(&flat), Counters::default(), Vec::new());
     for four in directions.chunks(4) {
-        let met = march.intersect(&Packet::new(four), steps, how, &mut counters);
+        let met = march.first_hits(&Packet::new(four), settings, &mut counters);
         hits.extend(lanes_of(0b1111 >> (4 - four.len())).map(|lane| met[lane]));
     }
     (hits, counters)
+}
+
+/// The same ray by ray.
+fn of_rays(views: &ActiveViews<'_>, directions: &[Vec3], settings: &RenderSettings) -> (Vec<FirstHits>, Counters) {
+    let (primary, mut counters) = (Primary::new(views, None, settings), Counters::default());
+    let hits =
+        directions.iter().map(|&direction| primary.first_hits(&Ray { origin: Vec3::ZERO, direction }, &mut counters));
+    let hits = hits.collect();
+    (hits, counters)
+}
+
+fn settings_of(steps: Steps, acceleration: Acceleration, refinements: Refinements) -> RenderSettings {
+    RenderSettings {
+        size: [1; 2],
+        steps,
+        samples: 1,
+        holes: HoleFill::Blank,
+        specular: SpecularMode::None,
+        max_bounces: 0,
+        acceleration,
+        refinements,
+    }
 }
 
 #[test]
@@ -156,19 +175,21 @@ fn hits_are_the_same_bits() {
             (middle + spread * random.vector()).try_normalize().unwrap_or(DVec3::Y).as_vec3()
         };
         let directions: Vec<Vec3> = (0..257).map(direction).collect();
-        let (mut plain, mut fast) = (Counters::default(), Counters::default());
-        let ray = |&direction: &Vec3| Ray { origin: Vec3::ZERO, direction };
-        let hits: Vec<_> =
-            directions.iter().map(|d| intersect(Acceleration::None, &views, &ray(d), &steps, &mut plain)).collect();
-        let bits = |hits: &[Option<f32>]| hits.iter().map(|hit| hit.map(f32::to_bits)).collect::<Vec<_>>();
-        let by_segments: Vec<_> =
-            directions.iter().map(|d| intersect(Acceleration::Pyramid, &views, &ray(d), &steps, &mut fast)).collect();
-        assert_eq!(bits(&by_segments), bits(&hits));
-        for (how, counters) in [(Acceleration::None, plain), (Acceleration::Pyramid, fast)] {
-            let (of_packets, counts) = of_packets(&views, &directions, &steps, how);
-            assert_eq!(bits(&of_packets), bits(&hits), "{how:?}");
-            assert_eq!(counts, counters, "{how:?}");
+        let bits = |hits: &[FirstHits]| {
+            let of = |hits: &FirstHits| [hits.nearest_m, hits.all_m].map(|hit_m| hit_m.map(f32::to_bits));
+            hits.iter().map(of).collect::<Vec<_>>()
+        };
+        let refined = refinements(random.below(8));
+        let [plain, fast] = [Acceleration::None, Acceleration::Pyramid]
+            .map(|how| of_rays(&views, &directions, &settings_of(steps.clone(), how, refined)));
+        assert_eq!(bits(&fast.0), bits(&plain.0));
+        let hits: Vec<Option<f32>> = plain.0.iter().map(|hits| hits.all_m).collect();
+        for (how, expected) in [(Acceleration::None, plain), (Acceleration::Pyramid, fast)] {
+            let (of_packets, counts) = of_packets(&views, &directions, &settings_of(steps.clone(), how, refined));
+            assert_eq!(bits(&of_packets), bits(&expected.0), "{how:?}");
+            assert_eq!(counts, expected.1, "{how:?}");
         }
+        let (mut plain, mut fast) = (Counters::default(), Counters::default());
         // Rays from elsewhere, and from the middle of the steps on.
         for direction in directions.iter().take(16) {
             let ray = Ray { origin: random.vector().as_vec3(), direction: *direction };
@@ -207,10 +228,16 @@ fn segments_save_most_steps() {
     let directions: Vec<Vec3> = (0..4000).map(|_| random.unit().as_vec3()).collect();
     for (count, times) in [(64, 3), (256, 8), (512, 15)] {
         let steps = Steps::new(count, 0.02, views.far_m(), 0);
-        let steps_of = |how| of_packets(&views, &directions, &steps, how).1.march_steps;
+        let steps_of =
+            |how| of_packets(&views, &directions, &settings_of(steps.clone(), how, Refinements::NONE)).1.march_steps;
         let (dense, few) = (steps_of(Acceleration::None), steps_of(Acceleration::Pyramid));
         assert!(few * times <= dense, "{count}: {few} of {dense}");
     }
+}
+
+/// Each combination in turn.
+fn refinements(at: u32) -> Refinements {
+    Refinements { angles: at & 1 == 0, edges: at & 2 == 0, thin: at & 4 == 0 }
 }
 
 #[test]
@@ -229,10 +256,11 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
             size: [21, 14],
             steps: Steps::new(64, 0.01, 20.0, at % 9),
             samples: 1 + at % 3,
-            holes: if at % 2 == 0 { HoleFill::Nearest } else { HoleFill::Blank },
+            holes: [HoleFill::Behind, HoleFill::Nearest, HoleFill::Blank][at as usize % 3],
             specular: SpecularMode::None,
             max_bounces: 4,
             acceleration: if at % 4 == 0 { Acceleration::None } else { Acceleration::Pyramid },
+            refinements: refinements(at),
         };
         let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
         let fast = render(&views, &camera, &settings, &Silent).unwrap();
@@ -275,6 +303,7 @@ fn rows_are_told_and_a_picture_is_given_up_within_one() {
         specular: SpecularMode::None,
         max_bounces: 0,
         acceleration: Acceleration::Pyramid,
+        refinements: Refinements::NONE,
     };
     let counting = |stop_at| Counting { rows: AtomicU64::new(0), asked: AtomicU64::new(0), stop_at };
     let all = counting(u64::MAX);
@@ -341,7 +370,8 @@ fn rounding_is_allowed_for() {
         let mut counters = Counters::default();
         let hit = intersect(Acceleration::None, &views, &ray, &steps, &mut counters);
         assert_eq!(intersect(Acceleration::Pyramid, &views, &ray, &steps, &mut counters), hit);
-        assert_eq!(of_packets(&views, &[ray.direction], &steps, Acceleration::Pyramid).0, [hit]);
+        let settings = settings_of(steps.clone(), Acceleration::Pyramid, Refinements::NONE);
+        assert_eq!(of_packets(&views, &[ray.direction], &settings).0[0].all_m, hit);
         mixed += u32::from(hit.is_some_and(|hit| hit > steps.distances_m[0]));
     }
     assert!(mixed > 40, "{mixed}");

@@ -21,7 +21,7 @@ use lightfold::march::active_views::ActiveViews;
 use lightfold::march::counters::Counters;
 use lightfold::march::ray::Steps;
 use lightfold::march::render::{render, render_plainly};
-use lightfold::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use lightfold::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use lightfold::march::synthetic::{SyntheticProbe, room};
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
@@ -160,6 +160,7 @@ impl Measurement {
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: if self.pyramid { Acceleration::Pyramid } else { Acceleration::None },
+            refinements: Refinements::ALL,
         };
         let mut counters = Counters::default();
         let mut seconds = Vec::new();

@@ -12,7 +12,7 @@ use lightfold::march::counters::Counters;
 use lightfold::march::intersect::intersect;
 use lightfold::march::ray::{Ray, Steps};
 use lightfold::march::render::{Rendered, render, render_plainly};
-use lightfold::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use lightfold::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use lightfold::march::specular::normal::patch;
 use lightfold::march::specular::proxy::Proxies;
 use lightfold::march::specular::sphere_fit::SphereFit;
@@ -98,6 +98,7 @@ fn settings(size: u32, views: &ActiveViews<'_>, specular: SpecularMode) -> Rende
         specular,
         max_bounces: 4,
         acceleration: Acceleration::Pyramid,
+        refinements: Refinements::ALL,
     }
 }
 

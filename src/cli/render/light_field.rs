@@ -22,7 +22,7 @@ use crate::march::memory::{march_bytes, picture_bytes, splat_bytes};
 use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::SelectionSettings;
-use crate::march::settings::SpecularMode;
+use crate::march::settings::{Refinements, SpecularMode};
 use crate::math::Camera;
 use crate::memory::Need;
 use crate::monitor::Monitor;
@@ -106,7 +106,7 @@ impl Subject for LightFieldSubject<'_> {
 
     fn check(&mut self, jobs: &[Job], global: &GlobalArgs) -> Result<()> {
         let march = &self.args.march;
-        if self.method() != Method::March && (march.samples != 1 || march.effects == SpecularMode::Force) {
+        if !self.method().marches() && (march.samples != 1 || march.effects == SpecularMode::Force) {
             let method = word_of(METHODS, &self.method());
             global.note(format_args!("--method {method} ignores --samples and --effects"));
         }
@@ -218,7 +218,7 @@ impl Args {
                 "--method {word} draws simplified scenes (.glb); march, splat and reproject render containers"
             ));
         }
-        if method != Method::March && self.is_on_device() {
+        if !method.marches() && self.is_on_device() {
             return refuse(format!("--method {word} runs on the CPU: leave out --device"));
         }
         Ok(())
@@ -252,6 +252,7 @@ impl Args {
             specular: march.effects,
             max_bounces: march.max_bounces,
             acceleration: march.acceleration,
+            refinements: if march.method == Some(Method::Calf) { Refinements::NONE } else { march.refinements },
         }
     }
 }

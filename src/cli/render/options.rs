@@ -10,19 +10,28 @@ use crate::cli::options::{Choices, one_of, parse_not_negative, parse_number_wher
 use crate::evaluate::rendered_image::HoleFill;
 use crate::march::playback::frames::DecodeScope;
 use crate::march::playback::selection::ViewPriority;
-use crate::march::settings::{Acceleration, SpecularMode};
+use crate::march::settings::{Acceleration, Refinements, SpecularMode};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     March,
+    Calf,
     Splat,
     Reproject,
     Painter,
     ZBuffer,
 }
 
+impl Method {
+    /// Whether rays are marched.
+    pub fn marches(self) -> bool {
+        matches!(self, Method::March | Method::Calf)
+    }
+}
+
 pub const METHODS: &Choices<Method> = &[
     ("march", Method::March, "March rays through all active views"),
+    ("calf", Method::Calf, "The same without --refinements: the algorithm of the CALF paper"),
     ("splat", Method::Splat, "Baseline: each texel as a point of one pixel"),
     (
         "reproject",
@@ -47,6 +56,7 @@ pub const OF_LIGHT_FIELDS: &[&str] = &[
     "effects",
     "max-bounces",
     "holes",
+    "refinements",
     "probe",
     "exclude-probe",
     "views",
@@ -87,8 +97,9 @@ impl clap::Args for Given {
 }
 
 const HOLES: &Choices<HoleFill> = &[
+    ("behind", HoleFill::Behind, "What probes saw behind the surface; alpha is 1"),
+    ("nearest", HoleFill::Nearest, "The texel of the nearest depth; alpha is 0"),
     ("blank", HoleFill::Blank, "Transparent black"),
-    ("nearest", HoleFill::Nearest, "The nearest texel; alpha stays 0"),
 ];
 
 const EFFECTS: &Choices<SpecularMode> = &[
@@ -139,9 +150,13 @@ pub struct MarchArgs {
     /// Most secondary rays in succession
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub max_bounces: u32,
-    /// Fill of holes, which no probe saw; they have alpha 0 and are counted
-    #[arg(long, value_parser = one_of(HOLES), default_value = "blank")]
+    /// Fill of holes: surfaces that no probe saw; they are counted
+    #[arg(long, value_parser = one_of(HOLES), default_value = "behind")]
     pub holes: HoleFill,
+    /// Departures from the CALF paper, joined by +: angles (weights of probes by angle and resolution), edges (coverage between
+    /// texels), thin (surfaces thinner than texels); all or none
+    #[arg(long, value_name = "LIST", value_parser = parse_refinements, default_value = "all")]
+    pub refinements: Refinements,
     /// Rendering method [default: march; of a simplified scene painter]
     #[arg(long, value_parser = one_of(METHODS))]
     pub method: Option<Method>,
@@ -191,6 +206,18 @@ pub struct TruthArgs {
     /// Folder for error maps
     #[arg(long, value_name = "DIR", requires = "reference", conflicts_with_all = ["camera", "eye"])]
     pub error_map: Option<PathBuf>,
+}
+
+fn parse_refinements(text: &str) -> Result<Refinements, String> {
+    if let Some(all) = [("all", Refinements::ALL), ("none", Refinements::NONE)].iter().find(|(name, _)| *name == text) {
+        return Ok(all.1);
+    }
+    text.split('+').try_fold(Refinements::NONE, |sum, name| match name {
+        "angles" => Ok(Refinements { angles: true, ..sum }),
+        "edges" => Ok(Refinements { edges: true, ..sum }),
+        "thin" => Ok(Refinements { thin: true, ..sum }),
+        _ => Err(format!("'{name}': all, none, or angles, edges and thin joined by + were expected")),
+    })
 }
 
 fn parse_metres(text: &str) -> Result<f64, String> {

@@ -54,7 +54,7 @@ impl<'a> QuadSubject<'a> {
                 input.display()
             ));
         }
-        if let Some(method @ (Method::March | Method::Splat | Method::Reproject)) = args.march.method {
+        if let Some(method @ (Method::March | Method::Calf | Method::Splat | Method::Reproject)) = args.march.method {
             let word = word_of(METHODS, &method);
             return refuse(format!(
                 "--method {word} renders containers, and {} is a mesh: painter and z-buffer draw it",

@@ -309,12 +309,13 @@ impl Report<'_> {
         if counters.hole_rays > 0 {
             let percent = 100.0 * counters.hole_rays as f64 / counters.primary_rays.max(1) as f64;
             let filled = match self.args.march.holes {
-                HoleFill::Blank => "",
-                HoleFill::Nearest => ", filled with the nearest texel",
+                HoleFill::Behind => "filled with what is behind",
+                HoleFill::Nearest => "alpha is 0, filled with the nearest texel",
+                HoleFill::Blank => "alpha is 0",
             };
             let far = if self.is_cut_off { " or are clipped by near and far" } else { "" };
             lines.push(format!(
-                "{} of {} rays ({percent:.2}%) hit holes{far}: alpha is 0{filled}",
+                "{} of {} rays ({percent:.2}%) hit holes{far}: {filled}",
                 counters.hole_rays, counters.primary_rays
             ));
         }

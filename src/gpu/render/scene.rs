@@ -6,7 +6,7 @@ use crate::evaluate::HoleFill;
 use crate::gpu::layout::{Face, Scene, View};
 use crate::image::Transfer;
 use crate::march::{
-    Acceleration, ActiveViews, DepthPyramid, HOLE_DIFFERENCE, MAX_BOUNCES, Proxies, Proxy, RenderSettings,
+    Acceleration, ActiveViews, DepthPyramid, HOLE_DIFFERENCE, MAX_BOUNCES, Proxies, Proxy, Refinements, RenderSettings,
 };
 use crate::math::{Camera, Window};
 use crate::views::{ColorCoding, FaceTexels};
@@ -38,6 +38,12 @@ const FACES_OF_VIEW: usize = 8;
 const CODING_LIGHT: u32 = 0;
 const CODING_SRGB: u32 = 1;
 const CODING_LINEAR: u32 = 2;
+const HOLES_BLANK: u32 = 0;
+const HOLES_NEAREST: u32 = 1;
+const HOLES_BEHIND: u32 = 2;
+const REFINE_ANGLES: u32 = 1;
+const REFINE_EDGES: u32 = 2;
+const REFINE_THIN: u32 = 4;
 /// Word of a scene with the first row of a dispatch.
 pub const FIRST_ROW_WORD: usize = offset_of!(Scene, first_row) / 4;
 /// Word of a scene with the number of rows of a dispatch.
@@ -144,6 +150,7 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     let [near_m, far_m] = camera.depth_m().map(|metres| (metres as f32).min(f32::MAX));
     let [width, height] = settings.size;
     let Window { u, v } = camera.window();
+    let Refinements { angles, edges, thin } = settings.refinements;
     Scene {
         forward: forward.as_vec3().to_array(),
         width,
@@ -155,7 +162,11 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
         distance_count: settings.steps.distances_m.len() as u32,
         refine: settings.steps.refine,
         hole_difference: HOLE_DIFFERENCE + settings.steps.uncertainty(),
-        fill_holes: u32::from(settings.holes == HoleFill::Nearest),
+        holes: match settings.holes {
+            HoleFill::Blank => HOLES_BLANK,
+            HoleFill::Nearest => HOLES_NEAREST,
+            HoleFill::Behind => HOLES_BEHIND,
+        },
         coding,
         gain,
         max_bounces: settings.max_bounces.min(MAX_BOUNCES),
@@ -163,6 +174,11 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
         first_segment,
         near_m,
         far_m,
+        log_step: settings.steps.log_step(),
+        nearest_view: views.nearest_number().unwrap_or(0) as u32,
+        refinements: u32::from(angles) * REFINE_ANGLES
+            + u32::from(edges) * REFINE_EDGES
+            + u32::from(thin) * REFINE_THIN,
         middle: [u, v].map(|[low, high]| ((low + high) / (high - low)) as f32),
         ..Scene::default()
     }
@@ -177,7 +193,8 @@ mod tests {
     use super::*;
     use crate::gpu::kernels::{KERNELS, Kernel};
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
-    use crate::march::interpolate::DEPTH_EPSILON;
+    use crate::march::interpolate::{self, DEPTH_EPSILON};
+    use crate::march::layers;
     use crate::march::pyramid;
     use crate::march::ray;
     use crate::march::segments;
@@ -201,6 +218,14 @@ mod tests {
             ("CODING_LIGHT", CODING_LIGHT),
             ("CODING_SRGB", CODING_SRGB),
             ("CODING_LINEAR", CODING_LINEAR),
+            ("HOLES_BLANK", HOLES_BLANK),
+            ("HOLES_NEAREST", HOLES_NEAREST),
+            ("HOLES_BEHIND", HOLES_BEHIND),
+            ("REFINE_ANGLES", REFINE_ANGLES),
+            ("REFINE_EDGES", REFINE_EDGES),
+            ("REFINE_THIN", REFINE_THIN),
+            ("MAX_LAYERS", layers::MAX_LAYERS),
+            ("MAX_EXITS", layers::MAX_EXITS),
             ("BACKGROUND", BACKGROUND.to_bits()),
             ("UNKNOWN", UNKNOWN.to_bits()),
             ("TILE", TILE),
@@ -210,6 +235,11 @@ mod tests {
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
+            ("HOLE_DIFFERENCE", HOLE_DIFFERENCE),
+            ("ANGLE_EPSILON", interpolate::ANGLE_EPSILON),
+            ("DEPTH_CUT", interpolate::DEPTH_CUT),
+            ("CUT_WEIGHT", interpolate::CUT_WEIGHT),
+            ("LEAST_LAYER", layers::LEAST_LAYER),
             ("GROWTH", ray::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
             ("ROUNDING", segments::ROUNDING),

@@ -44,8 +44,9 @@ pub fn reproject(
             RayResult::Light(light) => light.extend(1.0).to_array(),
             RayResult::Disoccluded(nearest) => {
                 counters.hole_rays += 1;
-                let shown = nearest.filter(|_| holes == HoleFill::Nearest);
-                shown.unwrap_or(Vec3::ZERO).extend(0.0).to_array()
+                let shown = nearest.filter(|_| holes != HoleFill::Blank);
+                let is_opaque = shown.is_some() && holes == HoleFill::Behind;
+                shown.unwrap_or(Vec3::ZERO).extend(f32::from(u8::from(is_opaque))).to_array()
             }
         }
     });

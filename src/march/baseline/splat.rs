@@ -58,8 +58,11 @@ pub fn splat(
         background_rays: shown.iter().flatten().filter(|point| point.distance_m.is_infinite()).count() as u64,
         ..Counters::default()
     };
-    let alpha: Vec<f32> = shown.iter().map(|point| f32::from(u8::from(point.is_some()))).collect();
-    if settings.holes == HoleFill::Nearest {
+    let mut alpha: Vec<f32> = shown.iter().map(|point| f32::from(u8::from(point.is_some()))).collect();
+    if settings.holes == HoleFill::Behind && alpha.contains(&1.0) {
+        alpha.fill(1.0);
+    }
+    if settings.holes != HoleFill::Blank {
         fill(&mut shown, settings.size);
     }
     let light = |point: Option<Point>| point.map_or(Vec3::ZERO, |point| light_of(views.coding, point.color));
@@ -136,7 +139,7 @@ mod tests {
     use super::*;
     use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::ray::Steps;
-    use crate::march::settings::{Acceleration, SpecularMode};
+    use crate::march::settings::{Acceleration, Refinements, SpecularMode};
     use crate::math::Lens;
     use crate::monitor::Silent;
     use crate::views::light_field::{ColorCoding, ColorTexels, LightField, View};
@@ -175,6 +178,7 @@ mod tests {
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::None,
+            refinements: Refinements::NONE,
         };
         let rendered = splat(&active, &camera, &settings, &Silent).unwrap();
         let codes = rendered.image.color.data().iter().map(|[light, ..]| (light * 255.0).round() as u8).collect();

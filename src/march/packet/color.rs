@@ -1,12 +1,13 @@
-//! Colours of four points at once: [`crate::march::interpolate::surface_color`] up to rounding of logarithms and of the order
+//! Colours of four points at once: [`crate::march::interpolate::seen_from_eye`] up to rounding of logarithms and of the order
 //! of sums, less than a hundredth of an 8-bit code.
 
 use glam::Vec3;
 
 use crate::image::ToneMap;
+use crate::march::interpolate::{ANGLE_EPSILON, CUT_WEIGHT, DEPTH_CUT};
 use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
 use crate::march::packet::views::{PacketView, PacketViews, Places};
-use crate::march::{DEPTH_EPSILON, Interpolated};
+use crate::march::{DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, Refinements};
 use crate::views::{BACKGROUND, ColorTexels, UNKNOWN};
 
 struct Sums {
@@ -14,29 +15,66 @@ struct Sums {
     color: [Lanes; 3],
     weight: Lanes,
     difference: Lanes,
+    /// Weights of texels that have the surface, and of those that have no nearer one.
+    covered: Lanes,
+    all: Lanes,
+    refinements: Refinements,
 }
 
-/// Colours of surface points in the `asked` lanes. None where no view has a surface in its direction.
-pub(crate) fn surface_colors(
+/// Colours of the surface points in the `asked` lanes. None where no view has a surface in its direction.
+pub(crate) fn seen_from_eye(
     views: &PacketViews<'_>,
     guesses: &mut [usize],
-    asked: u32,
-    points: &Points,
+    (asked, points): (u32, &Points),
+    refinements: Refinements,
 ) -> [Option<Interpolated>; 4] {
-    let mut sums = Sums { color: [Lanes::ZERO; 3], weight: Lanes::ZERO, difference: Lanes::INFINITY };
+    let zero = Lanes::ZERO;
+    let difference = Lanes::INFINITY;
+    let mut sums = Sums { color: [zero; 3], weight: zero, difference, covered: zero, all: zero, refinements };
+    let from_eye_m = length(points);
     for (view, guess) in views.views.iter().zip(guesses) {
         let places = view.places_of(points, guess);
         if asked & places.exist != 0 {
-            add(&mut sums, view, &places, asked & places.exist);
+            let weight = match refinements.angles {
+                true => angle_weight(view, points, from_eye_m),
+                false => Lanes::splat(view.camera_weight),
+            };
+            add(&mut sums, view, &places, (asked & places.exist, weight));
         }
     }
     let unit = if views.are_codes { 255.0 } else { 1.0 };
     let [red, green, blue] = sums.color.map(|color| (color / (unit * sums.weight)).to_array());
+    let coverage = either(sums.all.cmpgt(zero), sums.covered / sums.all, Lanes::ONE).to_array();
     let (weight, difference) = (sums.weight.to_array(), sums.difference.to_array());
     std::array::from_fn(|lane| {
         let color = Vec3::new(red[lane], green[lane], blue[lane]);
-        (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(Interpolated { color, difference: difference[lane] })
+        let seen = Interpolated { color, difference: difference[lane], coverage: coverage[lane] };
+        (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(seen)
     })
+}
+
+fn length(points: &Points) -> Lanes {
+    let square = points.x * points.x + points.y * points.y + points.z * points.z;
+    Lanes::from_array(square.to_array().map(f32::sqrt))
+}
+
+/// [`crate::march::interpolate::angle_weight`].
+#[inline(always)]
+fn angle_weight(view: &PacketView<'_>, points: &Points, from_eye_m: Lanes) -> Lanes {
+    let [x, y, z] = view.from_eye;
+    let from_view = Points { x: points.x - x, y: points.y - y, z: points.z - z };
+    let from_view_m = length(&from_view);
+    let cross = Points {
+        x: points.y * from_view.z - points.z * from_view.y,
+        y: points.z * from_view.x - points.x * from_view.z,
+        z: points.x * from_view.y - points.y * from_view.x,
+    };
+    let dot = points.x * from_view.x + points.y * from_view.y + points.z * from_view.z;
+    let least = Lanes::splat(f32::MIN_POSITIVE);
+    let sine = length(&cross) / (from_eye_m * from_view_m).max(least);
+    let angle = either(dot.cmpgt(Lanes::ZERO), sine, Lanes::ONE);
+    let blur = (from_view_m / from_eye_m.max(least) - 1.0).max(Lanes::ZERO);
+    (angle + blur + ANGLE_EPSILON).recip()
 }
 
 struct Texels {
@@ -45,7 +83,7 @@ struct Texels {
 }
 
 #[inline(always)]
-fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32) {
+fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, (lanes, of_view): (u32, Lanes)) {
     let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2], [Lanes::ZERO; 2]);
     for (axis, ends) in [&mut columns, &mut rows].into_iter().enumerate() {
         let at = places.at[axis] - 0.5;
@@ -57,7 +95,7 @@ fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32) {
     let [across, down] = parts;
     let above = 1.0 - down;
     let bilinear = [(1.0 - across) * above, across * above, (1.0 - across) * down, across * down];
-    let weights = bilinear.map(|weight| weight * view.camera_weight);
+    let weights = bilinear.map(|weight| weight * of_view);
     let at = |tap: usize| [columns[tap % 2], rows[tap / 2]];
     match view.face_of_codes(places) {
         Some((depth, codes)) => {
@@ -77,10 +115,21 @@ impl Sums {
     /// Adds texels; `weight` lacks the factor of depth.
     #[inline(always)]
     fn add(&mut self, weight: Lanes, planar_m: Lanes, texels: Texels) {
-        let is_surface = texels.depth.cmpgt(Lanes::splat(BACKGROUND)) & texels.depth.cmplt(Lanes::splat(UNKNOWN));
+        let is_known = texels.depth.cmplt(Lanes::splat(UNKNOWN));
+        let is_surface = texels.depth.cmpgt(Lanes::splat(BACKGROUND)) & is_known;
         let ratio = either(is_surface, texels.depth * planar_m, Lanes::ONE);
-        let difference = ln(ratio).abs();
-        let weight = either(is_surface, weight / (difference + DEPTH_EPSILON), Lanes::ZERO);
+        let nearer = ln(ratio);
+        let difference = nearer.abs();
+        let tolerance = Lanes::splat(HOLE_DIFFERENCE);
+        let sees = is_known & (!is_surface | nearer.cmple(tolerance));
+        self.all += either(sees, weight, Lanes::ZERO);
+        self.covered += either(is_surface & difference.cmple(tolerance), weight, Lanes::ZERO);
+        let fit = (difference + DEPTH_EPSILON).recip();
+        let fit = match self.refinements.angles {
+            true => (fit - 1.0 / (DEPTH_CUT + DEPTH_EPSILON)).max(CUT_WEIGHT * fit),
+            false => fit,
+        };
+        let weight = either(is_surface, weight * fit, Lanes::ZERO);
         self.weight += weight;
         self.difference = self.difference.min(either(is_surface, difference, Lanes::INFINITY));
         for (sum, color) in self.color.iter_mut().zip(texels.color) {

@@ -1,6 +1,6 @@
 //! Four rays marched side by side.
 //!
-//! Enters: active views and the directions of four rays. Leaves: the hits and counts of [`crate::march::intersect::intersect`],
+//! Enters: active views and the directions of four rays. Leaves: the hits and counts of [`crate::march::layers::Primary::first_hits`],
 //! bit for bit.
 
 use glam::Vec3;
@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of};
 use crate::march::packet::views::PacketViews;
 use crate::march::segments::{Next, Walk};
-use crate::march::{Acceleration, Counters, Steps};
+use crate::march::{Acceleration, Counters, FirstHits, RenderSettings, Steps};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet {
@@ -45,6 +45,15 @@ pub(crate) fn bits_of<T>(lanes: &[Option<T>; 4]) -> u32 {
     lanes.iter().enumerate().fold(0, |bits, (lane, has)| bits | u32::from(has.is_some()) << lane)
 }
 
+/// Views that are marched, and what ends that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Marching {
+    /// All views, until a surface.
+    All,
+    /// One view, until a point that it does not see past.
+    One(usize),
+}
+
 /// Marches packets. Tests first the view that proved the last segment, which changes no result.
 pub(crate) struct PacketMarch<'a> {
     views: &'a PacketViews<'a>,
@@ -67,8 +76,12 @@ impl<'a> PacketMarch<'a> {
         self.order[..=rank].rotate_right(1);
     }
 
-    /// Lanes, of those tested, that are in a surface: [`crate::march::active_views::ActiveViews::is_surface`].
-    fn surfaces(&mut self, tested: u32, points: &Points) -> u32 {
+    /// Lanes, of those tested, whose points end marching: [`crate::march::active_views::ActiveViews::is_surface`] of all views, or that
+    /// one sees past none.
+    fn stops(&mut self, marching: Marching, tested: u32, points: &Points) -> u32 {
+        if let Marching::One(at) = marching {
+            return tested & !self.views.views[at].test(points, &mut self.guesses[at]).empty;
+        }
         let (mut left, mut occupied) = (tested, 0);
         for rank in 0..self.order.len() {
             let at = self.order[rank];
@@ -85,27 +98,61 @@ impl<'a> PacketMarch<'a> {
         left & occupied
     }
 
-    /// Hits in metres.
-    pub(crate) fn intersect(
+    /// [`crate::march::layers::Primary::first_hits`].
+    pub(crate) fn first_hits(
         &mut self,
         packet: &Packet,
-        steps: &Steps,
-        acceleration: Acceleration,
+        settings: &RenderSettings,
         counters: &mut Counters,
-    ) -> [Option<f32>; 4] {
-        let hits = match acceleration {
-            Acceleration::None => self.every_point(packet, &steps.distances_m, counters),
-            Acceleration::Pyramid => self.segments(packet, &steps.distances_m, counters),
-        };
-        self.refine(packet, steps, hits, counters)
+    ) -> [FirstHits; 4] {
+        let steps = &settings.steps;
+        let mut from: [Option<usize>; 4] = std::array::from_fn(|lane| (packet.rays >> lane & 1 != 0).then_some(0));
+        let mut nearest_m = [None; 4];
+        if let Some(nearest) = self.views.nearest.filter(|_| settings.refinements.thin) {
+            from = self.first_steps(packet, settings, (Marching::One(nearest), from), counters);
+            let occupied = self.occupied(nearest, packet, steps, from);
+            let known = std::array::from_fn(|lane| from[lane].filter(|_| occupied >> lane & 1 != 0));
+            nearest_m = self.refine(packet, steps, (Marching::One(nearest), known), counters);
+        }
+        let all = self.first_steps(packet, settings, (Marching::All, from), counters);
+        let all_m = self.refine(packet, steps, (Marching::All, all), counters);
+        std::array::from_fn(|lane| FirstHits { nearest_m: nearest_m[lane], all_m: all_m[lane] })
     }
 
-    /// Numbers of the first steps in a surface.
-    fn every_point(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
-        let (mut hits, mut live) = ([None; 4], packet.rays);
+    /// Lanes whose points at these steps a view knows to be on or behind a surface.
+    fn occupied(&mut self, view: usize, packet: &Packet, steps: &Steps, at: [Option<usize>; 4]) -> u32 {
+        let Some(other) = at.iter().flatten().next().copied() else { return 0 };
+        let points = packet.at(Lanes::from_array(at.map(|at| steps.distances_m[at.unwrap_or(other)])));
+        bits_of(&at) & self.views.views[view].test(&points, &mut self.guesses[view]).occupied
+    }
+
+    /// [`crate::march::intersect::first_step`], of each ray from a step on.
+    fn first_steps(
+        &mut self,
+        packet: &Packet,
+        settings: &RenderSettings,
+        (marching, from): (Marching, [Option<usize>; 4]),
+        counters: &mut Counters,
+    ) -> [Option<usize>; 4] {
+        match settings.acceleration {
+            Acceleration::None => self.every_point(packet, &settings.steps.distances_m, (marching, from), counters),
+            Acceleration::Pyramid => self.segments(packet, &settings.steps.distances_m, (marching, from), counters),
+        }
+    }
+
+    fn every_point(
+        &mut self,
+        packet: &Packet,
+        distances_m: &[f32],
+        (marching, from): (Marching, [Option<usize>; 4]),
+        counters: &mut Counters,
+    ) -> [Option<usize>; 4] {
+        let (mut hits, mut live) = ([None; 4], bits_of(&from));
         for (at, &distance_m) in distances_m.iter().enumerate() {
-            counters.march_steps += u64::from(live.count_ones());
-            let met = self.surfaces(live, &packet.at(Lanes::splat(distance_m)));
+            let begun = lanes_of(live).filter(|&lane| from[lane].is_some_and(|from| from <= at));
+            let begun = begun.fold(0u32, |bits, lane| bits | 1 << lane);
+            counters.march_steps += u64::from(begun.count_ones());
+            let met = if begun == 0 { 0 } else { self.stops(marching, begun, &packet.at(Lanes::splat(distance_m))) };
             lanes_of(met).for_each(|lane| hits[lane] = Some(at));
             live &= !met;
             if live == 0 {
@@ -115,11 +162,19 @@ impl<'a> PacketMarch<'a> {
         hits
     }
 
-    fn segments(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
-        let (mut walks, mut hits) = ([Walk::new(0, distances_m.len()); 4], [None; 4]);
-        let mut live = packet.rays;
-        // Finished lanes keep their places, which are near the others.
-        let (mut from_m, mut to_m, mut last) = ([distances_m.first().copied().unwrap_or(0.0); 4], [0.0; 4], [0; 4]);
+    fn segments(
+        &mut self,
+        packet: &Packet,
+        distances_m: &[f32],
+        (marching, first): (Marching, [Option<usize>; 4]),
+        counters: &mut Counters,
+    ) -> [Option<usize>; 4] {
+        let mut walks = first.map(|first| Walk::new(first.unwrap_or(0), distances_m.len()));
+        let (mut hits, mut live) = ([None; 4], bits_of(&first));
+        // Lanes without a ray, and finished ones, keep places that are near the others.
+        let start = first.iter().flatten().next().copied().unwrap_or(0);
+        let (mut from_m, mut to_m, mut last) = ([distances_m.get(start).copied().unwrap_or(0.0); 4], [0.0; 4], [0; 4]);
+        let ranks = if let Marching::One(_) = marching { 1 } else { self.order.len() };
         loop {
             let mut single = 0;
             for lane in lanes_of(live) {
@@ -141,8 +196,8 @@ impl<'a> PacketMarch<'a> {
             let to_m = Lanes::from_array(to_m);
             let (from, to) = (packet.at(Lanes::from_array(from_m)), packet.at(to_m));
             let (mut left, mut occupied, mut past) = (live, 0, 0);
-            for rank in 0..self.order.len() {
-                let at = self.order[rank];
+            for rank in 0..ranks {
+                let at = if let Marching::One(at) = marching { at } else { self.order[rank] };
                 let (view, guess) = (&self.views.views[at], &mut self.guesses[at]);
                 let occupancies = view.test(&to, guess);
                 occupied |= occupancies.occupied;
@@ -155,14 +210,16 @@ impl<'a> PacketMarch<'a> {
                 }
                 left &= !empty;
                 if left == 0 {
-                    self.proved_last(rank);
+                    if marching == Marching::All {
+                        self.proved_last(rank);
+                    }
                     break;
                 }
             }
+            let ends = |lane: usize| marching != Marching::All || occupied >> lane & 1 != 0;
             for lane in lanes_of(live) {
-                let bit = |bits: u32| bits >> lane & 1 != 0;
-                if bit(left) {
-                    walks[lane].failed(last[lane], (!bit(past)).then_some(bit(occupied)));
+                if left >> lane & 1 != 0 {
+                    walks[lane].failed(last[lane], (past >> lane & 1 == 0).then(|| ends(lane)));
                 } else {
                     walks[lane].passed();
                 }
@@ -174,7 +231,7 @@ impl<'a> PacketMarch<'a> {
         &mut self,
         packet: &Packet,
         steps: &Steps,
-        hits: [Option<usize>; 4],
+        (marching, hits): (Marching, [Option<usize>; 4]),
         counters: &mut Counters,
     ) -> [Option<f32>; 4] {
         let tested = bits_of(&hits);
@@ -182,14 +239,17 @@ impl<'a> PacketMarch<'a> {
         let Some(other) = hits.iter().flatten().next().copied() else { return [None; 4] };
         let (mut empty_m, mut surface_m) = (Lanes::ZERO, Lanes::ZERO);
         for (lane, hit) in hits.iter().enumerate() {
-            let at = hit.unwrap_or(other);
-            surface_m[lane] = steps.distances_m[at];
-            empty_m[lane] = at.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
+            [empty_m[lane], surface_m[lane]] = steps.before(hit.unwrap_or(other));
         }
         for _ in 0..steps.refine {
             let middle_m = 0.5 * (empty_m + surface_m);
             counters.refine_steps += u64::from(tested.count_ones());
-            let met = self.surfaces(tested, &packet.at(middle_m));
+            let met = match marching {
+                Marching::All => self.stops(marching, tested, &packet.at(middle_m)),
+                Marching::One(at) => {
+                    tested & self.views.views[at].test(&packet.at(middle_m), &mut self.guesses[at]).occupied
+                }
+            };
             let met = glam::BVec4A::new(met & 1 != 0, met & 2 != 0, met & 4 != 0, met & 8 != 0);
             surface_m = either(met, middle_m, surface_m);
             empty_m = either(met, empty_m, middle_m);

@@ -2,36 +2,30 @@
 
 use glam::Vec3;
 
-use crate::march::packet::color::{LightCurve, surface_colors};
+use crate::march::packet::color::{LightCurve, seen_from_eye};
 use crate::march::packet::intersect::{Packet, PacketMarch, bits_of};
 use crate::march::packet::lanes::Lanes;
 use crate::march::packet::views::PacketViews;
-use crate::march::{ActiveViews, ClipPlanes, Counters, PrimaryHit, Ray, RayResult, RenderSettings, background};
+use crate::march::{Counters, Primary, PrimaryHit, Ray};
 use crate::views::ColorCoding;
 
 pub(crate) struct PacketScene<'a> {
-    views: &'a ActiveViews<'a>,
+    primary: &'a Primary<'a>,
     flat: PacketViews<'a>,
     curve: Option<LightCurve>,
-    clip: Option<ClipPlanes>,
 }
 
 impl<'a> PacketScene<'a> {
-    pub(crate) fn new(views: &'a ActiveViews<'a>, clip: Option<ClipPlanes>) -> PacketScene<'a> {
-        let curve = match views.coding {
+    pub(crate) fn new(primary: &'a Primary<'a>) -> PacketScene<'a> {
+        let curve = match primary.views.coding {
             ColorCoding::Codes(tone) => Some(LightCurve::new(tone)),
             ColorCoding::Light => None,
         };
-        PacketScene { views, flat: PacketViews::new(views), curve, clip }
+        PacketScene { primary, flat: PacketViews::new(&primary.views), curve }
     }
 
-    pub(crate) fn row(&'a self, settings: &'a RenderSettings) -> PacketRow<'a> {
-        PacketRow {
-            scene: self,
-            settings,
-            uncertainty: settings.steps.uncertainty(),
-            march: PacketMarch::new(&self.flat),
-        }
+    pub(crate) fn row(&'a self) -> PacketRow<'a> {
+        PacketRow { scene: self, march: PacketMarch::new(&self.flat) }
     }
 
     fn light(&self, color: Vec3) -> Vec3 {
@@ -44,45 +38,32 @@ impl<'a> PacketScene<'a> {
 
 pub(crate) struct PacketRow<'a> {
     scene: &'a PacketScene<'a>,
-    settings: &'a RenderSettings,
-    /// [`crate::march::ray::Steps::uncertainty`].
-    uncertainty: f32,
     march: PacketMarch<'a>,
 }
 
 impl PacketRow<'_> {
-    /// Hits of up to four rays from the eye, by their directions of length 1.
+    /// Hits of up to four rays from the eye, by their directions of length 1. Those that show more than one surface are followed one by one.
     pub(crate) fn hits(&mut self, directions: &[Vec3], counters: &mut Counters) -> [PrimaryHit; 4] {
-        let (scene, settings) = (self.scene, self.settings);
+        let primary = self.scene.primary;
         let packet = Packet::new(directions);
-        let mut met = self.march.intersect(&packet, &settings.steps, settings.acceleration, counters);
-        if let Some(clip) = &scene.clip {
-            for (met, &direction) in met.iter_mut().zip(directions) {
-                let ray = Ray { origin: Vec3::ZERO, direction };
-                *met = met.and_then(|met_m| clip.visible_hit(scene.views, &ray, met_m, settings, counters));
-            }
-        }
-        let hits = bits_of(&met);
-        let seen = if hits == 0 {
+        let hits = self.march.first_hits(&packet, primary.settings, counters);
+        let met = hits.map(|hits| hits.all_m);
+        let asked = bits_of(&met);
+        let seen = if asked == 0 {
             [None; 4]
         } else {
             // Rays without a hit take the distance of another.
             let other_m = met.iter().flatten().next().copied().unwrap_or(1.0);
             let points = packet.at(Lanes::from_array(met.map(|distance_m| distance_m.unwrap_or(other_m))));
-            surface_colors(&scene.flat, self.march.guesses(), hits, &points)
+            seen_from_eye(&self.scene.flat, self.march.guesses(), (asked, &points), primary.settings.refinements)
         };
         std::array::from_fn(|lane| {
-            let result = match directions.get(lane) {
-                Some(_) if met[lane].is_some() => {
-                    RayResult::of_surface(seen[lane], self.uncertainty, |color| scene.light(color))
-                }
-                Some(&direction) => {
-                    counters.background_rays += 1;
-                    background(scene.views, direction)
-                }
-                None => RayResult::Disoccluded(None),
-            };
-            PrimaryHit { distance_m: met[lane], result }
+            let Some(&direction) = directions.get(lane) else { return PrimaryHit::default() };
+            let ray = Ray { origin: Vec3::ZERO, direction };
+            match seen[lane].filter(|seen| primary.is_whole(&ray, &hits[lane], seen)) {
+                Some(seen) => PrimaryHit::whole(met[lane], self.scene.light(seen.color)),
+                None => primary.follow(&ray, &hits[lane], counters),
+            }
         })
     }
 }

@@ -7,9 +7,9 @@
 use glam::Vec4;
 
 use crate::image::{Face, TexelMap};
-use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
+use crate::march::packet::lanes::{ALL, Lanes, Points, either, floor, lanes_of, number_of, to_whole};
 use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
-use crate::march::{ActiveView, ActiveViews, LEAST_M, ViewPyramids};
+use crate::march::{ActiveView, ActiveViews, Footprint, LEAST_M, ViewPyramids};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 
 /// Longest side of a guessed image, in texels: places in it are exact to far less than one.
@@ -30,12 +30,13 @@ pub(crate) struct PacketView<'a> {
     whole_faces: Option<Map>,
     /// [`PacketView::near_m`], at least [`LEAST_M`].
     least_guessed_m: Lanes,
-    from_eye: [Lanes; 3],
+    pub(crate) from_eye: [Lanes; 3],
     reach_m: f32,
     near_m: Lanes,
     near_squared: f32,
     greatest_inverse_depth: f32,
     pub(crate) camera_weight: f32,
+    footprint: Footprint,
     is_view: bool,
     /// Whether indices of texels are below 2²³.
     are_small: bool,
@@ -155,6 +156,7 @@ impl<'a> PacketView<'a> {
             near_squared: active.view.near_m * active.view.near_m,
             greatest_inverse_depth: active.greatest_inverse_depth,
             camera_weight: active.camera_weight,
+            footprint: active.footprint,
             are_small,
             is_view,
             pyramids: &active.pyramids,
@@ -231,9 +233,14 @@ impl<'a> PacketView<'a> {
     pub(crate) fn test(&self, points: &Points, guess: &mut usize) -> Occupancies {
         let Some(places) = self.guessed(points, *guess) else { return self.test_anywhere(points, guess) };
         let depth = self.depth[*guess & 7];
-        let at = number_of(places.at, places.size[0]);
-        let texel = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
-        let surface = Lanes::new(texel(0), texel(1), texel(2), texel(3));
+        let surface = match self.footprint {
+            Footprint::Texel => {
+                let at = number_of(places.at, places.size[0]);
+                let texel = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
+                Lanes::new(texel(0), texel(1), texel(2), texel(3))
+            }
+            Footprint::Around => around(&Around::of(&places), |_, texel| depth.get(texel).copied()),
+        };
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask();
         let before = surface.cmplt(places.inverse_depth).bitmask();
         Occupancies { empty: known & before, occupied: known & !before }
@@ -307,6 +314,17 @@ impl<'a> PacketView<'a> {
         [each(|map| map.size), each(|map| map.texels.scale), each(|map| map.texels.centre)]
     }
 
+    /// The greatest inverse depths of the texels of the footprint.
+    #[inline(always)]
+    fn footprint_depth(&self, places: &Places) -> Lanes {
+        match self.footprint {
+            Footprint::Texel => self.nearest(places),
+            Footprint::Around => {
+                around(&Around::of(places), |lane, texel| self.depth[places.face.of(lane)].get(texel).copied())
+            }
+        }
+    }
+
     #[inline(always)]
     fn nearest(&self, places: &Places) -> Lanes {
         let within = |axis: usize| places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0);
@@ -330,7 +348,7 @@ impl<'a> PacketView<'a> {
 
     #[inline(always)]
     fn occupancies(&self, local: &Points, places: &Places) -> Occupancies {
-        let surface = self.nearest(places);
+        let surface = self.footprint_depth(places);
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask() & places.exist;
         let before = surface.cmplt(places.inverse_depth).bitmask();
         // No distance is less than the planar depth.
@@ -407,9 +425,9 @@ impl<'a> PacketView<'a> {
             if self.is_view {
                 may &= low.cmpge(Lanes::ZERO) & high.cmplt(last.size[axis]);
             }
-            let end = last.size[axis] - 1.0;
-            least[axis] = to_whole(low.max(Lanes::ZERO).min(end));
-            most[axis] = to_whole(high.max(Lanes::ZERO).min(end));
+            let (end, reach) = (last.size[axis] - 1.0, self.footprint.reach());
+            least[axis] = to_whole((low - reach).max(Lanes::ZERO).min(end));
+            most[axis] = to_whole((high + reach).max(Lanes::ZERO).min(end));
         }
         let may = may.bitmask() & tested & !proved;
         let farthest_m = farthest_m.to_array();
@@ -427,8 +445,49 @@ impl<'a> PacketView<'a> {
     }
 }
 
+/// The four texels around each place in an image.
+struct Around {
+    /// The first texel, and how far the next column and the next row are from it; 0 beyond the last.
+    first: [u32; 4],
+    across: [u32; 4],
+    down: [u32; 4],
+}
+
+impl Around {
+    #[inline(always)]
+    fn of(places: &Places) -> Around {
+        let (mut first, mut next) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2]);
+        for axis in 0..2 {
+            let (low, end) = (floor(places.at[axis] - 0.5), places.size[axis] - 1.0);
+            first[axis] = low.max(Lanes::ZERO).min(end);
+            next[axis] = (low + 1.0).max(Lanes::ZERO).min(end) - first[axis];
+        }
+        let [column, row] = first.map(to_whole);
+        let (width, [across, down]) = (to_whole(places.size[0]), next.map(to_whole));
+        Around {
+            first: std::array::from_fn(|lane| row[lane].wrapping_mul(width[lane]).wrapping_add(column[lane])),
+            across,
+            down: std::array::from_fn(|lane| down[lane] * width[lane]),
+        }
+    }
+}
+
+/// The greatest inverse depths of the texels around each place, by lane and number of the texel; [`UNKNOWN`] where one is.
+#[inline(always)]
+fn around(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> Lanes {
+    let of = |lane: usize| {
+        let (first, across, down) = (places.first[lane], places.across[lane], places.down[lane]);
+        let texel = |number: u32| texel(lane, number as usize).unwrap_or(UNKNOWN);
+        let above = texel(first).max(texel(first + across));
+        above.max(texel(first + down).max(texel(first + down + across)))
+    };
+    Lanes::new(of(0), of(1), of(2), of(3))
+}
+
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
+    /// Number of the view nearest to the eye, the first of several.
+    pub(crate) nearest: Option<usize>,
     pub(crate) are_codes: bool,
 }
 
@@ -436,6 +495,7 @@ impl<'a> PacketViews<'a> {
     pub(crate) fn new(views: &'a ActiveViews<'a>) -> PacketViews<'a> {
         PacketViews {
             views: views.views.iter().map(PacketView::new).collect(),
+            nearest: views.nearest_number(),
             are_codes: matches!(views.coding, ColorCoding::Codes(_)),
         }
     }

@@ -14,7 +14,9 @@ use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
 use crate::march::playback::trace::{self, FrameTrace};
 use crate::march::render::render;
-use crate::march::{Acceleration, ActiveViews, Counters, Pyramids, RenderSettings, Rendered, SpecularMode, Steps};
+use crate::march::{
+    Acceleration, ActiveViews, Counters, Pyramids, Refinements, RenderSettings, Rendered, SpecularMode, Steps,
+};
 use crate::math::Camera;
 use crate::memory::Budget;
 use crate::monitor::Monitor;
@@ -59,6 +61,7 @@ pub struct PictureOptions {
     /// Most bounces of a ray.
     pub max_bounces: u32,
     pub acceleration: Acceleration,
+    pub refinements: Refinements,
 }
 
 impl Default for PictureOptions {
@@ -70,10 +73,11 @@ impl Default for PictureOptions {
             near_m: None,
             far_m: None,
             samples: 1,
-            holes: HoleFill::Blank,
+            holes: HoleFill::default(),
             specular: SpecularMode::Auto,
             max_bounces: 4,
             acceleration: Acceleration::Pyramid,
+            refinements: Refinements::default(),
         }
     }
 }
@@ -90,6 +94,7 @@ impl PictureOptions {
             specular: self.specular,
             max_bounces: self.max_bounces,
             acceleration: self.acceleration,
+            refinements: self.refinements,
         }
     }
 }

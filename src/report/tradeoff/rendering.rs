@@ -33,7 +33,9 @@ const fn knob(name: &'static str, label: &'static str, default: &'static str, us
 }
 
 const KNOBS: &[Knob] = &[
-    knob("method", "method", "march", &["march", "splat", "reproject"]),
+    knob("method", "method", "march", &["march", "calf", "splat", "reproject"]),
+    knob("refinements", "refinements", "all", &["all", "none", "angles", "edges", "thin", "angles+edges"]),
+    knob("holes", "fill of holes", "behind", &["behind", "nearest", "blank"]),
     knob("views", "active views", "all", &["1", "2", "4", "8"]),
     knob("steps", "steps", "1024", &["64", "128", "256", "512", "1024", "2048"]),
     knob("refine", "halvings of the last step", "8", &["0", "2", "4", "8", "12"]),

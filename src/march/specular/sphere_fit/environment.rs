@@ -14,13 +14,12 @@ use rayon::prelude::*;
 use super::plane_extrapolation::{Edge, Plane, nearest_inverse, planes};
 use crate::error::Result;
 use crate::image::{Face, TexelMap};
-use crate::march::interpolate::Taps;
 use crate::march::intersect::intersect;
 use crate::march::specular::proxy::NEAR_SURFACE;
 use crate::march::specular::solid::{Exit, refract};
 use crate::march::{
     Acceleration, ActiveView, ActiveViews, Counters, HOLE_DIFFERENCE, Ray, SpecularImage, Sphere, Steps, StepsFrom,
-    ViewPyramids, background_color, fresnel, intersect_from, patch, surface_color,
+    Taps, ViewPyramids, background_color, fresnel, intersect_from, patch, surface_color,
 };
 use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};

@@ -1,0 +1,155 @@
+// What a primary ray shows: surfaces, one behind the other, each with its share, and the background. Mirrors src/march/layers.rs. Needs
+// `first_step`, `refined`, `seen_from_eye`, `background_color`, `surface_light` and `light_of`.
+
+const LEAST_LAYER: f32 = 1.0 / 64.0;
+const MAX_LAYERS = 8u;
+const MAX_EXITS = 64u;
+
+// Light of a ray, if any, and whether it first meets a surface that no view saw or ends in nothing.
+struct RayLight {
+    light: vec3<f32>,
+    is_colored: bool,
+    is_hole: bool,
+}
+
+// A ray on its way.
+struct Rest {
+    light: vec3<f32>,
+    left: f32,
+    layers: u32,
+    // Nearer surfaces do not show.
+    least_m: f32,
+}
+
+struct FirstHits {
+    nearest: Hit,
+    all: Hit,
+}
+
+fn first_hits(ray: Ray) -> FirstHits {
+    var hits = FirstHits(Hit(false, 0.0), Hit(false, 0.0));
+    var first = 0u;
+    if ((scene.refinements & REFINE_THIN) != 0u && scene.view_count > 0u) {
+        alone = scene.nearest_view;
+        until_unknown = true;
+        first = first_step(ray, 0u);
+        until_unknown = false;
+        if (first < scene.distance_count && is_surface(point_at(ray, distances_m[first]))) {
+            hits.nearest = refined(ray, first);
+        }
+        alone = ALL_VIEWS;
+    }
+    hits.all = intersect_from(ray, first);
+    return hits;
+}
+
+// Shows a surface by its coverage.
+fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
+    var coverage = 1.0;
+    if ((scene.refinements & REFINE_EDGES) != 0u) {
+        coverage = seen.coverage;
+    }
+    if (coverage < LEAST_LAYER) {
+        return before;
+    }
+    var left = before.left * (1.0 - coverage);
+    if (before.layers + 1u == MAX_LAYERS || coverage > 1.0 - LEAST_LAYER || left < LEAST_LAYER) {
+        left = 0.0;
+    }
+    is_around = false;
+    let light = surface_light(ray, distance_m, seen);
+    is_around = (scene.refinements & REFINE_EDGES) != 0u;
+    let share = before.left - left;
+    return Rest(before.light + share * light, left, before.layers + 1u, distance_m * exp(HOLE_DIFFERENCE));
+}
+
+// What is left of a ray ends in nothing known.
+fn end_in_hole(rest: Rest, unseen: Seen) -> RayLight {
+    if (rest.layers == 0u) {
+        return RayLight(light_of(unseen.color), unseen.found, true);
+    }
+    return RayLight(rest.light / (1.0 - rest.left), true, false);
+}
+
+fn follow(ray: Ray) -> RayLight {
+    let hits = first_hits(ray);
+    let cosine = max(dot(ray.direction, scene.forward), MIN_POSITIVE);
+    let near_m = scene.near_m / cosine;
+    var rest = Rest(vec3(0.0), 1.0, 0u, near_m);
+    var unseen = Seen(false, vec3(0.0), 0.0, 1.0);
+    var is_hole = false;
+    let thin_m = hits.nearest.distance_m;
+    if (hits.nearest.found && thin_m >= near_m && thin_m * cosine <= scene.far_m
+        && (!hits.all.found || thin_m < hits.all.distance_m * exp(-HOLE_DIFFERENCE))) {
+        let seen = seen_from_eye(point_at(ray, thin_m));
+        if (seen.found && seen.difference <= scene.hole_difference) {
+            rest = show(rest, ray, thin_m, seen);
+        }
+    }
+    var hit = hits.all;
+    for (var exits = 0u; exits < MAX_EXITS; exits++) {
+        if (!hit.found || hit.distance_m * cosine > scene.far_m || rest.left == 0.0) {
+            break;
+        }
+        var at_m = hit.distance_m;
+        var within = scene.hole_difference;
+        var is_inside = false;
+        // The first step behind the hit.
+        var next = 0u;
+        var above = scene.distance_count;
+        while (next < above) {
+            let half = (next + above) / 2u;
+            if (distances_m[half] <= at_m) {
+                next = half + 1u;
+            } else {
+                above = half;
+            }
+        }
+        loop {
+            if (at_m >= rest.least_m) {
+                let seen = seen_from_eye(point_at(ray, at_m));
+                if (seen.found && seen.difference <= within) {
+                    rest = show(rest, ray, at_m, seen);
+                } else {
+                    if (seen.found) {
+                        unseen = seen;
+                    }
+                    if (rest.layers == 0u && !is_inside) {
+                        is_hole = true;
+                        if (scene.holes != HOLES_BEHIND) {
+                            return end_in_hole(rest, unseen);
+                        }
+                    }
+                }
+                if (rest.left == 0.0) {
+                    return RayLight(rest.light, true, is_hole);
+                }
+            }
+            within = HOLE_DIFFERENCE + scene.log_step;
+            is_inside = true;
+            if (next >= scene.distance_count || distances_m[min(next, scene.distance_count - 1u)] * cosine > scene.far_m) {
+                hit.found = false;
+                break;
+            }
+            counted[MARCH_STEPS]++;
+            at_m = distances_m[next];
+            if (!is_surface(point_at(ray, at_m))) {
+                hit = intersect_from(ray, next);
+                break;
+            }
+            next++;
+        }
+    }
+    if (rest.left == 0.0) {
+        return RayLight(rest.light, true, is_hole);
+    }
+    if (rest.layers == 0u) {
+        counted[BACKGROUND_RAYS]++;
+    }
+    let seen = background_color(ray.direction);
+    if (seen.found) {
+        return RayLight(rest.light + rest.left * light_of(seen.color), true, is_hole);
+    }
+    let ended = end_in_hole(rest, unseen);
+    return RayLight(ended.light, ended.is_colored, ended.is_hole || is_hole);
+}

@@ -1,0 +1,242 @@
+//! What a primary ray shows: surfaces, one behind the other, each with its share, and the background.
+//!
+//! Enters: active views, a ray, where it first meets surfaces. Leaves: layers, whose shares sum up to 1.
+//!
+//! Algorithm 4 of CALF ends a ray where it first meets a surface, and takes what no view saw there for a hole. [`Refinements`] go further:
+//!
+//! - Around an edge some texels have the surface, others what is behind. Coverage is interpolated between them, as colour is, and the ray
+//!   goes on with the rest of its share. So edges are as soft as texels are, and what is thinner than a texel does not vanish.
+//! - Others miss a thin surface that the nearest view saw, between two of their texels, and seem to see past it. It has coverage, too,
+//!   by the weights of the views that have it. So a picture becomes what a probe recorded as the eye comes to it.
+//! - A surface that no view saw hides nothing that is known: with [`HoleFill::Behind`] the ray goes on to what views saw behind it.
+
+use glam::Vec3;
+
+use crate::evaluate::HoleFill;
+use crate::march::intersect::first_step;
+use crate::march::{
+    ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, Ray, RayResult, RenderSettings,
+    StepsFrom, Until, background, intersect_from, light_of, seen_from_eye,
+};
+
+/// Shares below are not shown, and a rest below is not followed.
+pub const LEAST_LAYER: f32 = 1.0 / 64.0;
+/// Layers of a ray at most; the last one has all that is left.
+pub const MAX_LAYERS: u32 = 8;
+/// Times at most that a ray comes out of a surface and marches on.
+pub const MAX_EXITS: u32 = 64;
+/// Surfaces nearer to each other than this, in the logarithm of their distance, are one.
+const SAME_SURFACE: f32 = HOLE_DIFFERENCE;
+
+/// A part of what a ray shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Layer {
+    /// Metres to the surface; none of background.
+    pub(crate) distance_m: Option<f32>,
+    /// Linear light, without secondary rays.
+    pub(crate) light: Vec3,
+    pub(crate) share: f32,
+}
+
+/// Where a ray first meets surfaces, in metres.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct FirstHits {
+    /// That of the nearest view; only with [`Refinements::thin`](crate::march::Refinements).
+    pub(crate) nearest_m: Option<f32>,
+    /// That of all views.
+    pub(crate) all_m: Option<f32>,
+}
+
+impl FirstHits {
+    /// The surface of the nearest view, if it lies before that of all.
+    pub(crate) fn thin_m(&self) -> Option<f32> {
+        self.nearest_m.filter(|&nearest_m| self.all_m.is_none_or(|all_m| nearest_m < all_m * (-SAME_SURFACE).exp()))
+    }
+}
+
+/// All that a primary ray shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct PrimaryHit {
+    /// The first layer.
+    pub(crate) first: Option<Layer>,
+    /// Those behind it.
+    pub(crate) behind: Vec<Layer>,
+    /// Whether it first meets a surface that no view saw, or ends in nothing.
+    pub(crate) is_hole: bool,
+}
+
+impl PrimaryHit {
+    /// A hit of all of a ray.
+    pub(crate) fn whole(distance_m: Option<f32>, light: Vec3) -> PrimaryHit {
+        PrimaryHit { first: Some(Layer { distance_m, light, share: 1.0 }), ..PrimaryHit::default() }
+    }
+
+    /// Metres to the layer of the greatest share; none of background.
+    pub(crate) fn distance_m(&self) -> Option<f32> {
+        self.layers().max_by(|a, b| a.share.total_cmp(&b.share)).and_then(|layer| layer.distance_m)
+    }
+
+    pub(crate) fn layers(&self) -> impl Iterator<Item = &Layer> {
+        self.first.iter().chain(&self.behind)
+    }
+
+    fn push(&mut self, layer: Layer) {
+        match self.first {
+            None => self.first = Some(layer),
+            Some(_) => self.behind.push(layer),
+        }
+    }
+}
+
+/// Primary rays of a picture.
+pub(crate) struct Primary<'a> {
+    /// All active views, with the footprint of primary rays.
+    pub(crate) views: ActiveViews<'a>,
+    /// The nearest of them alone; only with [`Refinements::thin`](crate::march::Refinements).
+    pub(crate) nearest: Option<ActiveViews<'a>>,
+    clip: Option<ClipPlanes>,
+    pub(crate) settings: &'a RenderSettings,
+}
+
+/// A ray on its way.
+struct Rest {
+    /// What is not shown yet.
+    left: f32,
+    /// Nearer surfaces do not show.
+    least_m: f32,
+    /// Light of the last texels that did not fit.
+    unseen: Option<Vec3>,
+}
+
+impl<'a> Primary<'a> {
+    pub(crate) fn new(views: &ActiveViews<'a>, clip: Option<ClipPlanes>, settings: &'a RenderSettings) -> Primary<'a> {
+        let footprint = if settings.refinements.edges { Footprint::Around } else { Footprint::Texel };
+        let views = views.with_footprint(footprint);
+        let nearest = if settings.refinements.thin { views.nearest() } else { None };
+        Primary { views, nearest, clip, settings }
+    }
+
+    /// Where a ray first meets surfaces, in the plainest form.
+    pub(crate) fn first_hits(&self, ray: &Ray, counters: &mut Counters) -> FirstHits {
+        let (how, steps) = (self.settings.acceleration, &self.settings.steps);
+        let (mut first, mut nearest_m) = (0, None);
+        if let Some(nearest) = &self.nearest {
+            let from = StepsFrom { steps, first };
+            // Before this step the nearest view sees past all points.
+            let Some(step) = first_step(how, nearest, (ray, from), Until::Unknown, counters) else {
+                return FirstHits::default();
+            };
+            first = step;
+            if nearest.is_surface(ray.at(steps.distances_m[step])) {
+                nearest_m = Some(nearest.refine(ray, steps.before(step), steps.refine, counters));
+            }
+        }
+        FirstHits { nearest_m, all_m: intersect_from(how, &self.views, ray, StepsFrom { steps, first }, counters) }
+    }
+
+    /// Whether a surface shows all of a ray and is shown for certain, so that [`Primary::follow`] would end there.
+    pub(crate) fn is_whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> bool {
+        const ROUNDING: f32 = 1e-5;
+        let is_covered = !self.settings.refinements.edges || seen.coverage > 1.0 - LEAST_LAYER + ROUNDING;
+        let is_shown = |hit_m: f32| match self.clip {
+            Some(clip) => {
+                let [near_m, far_m] = clip.distances_m(ray);
+                (near_m..=far_m).contains(&hit_m)
+            }
+            None => true,
+        };
+        is_covered
+            && seen.difference < HOLE_DIFFERENCE + self.settings.steps.uncertainty() - ROUNDING
+            && hits.thin_m().is_none()
+            && hits.all_m.is_some_and(is_shown)
+    }
+
+    /// All that a ray shows.
+    pub(crate) fn follow(&self, ray: &Ray, hits: &FirstHits, counters: &mut Counters) -> PrimaryHit {
+        let mut shown = PrimaryHit::default();
+        let [near_m, far_m] = self.clip.map_or([0.0, f32::INFINITY], |clip| clip.distances_m(ray));
+        let mut rest = Rest { left: 1.0, least_m: near_m, unseen: None };
+        let steps = &self.settings.steps;
+        let tolerance = HOLE_DIFFERENCE + steps.uncertainty();
+        if let Some(thin_m) = hits.thin_m().filter(|thin_m| (near_m..=far_m).contains(thin_m))
+            && let Some(seen) = self.seen(ray, thin_m).filter(|seen| seen.difference <= tolerance)
+        {
+            self.show(&mut shown, &mut rest, thin_m, &seen);
+        }
+        let mut hit_m = hits.all_m;
+        for _ in 0..MAX_EXITS {
+            let Some(mut at_m) = hit_m.filter(|&hit_m| hit_m <= far_m && rest.left > 0.0) else { break };
+            let (mut within, mut is_inside) = (tolerance, false);
+            loop {
+                if at_m >= rest.least_m {
+                    match self.seen(ray, at_m) {
+                        Some(seen) if seen.difference <= within => self.show(&mut shown, &mut rest, at_m, &seen),
+                        seen => {
+                            rest.unseen = seen.map(|seen| light_of(self.views.coding, seen.color)).or(rest.unseen);
+                            if shown.first.is_none() && !is_inside {
+                                shown.is_hole = true;
+                                if self.settings.holes != HoleFill::Behind {
+                                    return self.end_in_hole(shown, &rest);
+                                }
+                            }
+                        }
+                    }
+                    if rest.left == 0.0 {
+                        return shown;
+                    }
+                }
+                // Points inside are steps, between which nothing is refined.
+                (within, is_inside) = (HOLE_DIFFERENCE + steps.log_step(), true);
+                let next = steps.distances_m.partition_point(|&distance_m| distance_m <= at_m);
+                let Some(&next_m) = steps.distances_m.get(next).filter(|&&next_m| next_m <= far_m) else {
+                    hit_m = None;
+                    break;
+                };
+                counters.march_steps += 1;
+                if !self.views.is_surface(ray.at(next_m)) {
+                    let from = StepsFrom { steps, first: next };
+                    hit_m = intersect_from(self.settings.acceleration, &self.views, ray, from, counters);
+                    break;
+                }
+                at_m = next_m;
+            }
+        }
+        counters.background_rays += u64::from(shown.first.is_none());
+        if let RayResult::Light(light) = background(&self.views, ray.direction) {
+            shown.push(Layer { distance_m: None, light, share: rest.left });
+            return shown;
+        }
+        self.end_in_hole(shown, &rest)
+    }
+
+    fn seen(&self, ray: &Ray, distance_m: f32) -> Option<Interpolated> {
+        seen_from_eye(&self.views, ray.at(distance_m), self.settings.refinements)
+    }
+
+    /// Shows a surface by its coverage.
+    fn show(&self, shown: &mut PrimaryHit, rest: &mut Rest, distance_m: f32, seen: &Interpolated) {
+        let coverage = if self.settings.refinements.edges { seen.coverage } else { 1.0 };
+        if coverage < LEAST_LAYER {
+            return;
+        }
+        let is_last = shown.layers().count() + 1 == MAX_LAYERS as usize;
+        let left = if is_last || coverage > 1.0 - LEAST_LAYER { 0.0 } else { rest.left * (1.0 - coverage) };
+        let left = if left < LEAST_LAYER { 0.0 } else { left };
+        let light = light_of(self.views.coding, seen.color);
+        shown.push(Layer { distance_m: Some(distance_m), light, share: rest.left - left });
+        rest.left = left;
+        rest.least_m = distance_m * SAME_SURFACE.exp();
+    }
+
+    /// What is left of a ray ends in nothing known: layers before it have all, or the texels that fit best.
+    fn end_in_hole(&self, mut shown: PrimaryHit, rest: &Rest) -> PrimaryHit {
+        if shown.first.is_none() {
+            shown.is_hole = true;
+            shown.first = rest.unseen.map(|light| Layer { distance_m: None, light, share: 1.0 });
+            return shown;
+        }
+        let whole = (1.0 - rest.left).recip();
+        shown.first.iter_mut().chain(&mut shown.behind).for_each(|layer| layer.share *= whole);
+        shown
+    }
+}
