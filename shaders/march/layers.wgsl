@@ -94,6 +94,8 @@ fn follow(ray: Ray) -> RayLight {
         var at_m = hit.distance_m;
         var within = scene.hole_difference;
         var is_inside = false;
+        // A surface before the near plane is cut away, and what is inside it.
+        let is_cut = at_m < near_m;
         // The first step behind the hit.
         var next = 0u;
         var above = scene.distance_count;
@@ -106,7 +108,7 @@ fn follow(ray: Ray) -> RayLight {
             }
         }
         loop {
-            if (at_m >= rest.least_m) {
+            if (at_m >= rest.least_m && !is_cut) {
                 let seen = seen_from_eye(point_at(ray, at_m));
                 if (seen.found && seen.difference <= within) {
                     rest = show(rest, ray, at_m, seen);

@@ -166,9 +166,11 @@ impl<'a> Primary<'a> {
         let mut hit_m = hits.all_m;
         for _ in 0..MAX_EXITS {
             let Some(mut at_m) = hit_m.filter(|&hit_m| hit_m <= far_m && rest.left > 0.0) else { break };
+            // A surface before the near plane is cut away, and what is inside it.
+            let is_cut = at_m < near_m;
             let (mut within, mut is_inside) = (tolerance, false);
             loop {
-                if at_m >= rest.least_m {
+                if at_m >= rest.least_m && !is_cut {
                     match self.seen(ray, at_m) {
                         Some(seen) if seen.difference <= within => self.show(&mut shown, &mut rest, at_m, &seen),
                         seen => {
