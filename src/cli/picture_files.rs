@@ -120,7 +120,10 @@ impl PictureFiles {
     pub fn write(&self, (word, number): (&str, u32), picture: &RenderedImage, coding: PictureCoding) -> Result<u64> {
         self.write_by(word, number, |path| match self.format {
             FileFormat::Png => png::write_rgba8(path, &picture.rgba_codes(coding.tone)),
-            FileFormat::Exr => exr::write_rgba(path, &picture.rgba_light(coding.holes)),
+            FileFormat::Exr => {
+                let aovs = picture.aovs.iter().map(|aov| (aov.channel, &aov.plane));
+                exr::write_rgba_and(path, &picture.rgba_light(coding.holes), aovs)
+            }
         })
     }
 

@@ -91,5 +91,5 @@ fn repeat_nearest(color: &mut [[f16; 3]], coverage: &mut [Coverage]) {
 pub fn picture(view: &InterpolatedView) -> Result<RenderedImage> {
     let alpha = view.coverage.map(|coverage| f32::from(u8::from(*coverage == Coverage::Covered)));
     let color: Plane<[f32; 3]> = view.color.map(|light| light.map(f16::to_f32));
-    Ok(RenderedImage { color, alpha })
+    Ok(RenderedImage::new(color, alpha))
 }

@@ -26,19 +26,33 @@ pub struct RenderedImage {
     pub color: Plane<[f32; 3]>,
     /// The part of a pixel's rays that end in something that a view saw, or that [`HoleFill::Behind`] fills: 1, and 0 in holes.
     pub alpha: Plane<f32>,
+    /// Planes that are stored beside these, of the same size.
+    pub aovs: Vec<Aov>,
+}
+
+/// An arbitrary output variable: a plane that a picture file has beside its colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Aov {
+    /// Name of its channel.
+    pub channel: &'static str,
+    pub plane: Plane<f32>,
 }
 
 impl RenderedImage {
+    pub fn new(color: Plane<[f32; 3]>, alpha: Plane<f32>) -> RenderedImage {
+        RenderedImage { color, alpha, aovs: Vec::new() }
+    }
+
     /// A picture without holes.
     pub fn opaque(color: &ColorPlane) -> RenderedImage {
         let alpha = Plane::filled(color.width(), color.height(), 1.0);
-        RenderedImage { color: color.map(|light| light.map(f16::to_f32)), alpha }
+        RenderedImage::new(color.map(|light| light.map(f16::to_f32)), alpha)
     }
 
     /// An image of these pixels, row by row: linear light, then alpha.
     pub fn of_pixels([width, height]: [u32; 2], pixels: impl Iterator<Item = [f32; 4]>) -> Result<RenderedImage> {
         let (color, alpha) = pixels.map(|[r, g, b, alpha]| ([r, g, b], alpha)).unzip();
-        Ok(RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? })
+        Ok(RenderedImage::new(Plane::new(width, height, color)?, Plane::new(width, height, alpha)?))
     }
 
     pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
@@ -77,10 +91,10 @@ mod tests {
 
     #[test]
     fn holes_are_transparent_and_nothing_is_nan() {
-        let rendered = RenderedImage {
-            color: Plane::new(3, 1, vec![[1.0, 0.5, 0.0], [1.0; 3], [f32::NAN, f32::INFINITY, -1.0]]).unwrap(),
-            alpha: Plane::new(3, 1, vec![1.0, 0.0, 0.25]).unwrap(),
-        };
+        let rendered = RenderedImage::new(
+            Plane::new(3, 1, vec![[1.0, 0.5, 0.0], [1.0; 3], [f32::NAN, f32::INFINITY, -1.0]]).unwrap(),
+            Plane::new(3, 1, vec![1.0, 0.0, 0.25]).unwrap(),
+        );
         let codes = rendered.rgba_codes(ToneMap::default());
         assert_eq!(codes.data(), [[255, 188, 0, 255], [255, 255, 255, 0], [0, 255, 0, 64]]);
         let blank = rendered.rgba_light(HoleFill::Blank);

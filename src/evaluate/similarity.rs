@@ -216,7 +216,7 @@ mod tests {
             color: plane(wanted).map(|light| light.map(f16::from_f32)),
             material: (!material.is_empty()).then_some(weights),
         };
-        (RenderedImage { color: plane(shown), alpha }, truth)
+        (RenderedImage::new(plane(shown), alpha), truth)
     }
 
     #[test]

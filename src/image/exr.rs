@@ -401,7 +401,18 @@ pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
 
 /// Writes channels R, G, B and A as halves, ZIP compressed; colour is multiplied by alpha already, as the format has it.
 pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
-    write_halves(path, plane, ["R", "G", "B", "A"], |value| value)
+    write_rgba_and(path, plane, std::iter::empty())
+}
+
+/// As [`write_rgba`], with more channels of the same size as floats.
+pub fn write_rgba_and<'a>(
+    path: &Path,
+    plane: &Plane<[f16; 4]>,
+    others: impl IntoIterator<Item = (&'a str, &'a Plane<f32>)>,
+) -> Result<()> {
+    let mut channels = halves(plane, ["R", "G", "B", "A"], |value| value);
+    channels.extend(others.into_iter().map(|(name, other)| (name, FlatSamples::F32(other.data().to_vec()))));
+    write(path, plane, channels)
 }
 
 /// Writes channel Z as 32-bit floats, ZIP compressed.

@@ -9,8 +9,8 @@ use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
 use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
 
-/// Bytes of each ray that a thread holds: its direction and its result.
-const RAY_BYTES: u64 = 64;
+/// Bytes of each ray that a thread holds: its direction, and layers of what it shows.
+const RAY_BYTES: u64 = 320;
 /// Bytes of a texel of material while spheres are fitted: its point, twice in a cluster, and the end of its ray.
 const FIT_BYTES: u64 = 64;
 /// Bytes of a texel of an environment map.
@@ -22,6 +22,8 @@ const POINT_BYTES: u64 = 64;
 /// Bytes of a pixel from its rays until it is written: light and alpha, joined for two eyes, and codes or channels of a file.
 /// Rays are held by the thread that follows them.
 const PICTURE_BYTES: u64 = 96;
+/// Bytes of a pixel of planes beside a picture: six values, joined for two eyes, and channels of a file.
+const AOV_BYTES: u64 = 120;
 /// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.
 const REFERENCE_BYTES: u64 = 320;
 
@@ -50,9 +52,11 @@ pub fn march_bytes(decoder: &Decoder, options: &PlaybackOptions, specular: Specu
     texels.saturating_mul(FIT_BYTES).saturating_add(maps + held)
 }
 
-/// Bytes of pictures with this number of pixels, and of their references.
-pub fn picture_bytes(pixels: u64, has_reference: bool) -> u64 {
-    pixels.saturating_mul(PICTURE_BYTES + if has_reference { REFERENCE_BYTES } else { 0 })
+/// Bytes of pictures with this number of pixels, of the planes beside them, and of their references.
+pub fn picture_bytes(pixels: u64, has_aovs: bool, has_reference: bool) -> u64 {
+    let aovs = if has_aovs { AOV_BYTES } else { 0 };
+    let reference = if has_reference { REFERENCE_BYTES } else { 0 };
+    pixels.saturating_mul(PICTURE_BYTES + aovs + reference)
 }
 
 pub fn splat_bytes(decoder: &Decoder) -> u64 {

@@ -1,6 +1,7 @@
 //! Renders a light field from any eye by ray marching (CALF 6, algorithm 4).
 
 pub mod active_views;
+pub mod aov;
 pub mod baseline;
 pub mod clip;
 pub mod counters;

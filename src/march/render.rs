@@ -50,19 +50,30 @@ pub fn distances_m(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Plane<f32>> {
+    first_rays(views, camera, settings, monitor, |_, hit| hit.distance_m().unwrap_or(f32::INFINITY))
+}
+
+/// What the rays through the middles of pixels hit, by their directions. The monitor is checked.
+pub(crate) fn first_rays<T: Copy + Send>(
+    views: &ActiveViews<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    monitor: &dyn Monitor,
+    value: impl Fn(Vec3, &PrimaryHit) -> T + Sync,
+) -> Result<Plane<T>> {
     let settings = RenderSettings { samples: 1, specular: SpecularMode::None, ..settings.clone() };
     let primary = Primary::new(views, ClipPlanes::of(camera), &settings);
     let scene = PacketScene::new(&primary);
     let picture = Picture::new(views, camera, &settings, monitor)?;
     let [width, height] = settings.size;
-    let row = |y: usize| -> Result<Vec<f32>> {
+    let row = |y: usize| -> Result<Vec<T>> {
         monitor.check()?;
         let directions: Vec<Vec3> = (0..width as usize).map(|x| picture.direction([x, y])).collect();
         let (mut row, mut counters) = (scene.row(), Counters::default());
         let hits = directions.chunks(4).flat_map(|four| row.hits(four, &mut counters).into_iter().take(four.len()));
-        Ok(hits.map(|hit| hit.distance_m().unwrap_or(f32::INFINITY)).collect())
+        Ok(hits.zip(&directions).map(|(hit, &direction)| value(direction, &hit)).collect())
     };
-    let rows: Vec<Vec<f32>> = (0..height as usize).into_par_iter().map(row).collect::<Result<_>>()?;
+    let rows: Vec<Vec<T>> = (0..height as usize).into_par_iter().map(row).collect::<Result<_>>()?;
     Plane::new(width, height, rows.concat())
 }
 
@@ -147,8 +158,7 @@ impl<'a> Picture<'a> {
         let in_row = (width as usize).max(1);
         let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
         let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum + of_row))?;
-        let image =
-            RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? };
+        let image = RenderedImage::new(Plane::new(width, height, color)?, Plane::new(width, height, alpha)?);
         Ok(Rendered { image, counters })
     }
 

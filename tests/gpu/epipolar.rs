@@ -165,7 +165,7 @@ pub fn commands() -> Result<(), Failed> {
 fn light_of(path: &Path) -> Result<RenderedImage, Failed> {
     let read = exr::read_rgba(path, &ReadLimits::default()).map_err(|error| error.to_string())?;
     let color = read.map(|[red, green, blue, _]| [red, green, blue].map(|half| half.to_f32()));
-    Ok(RenderedImage { color, alpha: read.map(|[.., alpha]| alpha.to_f32()) })
+    Ok(RenderedImage::new(color, read.map(|[.., alpha]| alpha.to_f32())))
 }
 
 /// A hierarchical acquisition by erosion stops at the same places; one scanline, wide ones, no baseline.

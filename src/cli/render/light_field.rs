@@ -10,7 +10,7 @@ use super::subject::{JobRenderer, RenderedJob, Subject};
 use super::truth::TruthRun;
 use crate::cli::options::word_of;
 use crate::cli::{GlobalArgs, refuse};
-use crate::decode::Decoder;
+use crate::decode::{Decoder, FileFormat};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::upright_camera;
 use crate::gpu::Gpu;
@@ -69,7 +69,8 @@ impl<'a> LightFieldSubject<'a> {
             Method::Reproject => 0,
             _ => march_bytes(self.decoder, &args.playback_options(), args.march.effects),
         };
-        let of_pictures = picture_bytes(most_pixels, args.truth.reference.is_some()).saturating_add(sheet);
+        let of_pictures = picture_bytes(most_pixels, !args.march.aov.is_empty(), args.truth.reference.is_some())
+            .saturating_add(sheet);
         let fixed = of_pictures.saturating_add(of_method);
         let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         args.memory.get().at_once(&need, 1)?;
@@ -211,6 +212,14 @@ impl Args {
         if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
             return refuse("--exclude-probe excludes all probes of --probe");
         }
+        if !self.march.aov.is_empty() {
+            if self.is_on_device() {
+                return refuse("--aov is made by the CPU: leave out --device");
+            }
+            if self.output.as_deref().is_none_or(|path| FileFormat::of(path) != Some(FileFormat::Exr)) {
+                return refuse("--aov adds channels to EXR images: name an output that ends in .exr");
+            }
+        }
         let Some(method) = self.march.method else { return Ok(()) };
         let word = word_of(METHODS, &method);
         if matches!(method, Method::Painter | Method::ZBuffer) {
@@ -220,6 +229,9 @@ impl Args {
         }
         if !method.marches() && self.is_on_device() {
             return refuse(format!("--method {word} runs on the CPU: leave out --device"));
+        }
+        if !method.marches() && !self.march.aov.is_empty() {
+            return refuse(format!("--method {word} has no --aov: march and calf do"));
         }
         Ok(())
     }
@@ -253,6 +265,7 @@ impl Args {
             max_bounces: march.max_bounces,
             acceleration: march.acceleration,
             refinements: if march.method == Some(Method::Calf) { Refinements::NONE } else { march.refinements },
+            aovs: march.aov.clone(),
         }
     }
 }

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::cli::options::{Choices, one_of, parse_not_negative, parse_number_where, parse_point, parse_positive};
 use crate::evaluate::rendered_image::HoleFill;
+use crate::march::aov::AovKind;
 use crate::march::playback::frames::DecodeScope;
 use crate::march::playback::selection::ViewPriority;
 use crate::march::settings::{Acceleration, Refinements, SpecularMode};
@@ -57,6 +58,7 @@ pub const OF_LIGHT_FIELDS: &[&str] = &[
     "max-bounces",
     "holes",
     "refinements",
+    "aov",
     "probe",
     "exclude-probe",
     "views",
@@ -100,6 +102,13 @@ const HOLES: &Choices<HoleFill> = &[
     ("behind", HoleFill::Behind, "What probes saw behind the surface; alpha is 1"),
     ("nearest", HoleFill::Nearest, "The texel of the nearest depth; alpha is 0"),
     ("blank", HoleFill::Blank, "Transparent black"),
+];
+
+const AOVS: &Choices<AovKind> = &[
+    ("depth", AovKind::Depth, "Z: metres along the ray, +inf for background"),
+    ("normal", AovKind::Normal, "N.X, N.Y, N.Z: along the axes of the world; 0 where unknown"),
+    ("holes", AovKind::Holes, "holes: 1 where no probe saw the surface, else 0"),
+    ("views", AovKind::Views, "views: the number of probes that saw what is shown"),
 ];
 
 const EFFECTS: &Choices<SpecularMode> = &[
@@ -157,6 +166,9 @@ pub struct MarchArgs {
     /// texels), thin (surfaces thinner than texels); all or none
     #[arg(long, value_name = "LIST", value_parser = parse_refinements, default_value = "all")]
     pub refinements: Refinements,
+    /// More channels of EXR images, of the ray through the middle of each pixel
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = one_of(AOVS))]
+    pub aov: Vec<AovKind>,
     /// Rendering method [default: march; of a simplified scene painter]
     #[arg(long, value_parser = one_of(METHODS))]
     pub method: Option<Method>,

@@ -12,7 +12,7 @@ use crate::cli::refuse;
 use crate::decode::FileFormat;
 use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
+use crate::evaluate::rendered_image::{Aov, HoleFill, RenderedImage};
 use crate::files::OutputFile;
 use crate::image::plane::Plane;
 use crate::image::png;
@@ -205,9 +205,14 @@ fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {
     let (width, height) = (first.color.width(), first.color.height());
     let at = |x: u32| (&eyes[(x / width) as usize], x % width);
     let all = width * eyes.len() as u32;
+    let aov = |number: usize| Aov {
+        channel: first.aovs[number].channel,
+        plane: Plane::from_fn(all, height, |x, y| at(x).0.aovs[number].plane.get(at(x).1, y)),
+    };
     Ok(RenderedImage {
         color: Plane::from_fn(all, height, |x, y| at(x).0.color.get(at(x).1, y)),
         alpha: Plane::from_fn(all, height, |x, y| at(x).0.alpha.get(at(x).1, y)),
+        aovs: (0..first.aovs.len()).map(aov).collect(),
     })
 }
 

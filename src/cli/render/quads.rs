@@ -105,7 +105,7 @@ impl Subject for QuadSubject<'_> {
         let of_drawing =
             |job: &Job| drawing_bytes(&self.scene.quads, &DrawSettings { size: job.size, ..self.settings() });
         let most_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
-        let of_pictures = picture_bytes(most_pixels, args.truth.reference.is_some());
+        let of_pictures = picture_bytes(most_pixels, false, args.truth.reference.is_some());
         let fixed = of_pictures.saturating_add(jobs.iter().map(of_drawing).max().unwrap_or(0));
         let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         args.memory.get().at_once(&need, 1).map(|_| ())

@@ -81,10 +81,8 @@ mod tests {
     use crate::march::counters::Counters;
 
     fn picture() -> Rendered {
-        let image = RenderedImage {
-            color: Plane::from_fn(64, 64, |x, y| [x as f32 / 64.0, y as f32 / 64.0, 0.5]),
-            alpha: Plane::filled(64, 64, 1.0),
-        };
+        let color = Plane::from_fn(64, 64, |x, y| [x as f32 / 64.0, y as f32 / 64.0, 0.5]);
+        let image = RenderedImage::new(color, Plane::filled(64, 64, 1.0));
         Rendered { image, counters: Counters { march_steps: 1000, ..Counters::default() } }
     }
 

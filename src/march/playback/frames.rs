@@ -10,6 +10,7 @@ use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
 use crate::evaluate::HoleFill;
 use crate::evaluate::frame_requests::FrameRequest;
+use crate::march::aov::{AovKind, aovs};
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
 use crate::march::playback::trace::{self, FrameTrace};
@@ -62,6 +63,8 @@ pub struct PictureOptions {
     pub max_bounces: u32,
     pub acceleration: Acceleration,
     pub refinements: Refinements,
+    /// Planes beside pictures; made by the CPU only.
+    pub aovs: Vec<AovKind>,
 }
 
 impl Default for PictureOptions {
@@ -78,6 +81,7 @@ impl Default for PictureOptions {
             max_bounces: 4,
             acceleration: Acceleration::Pyramid,
             refinements: Refinements::default(),
+            aovs: Vec::new(),
         }
     }
 }
@@ -150,7 +154,12 @@ impl Renderer for CpuRenderer {
 
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
         let views = ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, camera.eye());
-        render(&views, camera, &self.options.settings(&views), monitor)
+        let settings = self.options.settings(&views);
+        let mut rendered = render(&views, camera, &settings, monitor)?;
+        if !self.options.aovs.is_empty() {
+            rendered.image.aovs = aovs(&views, camera, &settings, &self.options.aovs, monitor)?;
+        }
+        Ok(rendered)
     }
 }
 
