@@ -25,6 +25,7 @@ mod seurat;
 mod sight;
 mod simplify;
 mod temporal;
+mod thin;
 
 use std::time::Instant;
 
@@ -38,7 +39,7 @@ pub use clip::Clip;
 pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, notes};
 
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 13] = [
+    let families: [fn() -> Vec<HardCase>; 14] = [
         quantisation::cases,
         temporal::cases,
         levels::cases,
@@ -49,6 +50,7 @@ pub fn table() -> Vec<HardCase> {
         scene::cases,
         render::cases,
         hidden::cases,
+        thin::cases,
         seurat::cases,
         simplify::cases,
         interpolate::cases,

@@ -89,12 +89,12 @@ pub(super) fn cases() -> Vec<HardCase> {
     // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
     // texel itself does so by at most a step, which weighs ten times. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5 codes.
     for side in [1, 2, 33, 64] {
-        cases.push(own.none(format!("{side}x{side}"), move || own_codes(&own_room(side), side)));
+        cases.push(own.none(format!("{side}x{side}"), move || own_codes_of(&own_room(side), side)));
     }
     let depths = group("the eye in a probe, rays through its texels", "distances that are not the texels'");
     for (name, make) in [(FENCE, fence as Make), (STEPS_OF_ALL, steps_of_all)] {
         let in_the_probe = move || Setup { eye: DVec3::ZERO, ..make() };
-        cases.push(own.none(name, move || own_codes(&in_the_probe(), SIDE)));
+        cases.push(own.none(name, move || own_codes_of(&in_the_probe(), SIDE)));
         cases.push(depths.none(name, move || Ok(own_depths(&in_the_probe()))));
     }
     let near_is_far = || Setup { range_m: [1.0; 2], ..own_room(SIDE) };
@@ -199,6 +199,11 @@ impl Setup {
         }
     }
 
+    /// The same with all refinements.
+    pub(super) fn refined(&self, side: u32) -> RenderSettings {
+        RenderSettings { refinements: Refinements::ALL, holes: HoleFill::Behind, ..self.settings(side) }
+    }
+
     pub(super) fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
         // Devices identify images by their probes.
         self.field.views.iter_mut().enumerate().for_each(|(at, view)| view.probe = at);
@@ -213,7 +218,7 @@ impl Setup {
 
 impl Measured {
     pub(super) fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
-        let settings = setup.settings(SIDE);
+        let settings = setup.refined(SIDE);
         Ok(self.with_picture(setup.on_device(label, settings)?))
     }
 }
@@ -253,28 +258,38 @@ fn by_segments(setup: &Setup) -> Measured {
 /// Pixels of other coverage, of colours more than half a code off, or not finite; and counts that differ.
 fn by_packets(setup: &Setup) -> Result<Measured> {
     let camera = camera(setup.eye, DVec3::NEG_Z)?;
-    let views = setup.views();
-    let fast = render(&views, &camera, &setup.settings(SIDE), &Silent)?;
-    let plain = render_plainly(&views, &camera, &setup.settings(SIDE), &Silent)?;
-    let mut wrong = u64::from(fast.counters != plain.counters);
-    for at in 0..fast.image.alpha.data().len() {
-        let [a, b] = [&fast, &plain].map(|picture| picture.image.color.data()[at].map(code));
-        let alike = (0..3).all(|channel| (a[channel] - b[channel]).abs() <= 0.5);
-        wrong += u64::from(!alike || fast.image.alpha.data()[at] != plain.image.alpha.data()[at]);
+    let (views, mut wrong) = (setup.views(), 0);
+    for settings in [setup.settings(SIDE), setup.refined(SIDE)] {
+        let fast = render(&views, &camera, &settings, &Silent)?;
+        let plain = render_plainly(&views, &camera, &settings, &Silent)?;
+        wrong += u64::from(fast.counters != plain.counters);
+        for at in 0..fast.image.alpha.data().len() {
+            let [a, b] = [&fast, &plain].map(|picture| picture.image.color.data()[at].map(code));
+            let alike = (0..3).all(|channel| (a[channel] - b[channel]).abs() <= 0.5);
+            wrong += u64::from(!alike || fast.image.alpha.data()[at] != plain.image.alpha.data()[at]);
+        }
     }
     Ok(Measured::count(wrong))
 }
 
 /// The code of light, with what follows the point.
-fn code(light: f32) -> f64 {
+pub(super) fn code(light: f32) -> f64 {
     Transfer::Srgb.encode(f64::from(light)) * 255.0
 }
 
-fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
+/// [`own_codes`] without refinements and with all.
+fn own_codes_of(setup: &Setup, side: u32) -> Result<Measured> {
+    let [plain, refined] = [setup.settings(side), setup.refined(side)].map(|settings| own_codes(setup, &settings));
+    Ok(Measured::count((plain?.figure + refined?.figure) as u64))
+}
+
+/// Codes of pictures from the first probe that are not its own.
+pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings) -> Result<Measured> {
+    let side = settings.size[0];
     let mut wrong = Measured::count(0);
     for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let camera = camera(setup.eye, forward)?;
-        let picture = render(&setup.views(), &camera, &setup.settings(side), &Silent)?;
+        let picture = render(&setup.views(), &camera, settings, &Silent)?;
         for (at, color) in (0..).zip(picture.image.color.data()) {
             let window = [at % side, at / side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
             let FacePoint { face, plane: [u, v] } = direction_to_face(camera.direction(window));

@@ -18,6 +18,7 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
+    lightfold render film.lfold --camera path.json --aov depth,normal,holes -o view.%04d.exr\n  \
     lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
     lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n  \
     lightfold render scene.glb --camera path.json -o view.%04d.png\n  \
@@ -40,8 +41,9 @@ use crate::gpu::device::DeviceChoice;
     0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
     PNG; name a pattern for EXR.\n\n\
     EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
-    straight alpha. Alpha is 0 at holes, which no probe saw or near and far clipped, and 1 elsewhere, also for background. \
-    With --holes nearest light is not premultiplied.\n\n\
+    straight alpha. Alpha is 1, also for background and for holes that are filled with what is behind them; it is 0 where nothing is \
+    known. Holes, which no probe saw, are channels of --aov holes; with --holes nearest or blank their alpha is 0. With \
+    --holes nearest light is not premultiplied.\n\n\
     Lines of --trace: shot, a counter from 0; frame; eye in metres; active probes by priority, with slot (constant while a \
     probe is active), distance_m from the eye and angle_deg at --pivot; culled probes with the reason: limit (--views), angle \
     (--cull-angle, by that probe) or performance (--target-ms); cells_decoded and cells_skipped, tiles and cells; bytes_read; \

@@ -14,7 +14,7 @@ use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
 use crate::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
 use crate::march::render::render;
-use crate::march::{Acceleration, ActiveViews, PictureOptions, RenderSettings, Rendered, SpecularMode};
+use crate::march::{Acceleration, ActiveViews, PictureOptions, Refinements, RenderSettings, Rendered, SpecularMode};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
 use crate::scene::capture::{PassSettings, SamplePattern, Viewpoint, capture_view};
@@ -85,6 +85,10 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     // Towards both spheres.
     let eye = cases[12].camera.eye();
     cases[12].camera = Camera::look_at(eye, eye + DVec3::new(0.0, -0.8, -1.6), DVec3::Y, Lens::new(85.0))?;
+    // The paper's algorithm.
+    for case in [0, 8, 13] {
+        cases[case].settings.refinements = Refinements::NONE;
+    }
     hide(&mut cases[6].field);
     cases[6].settings.holes = HoleFill::Nearest;
     cases[6].settings.steps.refine = 0;

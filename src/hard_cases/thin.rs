@@ -1,0 +1,116 @@
+//! Rendering with all refinements: surfaces thinner than texels, edges, and probes that disagree.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::render::{CODES, SIDE, Setup, camera, code, own_codes};
+use crate::march::render::render;
+use crate::march::synthetic::{SyntheticProbe, room};
+use crate::monitor::Silent;
+use crate::views::light_field::{LightField, UNKNOWN};
+
+const WALL_M: f64 = 4.0;
+const RED: [u8; 3] = [220, 20, 20];
+const GRAY: [u8; 3] = [90, 120, 200];
+/// Where probes stand: multiples of the width of a texel 1 m away, 1/16 m.
+const PROBES: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.25, 0.0, 0.0), DVec3::new(-0.1875, 0.125, 0.0625)];
+/// The middle of a texel of the first probe 1 m away.
+const ROD_M: f64 = 1.0 / 32.0;
+/// A probe whose depth is wrong has at most this part of the error that it has alone: it is one of four at equal distances.
+const PART_OF_ONE: f64 = 0.5;
+
+pub(super) fn cases() -> Vec<HardCase> {
+    let own = Group::new(Family::Render, "the eye in a probe among others", "codes that differ");
+    let edge = Group::new(Family::Render, "edges of one colour", "pixels of another");
+    let unknown = Group::new(Family::Render, "rays that can bring nothing", "rays that bring something");
+    let wrong = Group::new(Family::Render, "a probe whose depth is wrong", "of its error alone");
+    let mut cases = vec![
+        edge.none("a rod before a wall", one_color),
+        unknown.none("all texels unknown", nothing_known),
+        wrong.case("by a metre, among four", Bound::AtMost(PART_OF_ONE), wrong_by_a_metre),
+    ];
+    for (name, width_m, seen_by) in [
+        ("a rod that it alone saw", 1.0 / 16.0, 1),
+        ("a rod of a fifth of a texel that it alone saw", 1.0 / 80.0, 1),
+        ("a rod of a fifth of a texel", 1.0 / 80.0, PROBES.len()),
+    ] {
+        cases.push(own.none(name, move || {
+            let setup = rod(width_m, seen_by);
+            own_codes(&setup, &setup.refined(SIDE))?.with_picture_of(name, Setup { eye: BESIDE, ..setup })
+        }));
+    }
+    cases
+}
+
+/// An eye between the probes.
+const BESIDE: DVec3 = DVec3::new(0.1, 0.05, -0.03);
+
+/// A red rod 1 m before probes, of which the first `seen_by` saw it, and a wall behind it.
+fn rod(width_m: f64, seen_by: usize) -> Setup {
+    let view = |(number, &position): (usize, &DVec3)| {
+        SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
+            let at = position + direction * ((-1.0 - position.z) / direction.z);
+            let meets = direction.z < 0.0 && (at.x - ROD_M).abs() < width_m / 2.0 && at.y.abs() < 0.5;
+            match meets && number < seen_by {
+                true => Some(((at - position).length(), RED)),
+                false => room(position, direction, DVec3::splat(WALL_M), 0.0),
+            }
+        })
+    };
+    let views = PROBES.iter().enumerate().map(view).collect();
+    Setup { field: LightField { views, coding: CODES }, eye: PROBES[0], range_m: [0.05, 16.0] }
+}
+
+/// Of one colour, a rod and its wall are one picture, whatever part of each a pixel shows.
+fn one_color() -> Result<Measured> {
+    let mut setup = rod(1.0 / 20.0, PROBES.len());
+    for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
+        if let crate::views::ColorTexels::Codes(codes) = &mut texels.color {
+            codes.fill([GRAY[0], GRAY[1], GRAY[2], 0]);
+        }
+    }
+    setup.eye = BESIDE;
+    let picture = render(&setup.views(), &camera(BESIDE, DVec3::NEG_Z)?, &setup.refined(SIDE), &Silent)?;
+    let is_gray = |color: &[f32; 3]| (0..3).all(|at| (code(color[at]) - f64::from(GRAY[at])).abs() < 0.5);
+    let pixels = picture.image.color.data().iter().zip(picture.image.alpha.data());
+    Ok(Measured::count(pixels.filter(|(color, alpha)| !is_gray(color) || **alpha != 1.0).count() as u64))
+}
+
+fn nothing_known() -> Result<Measured> {
+    let mut setup = rod(1.0 / 16.0, PROBES.len());
+    for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
+        texels.inverse_depth.fill(UNKNOWN);
+    }
+    let picture = render(&setup.views(), &camera(BESIDE, DVec3::NEG_Z)?, &setup.refined(SIDE), &Silent)?;
+    let shown = picture.image.alpha.data().iter().filter(|alpha| **alpha != 0.0).count() as u64;
+    Ok(Measured::count(shown + picture.counters.primary_rays - picture.counters.hole_rays))
+}
+
+/// The error of a picture of a room by four probes, one of which has it a metre larger, over the error by that probe alone.
+fn wrong_by_a_metre() -> Result<Measured> {
+    let half = DVec3::splat(WALL_M);
+    let corners = [[0.5, 0.0, 0.5], [-0.5, 0.0, 0.5], [0.5, 0.0, -0.5], [-0.5, 0.0, -0.5]].map(DVec3::from_array);
+    let view = |(number, &position): (usize, &DVec3)| {
+        SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
+            let (distance_m, color) = room(position, direction, half, 0.0)?;
+            Some((distance_m + f64::from(u8::from(number == 0)), color))
+        })
+    };
+    let error = |count: usize| -> Result<f64> {
+        let views = corners.iter().enumerate().take(count).map(view).collect();
+        let setup = Setup { field: LightField { views, coding: CODES }, eye: DVec3::ZERO, range_m: [0.05, 16.0] };
+        let camera = camera(DVec3::ZERO, DVec3::NEG_Z)?;
+        let picture = render(&setup.views(), &camera, &setup.refined(SIDE), &Silent)?;
+        let mut sum = 0.0;
+        for (at, color) in (0u32..).zip(picture.image.color.data()) {
+            let window = [at % SIDE, at / SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE));
+            let (_, truth) = room(DVec3::ZERO, camera.direction(window), half, 0.0).unwrap_or_default();
+            sum += (0..3).map(|at| (code(color[at]) - f64::from(truth[at])).powi(2)).sum::<f64>();
+        }
+        Ok(sum)
+    };
+    let mut worst = Measured::nothing();
+    worst.greatest((error(corners.len())? / error(1)?).sqrt(), || "RMS of codes".into());
+    Ok(worst)
+}
