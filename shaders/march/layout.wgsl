@@ -59,7 +59,8 @@ struct View {
     // Of all texels, or more than that.
     greatest_inverse_depth: f32,
     turn_z: vec3<f32>,
-    spare: u32,
+    // Of an environment map, how far from the surface of the proxy its points are, in metres.
+    reach_m: f32,
     // Rows of `faces`, or NO_FACE.
     faces: array<u32, 8>,
 }

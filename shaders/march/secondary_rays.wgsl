@@ -7,7 +7,6 @@
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
-const NEAR_SURFACE: f32 = 0.03;
 const RECORDED_SINE: f32 = 0.05;
 // Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
@@ -81,7 +80,7 @@ fn proxy_of(around: u32) -> Sphere {
 fn around_of(point: vec3<f32>) -> u32 {
     for (var at = 0u; at < scene.proxy_count; at++) {
         let sphere = proxy_of(scene.view_count + at);
-        if (abs(length(point - sphere.centre) - sphere.radius_m) <= NEAR_SURFACE * sphere.radius_m) {
+        if (abs(length(point - sphere.centre) - sphere.radius_m) <= views[scene.view_count + at].reach_m) {
             return scene.view_count + at;
         }
     }

@@ -279,12 +279,12 @@ pub(super) fn code(light: f32) -> f64 {
 
 /// [`own_codes`] without refinements and with all.
 fn own_codes_of(setup: &Setup, side: u32) -> Result<Measured> {
-    let [plain, refined] = [setup.settings(side), setup.refined(side)].map(|settings| own_codes(setup, &settings));
+    let [plain, refined] = [setup.settings(side), setup.refined(side)].map(|settings| own_codes(setup, &settings, 0.5));
     Ok(Measured::count((plain?.figure + refined?.figure) as u64))
 }
 
-/// Codes of pictures from the first probe that are not its own.
-pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings) -> Result<Measured> {
+/// Codes of pictures from the first probe that are at least `off` from its own.
+pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings, off: f64) -> Result<Measured> {
     let side = settings.size[0];
     let mut wrong = Measured::count(0);
     for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
@@ -297,7 +297,7 @@ pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings) -> Result<Meas
             let Some(texels) = &setup.field.views[0].faces[face as usize] else { continue };
             let ColorTexels::Codes(codes) = &texels.color else { continue };
             let expected = codes[(row * side + column) as usize];
-            let differs = (0..3).any(|channel| code(color[channel]).round() != f64::from(expected[channel]));
+            let differs = (0..3).any(|channel| (code(color[channel]) - f64::from(expected[channel])).abs() >= off);
             wrong.count_if(differs, || format!("{}, column {column}, row {row}", face.name()));
         }
     }

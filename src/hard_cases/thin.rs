@@ -21,14 +21,15 @@ const ROD_M: f64 = 1.0 / 32.0;
 const PART_OF_ONE: f64 = 0.5;
 
 pub(super) fn cases() -> Vec<HardCase> {
-    let own = Group::new(Family::Render, "the eye in a probe among others", "codes that differ");
+    let own = Group::new(Family::Render, "the eye in a probe among others", "codes more than one off");
     let edge = Group::new(Family::Render, "edges of one colour", "pixels of another");
     let unknown = Group::new(Family::Render, "rays that can bring nothing", "rays that bring something");
     let wrong = Group::new(Family::Render, "a probe whose depth is wrong", "of its error alone");
     let mut cases = vec![
         edge.none("a rod before a wall", one_color),
         unknown.none("all texels unknown", nothing_known),
-        wrong.case("by a metre, among four", Bound::AtMost(PART_OF_ONE), wrong_by_a_metre),
+        wrong.case("a metre too near, among four", Bound::AtMost(PART_OF_ONE), || wrong_by_metres(-1.0)),
+        wrong.case("a metre too far, among four", Bound::AtMost(PART_OF_ONE), || wrong_by_metres(1.0)),
     ];
     for (name, width_m, seen_by) in [
         ("a rod that it alone saw", 1.0 / 16.0, 1),
@@ -37,7 +38,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     ] {
         cases.push(own.none(name, move || {
             let setup = rod(width_m, seen_by);
-            own_codes(&setup, &setup.refined(SIDE))?.with_picture_of(name, Setup { eye: BESIDE, ..setup })
+            own_codes(&setup, &setup.refined(SIDE), 1.0)?.with_picture_of(name, Setup { eye: BESIDE, ..setup })
         }));
     }
     cases
@@ -87,25 +88,27 @@ fn nothing_known() -> Result<Measured> {
     Ok(Measured::count(shown + picture.counters.primary_rays - picture.counters.hole_rays))
 }
 
-/// The error of a picture of a room by four probes, one of which has it a metre larger, over the error by that probe alone.
-fn wrong_by_a_metre() -> Result<Measured> {
+/// The error of a picture of a room by four probes, of which the one farthest from the eye has all surfaces so many metres farther, over the
+/// error by that probe alone.
+fn wrong_by_metres(metres: f64) -> Result<Measured> {
     let half = DVec3::splat(WALL_M);
     let corners = [[0.5, 0.0, 0.5], [-0.5, 0.0, 0.5], [0.5, 0.0, -0.5], [-0.5, 0.0, -0.5]].map(DVec3::from_array);
+    let eye = DVec3::new(-0.125, 0.0, -0.125);
     let view = |(number, &position): (usize, &DVec3)| {
         SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
             let (distance_m, color) = room(position, direction, half, 0.0)?;
-            Some((distance_m + f64::from(u8::from(number == 0)), color))
+            Some((distance_m + if number == 0 { metres } else { 0.0 }, color))
         })
     };
     let error = |count: usize| -> Result<f64> {
         let views = corners.iter().enumerate().take(count).map(view).collect();
-        let setup = Setup { field: LightField { views, coding: CODES }, eye: DVec3::ZERO, range_m: [0.05, 16.0] };
-        let camera = camera(DVec3::ZERO, DVec3::NEG_Z)?;
+        let setup = Setup { field: LightField { views, coding: CODES }, eye, range_m: [0.05, 16.0] };
+        let camera = camera(eye, DVec3::NEG_Z)?;
         let picture = render(&setup.views(), &camera, &setup.refined(SIDE), &Silent)?;
         let mut sum = 0.0;
         for (at, color) in (0u32..).zip(picture.image.color.data()) {
             let window = [at % SIDE, at / SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE));
-            let (_, truth) = room(DVec3::ZERO, camera.direction(window), half, 0.0).unwrap_or_default();
+            let (_, truth) = room(eye, camera.direction(window), half, 0.0).unwrap_or_default();
             sum += (0..3).map(|at| (code(color[at]) - f64::from(truth[at])).powi(2)).sum::<f64>();
         }
         Ok(sum)

@@ -84,7 +84,10 @@ fn pictures_of_planar_depth_are_those_of_distances() {
     fine("encode . -o planar.lfold", root);
     fine("encode . -o distance.lfold --near 0.5 --far 9 --max-error 0", root);
     let picture = |name: &str| {
-        fine(&format!("render {name}.lfold --eye 0.1,0.05,0 --look-at 0.1,0,-1 --size 60 -o {name}.png"), root);
+        fine(
+            &format!("render {name}.lfold --eye 0.1,0.05,0 --look-at 0.1,0,-1 --size 60 --holes blank -o {name}.png"),
+            root,
+        );
         png::read_rgba8(&root.join(format!("{name}.png")), &ReadLimits::default()).unwrap()
     };
     let (planar, distance) = (picture("planar"), picture("distance"));

@@ -77,8 +77,8 @@ impl SceneRows {
             faces: Vec::new(),
             distances_m: settings.steps.distances_m.clone(),
         };
-        let environments = proxies.proxies.iter().map(Proxy::environment_view);
-        for active in views.views.iter().cloned().chain(environments) {
+        let environments = proxies.proxies.iter().map(|proxy| (proxy.environment_view(), proxy.reach_m));
+        for (active, reach_m) in views.views.iter().cloned().map(|view| (view, 0.0)).chain(environments) {
             let mut faces = [NO_FACE; FACES_OF_VIEW];
             for (number, texels) in active.view.faces.iter().enumerate() {
                 let Some(texels) = texels else { continue };
@@ -100,7 +100,7 @@ impl SceneRows {
                 turn_y: turn.y_axis.to_array(),
                 greatest_inverse_depth: active.greatest_inverse_depth.min(NO_BOUND),
                 turn_z: turn.z_axis.to_array(),
-                spare: 0,
+                reach_m,
                 faces,
             });
         }
@@ -200,7 +200,6 @@ mod tests {
     use crate::march::segments;
     use crate::march::specular::material;
     use crate::march::specular::normal;
-    use crate::march::specular::proxy;
     use crate::march::specular::secondary_rays;
     use crate::march::specular::solid;
     use crate::streams::convert::IOR_RANGE;
@@ -256,7 +255,6 @@ mod tests {
             ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
             ("FLAT", solid::FLAT),
             ("BEHIND_TEXELS", solid::BEHIND_TEXELS),
-            ("NEAR_SURFACE", proxy::NEAR_SURFACE),
             ("LEAST_SHARE", secondary_rays::LEAST_SHARE),
             ("LIFT_TEXELS", secondary_rays::LIFT_TEXELS),
             ("HIDDEN_TEXELS", secondary_rays::HIDDEN_TEXELS),

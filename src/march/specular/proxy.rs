@@ -17,8 +17,11 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{ColorCoding, View, has_specular_weight};
 
-/// A point belongs to a proxy where it is at most this far from its surface, in parts of its radius.
+/// A point belongs to a proxy where it is at most this far from its surface, in parts of its radius, and [`REACH_TEXELS`].
 pub const NEAR_SURFACE: f32 = 0.03;
+/// Rays meet surfaces up to the diagonal of a texel too early, in the view with the smallest texels there: see
+/// [`Footprint::Around`](crate::march::Footprint).
+pub const REACH_TEXELS: f32 = std::f32::consts::SQRT_2;
 /// Margin of a texel in the frustum test, in widths of it: colours and materials are interpolated.
 pub const MARGIN_TEXELS: f64 = 4.0;
 
@@ -27,6 +30,8 @@ pub struct Proxy {
     pub sphere: Sphere,
     /// Index of refraction, 1 to 3.
     pub ior: f32,
+    /// A point belongs to the proxy where it is at most this far from its surface, in metres.
+    pub reach_m: f32,
     /// Local environment map: a view from the centre, along the world's axes. Its position is not used.
     pub environment: View,
     pub(crate) pyramids: Arc<ViewPyramids>,
@@ -57,8 +62,8 @@ impl Proxies {
 
     /// The proxy whose surface contains a point.
     pub fn at(&self, point: Vec3) -> Option<usize> {
-        self.proxies.iter().position(|Proxy { sphere, .. }| {
-            ((point - sphere.centre).length() - sphere.radius_m).abs() <= NEAR_SURFACE * sphere.radius_m
+        self.proxies.iter().position(|Proxy { sphere, reach_m, .. }| {
+            ((point - sphere.centre).length() - sphere.radius_m).abs() <= *reach_m
         })
     }
 
@@ -66,6 +71,16 @@ impl Proxies {
         let views = self.proxies.iter().map(|proxy| vec![proxy.environment_view()]);
         views.map(|views| ActiveViews { views, coding: self.coding }).collect()
     }
+}
+
+/// [`Proxy::reach_m`] of a sphere.
+pub(crate) fn reach_m(views: &ActiveViews<'_>, sphere: &Sphere) -> f32 {
+    let texel_m = |view: &ActiveView<'_>| {
+        let scale = view.view.faces.iter().flatten().map(|face| face.map.scale[0].abs().max(face.map.scale[1].abs()));
+        (sphere.centre - view.from_eye).length() * scale.fold(0.0, f32::max)
+    };
+    let texel_m = views.views.iter().map(texel_m).fold(f32::INFINITY, f32::min);
+    NEAR_SURFACE * sphere.radius_m + if texel_m.is_finite() { REACH_TEXELS * texel_m } else { 0.0 }
 }
 
 pub trait ProxyProvider {

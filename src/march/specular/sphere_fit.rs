@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::march::specular::normal::SAME_PATCH;
-use crate::march::specular::proxy::ProxyProvider;
+use crate::march::specular::proxy::{ProxyProvider, reach_m};
 use crate::march::{ActiveViews, Occupancy, Proxy, SpecularImage, Sphere, ViewPyramids};
 use crate::monitor::Monitor;
 use crate::streams::convert::IOR_RANGE;
@@ -51,7 +51,7 @@ impl ProxyProvider for SphereFit {
             // Probe numbers of environment maps count down from the greatest.
             environment.probe = usize::MAX - at;
             let pyramids = Arc::new(ViewPyramids::of(&environment));
-            Ok(Proxy { sphere, ior, environment, pyramids })
+            Ok(Proxy { sphere, ior, reach_m: reach_m(views, &sphere), environment, pyramids })
         };
         refractors(views, monitor)?.into_iter().enumerate().map(with_environment).collect()
     }
