@@ -1,5 +1,8 @@
 // Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs.
-// Needs `project`, `inverse_depth_bits`, `taps_around` and what marched_views.wgsl has.
+// Needs `project`, `inverse_depth_bits` and what marched_views.wgsl has.
+
+// How far texels that decide about a point reach beyond the one that contains it, in texels.
+const AROUND_REACH: f32 = 0.5 - 1.0 / 64.0;
 
 const EMPTY = 0u;
 const OCCUPIED = 1u;
@@ -28,10 +31,18 @@ fn footprint_inverse_depth(at: Projected) -> u32 {
     if (!is_around) {
         return nearest_inverse_depth(at);
     }
-    var taps = taps_around(at.at, at.face);
-    var greatest = 0u;
-    for (var tap = 0u; tap < 4u; tap++) {
-        greatest = max(greatest, inverse_depth_bits(at.face, taps.texels[tap]));
+    let end = vec2(faces[at.face].width, faces[at.face].height) - 1u;
+    let first = min(vec2<u32>(max(at.at - AROUND_REACH, vec2(0.0))), end);
+    let last = min(vec2<u32>(max(at.at + AROUND_REACH, vec2(0.0))), end);
+    var greatest = inverse_depth_bits(at.face, first);
+    if (last.x != first.x) {
+        greatest = max(greatest, inverse_depth_bits(at.face, vec2(last.x, first.y)));
+    }
+    if (last.y != first.y) {
+        greatest = max(greatest, inverse_depth_bits(at.face, vec2(first.x, last.y)));
+        if (last.x != first.x) {
+            greatest = max(greatest, inverse_depth_bits(at.face, last));
+        }
     }
     return greatest;
 }

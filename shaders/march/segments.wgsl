@@ -90,7 +90,7 @@ fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach
     if (is_view && !(all(low >= vec2(0.0)) && all(high < size))) {
         return false;
     }
-    let reach = select(0.0, 0.5, is_around);
+    let reach = select(0.0, AROUND_REACH, is_around);
     let from_texel = vec2<u32>(clamp(low - reach, vec2(0.0), size - 1.0));
     let to_texel = vec2<u32>(clamp(high + reach, vec2(0.0), size - 1.0));
     let greatest = greatest_between(face, from_texel, to_texel);

@@ -11,11 +11,15 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::march::{Counters, Pyramids, Ray, Taps, ViewPyramids};
+use crate::march::{Counters, Pyramids, Ray, ViewPyramids};
 use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
 pub const CAMERA_EPSILON: f32 = 0.01;
+
+/// Weights of texels around a point that are below this do not decide about it. So at the centre of a texel that texel alone does,
+/// whatever the rounding of the place is.
+pub const NEGLIGIBLE_WEIGHT: f32 = 1.0 / 64.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
@@ -33,7 +37,8 @@ pub enum Footprint {
     /// The texel that contains the point (algorithm 4).
     #[default]
     Texel,
-    /// The four texels around the point: a view sees past it only where it is nearer than all of them.
+    /// Of the four texels around the point, those with at least [`NEGLIGIBLE_WEIGHT`] of the weight of bilinear interpolation along each
+    /// axis: a view sees past the point only where it is nearer than all of them.
     Around,
 }
 
@@ -42,7 +47,7 @@ impl Footprint {
     pub(crate) fn reach(self) -> f32 {
         match self {
             Footprint::Texel => 0.0,
-            Footprint::Around => 0.5,
+            Footprint::Around => 0.5 - NEGLIGIBLE_WEIGHT,
         }
     }
 }
@@ -90,7 +95,13 @@ impl<'a> ActiveView<'a> {
     fn footprint_inverse_depth(&self, at: &Projected) -> f32 {
         match (self.footprint, &self.view.faces[at.face]) {
             (Footprint::Around, Some(face)) => {
-                Taps::around(at.at, face).texels.into_iter().map(|texel| face.inverse_depth[texel]).fold(0.0, f32::max)
+                let ends = |axis: usize| {
+                    let reach = self.footprint.reach();
+                    [-reach, reach].map(|by| ((at.at[axis] + by).max(0.0) as u32).min(face.size[axis] - 1) as usize)
+                };
+                let of_row =
+                    |row: usize| ends(0).map(|column| face.inverse_depth[row * face.size[0] as usize + column]);
+                ends(1).map(of_row).as_flattened().iter().copied().fold(0.0, f32::max)
             }
             _ => self.nearest_inverse_depth(at),
         }

@@ -13,6 +13,7 @@
 use glam::Vec3;
 
 use crate::evaluate::HoleFill;
+use crate::march::active_views::NEGLIGIBLE_WEIGHT;
 use crate::march::intersect::first_step;
 use crate::march::{
     ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, Ray, RayResult, RenderSettings,
@@ -20,7 +21,7 @@ use crate::march::{
 };
 
 /// Shares below are not shown, and a rest below is not followed.
-pub const LEAST_LAYER: f32 = 1.0 / 64.0;
+pub const LEAST_LAYER: f32 = NEGLIGIBLE_WEIGHT;
 /// Layers of a ray at most; the last one has all that is left.
 pub const MAX_LAYERS: u32 = 8;
 /// Times at most that a ray comes out of a surface and marches on.
@@ -240,5 +241,90 @@ impl<'a> Primary<'a> {
         let whole = (1.0 - rest.left).recip();
         shown.first.iter_mut().chain(&mut shown.behind).for_each(|layer| layer.share *= whole);
         shown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::image::transfer::{ToneMap, Transfer};
+    use crate::march::synthetic::{SyntheticProbe, room};
+    use crate::march::{Acceleration, Refinements, SpecularMode, Steps};
+    use crate::views::light_field::{ColorCoding, LightField};
+
+    const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
+    const SIDE: u32 = 32;
+    /// Width of a texel 1 m away.
+    const TEXEL_M: f64 = 2.0 / SIDE as f64;
+    const WALL_M: f64 = 4.0;
+
+    /// A red plate 1 m before a probe, from `left` to `right` in texels right of the middle, in a dark room.
+    fn plate([left, right]: [f64; 2]) -> LightField {
+        let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &|direction| {
+            let at = direction / -direction.z / TEXEL_M;
+            match direction.z < 0.0 && (left..right).contains(&at.x) && at.y.abs() < 8.0 {
+                true => Some((direction.length() / -direction.z, [255, 0, 0])),
+                false => room(DVec3::ZERO, direction, DVec3::splat(WALL_M), 0.0).map(|(metres, _)| (metres, [0; 3])),
+            }
+        });
+        LightField { views: vec![view], coding: CODES }
+    }
+
+    /// What a ray from an eye to a point of the plate's plane, in texels right of the middle, shows.
+    fn shown(field: &LightField, eye: DVec3, column: f64, holes: HoleFill, refinements: Refinements) -> PrimaryHit {
+        let views = ActiveViews::new(field, &[0], eye);
+        let settings = RenderSettings {
+            size: [1; 2],
+            steps: Steps::new(256, 0.01, 16.0, 16),
+            samples: 1,
+            holes,
+            specular: SpecularMode::None,
+            max_bounces: 0,
+            acceleration: Acceleration::Pyramid,
+            refinements,
+        };
+        let primary = Primary::new(&views, None, &settings);
+        let target = DVec3::new(column * TEXEL_M, TEXEL_M / 2.0, -1.0);
+        let ray = Ray { origin: Vec3::ZERO, direction: (target - eye).normalize().as_vec3() };
+        let mut counters = Counters::default();
+        let hits = primary.first_hits(&ray, &mut counters);
+        let found = primary.follow(&ray, &hits, &mut counters);
+        assert!((found.layers().map(|layer| layer.share).sum::<f32>() - 1.0).abs() < 1e-6 || found.first.is_none());
+        found
+    }
+
+    #[test]
+    fn edges_show_both_surfaces_by_their_coverage() {
+        // Texels from 0 on; the middle of the first is at 0.5.
+        let field = plate([0.0, 4.0]);
+        let shares = |column: f64, refinements| {
+            let found = shown(&field, DVec3::ZERO, column, HoleFill::Behind, refinements);
+            found.layers().map(|layer| (layer.distance_m.unwrap().round() as u32, layer.share)).collect::<Vec<_>>()
+        };
+        for (column, red) in [(-0.25, 0.25), (0.0, 0.5), (0.25, 0.75)] {
+            let found = shares(column, Refinements::ALL);
+            let [(near, share), (far, _)] = found[..] else { panic!("{column}: {found:?}") };
+            assert!((near, far) == (1, 4) && (share - red).abs() < 1e-3, "{column}: {found:?}");
+        }
+        assert_eq!(shares(0.5, Refinements::ALL), [(1, 1.0)]);
+        assert_eq!(shares(-0.5, Refinements::ALL), [(4, 1.0)]);
+        // Without, an edge is a step.
+        assert_eq!(shares(-0.25, Refinements::NONE), [(4, 1.0)]);
+        assert_eq!(shares(0.25, Refinements::NONE), [(1, 1.0)]);
+    }
+
+    #[test]
+    fn rays_go_on_behind_what_no_view_saw() {
+        let field = plate([-4.0, 4.0]);
+        // From the right, between the plate and the wall behind it.
+        let (eye, column) = (DVec3::new(1.0, 0.0, -1.5), -40.0);
+        let ray = |holes| shown(&field, eye, column, holes, Refinements::ALL);
+        let behind = ray(HoleFill::Behind);
+        let wall_m = behind.first.and_then(|layer| layer.distance_m);
+        assert!(behind.is_hole && wall_m.is_some_and(|wall_m| wall_m > 5.0), "{behind:?}");
+        let blank = ray(HoleFill::Blank);
+        assert!(blank.is_hole && blank.layers().all(|layer| layer.distance_m.is_none()), "{blank:?}");
     }
 }

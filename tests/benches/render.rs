@@ -1,7 +1,7 @@
 //! Speeds of pictures from any eye, on one thread: millions of pixels a second, and what a ray asks.
 //!
 //! `cargo bench --bench render [-- IN.lfold..]` renders each container from a point between its probes, six faces of a
-//! cube map, and without one a room that is made from a formula: by steps, with and without pyramids and refinement, by
+//! cube map, and without one a room that is made from a formula: by refinements, by steps, with and without pyramids and bisection, by
 //! pixels, and by views. Medians of the turns are printed; columns stand two spaces apart. With `--plot DIR` how cost grows
 //! is drawn into `DIR/render-cost.svg` and `.png`: times as long, for times as many.
 
@@ -68,9 +68,26 @@ fn main() -> Result<()> {
 fn measure(name: &str, field: &LightField, plot: Option<&Path>) -> Result<()> {
     let all = field.views.len();
     println!("{name}: {all} views");
-    println!("{:<44}  {:>9}  {:>11}  {:>12}", "", "Mpixel/s", "steps a ray", "refine a ray");
-    let base = Measurement { size: SIZE, steps: STEPS, refine: REFINE, views: all, plain: false, pyramid: true };
+    println!("{:<52}  {:>9}  {:>11}  {:>12}", "", "Mpixel/s", "steps a ray", "refine a ray");
+    let base = Measurement {
+        size: SIZE,
+        steps: STEPS,
+        refine: REFINE,
+        views: all,
+        refinements: Refinements::ALL,
+        plain: false,
+        pyramid: true,
+    };
     let mut lines: Vec<Line> = ["steps, pyramid", "steps, every point", "pixels", "views"].map(Line::new).into();
+    let none = Refinements::NONE;
+    for refinements in [
+        none,
+        Refinements { angles: true, ..none },
+        Refinements { edges: true, ..none },
+        Refinements { thin: true, ..none },
+    ] {
+        base.with(|m| m.refinements = refinements).print(field);
+    }
     for steps in [64, 256, 512, 2048] {
         for pyramid in [false, true] {
             let seconds = base.with(|m| (m.steps, m.pyramid) = (steps, pyramid)).print(field);
@@ -135,6 +152,7 @@ struct Measurement {
     steps: u32,
     refine: u32,
     views: usize,
+    refinements: Refinements,
     plain: bool,
     pyramid: bool,
 }
@@ -160,7 +178,7 @@ impl Measurement {
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: if self.pyramid { Acceleration::Pyramid } else { Acceleration::None },
-            refinements: Refinements::ALL,
+            refinements: self.refinements,
         };
         let mut counters = Counters::default();
         let mut seconds = Vec::new();
@@ -179,10 +197,11 @@ impl Measurement {
         seconds.sort_by(f64::total_cmp);
         let rays = counters.primary_rays as f64;
         println!(
-            "{:<44}  {:>9.3}  {:>11.2}  {:>12.2}",
+            "{:<52}  {:>9.3}  {:>11.2}  {:>12.2}",
             format!(
-                "{}²; {} steps + {}; {} views; {}{}",
+                "{}²; {}; {} steps + {}; {} views; {}{}",
                 self.size,
+                self.refinements,
                 self.steps,
                 self.refine,
                 self.views,

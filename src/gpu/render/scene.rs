@@ -6,7 +6,7 @@ use crate::evaluate::HoleFill;
 use crate::gpu::layout::{Face, Scene, View};
 use crate::image::Transfer;
 use crate::march::{
-    Acceleration, ActiveViews, DepthPyramid, HOLE_DIFFERENCE, MAX_BOUNCES, Proxies, Proxy, Refinements, RenderSettings,
+    Acceleration, ActiveViews, DepthPyramid, HOLE_DIFFERENCE, MAX_BOUNCES, Proxies, Refinements, RenderSettings,
 };
 use crate::math::{Camera, Window};
 use crate::views::{ColorCoding, FaceTexels};
@@ -193,6 +193,7 @@ mod tests {
     use super::*;
     use crate::gpu::kernels::{KERNELS, Kernel};
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
+    use crate::march::Footprint;
     use crate::march::interpolate::{self, DEPTH_EPSILON};
     use crate::march::layers;
     use crate::march::pyramid;
@@ -239,6 +240,7 @@ mod tests {
             ("DEPTH_CUT", interpolate::DEPTH_CUT),
             ("CUT_WEIGHT", interpolate::CUT_WEIGHT),
             ("LEAST_LAYER", layers::LEAST_LAYER),
+            ("AROUND_REACH", Footprint::Around.reach()),
             ("GROWTH", ray::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
             ("ROUNDING", segments::ROUNDING),

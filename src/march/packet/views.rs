@@ -7,7 +7,7 @@
 use glam::Vec4;
 
 use crate::image::{Face, TexelMap};
-use crate::march::packet::lanes::{ALL, Lanes, Points, either, floor, lanes_of, number_of, to_whole};
+use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
 use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
 use crate::march::{ActiveView, ActiveViews, Footprint, LEAST_M, ViewPyramids};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
@@ -447,7 +447,7 @@ impl<'a> PacketView<'a> {
 
 /// The four texels around each place in an image.
 struct Around {
-    /// The first texel, and how far the next column and the next row are from it; 0 beyond the last.
+    /// The first texel, and how far the last column and the last row are from it: one or none.
     first: [u32; 4],
     across: [u32; 4],
     down: [u32; 4],
@@ -456,18 +456,14 @@ struct Around {
 impl Around {
     #[inline(always)]
     fn of(places: &Places) -> Around {
-        let (mut first, mut next) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2]);
-        for axis in 0..2 {
-            let (low, end) = (floor(places.at[axis] - 0.5), places.size[axis] - 1.0);
-            first[axis] = low.max(Lanes::ZERO).min(end);
-            next[axis] = (low + 1.0).max(Lanes::ZERO).min(end) - first[axis];
-        }
-        let [column, row] = first.map(to_whole);
-        let (width, [across, down]) = (to_whole(places.size[0]), next.map(to_whole));
+        let reach = Footprint::Around.reach();
+        let end = |axis: usize, by: f32| to_whole((places.at[axis] + by).max(Lanes::ZERO).min(places.size[axis] - 1.0));
+        let ([column, row], [last, lowest]) = ([end(0, -reach), end(1, -reach)], [end(0, reach), end(1, reach)]);
+        let width = to_whole(places.size[0]);
         Around {
             first: std::array::from_fn(|lane| row[lane].wrapping_mul(width[lane]).wrapping_add(column[lane])),
-            across,
-            down: std::array::from_fn(|lane| down[lane] * width[lane]),
+            across: std::array::from_fn(|lane| last[lane].wrapping_sub(column[lane])),
+            down: std::array::from_fn(|lane| lowest[lane].wrapping_sub(row[lane]).wrapping_mul(width[lane])),
         }
     }
 }
@@ -478,8 +474,8 @@ fn around(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> Lanes
     let of = |lane: usize| {
         let (first, across, down) = (places.first[lane], places.across[lane], places.down[lane]);
         let texel = |number: u32| texel(lane, number as usize).unwrap_or(UNKNOWN);
-        let above = texel(first).max(texel(first + across));
-        above.max(texel(first + down).max(texel(first + down + across)))
+        let above = texel(first).max(texel(first.wrapping_add(across)));
+        above.max(texel(first.wrapping_add(down)).max(texel(first.wrapping_add(down).wrapping_add(across))))
     };
     Lanes::new(of(0), of(1), of(2), of(3))
 }
