@@ -2,8 +2,8 @@
 // `local_of`, `texel_material` and `DEPTH_EPSILON`.
 
 const SAME_SURFACE: f32 = 0.02;
-const FIT_NEAR: f32 = 0.01;
-const FIT_FAR: f32 = 0.002;
+const MOST_REACH: i32 = 2;
+const FIT: f32 = 0.01;
 const SAME_PATCH: f32 = 0.03;
 const SAME_MATERIAL: i32 = 64;
 // No inverse depth of the surface.
@@ -118,11 +118,18 @@ const NO_FIT = Fit(false, false, array(0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
 
 // Least squares of the second degree over a whole square of texels.
 fn bent(around: Around, reach: i32) -> Fit {
-    let is_wide = reach == 2;
     let side = f32(2 * reach + 1);
-    let squares = select(2.0, 10.0, is_wide);
-    let fourths = select(2.0 / 3.0, 14.0, is_wide);
+    // Sums of x² and of (x² − mean)² over a row.
+    var squares = 0.0;
+    for (var column = -reach; column <= reach; column++) {
+        squares += f32(column * column);
+    }
     let mean_square = squares / side;
+    var fourths = 0.0;
+    for (var column = -reach; column <= reach; column++) {
+        let off = f32(column * column) - mean_square;
+        fourths += off * off;
+    }
     var sums = array(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     for (var row = -reach; row <= reach; row++) {
         for (var column = -reach; column <= reach; column++) {
@@ -150,7 +157,7 @@ fn bent(around: Around, reach: i32) -> Fit {
     );
     c[0] -= mean_square * (c[3] + c[5]);
     let fit = Fit(true, true, c);
-    let far = select(FIT_NEAR, FIT_FAR, is_wide) * c[0];
+    let far = FIT * c[0];
     for (var row = -reach; row <= reach; row++) {
         for (var column = -reach; column <= reach; column++) {
             let value = fit_value(fit, vec2(f32(column), f32(row)));
@@ -193,7 +200,7 @@ fn fit_around(face: u32, texel: vec2<u32>) -> Fit {
     if (texel_around(around, 0, 0) < 0.0) {
         return NO_FIT;
     }
-    for (var reach = 2; reach >= 1; reach--) {
+    for (var reach = MOST_REACH; reach >= 1; reach--) {
         let fit = bent(around, reach);
         if (fit.found) {
             return fit;

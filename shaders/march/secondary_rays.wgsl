@@ -8,6 +8,7 @@ const LEAST_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
 const RECORDED_SINE: f32 = 0.05;
+const SETTLE_TIMES = 8u;
 // Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
 
@@ -192,6 +193,27 @@ fn recorded_of(point: vec3<f32>) -> Recorded {
     return Recorded(greatest * greatest * (3.0 - 2.0 * greatest), light_of(seen.color));
 }
 
+// A point that the eye sees, moved on along its ray to where the texels that contain it say that the surface is.
+fn on_texels(point: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    var empty_m = length(point);
+    var surface_m = empty_m * exp(HOLE_DIFFERENCE);
+    let ray = Ray(vec3(0.0), direction);
+    counted[MARCH_STEPS] += 2u;
+    if (is_surface(point) || !is_surface(point_at(ray, surface_m))) {
+        return point;
+    }
+    for (var turn = 0u; turn < SETTLE_TIMES; turn++) {
+        let middle_m = 0.5 * (empty_m + surface_m);
+        counted[REFINE_STEPS]++;
+        if (is_surface(point_at(ray, middle_m))) {
+            surface_m = middle_m;
+        } else {
+            empty_m = middle_m;
+        }
+    }
+    return point_at(ray, surface_m);
+}
+
 // Divides the share of a surface among its secondary rays.
 fn divide(next: Pending) -> vec3<f32> {
     let whole = next.share * next.light;
@@ -205,8 +227,12 @@ fn divide(next: Pending) -> vec3<f32> {
     }
     // The eye's own rays; what others meet is seen from elsewhere.
     var seen_there = Recorded(0.0, vec3(0.0));
+    var point = next.point;
     if (next.bounces == scene.max_bounces) {
-        seen_there = recorded_of(next.point);
+        if ((scene.refinements & REFINE_EDGES) != 0u) {
+            point = on_texels(point, next.direction);
+        }
+        seen_there = recorded_of(point);
     }
     let recorded = next.share * seen_there.share * seen_there.light;
     let share = next.share - next.share * seen_there.share;
@@ -215,7 +241,7 @@ fn divide(next: Pending) -> vec3<f32> {
         return rest;
     }
     counted[NORMAL_EVALS]++;
-    let at_point = front_of(Ray(next.point, next.direction), seen.refract > 0.0);
+    let at_point = front_of(Ray(point, next.direction), seen.refract > 0.0);
     let front = at_point.surface;
     let cosine = -dot(next.direction, front.normal);
     if (!front.found || cosine <= 0.0) {

@@ -164,6 +164,17 @@ impl Measurement {
         other
     }
 
+    fn refinements(&self) -> String {
+        let Refinements { angles, edges, thin } = self.refinements;
+        let named = [(angles, "angles"), (edges, "edges"), (thin, "thin")];
+        let names: Vec<&str> = named.into_iter().filter_map(|(is_on, name)| is_on.then_some(name)).collect();
+        match names.len() {
+            0 => "no refinements".into(),
+            3 => "all refinements".into(),
+            _ => names.join("+"),
+        }
+    }
+
     /// Prints a line; answers the seconds of a turn.
     fn print(&self, field: &LightField) -> f64 {
         let positions = field.views.iter().map(|view| view.position);
@@ -201,7 +212,7 @@ impl Measurement {
             format!(
                 "{}²; {}; {} steps + {}; {} views; {}{}",
                 self.size,
-                self.refinements,
+                self.refinements(),
                 self.steps,
                 self.refine,
                 self.views,

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lightfold::image::{ReadLimits, exr};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -105,6 +106,54 @@ fn words_go_where_nothing_else_goes() {
     let line = "render a.lfold --reference captured --reference-probe 04 --frames 0 --null -q";
     let out = String::from_utf8(fine(line, at).stdout).unwrap();
     assert!(out.contains("PSNR") && out.contains("a frame of 6 pictures"), "{out}");
+}
+
+#[test]
+fn planes_beside_a_picture_say_what_its_pixels_are() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("interior", at);
+    let line = format!("render a.lfold {EYE} --aov depth,normal,holes,views");
+    fine(&format!("{line} -o a.exr"), at);
+    let limits = ReadLimits::default();
+    let read = exr::read_channels(&at.join("a.exr"), ["Z", "N.X", "N.Y", "N.Z", "holes", "views", "A"], &limits).unwrap();
+    let mut known = 0;
+    for &[z, x, y, normal_z, hole, views, alpha] in read.data() {
+        // A closed room of a few metres, which five probes see; holes are filled.
+        assert!(z > 0.1 && z < 20.0 && (0.0..=5.0).contains(&views) && views.fract() == 0.0, "{z} m, {views} views");
+        assert!((hole == 0.0 || hole == 1.0) && alpha == 1.0, "hole {hole}, alpha {alpha}");
+        let length = (x * x + y * y + normal_z * normal_z).sqrt();
+        assert!(length == 0.0 || (length - 1.0).abs() < 1e-3, "a normal of length {length}");
+        known += u32::from(length > 0.0 && views > 0.0);
+    }
+    assert!(known > 1400, "{known} of 1600 pixels have a normal and a view");
+    // The mask is what blank holes are.
+    fine(&format!("render a.lfold {EYE} --aov holes --holes blank -o blank.exr"), at);
+    let blank = exr::read_channels(&at.join("blank.exr"), ["holes", "A"], &limits).unwrap();
+    assert!(blank.data().iter().all(|&[hole, alpha]| hole == 1.0 - alpha));
+    for (options, words) in [
+        ("-o a.png", "exr"),
+        ("-o a.exr --method splat", "--aov"),
+        ("-o a.exr --device gpu", "--device"),
+    ] {
+        assert!(refused(&format!("{line} {options}"), at).contains(words), "{options}");
+    }
+}
+
+#[test]
+fn the_algorithm_of_the_paper_is_that_without_refinements() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("fence", at);
+    let picture = |options: &str| {
+        fine(&format!("render a.lfold {EYE} {options} -o a.png"), at);
+        std::fs::read(at.join("a.png")).unwrap()
+    };
+    let calf = picture("--method calf --holes blank");
+    assert!(calf == picture("--refinements none --holes blank"));
+    assert!(calf != picture("--holes blank") && picture("") == picture("--refinements angles+edges+thin"));
+    let words = refused(&format!("render a.lfold {EYE} --null --refinements edges+all+more"), at);
+    assert!(words.contains("more"), "{words}");
 }
 
 #[test]

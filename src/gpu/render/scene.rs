@@ -230,6 +230,8 @@ mod tests {
             ("UNKNOWN", UNKNOWN.to_bits()),
             ("TILE", TILE),
             ("COUNTERS", COUNTERS as u32),
+            ("MOST_REACH", normal::MOST_REACH as u32),
+            ("SETTLE_TIMES", secondary_rays::SETTLE_TIMES),
             ("MAX_INSIDE", solid::MAX_INSIDE as u32),
             ("MOST_BEFORE_STEPS", ray::MOST_BEFORE_STEPS),
         ];
@@ -251,8 +253,7 @@ mod tests {
             ("LEAST_IOR", IOR_RANGE[0]),
             ("GREATEST_IOR", IOR_RANGE[1]),
             ("SAME_SURFACE", normal::SAME_SURFACE),
-            ("FIT_NEAR", normal::FIT[0]),
-            ("FIT_FAR", normal::FIT[1]),
+            ("FIT", normal::FIT),
             ("SAME_PATCH", normal::SAME_PATCH),
             ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
             ("FLAT", solid::FLAT),

@@ -13,8 +13,10 @@ use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
 /// A view sees a point where the logarithm of its depth differs by at most this.
 pub const SAME_SURFACE: f32 = 0.02;
-/// Greatest relative residual of a polynomial over 3 × 3 and 5 × 5 texels.
-pub const FIT: [f32; 2] = [0.01, 0.002];
+/// Texels of a fit on each side of its middle, at most: 5 × 5.
+pub const MOST_REACH: i32 = 2;
+/// Greatest relative residual of a polynomial: a little more than the steps of depth codes leave.
+pub const FIT: f32 = 0.01;
 /// Adjacent texels are of one surface where their inverse depths differ by at most this part.
 pub const SAME_PATCH: f32 = 0.03;
 /// Texels are of one solid where the sums of their weights, in 255ths, differ by at most this.
@@ -155,15 +157,17 @@ impl Image<'_> {
 
     fn fit(&self) -> Option<Fit> {
         self.get(0, 0)?;
-        self.bent(2).or_else(|| self.bent(1)).or_else(|| self.flat())
+        (1..=MOST_REACH).rev().find_map(|reach| self.bent(reach)).or_else(|| self.flat())
     }
 
     /// Least squares of the second degree over a whole square of (2·reach + 1)² texels; none where it does not fit.
     fn bent(&self, reach: i32) -> Option<Fit> {
         let side = (2 * reach + 1) as f32;
         // Sums of x² and of (x² − mean)² over a row.
-        let (squares, fourths) = if reach == 2 { (10.0, 14.0) } else { (2.0, 2.0 / 3.0) };
+        let sum = |term: fn(f32, f32) -> f32, mean: f32| (-reach..=reach).map(|x| term(x as f32, mean)).sum::<f32>();
+        let squares = sum(|x, _| x * x, 0.0);
         let mean_square = squares / side;
+        let fourths = sum(|x, mean| (x * x - mean) * (x * x - mean), mean_square);
         let mut sums = [0.0; 6];
         for y in -reach..=reach {
             for x in -reach..=reach {
@@ -179,7 +183,7 @@ impl Image<'_> {
         let mut c = [0, 1, 2, 3, 4, 5].map(|at| sums[at] / norms[at]);
         c[0] -= mean_square * (c[3] + c[5]);
         let fit = Fit { c, bends: true };
-        let far = FIT[usize::from(reach == 2)] * c[0];
+        let far = FIT * c[0];
         for y in -reach..=reach {
             for x in -reach..=reach {
                 if (self.get(x, y)? - fit.value([x as f32, y as f32])).abs() > far {
