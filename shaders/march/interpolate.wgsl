@@ -4,6 +4,8 @@
 const DEPTH_EPSILON: f32 = 0.02;
 const HOLE_DIFFERENCE: f32 = 0.1;
 const ANGLE_EPSILON: f32 = 0.0005;
+const CAMERA_EPSILON: f32 = 0.01;
+const EDGE_PENALTY: f32 = 20.0;
 const DEPTH_CUT: f32 = 0.2;
 const CUT_WEIGHT: f32 = 0.001;
 
@@ -92,6 +94,28 @@ fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
     return 1.0 / (angle + blur + ANGLE_EPSILON);
 }
 
+// The weights of a view by its distance from the eye: of texels within the background, and of those beside a surface.
+fn background_weights(view: u32) -> vec2<f32> {
+    let weight = views[view].camera_weight;
+    if (!is_around) {
+        return vec2(weight);
+    }
+    return vec2(weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON));
+}
+
+fn is_surface_texel(face: u32, texel: vec2<u32>) -> bool {
+    let surface = inverse_depth_bits(face, texel);
+    return surface != BACKGROUND && surface != UNKNOWN;
+}
+
+// Whether a surface lies in a texel above, below, left or right of one.
+fn is_beside_surface(face: u32, texel: vec2<u32>) -> bool {
+    return (texel.x > 0u && is_surface_texel(face, texel - vec2(1u, 0u)))
+        || (texel.x + 1u < faces[face].width && is_surface_texel(face, texel + vec2(1u, 0u)))
+        || (texel.y > 0u && is_surface_texel(face, texel - vec2(0u, 1u)))
+        || (texel.y + 1u < faces[face].height && is_surface_texel(face, texel + vec2(0u, 1u)));
+}
+
 fn fit_weight(difference: f32) -> f32 {
     let weight = 1.0 / (difference + DEPTH_EPSILON);
     if ((scene.refinements & REFINE_ANGLES) == 0u) {
@@ -152,9 +176,11 @@ fn background_color(direction: vec3<f32>) -> Seen {
             continue;
         }
         var taps = taps_around(at.at, at.face);
+        let of_view = background_weights(view);
         for (var tap = 0u; tap < 4u; tap++) {
             if (inverse_depth_bits(at.face, taps.texels[tap]) == BACKGROUND) {
-                let weight = taps.weights[tap] * views[view].camera_weight;
+                let is_edge = is_beside_surface(at.face, taps.texels[tap]);
+                let weight = taps.weights[tap] * select(of_view.x, of_view.y, is_edge);
                 sum.color += weight * texel_color(at.face, taps.texels[tap]);
                 sum.weight += weight;
                 sum.difference = 0.0;

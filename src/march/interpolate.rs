@@ -13,7 +13,8 @@
 
 use glam::Vec3;
 
-use crate::march::{ActiveView, ActiveViews, Refinements, Taps};
+use crate::march::active_views::CAMERA_EPSILON;
+use crate::march::{ActiveView, ActiveViews, Footprint, Refinements, Taps};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the weight of depth: a difference of two per cent halves the weight.
@@ -25,7 +26,10 @@ pub const HOLE_DIFFERENCE: f32 = 0.1;
 pub const ANGLE_EPSILON: f32 = 0.0005;
 /// Texels whose depth differs by more than this, in the logarithm, have next to no weight with [`angle_weight`].
 pub const DEPTH_CUT: f32 = 0.2;
-/// The part of its weight that such a texel keeps, so that there is a colour where no other is.
+/// Texels of the background beside a surface have its colour mixed into theirs: the distance of their view from the eye counts so many
+/// times more. None does where the eye is in the view, so that pictures become what a probe recorded.
+pub const EDGE_PENALTY: f32 = 20.0;
+/// The part of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour where no other is.
 pub const CUT_WEIGHT: f32 = 0.001;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +134,29 @@ pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
     1.0 / (angle + blur + ANGLE_EPSILON)
 }
 
+/// The weights of a view by its distance from the eye: of texels within the background, and of those beside a surface.
+fn background_weights(view: &ActiveView<'_>) -> [f32; 2] {
+    let weight = view.camera_weight;
+    match view.footprint {
+        Footprint::Texel => [weight; 2],
+        Footprint::Around => [weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON)],
+    }
+}
+
+/// Whether a surface lies in a texel above, below, left or right of one.
+fn is_beside_surface(face: &FaceTexels, texel: usize) -> bool {
+    let width = face.size[0] as usize;
+    let column = texel % width;
+    let beside = [
+        (column > 0).then(|| texel - 1),
+        (column + 1 < width).then(|| texel + 1),
+        texel.checked_sub(width),
+        Some(texel + width),
+    ];
+    let is_surface = |at: usize| face.inverse_depth.get(at).is_some_and(|&at| at != BACKGROUND && at != UNKNOWN);
+    beside.into_iter().flatten().any(is_surface)
+}
+
 /// The weight of a texel by its difference in depth, without next to any beyond [`DEPTH_CUT`].
 fn cut_weight(difference: f32) -> f32 {
     let weight = 1.0 / (difference + DEPTH_EPSILON);
@@ -174,10 +201,11 @@ pub fn background_color(views: &ActiveViews<'_>, direction: Vec3) -> Option<Inte
     let mut sum = Sum::EMPTY;
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.probe_from_world * direction) else { continue };
-        let taps = Taps::around(at.at, face);
+        let (taps, of_view) = (Taps::around(at.at, face), background_weights(view));
         for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
             if face.inverse_depth[texel] == BACKGROUND {
-                sum.add(WeightedTexel { face, texel, weight: weight * view.camera_weight, difference: 0.0 });
+                let weight = weight * of_view[usize::from(is_beside_surface(face, texel))];
+                sum.add(WeightedTexel { face, texel, weight, difference: 0.0 });
             }
         }
     }

@@ -194,6 +194,7 @@ mod tests {
     use crate::gpu::kernels::{KERNELS, Kernel};
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
     use crate::march::Footprint;
+    use crate::march::active_views;
     use crate::march::interpolate::{self, DEPTH_EPSILON};
     use crate::march::layers;
     use crate::march::pyramid;
@@ -239,6 +240,8 @@ mod tests {
             ("DEPTH_EPSILON", DEPTH_EPSILON),
             ("HOLE_DIFFERENCE", HOLE_DIFFERENCE),
             ("ANGLE_EPSILON", interpolate::ANGLE_EPSILON),
+            ("CAMERA_EPSILON", active_views::CAMERA_EPSILON),
+            ("EDGE_PENALTY", interpolate::EDGE_PENALTY),
             ("DEPTH_CUT", interpolate::DEPTH_CUT),
             ("CUT_WEIGHT", interpolate::CUT_WEIGHT),
             ("LEAST_LAYER", layers::LEAST_LAYER),
