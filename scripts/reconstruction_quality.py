@@ -8,7 +8,9 @@ import pathlib
 
 import lightfold_runs as lf
 
-METHODS = [("splat", "points"), ("reproject", "ceiling"), ("march", "ours")]
+METHODS = [("splat", "points"), ("reproject", "ceiling"), ("calf", "paper"), ("march", "ours")]
+# So many probes of a dataset or scene are shown from where they stand.
+MOST_OWN = 9
 # Where probes of scenes that come with the program, or with the data, stand: the middle, and how far from it, in metres.
 REGIONS = {
     "courtyard": ((0.0, 1.5, 0.0), (0.3, 0.2, 0.3)),
@@ -231,9 +233,23 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
         rows += of_probe + with_and_without_effects(renderer, probe, case, of_probe)
     central = Case(container, pathlib.Path(manifest), left_out[0], (left_out[0],), frames)
     rows += by_views(renderer, central, len(probes) - 1)
+    rows += at_probes(renderer, container, pathlib.Path(manifest), [name for name, _ in probes], frames)
     for line in lines_of(probes):
         rows += along(renderer, container, manifest, line, frames)
     return rows
+
+
+def at_probes(renderer, container, reference, names, frames="0"):
+    """Rows of pictures from where probes stand, all of which take part: a picture becomes what the probe recorded."""
+    cases = {name: Case(container, reference, name, frames=frames) for name in names[:MOST_OWN]}
+    return [row for name, case in cases.items() for row in renderer.rows("at a probe", name, case)]
+
+
+def free_positions(region):
+    """Six positions within a region, off the straight ways between its corners."""
+    middle, reach = region
+    parts = itertools.permutations((-0.6, 0.2, 0.7))
+    return [tuple(at + part * far for at, part, far in zip(middle, three, reach)) for three in parts]
 
 
 def along(renderer, container, manifest, line, frames):
@@ -252,7 +268,9 @@ def measure_scene(binary, renderer, scene, work, settings):
     poses = line(around[0], around[-1], settings.poses)
     named = {f"pose_{at:02}": part for at, (part, _) in enumerate(poses)}
     write_cameras(work / "probes.json", [(f"{at:02}", position) for at, position in enumerate(around)])
-    write_cameras(work / "poses.json", zip(named, (position for _, position in poses)))
+    free = {f"free_{at}": position for at, position in enumerate(free_positions(settings.region))}
+    positions = [*zip(named, (position for _, position in poses)), *free.items()]
+    write_cameras(work / "poses.json", positions)
     options = ["--frames", "0", "--size", settings.size, "--samples", settings.samples, "--aov", "depth,material"]
     for name in ("probes", "poses"):
         lf.run_json(binary, "capture", scene, "--cameras", work / f"{name}.json", *options, "-o", work / name, "--json")
@@ -262,6 +280,9 @@ def measure_scene(binary, renderer, scene, work, settings):
     rows = []
     for name, part in named.items():
         rows += renderer.rows("by pose", part, Case(container, work / "poses", name))
+    for name in free:
+        rows += renderer.rows("free poses", name, Case(container, work / "poses", name))
+    rows += at_probes(renderer, container, work / "probes", [f"{at:02}" for at in range(len(around))])
     middle = Case(container, work / "poses", list(named)[settings.poses // 2])
     both = renderer.rows("midway", "all", middle, maps=work / "errors")
     rows += both + with_and_without_effects(renderer, "midway", middle, both)

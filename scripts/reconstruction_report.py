@@ -11,14 +11,19 @@ import lightfold_runs as lf
 TITLES = {
     "left out": "A probe that is left out, rendered from the others",
     "midway": "Midway between probes",
+    "at a probe": "From where a probe stands that takes part",
+    "free poses": "Six poses between the probes, off the straight ways between them",
     "by pose": "By pose on the way from one probe to another (0 and 1 are probes; CALF figure 11)",
     "by views": "By the number of active views (CALF figure 9)",
     "effects": "With and without effects, inside mirrors and glass (CALF figure 12)",
 }
-PLACES = {"left out": "probe", "midway": "probes", "by pose": "way", "by views": "views", "effects": "place"}
-COLORS = {"points": "#b25d00", "ceiling": "#767676", "ours": "#0067b1", "ours, without effects": "#8a4fae"}
+PLACES = {
+    "left out": "probe", "midway": "probes", "at a probe": "probe", "free poses": "pose", "by pose": "way", "by views": "views",
+    "effects": "place",
+}
+COLORS = {"points": "#b25d00", "ceiling": "#767676", "paper": "#a02060", "ours": "#0067b1", "ours, without effects": "#8a4fae"}
 OTHER_COLORS = ("#0067b1", "#b25d00", "#8a4fae", "#767676")
-DASHES = {"points": "2 3", "ceiling": "8 4", "ours": "", "ours, without effects": "10 3 2 3"}
+DASHES = {"points": "2 3", "ceiling": "8 4", "paper": "6 2", "ours": "", "ours, without effects": "10 3 2 3"}
 
 
 def decibels(value):
@@ -157,7 +162,8 @@ def write(folder, name, rows, command):
     shown = "".join(f"![]({file})\n" for file in charts)
     about = ("PSNR is of 8-bit codes, the mean over images that are not exact, and inside mirrors or glass that of all their "
              "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Ceiling: true "
-             "distances instead of marching, the same interpolation. Marching can be better all the same: in mirrors and glass, and "
+             "distances instead of marching, the same interpolation. Paper: the algorithm of CALF, `--method calf`. "
+             "Marching can be better all the same: in mirrors and glass, and "
              "where few views know a surface. Pictures of where errors lie are in errors/.\n")
     about += of_lines(rows)
     report = "\n".join([f"# {name}\n", f"`{command}`\n", about, *sections, shown])

@@ -28,7 +28,7 @@ words = sys.argv[1:]
 open({log!r}, "a").write(json.dumps(words) + "\\n")
 value = lambda name: words[words.index(name) + 1] if name in words else None
 if words[0] == "render":
-    db = {{"splat": 20.0, "reproject": 30.0, "march": 28.0}}[value("--method")]
+    db = {{"splat": 20.0, "reproject": 30.0, "calf": 27.0, "march": 28.0}}[value("--method")]
     db += float(value("--views") or 0) / 10 - (3 if value("--effects") == "none" else 0)
     image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5}}
     exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5}}
@@ -83,31 +83,36 @@ class DatasetTest(Stubbed):
         renderer = rq.Renderer(binary, ["--steps", "64"])
         rows = rq.measure_dataset(binary, renderer, manifest, self.work, [], "0")
         out = [(row.place, row.method, row.psnr_db) for row in rows if row.table == "left out"]
-        self.assertEqual(out[:3], [("a", "points", 20.0), ("a", "ceiling", 30.0), ("a", "ours", 28.0)])
-        self.assertEqual(out[3:6], [("half", "points", 20.0), ("half", "ceiling", 30.0), ("half", "ours", 28.0)])
-        self.assertEqual(out[6:], [("exact", "points", math.inf), ("exact", "ceiling", math.inf), ("exact", "ours", math.inf)])
+        figures = {"points": 20.0, "ceiling": 30.0, "paper": 27.0, "ours": 28.0}
+        exact = dict.fromkeys(figures, math.inf)
+        places = {"a": figures, "half": figures, "exact": exact}
+        self.assertEqual(out, [(place, *figure) for place, of in places.items() for figure in of.items()])
+        own = [(row.place, row.psnr_db) for row in rows if row.table == "at a probe" and row.method == "ours"]
+        self.assertEqual(own, [("a", 28.0), ("half", 28.0), ("exact", math.inf)])
         self.assertEqual([row.place for row in rows if row.table == "by views" and row.method == "ours"], [1, 2])
         self.assertFalse([row for row in rows if row.table == "effects"])
         encode, *renders = self.commands()
         self.assertEqual(encode[:2], ["encode", str(manifest)])
         self.assertNotIn("--hdr", encode)
+        with_all = [words for words in renders if "--exclude-probe" not in words]
+        self.assertEqual(len(with_all), 3 * len(rq.METHODS))
         for words in renders:
-            left_out = words[words.index("--reference-probe") + 1]
-            self.assertEqual(words[words.index("--exclude-probe") + 1], left_out)
+            if words not in with_all:
+                self.assertEqual(words[words.index("--exclude-probe") + 1], words[words.index("--reference-probe") + 1])
             self.assertEqual(words[words.index("--steps") + 1], "64")
 
     def test_mirrors_and_glass_are_rendered_with_effects_and_without(self):
         binary = self.stub(material=True)
         rows = rq.measure_dataset(binary, rq.Renderer(binary, []), self.dataset(["a", "b", "c"]), self.work, ["b", "c"], "0")
         of_effects = [row for row in rows if row.table == "effects"]
-        methods = ["points", "ceiling", "ours", "ours, without effects"]
+        methods = ["points", "ceiling", "paper", "ours", "ours, without effects"]
         self.assertEqual([(row.place, row.method) for row in of_effects], [(place, method) for place in "bc" for method in methods])
         effects = {row.method: (row.psnr_db_mirrors, row.psnr_db_glass) for row in of_effects}
         self.assertEqual(effects["ours"], (23.0, 20.0))
         self.assertEqual(effects["ours, without effects"], (20.0, 17.0))
-        # Three methods and one without effects for each probe, three for each number of views: nothing is rendered twice.
+        # All methods and one without effects for each probe, all for each number of views and at three probes: nothing is rendered twice.
         _, *renders = self.commands()
-        self.assertEqual(len(renders), 2 * (3 + 1) + 2 * 3)
+        self.assertEqual(len(renders), 2 * (4 + 1) + 2 * 4 + 3 * 4)
 
     def test_probes_between_two_others_are_poses_that_no_picture_of_the_way_has(self):
         binary = self.stub(material=False)
@@ -118,7 +123,7 @@ class DatasetTest(Stubbed):
         self.assertEqual(poses, [("a to b", 1.0 * round(part, 6), method) for part, _ in parts for _, method in rq.METHODS])
         _, *renders = self.commands()
         along = [words for words in renders if "half,exact" in words]
-        self.assertEqual(len(along), 4 * 3)
+        self.assertEqual(len(along), 4 * len(rq.METHODS))
         shown = [words[words.index("--reference-probe") + 1] for words in along]
         self.assertEqual(shown, [name for _, name in parts for _ in rq.METHODS])
         report = rr.write(self.work, "set", rows, "a command")
@@ -188,15 +193,20 @@ class SceneTest(Stubbed):
         cameras = json.loads((output / "mirrors" / "probes.json").read_text())["cameras"]
         self.assertEqual(len(cameras), 8)
         poses = json.loads((output / "mirrors" / "poses.json").read_text())["cameras"]
+        poses, free = poses[:5], poses[5:]
+        self.assertEqual(len(free), 6)
+        middle, reach = rq.REGIONS["mirrors"]
+        for pose in free:
+            self.assertTrue(all(abs(at - of) < far for at, of, far in zip(pose["position"], middle, reach)))
         self.assertEqual((poses[0]["position"], poses[-1]["position"]), (cameras[0]["position"], cameras[-1]["position"]))
         for found, wanted in zip(poses[2]["position"], rq.REGIONS["mirrors"][0]):
             self.assertAlmostEqual(found, wanted)
         self.assertTrue(all(words[-2:] == ["--refine", "4"] or "--refine" in words for words in commands[3:]))
         report = told.getvalue()
-        for title in ("Midway", "By pose", "By the number", "With and without effects"):
+        for title in ("Midway", "From where a probe stands", "Six poses", "By pose", "By the number", "With and without effects"):
             self.assertIn(title, report)
         rows = list(csv.DictReader(io.StringIO((output / "mirrors" / "figures.csv").read_text())))
-        self.assertEqual({row["table"] for row in rows}, {"midway", "by pose", "by views", "effects"})
+        self.assertEqual({row["table"] for row in rows}, {"midway", "at a probe", "free poses", "by pose", "by views", "effects"})
         for name in ("by_views.svg", "by_pose.svg"):
             xml.etree.ElementTree.parse(output / "mirrors" / name)
 
