@@ -62,6 +62,8 @@ class Row:
     psnr_db_mirrors: object = None
     psnr_db_glass: object = None
     render_ms: object = None
+    # Error near silhouettes of probes over that elsewhere.
+    ghost_ratio: object = None
     # Of a pose, the two probes that it lies between.
     line: object = None
 
@@ -93,6 +95,7 @@ def row_of(table, place, method, report):
         number(reference.get("psnr_db_mirrors")),
         number(reference.get("psnr_db_glass")),
         number(report.get("pacing", {}).get("render_ms", {}).get("mean_ms")),
+        number(reference.get("ghost_ratio")),
     )
 
 

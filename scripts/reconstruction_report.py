@@ -21,6 +21,8 @@ PLACES = {
     "left out": "probe", "midway": "probes", "at a probe": "probe", "free poses": "pose", "by pose": "way", "by views": "views",
     "effects": "place",
 }
+# Tables that show the error near silhouettes of probes over that elsewhere.
+WITH_GHOSTS = ("left out", "midway", "free poses")
 COLORS = {"points": "#b25d00", "ceiling": "#767676", "paper": "#a02060", "ours": "#0067b1", "ours, without effects": "#8a4fae"}
 OTHER_COLORS = ("#0067b1", "#b25d00", "#8a4fae", "#767676")
 DASHES = {"points": "2 3", "ceiling": "8 4", "paper": "6 2", "ours": "", "ours, without effects": "10 3 2 3"}
@@ -52,11 +54,15 @@ def tables(rows):
         else:
             head = [PLACES[name], *(f"{method} dB" for method in methods), *(f"{method} SSIM" for method in methods),
                     *(f"{method} holes %" for method in methods)]
+            with_ghosts = name in WITH_GHOSTS and any(row.ghost_ratio is not None for row in of_table)
+            head += [f"{method} ghosts" for method in methods if with_ghosts]
+            ghosts = lambda row: "" if row.ghost_ratio is None else f"{row.ghost_ratio:.2f}"
             ssim = lambda row: "" if row.ssim is None else f"{row.ssim:.4f}"
             lines = [
                 [place_in_words(*place), *(decibels(cell[place, method].psnr_db) for method in methods),
                  *(ssim(cell[place, method]) for method in methods),
-                 *(f"{cell[place, method].hole_percent:.2f}" for method in methods)]
+                 *(f"{cell[place, method].hole_percent:.2f}" for method in methods),
+                 *(ghosts(cell[place, method]) for method in methods if with_ghosts)]
                 for place in places
             ]
         found.append((title, lf.table(head, lines)))
@@ -164,7 +170,8 @@ def write(folder, name, rows, command):
              "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Ceiling: true "
              "distances instead of marching, the same interpolation. Paper: the algorithm of CALF, `--method calf`. "
              "Marching can be better all the same: in mirrors and glass, and "
-             "where few views know a surface. Pictures of where errors lie are in errors/.\n")
+             "where few views know a surface. Ghosts: RMS error within 3 pixels of projected "
+             "silhouettes of probes, over that of all other pixels. Pictures of where errors lie are in errors/.\n")
     about += of_lines(rows)
     report = "\n".join([f"# {name}\n", f"`{command}`\n", about, *sections, shown])
     (folder / "report.md").write_text(report)

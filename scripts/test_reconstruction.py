@@ -33,7 +33,7 @@ if words[0] == "render":
     image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5}}
     exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5}}
     images = {{"exact": [exact, exact], "half": [image, exact]}}.get(value("--reference-probe"), [image, image])
-    reference = {{"images": images, "method": value("--method")}}
+    reference = {{"images": images, "method": value("--method"), "ghost_ratio": 1.25}}
     if {material}:
         reference.update(psnr_db_mirrors=db - 5, psnr_db_glass=db - 8)
     print(json.dumps({{"reference": reference, "pacing": {{"render_ms": {{"mean_ms": 2.0}}}}}}))
@@ -205,6 +205,8 @@ class SceneTest(Stubbed):
         report = told.getvalue()
         for title in ("Midway", "From where a probe stands", "Six poses", "By pose", "By the number", "With and without effects"):
             self.assertIn(title, report)
+        self.assertIn("ours ghosts |", report)
+        self.assertIn(" 1.25 |", report)
         rows = list(csv.DictReader(io.StringIO((output / "mirrors" / "figures.csv").read_text())))
         self.assertEqual({row["table"] for row in rows}, {"midway", "at a probe", "free poses", "by pose", "by views", "effects"})
         for name in ("by_views.svg", "by_pose.svg"):
@@ -259,7 +261,7 @@ class ReportTest(unittest.TestCase):
         self.assertIn("figure 9", title)
         self.assertEqual(table.splitlines()[0], "| views | points dB | ours dB | points SSIM | ours SSIM | points holes % | ours holes % |")
         self.assertEqual(table.splitlines()[2], "| 1 | 21.00 | 21.00 |  |  | 1.00 | 1.00 |")
-        self.assertEqual(rr.to_csv(self.rows([1])).splitlines()[1], "by views,1,points,21.0,,1.0,,,,")
+        self.assertEqual(rr.to_csv(self.rows([1])).splitlines()[1], "by views,1,points,21.0,,1.0,,,,,")
 
 
 if __name__ == "__main__":

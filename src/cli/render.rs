@@ -81,7 +81,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     for job in &jobs {
         let rendered = renderer.render(job, truth.as_mut(), &progress)?;
         if let Some(truth) = &mut truth {
-            truth.compare(job, rendered.compared.as_ref().unwrap_or(&rendered.images), tone)?;
+            let pictures = rendered.compared.as_ref().unwrap_or(&rendered.images);
+            truth.compare(job, (pictures, &rendered.near_silhouettes), tone)?;
         }
         let eyes = rendered.images.len() / job.names.len().max(1);
         for (name, pictures_of) in job.names.iter().zip(rendered.images.chunks(eyes.max(1))) {

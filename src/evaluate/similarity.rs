@@ -20,6 +20,9 @@ pub struct Similarity {
     pub mirrors: SquaredError,
     /// Of those, the ones that refract.
     pub glass: SquaredError,
+    /// Pixels near silhouettes of views, and all others; both empty where these are unknown.
+    pub near_silhouettes: SquaredError,
+    pub elsewhere: SquaredError,
     /// Whether the reference has material, so that the three are known.
     pub has_material: bool,
     /// Pixels of alpha 0.
@@ -44,6 +47,8 @@ pub struct SimilarityReport {
     ssim: Option<f64>,
     hole_percent: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    ghost_ratio: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     psnr_hvs_m_db: Option<Number>,
     #[serde(skip_serializing_if = "Option::is_none")]
     psnr_db_effects: Option<Number>,
@@ -60,6 +65,7 @@ impl Similarity {
             psnr_db_seen: Number(self.seen.psnr_db()),
             ssim: self.ssim(),
             hole_percent: self.hole_percent(),
+            ghost_ratio: self.ghost_ratio(),
             psnr_hvs_m_db: self.hvs.psnr_db().map(Number),
             psnr_db_effects: some_psnr(&self.effects).map(Number),
             psnr_db_mirrors: some_psnr(&self.mirrors).map(Number),
@@ -75,6 +81,8 @@ impl Similarity {
             effects: none,
             mirrors: none,
             glass: none,
+            near_silhouettes: none,
+            elsewhere: none,
             has_material: false,
             hole_pixels: 0,
             ssim_images: 0,
@@ -143,6 +151,23 @@ impl Similarity {
         Ok(sum)
     }
 
+    /// Divides the errors of the codes of a picture by whether pixels are near silhouettes of views.
+    pub fn add_silhouettes(&mut self, [shown, wanted]: [&Plane<[u8; 3]>; 2], near: &Plane<bool>) {
+        for ((shown, wanted), &is_near) in shown.data().iter().zip(wanted.data()).zip(near.data()) {
+            let error = if is_near { &mut self.near_silhouettes } else { &mut self.elsewhere };
+            error.sum += shown.iter().zip(wanted).map(|(&a, &b)| u128::from(a.abs_diff(b)).pow(2)).sum::<u128>();
+            error.samples += 3;
+        }
+    }
+
+    /// Root mean square error of pixels near silhouettes of views over that of all others: ghosts of edges raise it. None where there are no
+    /// such pixels, or all others are exact.
+    pub fn ghost_ratio(&self) -> Option<f64> {
+        let mean = |error: &SquaredError| error.sum as f64 / error.samples as f64;
+        let ratio = (mean(&self.near_silhouettes) / mean(&self.elsewhere)).sqrt();
+        ratio.is_finite().then_some(ratio)
+    }
+
     /// Adds other pictures. The order decides about the last bits.
     pub fn merge(&mut self, other: &Similarity) -> Result<()> {
         self.all.merge(&other.all)?;
@@ -150,6 +175,8 @@ impl Similarity {
         self.effects.merge(&other.effects)?;
         self.mirrors.merge(&other.mirrors)?;
         self.glass.merge(&other.glass)?;
+        self.near_silhouettes.merge(&other.near_silhouettes)?;
+        self.elsewhere.merge(&other.elsewhere)?;
         self.has_material |= other.has_material;
         self.hole_pixels += other.hole_pixels;
         self.ssim_images += other.ssim_images;

@@ -17,6 +17,7 @@ pub mod render;
 pub mod segments;
 pub mod settings;
 pub mod shading;
+pub mod silhouettes;
 pub mod specular;
 pub mod synthetic;
 pub mod taps;

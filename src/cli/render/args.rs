@@ -44,6 +44,8 @@ use crate::gpu::device::DeviceChoice;
     straight alpha. Alpha is 1, also for background and for holes that are filled with what is behind them; it is 0 where nothing is \
     known. Holes, which no probe saw, are channels of --aov holes; with --holes nearest or blank their alpha is 0. With \
     --holes nearest light is not premultiplied.\n\n\
+    With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of probes, over \
+    that of all others; it is absent without depth on the CPU.\n\n\
     Lines of --trace: shot, a counter from 0; frame; eye in metres; active probes by priority, with slot (constant while a \
     probe is active), distance_m from the eye and angle_deg at --pivot; culled probes with the reason: limit (--views), angle \
     (--cull-angle, by that probe) or performance (--target-ms); cells_decoded and cells_skipped, tiles and cells; bytes_read; \

@@ -23,6 +23,7 @@ use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, Play
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::SelectionSettings;
 use crate::march::settings::{Refinements, SpecularMode};
+use crate::march::silhouettes::near_silhouettes;
 use crate::math::Camera;
 use crate::memory::Need;
 use crate::monitor::Monitor;
@@ -149,11 +150,16 @@ struct LightFieldRenderer<'s, 'a> {
 
 impl JobRenderer for LightFieldRenderer<'_, '_> {
     fn render(&mut self, job: &Job, truth: Option<&mut TruthRun>, monitor: &dyn Monitor) -> Result<RenderedJob> {
+        let is_compared = truth.is_some();
         let renderer = self.method.prepare(job, truth)?;
         let named = |error: Error| error.in_file(self.input);
         let shown = self.playback.show(&job.request, renderer, monitor).map_err(named)?;
         self.frames.add(&shown.trace);
+        let field = &self.playback.player.field;
+        let near = |camera| near_silhouettes(field, camera, job.size);
+        let compared = if is_compared { &job.request.cameras[..] } else { &[] };
         Ok(RenderedJob {
+            near_silhouettes: compared.iter().map(near).collect::<Result<_>>()?,
             images: shown.pictures.into_iter().map(|picture| picture.image).collect(),
             compared: None,
             trace: Some(shown.trace),

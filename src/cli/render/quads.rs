@@ -148,6 +148,7 @@ impl JobRenderer for QuadRenderer<'_> {
         self.figures.add(&drawn, samples, times_ms);
         let compared = truth.map(|_| drawn.iter().map(|drawn| drawn.over_black(job.size)).collect::<Result<_>>());
         Ok(RenderedJob {
+            near_silhouettes: Vec::new(),
             images: drawn.iter().map(|drawn| drawn.image(job.size)).collect::<Result<_>>()?,
             compared: compared.transpose()?,
             trace: None,

@@ -8,8 +8,8 @@ use crate::cli::GlobalArgs;
 use crate::error::Result;
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::gpu::Gpu;
-use crate::image::FrameRange;
 use crate::image::transfer::ToneMap;
+use crate::image::{FrameRange, Plane};
 use crate::march::playback::trace::FrameTrace;
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -49,5 +49,7 @@ pub struct RenderedJob {
     pub images: Vec<RenderedImage>,
     /// As they are compared with references, where that differs.
     pub compared: Option<Vec<RenderedImage>>,
+    /// Of each image, pixels near silhouettes of views, where they are known.
+    pub near_silhouettes: Vec<Option<Plane<bool>>>,
     pub trace: Option<FrameTrace>,
 }

@@ -16,6 +16,7 @@ use crate::evaluate::rendered_image::RenderedImage;
 use crate::evaluate::similarity::{Similarity, SimilarityReport, difference, truth_codes};
 use crate::files::OutputFolder;
 use crate::image::FrameRange;
+use crate::image::Plane;
 use crate::image::plane::DepthPlane;
 use crate::image::png;
 use crate::image::transfer::ToneMap;
@@ -129,10 +130,20 @@ impl TruthRun {
         job.references.iter().map(of).collect()
     }
 
-    pub fn compare(&mut self, job: &Job, pictures: &[RenderedImage], tone: ToneMap) -> Result<()> {
-        for ((&image, name), rendered) in job.references.iter().zip(&job.names).zip(pictures) {
+    /// Compares the pictures of a job with its references; masks are of [`near_silhouettes`](crate::march::silhouettes::near_silhouettes).
+    pub fn compare(
+        &mut self,
+        job: &Job,
+        (pictures, near_silhouettes): (&[RenderedImage], &[Option<Plane<bool>>]),
+        tone: ToneMap,
+    ) -> Result<()> {
+        for (at, ((&image, name), rendered)) in job.references.iter().zip(&job.names).zip(pictures).enumerate() {
             let truth = self.reference.truth(image, job.request.frame)?;
-            let similarity = Similarity::of(rendered, &truth, tone)?;
+            let mut similarity = Similarity::of(rendered, &truth, tone)?;
+            let codes = [rendered.codes(tone), truth_codes(&truth, tone)];
+            if let Some(Some(near)) = near_silhouettes.get(at) {
+                similarity.add_silhouettes(codes.each_ref(), near);
+            }
             self.all.merge(&similarity)?;
             let about = &self.reference.images[image];
             self.images.push(ImageReport {
@@ -142,10 +153,9 @@ impl TruthRun {
                 frame: job.request.frame,
             });
             if let Some(maps) = &self.maps {
-                let shown = rendered.codes(tone);
-                let wanted = truth_codes(&truth, tone);
+                let [shown, wanted] = &codes;
                 let title = format!("{} frame {}: {:.2} dB", name.subject, name.number, similarity.all.psnr_db());
-                let sheet = error_picture::draw(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
+                let sheet = error_picture::draw(&title, [shown, wanted], &difference(shown, wanted)?)?;
                 png::write_color8(&maps.work_path().join(name.png()), &sheet).map_err(|error| maps.present(error))?;
             }
         }
