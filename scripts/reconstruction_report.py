@@ -168,7 +168,7 @@ def write(folder, name, rows, command):
     shown = "".join(f"![]({file})\n" for file in charts)
     about = ("PSNR is of 8-bit codes, the mean over images that are not exact, and inside mirrors or glass that of all their "
              "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Ceiling: true "
-             "distances instead of marching, the same interpolation. Paper: the algorithm of CALF, `--method calf`. "
+             "distances instead of marching, one point of each pixel, the weights of the paper. Paper: the algorithm of CALF, `--method calf`. "
              "Marching can be better all the same: in mirrors and glass, and "
              "where few views know a surface. Ghosts: RMS error within 3 pixels of projected "
              "silhouettes of probes, over that of all other pixels. Pictures of where errors lie are in errors/.\n")

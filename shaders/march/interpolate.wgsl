@@ -97,7 +97,7 @@ fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
 // The weights of a view by its distance from the eye: of texels within the background, and of those beside a surface.
 fn background_weights(view: u32) -> vec2<f32> {
     let weight = views[view].camera_weight;
-    if (!is_around) {
+    if (!is_around || all(views[view].from_eye == vec3(0.0))) {
         return vec2(weight);
     }
     return vec2(weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON));
@@ -179,7 +179,7 @@ fn background_color(direction: vec3<f32>) -> Seen {
         let of_view = background_weights(view);
         for (var tap = 0u; tap < 4u; tap++) {
             if (inverse_depth_bits(at.face, taps.texels[tap]) == BACKGROUND) {
-                let is_edge = is_beside_surface(at.face, taps.texels[tap]);
+                let is_edge = of_view.x != of_view.y && is_beside_surface(at.face, taps.texels[tap]);
                 let weight = taps.weights[tap] * select(of_view.x, of_view.y, is_edge);
                 sum.color += weight * texel_color(at.face, taps.texels[tap]);
                 sum.weight += weight;

@@ -1,5 +1,5 @@
 // Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors
-// src/march/pyramid.rs. Needs `occupancy` and `refine`.
+// src/march/segments.rs. Needs `occupancy` and `refine`.
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
 

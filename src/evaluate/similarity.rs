@@ -20,11 +20,11 @@ pub struct Similarity {
     pub mirrors: SquaredError,
     /// Of those, the ones that refract.
     pub glass: SquaredError,
+    /// Whether the reference has material, so that the three are known.
+    pub has_material: bool,
     /// Pixels near silhouettes of views, and all others; both empty where these are unknown.
     pub near_silhouettes: SquaredError,
     pub elsewhere: SquaredError,
-    /// Whether the reference has material, so that the three are known.
-    pub has_material: bool,
     /// Pixels of alpha 0.
     pub hole_pixels: u64,
     /// Pictures that are large enough for an SSIM.

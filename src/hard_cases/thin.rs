@@ -17,7 +17,7 @@ const GRAY: [u8; 3] = [90, 120, 200];
 const PROBES: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.25, 0.0, 0.0), DVec3::new(-0.1875, 0.125, 0.0625)];
 /// The middle of a texel of the first probe 1 m away.
 const ROD_M: f64 = 1.0 / 32.0;
-/// A probe whose depth is wrong has at most this part of the error that it has alone: it is one of four at equal distances.
+/// A probe whose depth is wrong, the farthest of four from the eye, makes at most this part of the error that it makes alone.
 const PART_OF_ONE: f64 = 0.5;
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -88,7 +88,7 @@ fn nothing_known() -> Result<Measured> {
     Ok(Measured::count(shown + picture.counters.primary_rays - picture.counters.hole_rays))
 }
 
-/// The error of a picture of a room by four probes, of which the one farthest from the eye has all surfaces so many metres farther, over the
+/// The error of a picture of a room by four probes, of which the one farthest from the eye has all surfaces that many metres too far (below 0: too near), over the
 /// error by that probe alone.
 fn wrong_by_metres(metres: f64) -> Result<Measured> {
     let half = DVec3::splat(WALL_M);

@@ -138,8 +138,10 @@ pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
 fn background_weights(view: &ActiveView<'_>) -> [f32; 2] {
     let weight = view.camera_weight;
     match view.footprint {
-        Footprint::Texel => [weight; 2],
-        Footprint::Around => [weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON)],
+        Footprint::Around if view.from_eye != Vec3::ZERO => {
+            [weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON)]
+        }
+        _ => [weight; 2],
     }
 }
 
@@ -204,7 +206,8 @@ pub fn background_color(views: &ActiveViews<'_>, direction: Vec3) -> Option<Inte
         let (taps, of_view) = (Taps::around(at.at, face), background_weights(view));
         for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
             if face.inverse_depth[texel] == BACKGROUND {
-                let weight = weight * of_view[usize::from(is_beside_surface(face, texel))];
+                let is_edge = of_view[0] != of_view[1] && is_beside_surface(face, texel);
+                let weight = weight * of_view[usize::from(is_edge)];
                 sum.add(WeightedTexel { face, texel, weight, difference: 0.0 });
             }
         }

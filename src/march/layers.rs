@@ -204,6 +204,9 @@ impl<'a> Primary<'a> {
                 at_m = next_m;
             }
         }
+        if rest.left == 0.0 {
+            return shown;
+        }
         counters.background_rays += u64::from(shown.first.is_none());
         if let RayResult::Light(light) = background(&self.views, ray.direction) {
             shown.push(Layer { distance_m: None, light, share: rest.left });
@@ -231,7 +234,7 @@ impl<'a> Primary<'a> {
         rest.least_m = distance_m * SAME_SURFACE.exp();
     }
 
-    /// What is left of a ray ends in nothing known: layers before it have all, or the texels that fit best.
+    /// What is left of a ray ends in nothing known: layers before it have all, or the last texels that did not fit.
     fn end_in_hole(&self, mut shown: PrimaryHit, rest: &Rest) -> PrimaryHit {
         if shown.first.is_none() {
             shown.is_hole = true;

@@ -2,7 +2,7 @@
 //!
 //! A ray looks up points before and behind the surfaces of a view. Points nearer to the centre of the view than its near plane
 //! need no texel; from there to any distance the unit under a point is needed. So frusta of units begin at near, but do not end
-//! at far, other than in [`crate::views::camera_units`]. With that, and a margin of a pixel for bilinear lookups, rendering gives
+//! at far, other than in [`crate::views::camera_units`]. With that, and a margin for lookups around a point, rendering gives
 //! the same pictures as with all units.
 
 use std::collections::HashMap;
@@ -15,8 +15,9 @@ use crate::math::{Camera, Viewer};
 use crate::streams::CodecHeader;
 use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
 
-/// Margin around a unit: half a pixel for bilinear lookups, the rest for rounding.
-const MARGIN_PIXELS: f64 = 1.0;
+/// Margin around a unit: normals look up two pixels beyond the one that contains a point, bilinear lookups and the texels beside theirs one and a half; the
+/// rest is for rounding.
+const MARGIN_PIXELS: f64 = 3.0;
 /// Part of near at which frusta begin, as rays compute distances in single precision.
 const NEAR_PART: f64 = 0.99;
 

@@ -42,7 +42,7 @@ use crate::gpu::device::DeviceChoice;
     PNG; name a pattern for EXR.\n\n\
     EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
     straight alpha. Alpha is 1, also for background and for holes that are filled with what is behind them; it is 0 where nothing is \
-    known. Holes, which no probe saw, are channels of --aov holes; with --holes nearest or blank their alpha is 0. With \
+    known. --aov holes adds a channel that marks holes, which no probe saw; with --holes nearest or blank their alpha is 0. With \
     --holes nearest light is not premultiplied.\n\n\
     With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of probes, over \
     that of all others; it is absent without depth on the CPU.\n\n\

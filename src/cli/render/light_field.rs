@@ -230,7 +230,7 @@ impl Args {
         let word = word_of(METHODS, &method);
         if matches!(method, Method::Painter | Method::ZBuffer) {
             return refuse(format!(
-                "--method {word} draws simplified scenes (.glb); march, splat and reproject render containers"
+                "--method {word} draws simplified scenes (.glb); march, calf, splat and reproject render containers"
             ));
         }
         if !method.marches() && self.is_on_device() {

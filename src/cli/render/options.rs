@@ -37,7 +37,7 @@ pub const METHODS: &Choices<Method> = &[
     (
         "reproject",
         Method::Reproject,
-        "Upper reference: blend views at the true distances of --reference, without reflection and refraction",
+        "For comparison: blend views at the true distances of --reference, without reflection and refraction",
     ),
     ("painter", Method::Painter, "Simplified scenes: blend all triangles in their order"),
     (

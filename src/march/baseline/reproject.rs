@@ -1,7 +1,6 @@
-//! Interpolation at true depths: the ceiling of ray marching.
+//! Interpolation at true depths, by the weights of the paper: for comparison with ray marching.
 //!
-//! Enters: active views, a camera, and the true distance of each pixel. Leaves: a picture by the interpolation of
-//! [`crate::march::render`].
+//! Enters: active views, a camera, and the true distance of each pixel. Leaves: a picture.
 
 use glam::Vec3;
 use rayon::prelude::*;
