@@ -15,9 +15,8 @@ use crate::math::{Camera, Viewer};
 use crate::streams::CodecHeader;
 use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
 
-/// Margin around a unit: normals look up two pixels beyond the one that contains a point, bilinear lookups and the texels beside theirs one and a half; the
-/// rest is for rounding.
-const MARGIN_PIXELS: f64 = 3.0;
+/// Margin around a unit: half a pixel for bilinear lookups, one more for the texels beside theirs, the rest for rounding.
+const MARGIN_PIXELS: f64 = 2.0;
 /// Part of near at which frusta begin, as rays compute distances in single precision.
 const NEAR_PART: f64 = 0.99;
 
