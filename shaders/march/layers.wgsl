@@ -5,10 +5,13 @@ const LEAST_LAYER: f32 = 1.0 / 64.0;
 const MAX_LAYERS = 8u;
 const MAX_EXITS = 64u;
 
-// Light of a ray, if any, and whether it first meets a surface that no view saw or ends in nothing.
-struct RayLight {
+// What a ray shows. Mirrors src/march/samples.rs.
+struct RaySample {
+    // Linear light, times `share`.
     light: vec3<f32>,
-    is_colored: bool,
+    // The part of the ray that has a colour.
+    share: f32,
+    // Whether it first meets a surface that no view saw, or ends in nothing.
     is_hole: bool,
 }
 
@@ -64,14 +67,15 @@ fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
 }
 
 // What is left of a ray ends in nothing known.
-fn end_in_hole(rest: Rest, unseen: Seen) -> RayLight {
+fn end_in_hole(rest: Rest, unseen: Seen) -> RaySample {
     if (rest.layers == 0u) {
-        return RayLight(light_of(unseen.color), unseen.found, true);
+        let share = select(0.0, 1.0, unseen.found);
+        return RaySample(share * light_of(unseen.color), share, true);
     }
-    return RayLight(rest.light / (1.0 - rest.left), true, false);
+    return RaySample(rest.light / (1.0 - rest.left), 1.0, false);
 }
 
-fn follow(ray: Ray) -> RayLight {
+fn follow(ray: Ray) -> RaySample {
     let hits = first_hits(ray);
     let cosine = max(dot(ray.direction, scene.forward), MIN_POSITIVE);
     let near_m = scene.near_m / cosine;
@@ -124,7 +128,7 @@ fn follow(ray: Ray) -> RayLight {
                     }
                 }
                 if (rest.left == 0.0) {
-                    return RayLight(rest.light, true, is_hole);
+                    return RaySample(rest.light, 1.0, is_hole);
                 }
             }
             within = HOLE_DIFFERENCE + scene.log_step;
@@ -143,15 +147,18 @@ fn follow(ray: Ray) -> RayLight {
         }
     }
     if (rest.left == 0.0) {
-        return RayLight(rest.light, true, is_hole);
+        return RaySample(rest.light, 1.0, is_hole);
     }
     if (rest.layers == 0u) {
         counted[BACKGROUND_RAYS]++;
     }
     let seen = background_color(ray.direction);
     if (seen.found) {
-        return RayLight(rest.light + rest.left * light_of(seen.color), true, is_hole);
+        if (scene.background == BACKGROUND_TRANSPARENT) {
+            return RaySample(rest.light, 1.0 - rest.left, is_hole);
+        }
+        return RaySample(rest.light + rest.left * light_of(seen.color), 1.0, is_hole);
     }
     let ended = end_in_hole(rest, unseen);
-    return RayLight(ended.light, ended.is_colored, ended.is_hole || is_hole);
+    return RaySample(ended.light, ended.share, ended.is_hole || is_hole);
 }

@@ -43,7 +43,8 @@ struct Scene {
     nearest_view: u32,
     // REFINE_ANGLES, REFINE_EDGES and REFINE_THIN.
     refinements: u32,
-    spare_word: u32,
+    // Whether a background is shown: BACKGROUND_OPAQUE or BACKGROUND_TRANSPARENT.
+    background: u32,
     spare: vec2<f32>,
 }
 
@@ -95,6 +96,8 @@ const CODING_LINEAR = 2u;
 const HOLES_BLANK = 0u;
 const HOLES_NEAREST = 1u;
 const HOLES_BEHIND = 2u;
+const BACKGROUND_OPAQUE = 0u;
+const BACKGROUND_TRANSPARENT = 1u;
 // Bits.
 const REFINE_ANGLES = 1u;
 const REFINE_EDGES = 2u;

@@ -53,14 +53,14 @@ fn refined(ray: Ray, step: u32) -> Hit {
         return Hit(false, 0.0);
     }
     let before_m = select(0.0, distances_m[max(step, 1u) - 1u], step > 0u);
-    return Hit(true, refine(ray, before_m, distances_m[step]));
+    return Hit(true, refine(ray, before_m, distances_m[step], scene.refine));
 }
 
 // Bisects the interval in which a surface begins; returns its end that is in the surface. Needs `is_surface`.
-fn refine(ray: Ray, from_m: f32, to_m: f32) -> f32 {
+fn refine(ray: Ray, from_m: f32, to_m: f32, times: u32) -> f32 {
     var empty_m = from_m;
     var surface_m = to_m;
-    for (var turn = 0u; turn < scene.refine; turn++) {
+    for (var turn = 0u; turn < times; turn++) {
         let middle_m = 0.5 * (empty_m + surface_m);
         counted[REFINE_STEPS]++;
         if (is_surface(point_at(ray, middle_m))) {

@@ -10,27 +10,56 @@ const TILE = 8u;
 
 var<workgroup> group_counts: array<atomic<u32>, COUNTERS>;
 
+const EDGE_CONTRAST: f32 = 0.1;
+const EDGE_BLACK: f32 = 0.02;
+
+// Whether a ray of a pixel is one of the first: those of the corners of the grid and of its middle, or of up to two rows all. Mirrors
+// src/march/samples.rs.
+fn is_first(place: vec2<u32>) -> bool {
+    let last = scene.samples - 1u;
+    let is_corner = (place.x == 0u || place.x == last) && (place.y == 0u || place.y == last);
+    return scene.samples <= 2u || is_corner || all(place == vec2(scene.samples / 2u));
+}
+
 fn render_pixel(x: u32, y: u32) -> vec4<f32> {
-    var color = vec3(0.0);
-    var colored = 0u;
-    var opaque = 0u;
+    // Light and alpha, and their least and greatest.
+    var sum = vec4(0.0);
+    var least = vec4(1e30);
+    var greatest = vec4(-1e30);
+    var share = 0.0;
+    var rays = 0u;
     let samples = scene.samples;
-    for (var at = 0u; at < samples * samples; at++) {
-        let sample = (vec2(f32(at % samples), f32(at / samples)) + 0.5) / f32(samples);
+    let count = samples * samples;
+    for (var turn = 0u; turn < 2u * count; turn++) {
+        let place = vec2(turn % count % samples, turn % count / samples);
+        let differs = any(greatest - least > EDGE_CONTRAST * (least + greatest + 2.0 * EDGE_BLACK));
+        if (turn >= count && !differs && rays < count) {
+            // The first rays show no edge.
+            break;
+        }
+        if (is_first(place) != (turn < count)) {
+            continue;
+        }
+        let sample = (vec2<f32>(place) + 0.5) / f32(samples);
         let window = 2.0 * (vec2(f32(x), f32(y)) + sample) / vec2(f32(scene.width), f32(scene.height)) - 1.0;
         let plane = window + scene.middle;
         let direction = normalize(scene.forward + plane.x * scene.right + plane.y * scene.down);
         counted[PRIMARY_RAYS]++;
         is_around = (scene.refinements & REFINE_EDGES) != 0u;
-        let found = follow(Ray(vec3(0.0), direction));
-        counted[HOLE_RAYS] += select(0u, 1u, found.is_hole);
-        if (found.is_colored && (!found.is_hole || scene.holes != HOLES_BLANK)) {
-            color += found.light;
-            colored++;
-            opaque += select(0u, 1u, !found.is_hole || scene.holes == HOLES_BEHIND);
+        var found = follow(Ray(vec3(0.0), direction));
+        if (found.is_hole && scene.holes == HOLES_BLANK) {
+            found = RaySample(vec3(0.0), 0.0, true);
         }
+        counted[HOLE_RAYS] += select(0u, 1u, found.is_hole);
+        let alpha = select(found.share, 0.0, found.is_hole && scene.holes != HOLES_BEHIND);
+        let shown = vec4(found.light, alpha);
+        sum += shown;
+        least = min(least, shown);
+        greatest = max(greatest, shown);
+        share += found.share;
+        rays++;
     }
-    return vec4(color / f32(max(colored, 1u)), f32(opaque) / f32(samples * samples));
+    return vec4(select(vec3(0.0), sum.rgb / share, share > 0.0), sum.a / f32(rays));
 }
 
 @compute @workgroup_size(TILE, TILE)

@@ -61,7 +61,7 @@ fn leave_surface(ray: Ray, texel_m: f32) -> Departure {
             is_empty = true;
             empty_m = at.distance_m;
         } else if (is_empty) {
-            return Departure(true, Hit(true, refine(ray, empty_m, at.distance_m)), 0u);
+            return Departure(true, Hit(true, refine(ray, empty_m, at.distance_m, scene.refine)), 0u);
         } else if (at.distance_m > HIDDEN_TEXELS * texel_m) {
             break;
         }
@@ -195,23 +195,14 @@ fn recorded_of(point: vec3<f32>) -> Recorded {
 
 // A point that the eye sees, moved on along its ray to where the texels that contain it say that the surface is.
 fn on_texels(point: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
-    var empty_m = length(point);
-    var surface_m = empty_m * exp(HOLE_DIFFERENCE);
+    let from_m = length(point);
+    let behind_m = from_m * exp(HOLE_DIFFERENCE);
     let ray = Ray(vec3(0.0), direction);
     counted[MARCH_STEPS] += 2u;
-    if (is_surface(point) || !is_surface(point_at(ray, surface_m))) {
+    if (is_surface(point) || !is_surface(point_at(ray, behind_m))) {
         return point;
     }
-    for (var turn = 0u; turn < SETTLE_TIMES; turn++) {
-        let middle_m = 0.5 * (empty_m + surface_m);
-        counted[REFINE_STEPS]++;
-        if (is_surface(point_at(ray, middle_m))) {
-            surface_m = middle_m;
-        } else {
-            empty_m = middle_m;
-        }
-    }
-    return point_at(ray, surface_m);
+    return point_at(ray, refine(ray, from_m, behind_m, SETTLE_TIMES));
 }
 
 // Divides the share of a surface among its secondary rays.

@@ -61,7 +61,7 @@ fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
         counted[MARCH_STEPS]++;
         if (!is_surface(point_at(ray, distance_m))) {
             // The surface end is the nearer one here.
-            return FirstEmpty(true, refine(ray, distance_m, before_m));
+            return FirstEmpty(true, refine(ray, distance_m, before_m, scene.refine));
         }
         before_m = distance_m;
     }

@@ -9,4 +9,4 @@ pub mod rendered_image;
 pub mod similarity;
 
 pub use camera_path::TimedCamera;
-pub use rendered_image::{Aov, HoleFill, RenderedImage};
+pub use rendered_image::{Aov, BackgroundFill, HoleFill, RenderedImage};

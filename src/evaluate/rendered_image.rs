@@ -20,11 +20,22 @@ pub enum HoleFill {
     Blank,
 }
 
+/// What is shown where no surface is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BackgroundFill {
+    /// The colour of the background: alpha is 1.
+    #[default]
+    Opaque,
+    /// Nothing: alpha is the part of a pixel that surfaces cover, and colour is theirs.
+    Transparent,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
-    /// Linear light; the mean of those rays of a pixel that have a colour.
+    /// Linear light; the mean of what has a colour in a pixel, not multiplied by alpha.
     pub color: Plane<[f32; 3]>,
-    /// The part of a pixel's rays that end in something that a view saw, or that [`HoleFill::Behind`] fills: 1, and 0 in holes.
+    /// The part of a pixel that shows something that a view saw, or that [`HoleFill::Behind`] fills; of a background only with
+    /// [`BackgroundFill::Opaque`].
     pub alpha: Plane<f32>,
     /// Planes that are stored beside these, of the same size.
     pub aovs: Vec<Aov>,

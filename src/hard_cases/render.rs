@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
-use crate::evaluate::rendered_image::HoleFill;
+use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::image::cube::{Face, FacePoint, direction_to_face};
@@ -22,7 +22,7 @@ use crate::march::synthetic::{Sight, SyntheticProbe, room};
 use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
-use crate::views::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
+use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, LightField, UNKNOWN};
 
 /// Width and height of faces in texels, unless a case says otherwise.
 pub(super) const SIDE: u32 = 32;
@@ -192,6 +192,7 @@ impl Setup {
             steps: self.steps(),
             samples: 1,
             holes: HoleFill::Blank,
+            background: BackgroundFill::Opaque,
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::Pyramid,
@@ -283,22 +284,29 @@ fn own_codes_of(setup: &Setup, side: u32) -> Result<Measured> {
     Ok(Measured::count((plain?.figure + refined?.figure) as u64))
 }
 
-/// Codes of pictures from the first probe that are at least `off` from its own.
+/// Pixels of pictures from the first probe whose codes are at least `off` from its own, or whose alpha is another: 1, but 0 of a
+/// transparent background.
 pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings, off: f64) -> Result<Measured> {
     let side = settings.size[0];
     let mut wrong = Measured::count(0);
     for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let camera = camera(setup.eye, forward)?;
         let picture = render(&setup.views(), &camera, settings, &Silent)?;
-        for (at, color) in (0..).zip(picture.image.color.data()) {
+        let pixels = picture.image.color.data().iter().zip(picture.image.alpha.data());
+        for (at, (color, &alpha)) in (0..).zip(pixels) {
             let window = [at % side, at / side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
             let FacePoint { face, plane: [u, v] } = direction_to_face(camera.direction(window));
             let [column, row] = [u, v].map(|at| (((at + 1.0) * f64::from(side) / 2.0) as u32).min(side - 1));
             let Some(texels) = &setup.field.views[0].faces[face as usize] else { continue };
             let ColorTexels::Codes(codes) = &texels.color else { continue };
-            let expected = codes[(row * side + column) as usize];
+            let texel = (row * side + column) as usize;
+            let is_transparent = settings.background == BackgroundFill::Transparent;
+            let is_shown = !is_transparent || texels.inverse_depth[texel] != BACKGROUND;
+            let expected = if is_shown { codes[texel] } else { [0; 4] };
             let differs = (0..3).any(|channel| (code(color[channel]) - f64::from(expected[channel])).abs() >= off);
-            wrong.count_if(differs, || format!("{}, column {column}, row {row}", face.name()));
+            wrong.count_if(differs || alpha != f32::from(u8::from(is_shown)), || {
+                format!("{}, column {column}, row {row}", face.name())
+            });
         }
     }
     Ok(wrong)

@@ -3,12 +3,14 @@
 use glam::DVec3;
 
 use crate::error::Result;
+use crate::evaluate::rendered_image::BackgroundFill;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::render::{CODES, SIDE, Setup, camera, code, own_codes};
 use crate::march::render::render;
+use crate::march::settings::RenderSettings;
 use crate::march::synthetic::{SyntheticProbe, room};
 use crate::monitor::Silent;
-use crate::views::light_field::{LightField, UNKNOWN};
+use crate::views::light_field::{BACKGROUND, ColorTexels, LightField, UNKNOWN};
 
 const WALL_M: f64 = 4.0;
 const RED: [u8; 3] = [220, 20, 20];
@@ -25,7 +27,11 @@ pub(super) fn cases() -> Vec<HardCase> {
     let edge = Group::new(Family::Render, "edges of one colour", "pixels of another");
     let unknown = Group::new(Family::Render, "rays that can bring nothing", "rays that bring something");
     let wrong = Group::new(Family::Render, "a probe whose depth is wrong", "of its error alone");
+    let alpha = Group::new(Family::Render, "a transparent background", "pixels of other colour or alpha");
+    let still = Group::new(Family::Render, "a rod that moves", "pixels elsewhere that change");
     let mut cases = vec![
+        alpha.none("colours without depth, depth without colours", color_without_surface),
+        still.none("from one column of texels to another", moving_rod),
         edge.none("a rod before a wall", one_color),
         unknown.none("all texels unknown", nothing_known),
         wrong.case("a metre too near, among four", Bound::AtMost(PART_OF_ONE), || wrong_by_metres(-1.0)),
@@ -37,7 +43,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         ("a rod of a fifth of a texel", 1.0 / 80.0, PROBES.len()),
     ] {
         cases.push(own.none(name, move || {
-            let setup = rod(width_m, seen_by);
+            let setup = rod(ROD_M, width_m, seen_by);
             own_codes(&setup, &setup.refined(SIDE), 1.0)?.with_picture_of(name, Setup { eye: BESIDE, ..setup })
         }));
     }
@@ -47,12 +53,12 @@ pub(super) fn cases() -> Vec<HardCase> {
 /// An eye between the probes.
 const BESIDE: DVec3 = DVec3::new(0.1, 0.05, -0.03);
 
-/// A red rod 1 m before probes, of which the first `seen_by` saw it, and a wall behind it.
-fn rod(width_m: f64, seen_by: usize) -> Setup {
+/// A red rod 1 m before probes, at `rod_m` right of the first, and a wall behind it. The first `seen_by` probes saw it.
+fn rod(rod_m: f64, width_m: f64, seen_by: usize) -> Setup {
     let view = |(number, &position): (usize, &DVec3)| {
         SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
             let at = position + direction * ((-1.0 - position.z) / direction.z);
-            let meets = direction.z < 0.0 && (at.x - ROD_M).abs() < width_m / 2.0 && at.y.abs() < 0.5;
+            let meets = direction.z < 0.0 && (at.x - rod_m).abs() < width_m / 2.0 && at.y.abs() < 0.5;
             match meets && number < seen_by {
                 true => Some(((at - position).length(), RED)),
                 false => room(position, direction, DVec3::splat(WALL_M), 0.0),
@@ -65,9 +71,9 @@ fn rod(width_m: f64, seen_by: usize) -> Setup {
 
 /// Of one colour, a rod and its wall are one picture, whatever part of each a pixel shows.
 fn one_color() -> Result<Measured> {
-    let mut setup = rod(1.0 / 20.0, PROBES.len());
+    let mut setup = rod(ROD_M, 1.0 / 20.0, PROBES.len());
     for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
-        if let crate::views::ColorTexels::Codes(codes) = &mut texels.color {
+        if let ColorTexels::Codes(codes) = &mut texels.color {
             codes.fill([GRAY[0], GRAY[1], GRAY[2], 0]);
         }
     }
@@ -78,8 +84,54 @@ fn one_color() -> Result<Measured> {
     Ok(Measured::count(pixels.filter(|(color, alpha)| !is_gray(color) || **alpha != 1.0).count() as u64))
 }
 
+/// Squares of texels by turns white without a surface, and black with one: alpha goes by depth.
+fn color_without_surface() -> Result<Measured> {
+    let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &|_| Some((2.0, [0; 3])));
+    let mut setup =
+        Setup { field: LightField { views: vec![view], coding: CODES }, eye: DVec3::ZERO, range_m: [0.05, 16.0] };
+    for texels in setup.field.views[0].faces.iter_mut().flatten() {
+        let ColorTexels::Codes(codes) = &mut texels.color else { continue };
+        for (at, (code, inverse_depth)) in (0..).zip(codes.iter_mut().zip(&mut texels.inverse_depth)) {
+            if (at % SIDE / 8 + at / SIDE / 8) % 2 == 0 {
+                (*code, *inverse_depth) = ([255, 255, 255, 0], BACKGROUND);
+            }
+        }
+    }
+    let settings = RenderSettings { background: BackgroundFill::Transparent, ..setup.refined(SIDE) };
+    own_codes(&setup, &settings, 0.5)
+}
+
+/// Pixels that change as a rod moves though the rod is before their part of the wall in no sight, neither the eye's nor that of a probe.
+fn moving_rod() -> Result<Measured> {
+    // Half a rod, texels around a point, and one more.
+    const NEAR_M: f64 = 3.0 / 16.0;
+    let rods_m = [ROD_M, ROD_M + 0.25];
+    let camera = camera(BESIDE, DVec3::NEG_Z)?;
+    let picture = |rod_m: f64| {
+        let setup = Setup { eye: BESIDE, ..rod(rod_m, 1.0 / 16.0, PROBES.len()) };
+        Ok(render(&setup.views(), &camera, &setup.refined(SIDE), &Silent)?.image)
+    };
+    let [before, after] = [picture(rods_m[0])?, picture(rods_m[1])?];
+    let (mut wrong, mut elsewhere) = (Measured::count(0), 0);
+    for (x, y) in (0..SIDE * SIDE).map(|at| (at % SIDE, at / SIDE)) {
+        let direction = camera.direction([x, y].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE)));
+        let (distance_m, _) = room(BESIDE, direction, DVec3::splat(WALL_M), 0.0).unwrap_or_default();
+        let wall = BESIDE + distance_m * direction;
+        let is_near = |from: &DVec3| {
+            let at = *from + (wall - *from) * ((-1.0 - from.z) / (wall.z - from.z));
+            wall.z < -1.0 && rods_m.iter().any(|rod_m| (at.x - rod_m).abs() < NEAR_M)
+        };
+        if PROBES.iter().chain([&BESIDE]).any(is_near) {
+            continue;
+        }
+        elsewhere += 1;
+        wrong.count_if(before.color.get(x, y) != after.color.get(x, y), || format!("column {x}, row {y}"));
+    }
+    Ok(wrong.with_note(format!("{elsewhere} of {} pixels", SIDE * SIDE)))
+}
+
 fn nothing_known() -> Result<Measured> {
-    let mut setup = rod(1.0 / 16.0, PROBES.len());
+    let mut setup = rod(ROD_M, 1.0 / 16.0, PROBES.len());
     for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
         texels.inverse_depth.fill(UNKNOWN);
     }

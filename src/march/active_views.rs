@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::march::{Counters, Pyramids, Ray, ViewPyramids};
+use crate::march::{Counters, HOLE_DIFFERENCE, Pyramids, Ray, ViewPyramids};
 use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
@@ -20,6 +20,9 @@ pub const CAMERA_EPSILON: f32 = 0.01;
 /// Weights of texels around a point that are below this do not decide about it. So at the centre of a texel that texel alone does,
 /// whatever the rounding of the place is.
 pub const NEGLIGIBLE_WEIGHT: f32 = 1.0 / 64.0;
+
+/// Bisections of [`ActiveViews::on_texels`].
+pub(crate) const SETTLE_TIMES: u32 = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
@@ -207,6 +210,17 @@ impl<'a> ActiveViews<'a> {
             }
         }
         surface_m
+    }
+
+    /// The distance in metres of a surface that a ray from the eye meets at `hit_m`, moved on to where the texels that contain it say
+    /// that it is: with [`Footprint::Around`] rays end before that.
+    pub(crate) fn on_texels(&self, ray: &Ray, hit_m: f32, counters: &mut Counters) -> f32 {
+        let behind_m = hit_m * HOLE_DIFFERENCE.exp();
+        counters.march_steps += 2;
+        if self.is_surface(ray.at(hit_m)) || !self.is_surface(ray.at(behind_m)) {
+            return hit_m;
+        }
+        self.refine(ray, [hit_m, behind_m], SETTLE_TIMES, counters)
     }
 
     /// Greatest distance of a surface of these views from the eye, in metres; 0 without views.

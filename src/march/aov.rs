@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::evaluate::Aov;
 use crate::image::Plane;
 use crate::march::render::first_rays;
-use crate::march::{ActiveViews, HOLE_DIFFERENCE, Ray, RenderSettings, patch};
+use crate::march::{ActiveView, ActiveViews, Counters, Ray, RenderSettings, patch};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, UNKNOWN};
@@ -17,7 +17,7 @@ use crate::views::{BACKGROUND, UNKNOWN};
 /// What planes hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AovKind {
-    /// `Z`: metres along the ray, `+inf` where background shows.
+    /// `Z`: metres along the ray, `+inf` where background or nothing shows.
     Depth,
     /// `N.X`, `N.Y`, `N.Z`: of length 1 along the world's axes, towards the views; 0 where none is known.
     Normal,
@@ -49,11 +49,13 @@ pub fn aovs(
     let has_normals = kinds.contains(&AovKind::Normal);
     let pixels = first_rays(views, camera, settings, monitor, |direction, hit| {
         let distance_m = hit.distance_m();
-        let point = distance_m.map(|distance_m| Ray { origin: Vec3::ZERO, direction }.at(distance_m));
-        let normal = point.filter(|_| has_normals).and_then(|point| patch(views, point));
+        let ray = Ray { origin: Vec3::ZERO, direction };
+        let point = distance_m.map(|distance_m| ray.at(distance_m));
+        let on_texels = |distance_m| ray.at(views.on_texels(&ray, distance_m, &mut Counters::default()));
+        let normal = distance_m.filter(|_| has_normals).and_then(|distance_m| patch(views, on_texels(distance_m)));
         let [x, y, z] = normal.map_or(Vec3::ZERO, |patch| patch.normal).to_array();
         let seen = match point {
-            Some(point) => views_of_surface(views, point),
+            Some(point) => views_of_surface(views, point, settings.tolerance()),
             None => views_of_background(views, direction),
         };
         [distance_m.unwrap_or(f32::INFINITY), x, y, z, f32::from(u8::from(hit.is_hole)), seen as f32]
@@ -68,11 +70,11 @@ pub fn aovs(
 }
 
 /// Views whose texel at a point has its surface.
-fn views_of_surface(views: &ActiveViews<'_>, point: Vec3) -> usize {
+fn views_of_surface(views: &ActiveViews<'_>, point: Vec3, tolerance: f32) -> usize {
     let has_it = |inverse_depth: f32, at: f32| {
-        inverse_depth != BACKGROUND && inverse_depth != UNKNOWN && (inverse_depth / at).ln().abs() <= HOLE_DIFFERENCE
+        inverse_depth != BACKGROUND && inverse_depth != UNKNOWN && (inverse_depth / at).ln().abs() <= tolerance
     };
-    let sees = |view: &&crate::march::ActiveView<'_>| {
+    let sees = |view: &&ActiveView<'_>| {
         let at = view.view.project(view.local(point));
         at.is_some_and(|at| has_it(view.nearest_inverse_depth(&at), at.inverse_depth))
     };
@@ -81,7 +83,7 @@ fn views_of_surface(views: &ActiveViews<'_>, point: Vec3) -> usize {
 
 /// Views that see background in a direction.
 fn views_of_background(views: &ActiveViews<'_>, direction: Vec3) -> usize {
-    let sees = |view: &&crate::march::ActiveView<'_>| {
+    let sees = |view: &&ActiveView<'_>| {
         let at = view.view.project(view.probe_from_world * direction);
         at.is_some_and(|at| view.nearest_inverse_depth(&at) == BACKGROUND)
     };

@@ -42,7 +42,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::evaluate::rendered_image::HoleFill;
+    use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
     use crate::image::transfer::ToneMap;
     use crate::march::active_views::ActiveViews;
     use crate::march::ray::Steps;
@@ -75,6 +75,7 @@ mod tests {
             steps: Steps::new(256, 0.01, views.far_m(), 8),
             samples: 1,
             holes: HoleFill::Blank,
+            background: BackgroundFill::Opaque,
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration,

@@ -14,7 +14,7 @@
 use glam::Vec3;
 
 use crate::march::active_views::CAMERA_EPSILON;
-use crate::march::{ActiveView, ActiveViews, Footprint, Refinements, Taps};
+use crate::march::{ActiveView, ActiveViews, Footprint, RenderSettings, Taps};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the weight of depth: a difference of two per cent halves the weight.
@@ -147,16 +147,7 @@ fn background_weights(view: &ActiveView<'_>) -> [f32; 2] {
 
 /// Whether a surface lies in a texel above, below, left or right of one.
 fn is_beside_surface(face: &FaceTexels, texel: usize) -> bool {
-    let width = face.size[0] as usize;
-    let column = texel % width;
-    let beside = [
-        (column > 0).then(|| texel - 1),
-        (column + 1 < width).then(|| texel + 1),
-        texel.checked_sub(width),
-        Some(texel + width),
-    ];
-    let is_surface = |at: usize| face.inverse_depth.get(at).is_some_and(|&at| at != BACKGROUND && at != UNKNOWN);
-    beside.into_iter().flatten().any(is_surface)
+    face.beside(texel).map(|at| face.inverse_depth[at]).any(|at| at != BACKGROUND && at != UNKNOWN)
 }
 
 /// The weight of a texel by its difference in depth, without next to any beyond [`DEPTH_CUT`].
@@ -166,8 +157,9 @@ fn cut_weight(difference: f32) -> f32 {
 }
 
 /// The colour and coverage of a surface point that the eye sees. None where no view has a surface in its direction.
-pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, refinements: Refinements) -> Option<Interpolated> {
+pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSettings) -> Option<Interpolated> {
     let (mut sum, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0);
+    let (refinements, tolerance) = (settings.refinements, settings.tolerance());
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.local(point)) else { continue };
         let of_view = if refinements.angles { angle_weight(view, point) } else { view.camera_weight };
@@ -183,11 +175,11 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, refinements: Refineme
                 continue;
             }
             let nearer = (inverse_depth / at.inverse_depth).ln();
-            if nearer <= HOLE_DIFFERENCE {
+            if nearer <= tolerance {
                 all += weight;
             }
             let difference = nearer.abs();
-            if difference <= HOLE_DIFFERENCE {
+            if difference <= tolerance {
                 covered += weight;
             }
             let fit = if refinements.angles { cut_weight(difference) } else { 1.0 / (difference + DEPTH_EPSILON) };

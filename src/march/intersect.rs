@@ -53,7 +53,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::evaluate::rendered_image::HoleFill;
+    use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
     use crate::image::transfer::ToneMap;
     use crate::march::render::render;
     use crate::march::settings::{Refinements, RenderSettings, SpecularMode};
@@ -79,6 +79,7 @@ mod tests {
                 steps: Steps::new(16, 0.01, views.far_m(), refine),
                 samples: 1,
                 holes: HoleFill::Blank,
+                background: BackgroundFill::Opaque,
                 specular: SpecularMode::None,
                 max_bounces: 0,
                 acceleration: Acceleration::Pyramid,

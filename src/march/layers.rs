@@ -1,6 +1,6 @@
 //! What a primary ray shows: surfaces, one behind the other, each with its share, and the background.
 //!
-//! Enters: active views, a ray, where it first meets surfaces. Leaves: layers, whose shares sum up to 1.
+//! Enters: active views, a ray, where it first meets surfaces. Leaves: layers, whose shares sum up to 1 with that of a transparent background.
 //!
 //! Algorithm 4 of CALF ends a ray where it first meets a surface, and takes what no view saw there for a hole. [`Refinements`] go further:
 //!
@@ -12,13 +12,14 @@
 
 use glam::Vec3;
 
-use crate::evaluate::HoleFill;
+use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::march::active_views::NEGLIGIBLE_WEIGHT;
 use crate::march::intersect::first_step;
 use crate::march::{
-    ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, Ray, RayResult, RenderSettings,
-    StepsFrom, Until, background, intersect_from, light_of, seen_from_eye,
+    ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, LightCurve, Ray, RayResult,
+    RenderSettings, StepsFrom, Until, background, intersect_from, seen_from_eye,
 };
+use crate::views::ColorCoding;
 
 /// Shares below are not shown, and a rest below is not followed.
 pub const LEAST_LAYER: f32 = NEGLIGIBLE_WEIGHT;
@@ -62,6 +63,8 @@ pub(crate) struct PrimaryHit {
     pub(crate) first: Option<Layer>,
     /// Those behind it.
     pub(crate) behind: Vec<Layer>,
+    /// The share of a background that is not shown.
+    pub(crate) transparent: f32,
     /// Whether it first meets a surface that no view saw, or ends in nothing.
     pub(crate) is_hole: bool,
 }
@@ -96,17 +99,52 @@ pub(crate) struct Primary<'a> {
     /// The nearest of them alone; only with [`Refinements::thin`](crate::march::Refinements).
     pub(crate) nearest: Option<ActiveViews<'a>>,
     clip: Option<ClipPlanes>,
+    curve: Option<LightCurve>,
     pub(crate) settings: &'a RenderSettings,
 }
 
-/// A ray on its way.
-struct Rest {
+/// What a ray on its way asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Ask {
+    /// What the views see at this distance in metres.
+    Seen(f32),
+    /// Whether this step is on or behind a surface.
+    IsSurface(usize),
+    /// Where the ray meets a surface from this step on.
+    Hit(usize),
+    /// Nothing more of surfaces.
+    Done,
+}
+
+/// A ray on its way through layers. Whoever drives it answers what it asks, until it is done.
+pub(crate) struct Follower<'p, 'a> {
+    primary: &'p Primary<'a>,
+    pub(crate) ask: Ask,
+    shown: PrimaryHit,
+    place: Place,
     /// What is not shown yet.
     left: f32,
     /// Nearer surfaces do not show.
     least_m: f32,
     /// Light of the last texels that did not fit.
     unseen: Option<Vec3>,
+    /// Distances in metres between which surfaces show.
+    range_m: [f32; 2],
+    /// Whether the surface begins before the near plane: it is cut away, with what is inside it.
+    is_cut: bool,
+    ends_in_hole: bool,
+    exits: u32,
+}
+
+/// Where a ray is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    /// At the thin surface of the nearest view. That of all views follows, in metres.
+    Thin { all_m: Option<f32> },
+    /// Where it meets a surface of all views.
+    Hit,
+    /// At a step within that surface.
+    Inside,
 }
 
 impl<'a> Primary<'a> {
@@ -114,7 +152,19 @@ impl<'a> Primary<'a> {
         let footprint = if settings.refinements.edges { Footprint::Around } else { Footprint::Texel };
         let views = views.with_footprint(footprint);
         let nearest = if settings.refinements.thin { views.nearest() } else { None };
-        Primary { views, nearest, clip, settings }
+        let curve = match views.coding {
+            ColorCoding::Codes(tone) => Some(LightCurve::new(tone)),
+            ColorCoding::Light => None,
+        };
+        Primary { views, nearest, clip, curve, settings }
+    }
+
+    /// Linear light of an interpolated colour.
+    pub(crate) fn light(&self, color: Vec3) -> Vec3 {
+        match &self.curve {
+            Some(curve) => color.to_array().map(|code| curve.light(code)).into(),
+            None => color,
+        }
     }
 
     /// Where a ray first meets surfaces, in the plainest form.
@@ -147,101 +197,159 @@ impl<'a> Primary<'a> {
             None => true,
         };
         is_covered
-            && seen.difference < HOLE_DIFFERENCE + self.settings.steps.uncertainty() - ROUNDING
+            && seen.difference < self.settings.tolerance() - ROUNDING
             && hits.thin_m().is_none()
             && hits.all_m.is_some_and(is_shown)
     }
 
-    /// All that a ray shows.
+    /// All that a ray shows, in the plainest form.
     pub(crate) fn follow(&self, ray: &Ray, hits: &FirstHits, counters: &mut Counters) -> PrimaryHit {
-        let mut shown = PrimaryHit::default();
-        let [near_m, far_m] = self.clip.map_or([0.0, f32::INFINITY], |clip| clip.distances_m(ray));
-        let mut rest = Rest { left: 1.0, least_m: near_m, unseen: None };
+        let mut follower = Follower::new(self, ray, hits);
         let steps = &self.settings.steps;
-        let tolerance = HOLE_DIFFERENCE + steps.uncertainty();
-        if let Some(thin_m) = hits.thin_m().filter(|thin_m| (near_m..=far_m).contains(thin_m))
-            && let Some(seen) = self.seen(ray, thin_m).filter(|seen| seen.difference <= tolerance)
-        {
-            self.show(&mut shown, &mut rest, thin_m, &seen);
-        }
-        let mut hit_m = hits.all_m;
-        for _ in 0..MAX_EXITS {
-            let Some(mut at_m) = hit_m.filter(|&hit_m| hit_m <= far_m && rest.left > 0.0) else { break };
-            // A surface before the near plane is cut away, and what is inside it.
-            let is_cut = at_m < near_m;
-            let (mut within, mut is_inside) = (tolerance, false);
-            loop {
-                if at_m >= rest.least_m && !is_cut {
-                    match self.seen(ray, at_m) {
-                        Some(seen) if seen.difference <= within => self.show(&mut shown, &mut rest, at_m, &seen),
-                        seen => {
-                            rest.unseen = seen.map(|seen| light_of(self.views.coding, seen.color)).or(rest.unseen);
-                            if shown.first.is_none() && !is_inside {
-                                shown.is_hole = true;
-                                if self.settings.holes != HoleFill::Behind {
-                                    return self.end_in_hole(shown, &rest);
-                                }
-                            }
-                        }
-                    }
-                    if rest.left == 0.0 {
-                        return shown;
-                    }
+        loop {
+            match follower.ask {
+                Ask::Seen(at_m) => follower.saw(at_m, seen_from_eye(&self.views, ray.at(at_m), self.settings)),
+                Ask::IsSurface(step) => {
+                    counters.march_steps += 1;
+                    follower.tested(step, self.views.is_surface(ray.at(steps.distances_m[step])));
                 }
-                // Points inside are steps, between which nothing is refined.
-                (within, is_inside) = (HOLE_DIFFERENCE + steps.log_step(), true);
-                let next = steps.distances_m.partition_point(|&distance_m| distance_m <= at_m);
-                let Some(&next_m) = steps.distances_m.get(next).filter(|&&next_m| next_m <= far_m) else {
-                    hit_m = None;
-                    break;
-                };
-                counters.march_steps += 1;
-                if !self.views.is_surface(ray.at(next_m)) {
-                    let from = StepsFrom { steps, first: next };
-                    hit_m = intersect_from(self.settings.acceleration, &self.views, ray, from, counters);
-                    break;
+                Ask::Hit(first) => {
+                    let from = StepsFrom { steps, first };
+                    follower.hit(intersect_from(self.settings.acceleration, &self.views, ray, from, counters));
                 }
-                at_m = next_m;
+                Ask::Done => return follower.end(ray, counters),
             }
         }
-        if rest.left == 0.0 {
-            return shown;
+    }
+}
+
+impl<'p, 'a> Follower<'p, 'a> {
+    pub(crate) fn new(primary: &'p Primary<'a>, ray: &Ray, hits: &FirstHits) -> Follower<'p, 'a> {
+        let range_m = primary.clip.map_or([0.0, f32::INFINITY], |clip| clip.distances_m(ray));
+        let mut follower = Follower {
+            primary,
+            ask: Ask::Done,
+            shown: PrimaryHit::default(),
+            place: Place::Thin { all_m: hits.all_m },
+            left: 1.0,
+            least_m: range_m[0],
+            unseen: None,
+            range_m,
+            is_cut: false,
+            ends_in_hole: false,
+            exits: 0,
+        };
+        match hits.thin_m().filter(|thin_m| (range_m[0]..=range_m[1]).contains(thin_m)) {
+            Some(thin_m) => follower.ask = Ask::Seen(thin_m),
+            None => follower.hit(hits.all_m),
         }
-        counters.background_rays += u64::from(shown.first.is_none());
-        if let RayResult::Light(light) = background(&self.views, ray.direction) {
-            shown.push(Layer { distance_m: None, light, share: rest.left });
-            return shown;
-        }
-        self.end_in_hole(shown, &rest)
+        follower
     }
 
-    fn seen(&self, ray: &Ray, distance_m: f32) -> Option<Interpolated> {
-        seen_from_eye(&self.views, ray.at(distance_m), self.settings.refinements)
+    /// Answers [`Ask::Hit`].
+    pub(crate) fn hit(&mut self, hit_m: Option<f32>) {
+        self.exits += 1;
+        self.ask = match hit_m.filter(|&hit_m| hit_m <= self.range_m[1] && self.exits <= MAX_EXITS) {
+            Some(hit_m) => {
+                (self.place, self.is_cut) = (Place::Hit, hit_m < self.range_m[0]);
+                self.at(hit_m)
+            }
+            None => Ask::Done,
+        };
+    }
+
+    /// Answers [`Ask::IsSurface`].
+    pub(crate) fn tested(&mut self, step: usize, is_surface: bool) {
+        self.ask = match is_surface {
+            true => {
+                self.place = Place::Inside;
+                self.at(self.primary.settings.steps.distances_m[step])
+            }
+            false => Ask::Hit(step),
+        };
+    }
+
+    /// Answers [`Ask::Seen`].
+    pub(crate) fn saw(&mut self, at_m: f32, seen: Option<Interpolated>) {
+        let settings = self.primary.settings;
+        // Between steps nothing is refined.
+        let within = if self.place == Place::Inside {
+            HOLE_DIFFERENCE + settings.steps.log_step()
+        } else {
+            settings.tolerance()
+        };
+        match (seen, self.place) {
+            (Some(seen), _) if seen.difference <= within => self.show(at_m, &seen),
+            (_, Place::Thin { .. }) => {}
+            (seen, place) => {
+                self.unseen = seen.map(|seen| self.primary.light(seen.color)).or(self.unseen);
+                if self.shown.first.is_none() && place == Place::Hit {
+                    self.shown.is_hole = true;
+                    self.ends_in_hole = settings.holes != HoleFill::Behind;
+                }
+            }
+        }
+        match self.place {
+            _ if self.left == 0.0 || self.ends_in_hole => self.ask = Ask::Done,
+            Place::Thin { all_m } => self.hit(all_m),
+            Place::Hit | Place::Inside => self.ask = self.after(at_m),
+        }
+    }
+
+    /// What the ray asks at a point of a surface.
+    fn at(&self, at_m: f32) -> Ask {
+        if at_m >= self.least_m && !self.is_cut { Ask::Seen(at_m) } else { self.after(at_m) }
+    }
+
+    /// What it asks behind that.
+    fn after(&self, at_m: f32) -> Ask {
+        let distances_m = &self.primary.settings.steps.distances_m;
+        let next = distances_m.partition_point(|&distance_m| distance_m <= at_m);
+        let is_in_range = distances_m.get(next).is_some_and(|&next_m| next_m <= self.range_m[1]);
+        if is_in_range { Ask::IsSurface(next) } else { Ask::Done }
     }
 
     /// Shows a surface by its coverage.
-    fn show(&self, shown: &mut PrimaryHit, rest: &mut Rest, distance_m: f32, seen: &Interpolated) {
-        let coverage = if self.settings.refinements.edges { seen.coverage } else { 1.0 };
+    fn show(&mut self, distance_m: f32, seen: &Interpolated) {
+        let coverage = if self.primary.settings.refinements.edges { seen.coverage } else { 1.0 };
         if coverage < LEAST_LAYER {
             return;
         }
-        let is_last = shown.layers().count() + 1 == MAX_LAYERS as usize;
-        let left = if is_last || coverage > 1.0 - LEAST_LAYER { 0.0 } else { rest.left * (1.0 - coverage) };
+        let is_last = self.shown.layers().count() + 1 == MAX_LAYERS as usize;
+        let left = if is_last || coverage > 1.0 - LEAST_LAYER { 0.0 } else { self.left * (1.0 - coverage) };
         let left = if left < LEAST_LAYER { 0.0 } else { left };
-        let light = light_of(self.views.coding, seen.color);
-        shown.push(Layer { distance_m: Some(distance_m), light, share: rest.left - left });
-        rest.left = left;
-        rest.least_m = distance_m * SAME_SURFACE.exp();
+        let light = self.primary.light(seen.color);
+        self.shown.push(Layer { distance_m: Some(distance_m), light, share: self.left - left });
+        self.left = left;
+        self.least_m = distance_m * SAME_SURFACE.exp();
+    }
+
+    /// All that the ray shows, once it is done.
+    pub(crate) fn end(mut self, ray: &Ray, counters: &mut Counters) -> PrimaryHit {
+        if self.left == 0.0 {
+            return self.shown;
+        }
+        if self.ends_in_hole {
+            return self.end_in_hole();
+        }
+        counters.background_rays += u64::from(self.shown.first.is_none());
+        let RayResult::Light(light) = background(&self.primary.views, ray.direction) else { return self.end_in_hole() };
+        match self.primary.settings.background {
+            BackgroundFill::Transparent => self.shown.transparent = self.left,
+            BackgroundFill::Opaque => self.shown.push(Layer { distance_m: None, light, share: self.left }),
+        }
+        self.shown
     }
 
     /// What is left of a ray ends in nothing known: layers before it have all, or the last texels that did not fit.
-    fn end_in_hole(&self, mut shown: PrimaryHit, rest: &Rest) -> PrimaryHit {
+    fn end_in_hole(self) -> PrimaryHit {
+        let mut shown = self.shown;
         if shown.first.is_none() {
             shown.is_hole = true;
-            shown.first = rest.unseen.map(|light| Layer { distance_m: None, light, share: 1.0 });
+            shown.first = self.unseen.map(|light| Layer { distance_m: None, light, share: 1.0 });
             return shown;
         }
-        let whole = (1.0 - rest.left).recip();
+        let whole = (1.0 - self.left).recip();
         shown.first.iter_mut().chain(&mut shown.behind).for_each(|layer| layer.share *= whole);
         shown
     }
@@ -283,6 +391,7 @@ mod tests {
             steps: Steps::new(256, 0.01, 16.0, 16),
             samples: 1,
             holes,
+            background: BackgroundFill::Opaque,
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::Pyramid,

@@ -20,7 +20,7 @@ const MAKING_BYTES: u64 = 96;
 /// Bytes of a texel that is splatted.
 const POINT_BYTES: u64 = 64;
 /// Bytes of a pixel from its rays until it is written: light and alpha, joined for two eyes, and codes or channels of a file.
-/// Rays are held by the thread that follows them.
+/// Rays are held by the thread that follows them, as are sums of rays of the pixels of a row.
 const PICTURE_BYTES: u64 = 96;
 /// Bytes of a pixel of planes beside a picture: six values, joined for two eyes, and channels of a file.
 const AOV_BYTES: u64 = 120;

@@ -1,6 +1,7 @@
 //! Pyramids of the nearest surfaces: what ray marching adds to probe views, to prove whole segments of a ray empty.
 //!
-//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on.
+//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on. Beside it are all squares
+//! of 2×2 texels, for [`Footprint::Around`](crate::march::Footprint).
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,6 +19,8 @@ pub const LEAST_M: f32 = 1e-18;
 pub struct DepthPyramid {
     /// Squares of level `at` have 2^(`at` + 1) texels a side, the last ones perhaps fewer.
     pub levels: Vec<Level>,
+    /// Of each texel and those right of it, below it, and below and right of it, that there are.
+    pub around: Vec<f32>,
 }
 
 /// Squares of one size, row by row.
@@ -40,7 +43,8 @@ impl DepthPyramid {
     /// The pyramid of a face of `size` texels, at least 1 in each direction, of which nothing is known.
     pub fn unknown(size: [u32; 2]) -> DepthPyramid {
         let level = |size: [u32; 2]| Level { size, greatest: vec![UNKNOWN; size[0] as usize * size[1] as usize] };
-        DepthPyramid { levels: DepthPyramid::sizes(size).into_iter().map(level).collect() }
+        let around = vec![UNKNOWN; size[0] as usize * size[1] as usize];
+        DepthPyramid { levels: DepthPyramid::sizes(size).into_iter().map(level).collect(), around }
     }
 
     /// Columns and rows of squares of each level above an image of `size` texels.
@@ -63,6 +67,17 @@ impl DepthPyramid {
         if self.levels.is_empty() {
             *self = DepthPyramid::unknown(size);
             changed = size.map(|texels| 0..texels);
+        }
+        let [width, height] = size.map(|texels| texels as usize);
+        let [columns, rows] =
+            [0, 1].map(|axis| changed[axis].start.saturating_sub(1) as usize..changed[axis].end as usize);
+        for row in rows {
+            let [upper, lower] = [row, (row + 1).min(height - 1)].map(|row| &inverse_depth[row * width..][..width]);
+            for column in columns.clone() {
+                let right = (column + 1).min(width - 1);
+                self.around[row * width + column] =
+                    upper[column].max(upper[right]).max(lower[column].max(lower[right]));
+            }
         }
         let (mut below_size, mut below) = (size, inverse_depth);
         for level in &mut self.levels {

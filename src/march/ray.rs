@@ -31,6 +31,8 @@ pub struct Steps {
     pub distances_m: Vec<f32>,
     /// Bisections of the interval before a hit.
     pub refine: u32,
+    log_step: f32,
+    uncertainty: f32,
 }
 
 /// Steps of which those before the first are skipped.
@@ -60,7 +62,12 @@ impl Steps {
         } else {
             vec![near_m]
         };
-        Steps { distances_m, refine }
+        let log_step = match distances_m[..] {
+            [first, second, ..] => (second / first).ln(),
+            _ => 0.0,
+        };
+        let left = -(-log_step).exp_m1() * 0.5f32.powi(refine.min(64) as i32);
+        Steps { distances_m, refine, log_step, uncertainty: -(-left).ln_1p() }
     }
 
     /// Distances in metres for a ray that starts on a surface with texels `texel_m` wide, with the numbers of those that are
@@ -79,16 +86,12 @@ impl Steps {
 
     /// Logarithm of the ratio of adjacent distances; 0 where there is one distance.
     pub fn log_step(&self) -> f32 {
-        match self.distances_m[..] {
-            [first, second, ..] => (second / first).ln(),
-            _ => 0.0,
-        }
+        self.log_step
     }
 
     /// Greatest distance of hits behind the surface, in the logarithm: the rest of a bisected interval.
     pub fn uncertainty(&self) -> f32 {
-        let left = -(-self.log_step()).exp_m1() * 0.5f32.powi(self.refine.min(64) as i32);
-        -(-left).ln_1p()
+        self.uncertainty
     }
 }
 

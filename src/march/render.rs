@@ -6,9 +6,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evaluate::{HoleFill, RenderedImage};
+use crate::evaluate::RenderedImage;
 use crate::image::Plane;
 use crate::march::packet::render::PacketScene;
+use crate::march::samples::{PixelSum, RaySample, SampleGrid};
 use crate::march::specular::secondary_rays::{SecondaryRays, SurfaceHit};
 use crate::march::{
     ActiveViews, ClipPlanes, Counters, Layer, Primary, PrimaryHit, Proxies, Ray, RenderSettings, SpecularMode,
@@ -23,7 +24,7 @@ pub struct Rendered {
     pub counters: Counters,
 }
 
-/// Rays of a row in flight at once, and between two checks of the monitor; packets stay whole with a multiple of four.
+/// About so many rays of a row are in flight at once, and between two checks of the monitor.
 pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
 /// Renders. The monitor advances by one for each row.
@@ -68,7 +69,7 @@ pub(crate) fn first_rays<T: Copy + Send>(
     let [width, height] = settings.size;
     let row = |y: usize| -> Result<Vec<T>> {
         monitor.check()?;
-        let directions: Vec<Vec3> = (0..width as usize).map(|x| picture.direction([x, y])).collect();
+        let directions: Vec<Vec3> = (0..width as usize).map(|x| picture.direction([x, y], 0)).collect();
         let (mut row, mut counters) = (scene.row(), Counters::default());
         let hits = directions.chunks(4).flat_map(|four| row.hits(four, &mut counters).into_iter().take(four.len()));
         Ok(hits.zip(&directions).map(|(hit, &direction)| value(direction, &hit)).collect())
@@ -109,6 +110,7 @@ struct Picture<'a> {
     camera: &'a Camera,
     settings: &'a RenderSettings,
     monitor: &'a dyn Monitor,
+    grid: SampleGrid,
     /// None without secondary rays.
     proxies: Option<Proxies>,
 }
@@ -122,38 +124,27 @@ impl<'a> Picture<'a> {
     ) -> Result<Picture<'a>> {
         let specular = has_secondary_rays(views, settings.specular);
         let proxies = specular.then(|| proxies_in_sight(&SphereFit, views, camera, monitor)).transpose()?;
-        Ok(Picture { views, camera, settings, monitor, proxies })
+        let grid = SampleGrid::new(settings.samples.max(1) as usize);
+        Ok(Picture { views, camera, settings, monitor, grid, proxies })
     }
 
     /// Renders rows in parallel, with the primary hits of adjacent rays by their directions.
     fn rows(&self, hits: impl Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit> + Sync) -> Result<Rendered> {
         let [width, height] = self.settings.size;
-        let samples = self.settings.samples.max(1) as usize;
-        let (rays_of_pixel, rays_of_row) = (samples * samples, samples * samples * width as usize);
         let pixels = width as usize * height as usize;
         let (mut color, mut alpha) = (vec![[0.0; 3]; pixels], vec![0.0; pixels]);
         let row = |(y, (color, alpha)): (usize, (&mut [[f32; 3]], &mut [f32]))| -> Result<Counters> {
-            let mut counters = Counters { primary_rays: rays_of_row as u64, ..Counters::default() };
-            let (mut pixels, mut sum) = (color.iter_mut().zip(alpha), PixelSum::default());
-            let new = |proxies| SecondaryRays::new(self.views, self.settings, proxies);
-            let mut secondary = self.proxies.as_ref().map(new);
-            for first in (0..rays_of_row).step_by(RAYS_AT_ONCE) {
-                self.monitor.check()?;
-                let chunk = first..rays_of_row.min(first + RAYS_AT_ONCE);
-                let directions: Vec<Vec3> = chunk.map(|ray| self.direction([ray, y])).collect();
-                for (hit, &direction) in hits(&directions, &mut counters).into_iter().zip(&directions) {
-                    let light = shade(&mut secondary, &hit, direction, &mut counters);
-                    sum.add(light, hit.is_hole, self.settings.holes);
-                    if sum.rays as usize == rays_of_pixel
-                        && let Some((color, alpha)) = pixels.next()
-                    {
-                        counters.hole_rays += u64::from(sum.holes);
-                        (*color, *alpha) = std::mem::take(&mut sum).color_and_alpha();
-                    }
-                }
+            let mut row =
+                Row { picture: self, hits: &hits, y, secondary: self.secondary(), counters: Counters::default() };
+            let mut sums = vec![PixelSum::default(); color.len()];
+            row.add_rays(&mut sums, &self.grid.first, |_| true)?;
+            row.add_rays(&mut sums, &self.grid.rest, PixelSum::has_edge)?;
+            for (sum, (color, alpha)) in sums.iter().zip(color.iter_mut().zip(alpha)) {
+                row.counters.hole_rays += u64::from(sum.holes());
+                (*color, *alpha) = sum.color_and_alpha();
             }
             self.monitor.advance(1);
-            Ok(counters)
+            Ok(row.counters)
         };
         let in_row = (width as usize).max(1);
         let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
@@ -162,10 +153,13 @@ impl<'a> Picture<'a> {
         Ok(Rendered { image, counters })
     }
 
-    /// Direction of a ray by its number in a row of pixels: pixel by pixel, in a pixel row by row.
-    fn direction(&self, [ray, y]: [usize; 2]) -> Vec3 {
+    fn secondary(&self) -> Option<SecondaryRays<'_>> {
+        self.proxies.as_ref().map(|proxies| SecondaryRays::new(self.views, self.settings, proxies))
+    }
+
+    /// Direction of a ray by its pixel and its number in the grid of a pixel.
+    fn direction(&self, [x, y]: [usize; 2], at: usize) -> Vec3 {
         let samples = self.settings.samples.max(1) as usize;
-        let (x, at) = (ray / (samples * samples), ray % (samples * samples));
         let place = |pixel: usize, sample: usize, size: u32| {
             (pixel as f64 + (sample as f64 + 0.5) / samples as f64) / f64::from(size)
         };
@@ -175,13 +169,45 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// The light of a ray, with that of secondary rays where it hits surfaces; none where it ends in nothing.
+/// A row of pixels on its way.
+struct Row<'a, F> {
+    picture: &'a Picture<'a>,
+    hits: &'a F,
+    y: usize,
+    /// None without secondary rays.
+    secondary: Option<SecondaryRays<'a>>,
+    counters: Counters,
+}
+
+impl<F: Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit>> Row<'_, F> {
+    /// Adds rays of these numbers to some pixels.
+    fn add_rays(&mut self, sums: &mut [PixelSum], grid: &[usize], takes: impl Fn(&PixelSum) -> bool) -> Result<()> {
+        if grid.is_empty() {
+            return Ok(());
+        }
+        let pixels: Vec<usize> = (0..sums.len()).filter(|&x| takes(&sums[x])).collect();
+        for pixels in pixels.chunks((RAYS_AT_ONCE / grid.len()).max(1)) {
+            self.picture.monitor.check()?;
+            let rays = pixels.iter().flat_map(|&x| grid.iter().map(move |&at| (x, at)));
+            let directions: Vec<Vec3> = rays.clone().map(|(x, at)| self.picture.direction([x, self.y], at)).collect();
+            self.counters.primary_rays += directions.len() as u64;
+            let hits = (self.hits)(&directions, &mut self.counters);
+            for ((x, _), (hit, direction)) in rays.zip(hits.iter().zip(directions)) {
+                let sample = shade(&mut self.secondary, hit, direction, &mut self.counters);
+                sums[x].add(sample, self.picture.settings.holes);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a ray shows, with the light of secondary rays where it hits surfaces.
 fn shade(
     secondary: &mut Option<SecondaryRays<'_>>,
     hit: &PrimaryHit,
     direction: Vec3,
     counters: &mut Counters,
-) -> Option<Vec3> {
+) -> RaySample {
     let mut light_of = |layer: &Layer| match (secondary.as_mut(), layer.distance_m) {
         (Some(secondary), Some(distance_m)) => {
             let point = Ray { origin: Vec3::ZERO, direction }.at(distance_m);
@@ -189,34 +215,6 @@ fn shade(
         }
         _ => layer.share * layer.light,
     };
-    hit.first?;
-    Some(hit.layers().map(&mut light_of).sum())
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct PixelSum {
-    color: Vec3,
-    /// Rays in `color`.
-    colored: u32,
-    /// Rays that count in alpha.
-    opaque: u32,
-    /// Rays that first meet what no view saw, or end in nothing.
-    holes: u32,
-    rays: u32,
-}
-
-impl PixelSum {
-    fn add(&mut self, light: Option<Vec3>, is_hole: bool, fill: HoleFill) {
-        self.rays += 1;
-        self.holes += u32::from(is_hole);
-        if let Some(light) = light.filter(|_| !is_hole || fill != HoleFill::Blank) {
-            self.color += light;
-            self.colored += 1;
-            self.opaque += u32::from(!is_hole || fill == HoleFill::Behind);
-        }
-    }
-
-    fn color_and_alpha(self) -> ([f32; 3], f32) {
-        ((self.color / self.colored.max(1) as f32).to_array(), self.opaque as f32 / self.rays as f32)
-    }
+    let share = if hit.first.is_some() { 1.0 - hit.transparent } else { 0.0 };
+    RaySample { light: hit.layers().map(&mut light_of).sum(), share, is_hole: hit.is_hole }
 }

@@ -1,7 +1,7 @@
 //! Settings of ray marching.
 
-use crate::evaluate::HoleFill;
-use crate::march::Steps;
+use crate::evaluate::{BackgroundFill, HoleFill};
+use crate::march::{HOLE_DIFFERENCE, Steps};
 
 /// Reflection and refraction by secondary rays (CALF 6.1).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -54,12 +54,20 @@ pub struct RenderSettings {
     /// Width and height in pixels.
     pub size: [u32; 2],
     pub steps: Steps,
-    /// Rays in each row and column of a pixel, at least 1.
+    /// Rays in each row and column of a pixel with an edge, at least 1; see [`samples`](crate::march::samples).
     pub samples: u32,
     pub holes: HoleFill,
+    pub background: BackgroundFill,
     pub specular: SpecularMode,
     /// Reflections and refractions of a ray at most.
     pub max_bounces: u32,
     pub acceleration: Acceleration,
     pub refinements: Refinements,
+}
+
+impl RenderSettings {
+    /// A hit has a texel's surface where the logarithms of their distances differ by no more than this.
+    pub fn tolerance(&self) -> f32 {
+        HOLE_DIFFERENCE + self.steps.uncertainty()
+    }
 }

@@ -8,15 +8,15 @@ use crate::error::Result;
 use crate::image::{Face, Plane};
 use crate::march::HOLE_DIFFERENCE;
 use crate::math::Camera;
-use crate::views::{BACKGROUND, FaceTexels, LightField, UNKNOWN, View};
+use crate::views::{BACKGROUND, FaceTexels, UNKNOWN, View};
 
 /// How far from a silhouette pixels count as near it.
 pub const REACH_PIXELS: u32 = 3;
 
-/// Pixels of a camera's picture, `size` wide and high, at most [`REACH_PIXELS`] to the side of or above or below a projected silhouette of a
-/// view, hidden or not: of two texels side by side whose distances differ by more than [`HOLE_DIFFERENCE`] in the logarithm, or of which one is background. None where no depth is
-/// decoded on the CPU.
-pub fn near_silhouettes(field: &LightField, camera: &Camera, [width, height]: [u32; 2]) -> Result<Option<Plane<bool>>> {
+/// Pixels of a camera's picture of this width and height that are at most [`REACH_PIXELS`] columns and rows from a projected silhouette of a
+/// view, hidden or not: from one of two texels side by side whose distances differ by more than [`HOLE_DIFFERENCE`] in the logarithm,
+/// or of which one is background. None where no depth is decoded on the CPU.
+pub fn near_silhouettes(views: &[&View], camera: &Camera, [width, height]: [u32; 2]) -> Result<Option<Plane<bool>>> {
     let mut mask = vec![false; width as usize * height as usize];
     let mut is_known = false;
     let mut mark = |from_eye: DVec3| {
@@ -34,7 +34,7 @@ pub fn near_silhouettes(field: &LightField, camera: &Camera, [width, height]: [u
             around(x, width).for_each(|column| mask[first + column as usize] = true);
         }
     };
-    for view in &field.views {
+    for view in views {
         for (face, texels) in view.faces.iter().enumerate().filter_map(|(face, texels)| Some((face, texels.as_ref()?)))
         {
             let Some(face) = Face::from_index(face as u8).filter(|_| !texels.is_in_backend()) else { continue };
@@ -49,14 +49,6 @@ pub fn near_silhouettes(field: &LightField, camera: &Camera, [width, height]: [u
 
 /// Whether a texel lies beside one of another surface.
 fn is_silhouette(texels: &FaceTexels, at: usize) -> bool {
-    let width = texels.size[0] as usize;
-    let column = at % width;
-    let beside = [
-        (column > 0).then(|| at - 1),
-        (column + 1 < width).then(|| at + 1),
-        at.checked_sub(width),
-        Some(at + width).filter(|&below| below < texels.inverse_depth.len()),
-    ];
     let own = texels.inverse_depth[at];
     let differs = |other: usize| match (own, texels.inverse_depth[other]) {
         (UNKNOWN, _) | (_, UNKNOWN) => false,
@@ -64,14 +56,12 @@ fn is_silhouette(texels: &FaceTexels, at: usize) -> bool {
         (_, BACKGROUND) => true,
         (own, other) => (own / other).ln().abs() > HOLE_DIFFERENCE,
     };
-    beside.into_iter().flatten().any(differs)
+    texels.beside(at).any(differs)
 }
 
 /// Metres from the eye to the surface of a texel; of background a direction.
 fn from_eye(view: &View, (face, texels): (Face, &FaceTexels), at: usize, eye: DVec3) -> DVec3 {
-    let width = texels.size[0] as usize;
-    let centre = [at % width, at / width].map(|at| at as f32 + 0.5);
-    let direction = view.probe_from_world.transpose() * texels.map.direction(face, centre).as_dvec3();
+    let direction = view.probe_from_world.transpose() * texels.direction(face, at);
     match texels.inverse_depth[at] {
         BACKGROUND => direction,
         inverse_depth => direction / f64::from(inverse_depth) + (view.position - eye),
@@ -89,19 +79,18 @@ mod tests {
     const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
     /// A plate of 16 × 16 texels 1 m before a probe, and background behind it.
-    fn plate() -> LightField {
-        let view = SyntheticProbe::new(DVec3::ZERO, 64).cube(CODES, &|direction| {
+    fn plate() -> View {
+        SyntheticProbe::new(DVec3::ZERO, 64).cube(CODES, &|direction| {
             let at = direction / -direction.z;
             (direction.z < 0.0 && at.x.abs() < 0.25 && at.y.abs() < 0.25)
                 .then(|| (direction.length() / -direction.z, [9; 3]))
-        });
-        LightField { views: vec![view], coding: CODES }
+        })
     }
 
     #[test]
     fn pixels_near_the_outline_of_a_plate_are_marked_and_no_others() {
         let camera = |eye: DVec3| Camera::look_at(eye, eye + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
-        let mask = near_silhouettes(&plate(), &camera(DVec3::ZERO), [64; 2]).unwrap().unwrap();
+        let mask = near_silhouettes(&[&plate()], &camera(DVec3::ZERO), [64; 2]).unwrap().unwrap();
         // Columns of the plate are 24 to 39; of its outline the two texels on each side.
         for (x, expected) in
             [(19, false), (20, true), (27, true), (28, false), (35, false), (36, true), (43, true), (44, false)]
@@ -109,14 +98,13 @@ mod tests {
             assert_eq!(mask.get(x, 32), expected, "column {x}");
         }
         // From the side, background stays where it is, and the plate moves.
-        let mask = near_silhouettes(&plate(), &camera(DVec3::new(-0.5, 0.0, 0.0)), [64; 2]).unwrap().unwrap();
+        let mask = near_silhouettes(&[&plate()], &camera(DVec3::new(-0.5, 0.0, 0.0)), [64; 2]).unwrap().unwrap();
         assert!(mask.get(23, 32) && mask.get(40, 32) && mask.get(55, 32) && !mask.get(48, 32));
     }
 
     #[test]
     fn without_depths_there_is_no_mask() {
-        let field = LightField { views: Vec::new(), coding: CODES };
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
-        assert_eq!(near_silhouettes(&field, &camera, [8; 2]).unwrap(), None);
+        assert_eq!(near_silhouettes(&[], &camera, [8; 2]).unwrap(), None);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DQuat, DVec3, Vec3};
 
 use crate::error::Error;
-use crate::evaluate::rendered_image::HoleFill;
+use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::image::{Face, TexelMap};
 use crate::march::active_views::ActiveViews;
@@ -19,6 +19,7 @@ use crate::march::packet::views::PacketViews;
 use crate::march::pyramid::DepthPyramid;
 use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::render::{render, render_plainly};
+use crate::march::samples::{EDGE_BLACK, EDGE_CONTRAST};
 use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use crate::march::synthetic::{SyntheticProbe, room};
 use crate::math::{Camera, Lens};
@@ -136,6 +137,7 @@ fn settings_of(steps: Steps, acceleration: Acceleration, refinements: Refinement
         steps,
         samples: 1,
         holes: HoleFill::Blank,
+        background: BackgroundFill::Opaque,
         specular: SpecularMode::None,
         max_bounces: 0,
         acceleration,
@@ -257,6 +259,7 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
             steps: Steps::new(64, 0.01, 20.0, at % 9),
             samples: 1 + at % 3,
             holes: [HoleFill::Behind, HoleFill::Nearest, HoleFill::Blank][at as usize % 3],
+            background: [BackgroundFill::Opaque, BackgroundFill::Transparent][at as usize / 8 % 2],
             specular: SpecularMode::None,
             max_bounces: 4,
             acceleration: if at % 4 == 0 { Acceleration::None } else { Acceleration::Pyramid },
@@ -270,6 +273,34 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
             assert!((code(*a) - code(*b)).abs() < 0.01, "{a} {b}");
         }
     }
+}
+
+/// Pixels without an edge take the first five rays; the picture is within the contrast of an edge of that by all rays.
+#[test]
+fn pixels_without_an_edge_take_fewer_rays() {
+    const SAMPLES: u32 = 4;
+    let light_field = furnished();
+    let eye = DVec3::new(0.5, 0.1, -1.2);
+    let views = ActiveViews::new(&light_field, &[0, 1], eye);
+    let camera = Camera::look_at(eye, eye + DVec3::X, DVec3::Y, Lens::new(70.0)).unwrap();
+    let picture = |side: u32, samples| {
+        let steps = Steps::new(256, 0.01, 20.0, 8);
+        let settings = settings_of(steps, Acceleration::Pyramid, Refinements::ALL);
+        render(&views, &camera, &RenderSettings { size: [side; 2], samples, ..settings }, &Silent).unwrap()
+    };
+    let side = 160;
+    let (fewer, all) = (picture(side, SAMPLES), picture(side * SAMPLES, 1));
+    let rays = fewer.counters.primary_rays as f64 / f64::from(side * side);
+    assert!((5.1..12.0).contains(&rays), "{rays} rays a pixel");
+    let mut differing = 0;
+    for (x, y) in (0..side * side).map(|at| (at % side, at / side)) {
+        let grid = (0..SAMPLES * SAMPLES).map(|at| (SAMPLES * x + at % SAMPLES, SAMPLES * y + at / SAMPLES));
+        let mean = grid.map(|(x, y)| Vec3::from(all.image.color.get(x, y))).sum::<Vec3>() / (SAMPLES * SAMPLES) as f32;
+        let shown = Vec3::from(fewer.image.color.get(x, y));
+        let most = EDGE_CONTRAST * (mean + shown + 2.0 * EDGE_BLACK);
+        differing += u32::from((mean - shown).abs().cmpgt(most).any());
+    }
+    assert!(differing <= side * side / 200, "{differing} pixels differ");
 }
 
 /// Counts what it is told, and says to stop when it was asked so often.
@@ -300,6 +331,7 @@ fn rows_are_told_and_a_picture_is_given_up_within_one() {
         steps: Steps::new(8, 0.01, 20.0, 0),
         samples: 1,
         holes: HoleFill::Blank,
+        background: BackgroundFill::Opaque,
         specular: SpecularMode::None,
         max_bounces: 0,
         acceleration: Acceleration::Pyramid,

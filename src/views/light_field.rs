@@ -110,6 +110,25 @@ impl FaceTexels {
         FaceTexels { material: Some(vec![[0; 4]; texels]), ..self }
     }
 
+    /// The texels left and right of one, above and below it, that there are.
+    pub(crate) fn beside(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, texels) = (self.size[0] as usize, self.inverse_depth.len());
+        let column = at % width.max(1);
+        let beside = [
+            (column > 0).then(|| at - 1),
+            (column + 1 < width).then_some(at + 1),
+            at.checked_sub(width),
+            Some(at + width).filter(|&below| below < texels),
+        ];
+        beside.into_iter().flatten()
+    }
+
+    /// Direction of the centre of a texel, in the probe's axes, of planar depth 1.
+    pub(crate) fn direction(&self, face: Face, at: usize) -> DVec3 {
+        let width = self.size[0] as usize;
+        self.map.direction(face, [at % width, at / width].map(|at| at as f32 + 0.5)).as_dvec3()
+    }
+
     pub fn update_specular(&mut self) {
         self.is_specular = self.material.as_ref().is_some_and(|texels| texels.iter().any(has_specular_weight));
     }

@@ -14,7 +14,7 @@ use clock::Clock;
 use glam::DVec3;
 use lightfold::decode::{AllUnits, Decoder};
 use lightfold::error::Result;
-use lightfold::evaluate::rendered_image::HoleFill;
+use lightfold::evaluate::rendered_image::{BackgroundFill, HoleFill};
 use lightfold::image::cube::Face;
 use lightfold::image::transfer::ToneMap;
 use lightfold::march::active_views::ActiveViews;
@@ -186,6 +186,7 @@ impl Measurement {
             steps: Steps::new(self.steps, views.near_m() / 10.0, views.far_m(), self.refine),
             samples: 1,
             holes: HoleFill::Blank,
+            background: BackgroundFill::Opaque,
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: if self.pyramid { Acceleration::Pyramid } else { Acceleration::None },

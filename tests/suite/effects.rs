@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use lightfold::container::ProbeEntry;
 use lightfold::depth::DepthRange;
-use lightfold::evaluate::rendered_image::HoleFill;
+use lightfold::evaluate::rendered_image::{BackgroundFill, HoleFill};
 use lightfold::image::DepthKind;
 use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
 use lightfold::image::{Face, ImageProjection, TexelMap};
@@ -95,6 +95,7 @@ fn settings(size: u32, views: &ActiveViews<'_>, specular: SpecularMode) -> Rende
         steps: Steps::new(256, views.near_m() / 10.0, views.far_m(), 8),
         samples: 1,
         holes: HoleFill::Blank,
+        background: BackgroundFill::Opaque,
         specular,
         max_bounces: 4,
         acceleration: Acceleration::Pyramid,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lightfold::image::{ReadLimits, exr};
+use lightfold::image::{ReadLimits, Transfer, exr};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -137,6 +137,39 @@ fn planes_beside_a_picture_say_what_its_pixels_are() {
     {
         assert!(refused(&format!("{line} {options}"), at).contains(words), "{options}");
     }
+}
+
+/// Where no surface is, a transparent background leaves nothing; at edges it leaves the colour of surfaces. PNG holds it straight, EXR
+/// premultiplied.
+#[test]
+fn a_transparent_background_leaves_the_colour_of_surfaces() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let line = format!("render a.lfold {EYE} --background transparent --samples 4");
+    fine(&format!("{line} -o a.png"), at);
+    fine(&format!("{line} -o a.exr"), at);
+    let straight = image::open(at.join("a.png")).unwrap().into_rgba8();
+    let premultiplied = exr::read_channels(&at.join("a.exr"), ["R", "G", "B", "A"], &ReadLimits::default()).unwrap();
+    let mut kinds = [0; 3];
+    for (pixel, &[r, g, b, alpha]) in straight.pixels().zip(premultiplied.data()) {
+        assert!((f32::from(pixel[3]) / 255.0 - alpha).abs() < 0.003, "alpha {alpha} and {}", pixel[3]);
+        kinds[if alpha == 0.0 {
+            0
+        } else if alpha < 1.0 {
+            1
+        } else {
+            2
+        }] += 1;
+        for (code, light) in pixel.0.into_iter().zip([r, g, b]) {
+            let expected = Transfer::Srgb.decode(f64::from(code) / 255.0) * f64::from(alpha);
+            assert!((expected - f64::from(light)).abs() < 0.006, "{code} at alpha {alpha} and {light}");
+            assert!(alpha > 0.0 || (code == 0 && light == 0.0));
+        }
+    }
+    assert!(kinds.iter().all(|&pixels| pixels > 20), "{kinds:?} pixels without, with a part of, and with a surface");
+    let said = refused(&format!("{line} --reference captured --null"), at);
+    assert!(said.contains("--background"), "{said}");
 }
 
 #[test]

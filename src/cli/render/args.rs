@@ -19,6 +19,7 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
     lightfold render film.lfold --camera path.json --aov depth,normal,holes -o view.%04d.exr\n  \
+    lightfold render film.lfold --camera path.json --background transparent --samples 4 -o view.%04d.exr\n  \
     lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
     lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n  \
     lightfold render scene.glb --camera path.json -o view.%04d.png\n  \
@@ -41,8 +42,8 @@ use crate::gpu::device::DeviceChoice;
     0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
     PNG; name a pattern for EXR.\n\n\
     EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
-    straight alpha. Alpha is 1, also for background and for holes that are filled with what is behind them; it is 0 where nothing is \
-    known. --aov holes adds a channel that marks holes, which no probe saw; with --holes nearest or blank their alpha is 0. With \
+    straight alpha. Alpha is 1, also for background and for holes that are filled; it is 0 where nothing is known. With --background \
+    transparent it is the part of a pixel that surfaces cover, and colour is theirs alone. --aov holes adds a channel that marks holes, which no probe saw; with --holes nearest or blank their alpha is 0. With \
     --holes nearest light is not premultiplied.\n\n\
     With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of probes, over \
     that of all others; it is absent without depth on the CPU.\n\n\

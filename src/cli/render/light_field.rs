@@ -13,6 +13,7 @@ use crate::cli::{GlobalArgs, refuse};
 use crate::decode::{Decoder, FileFormat};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::upright_camera;
+use crate::evaluate::rendered_image::BackgroundFill;
 use crate::gpu::Gpu;
 use crate::gpu::render::playback::DeviceRenderer;
 use crate::image::transfer::ToneMap;
@@ -28,6 +29,7 @@ use crate::math::Camera;
 use crate::memory::Need;
 use crate::monitor::Monitor;
 use crate::streams::StreamInfo;
+use crate::views::View;
 use crate::views::catalogue::ProbeChoice;
 
 const SHEET_BYTES: u64 = 1 << 20;
@@ -155,8 +157,9 @@ impl JobRenderer for LightFieldRenderer<'_, '_> {
         let named = |error: Error| error.in_file(self.input);
         let shown = self.playback.show(&job.request, renderer, monitor).map_err(named)?;
         self.frames.add(&shown.trace);
-        let field = &self.playback.player.field;
-        let near = |camera| near_silhouettes(field, camera, job.size);
+        let is_active = |view: &&View| shown.trace.active.iter().any(|active| active.probe == view.name);
+        let active: Vec<&View> = self.playback.player.field.views.iter().filter(is_active).collect();
+        let near = |camera| near_silhouettes(&active, camera, job.size);
         let compared = if is_compared { &job.request.cameras[..] } else { &[] };
         Ok(RenderedJob {
             near_silhouettes: compared.iter().map(near).collect::<Result<_>>()?,
@@ -218,6 +221,9 @@ impl Args {
         if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
             return refuse("--exclude-probe excludes all probes of --probe");
         }
+        if self.march.background == BackgroundFill::Transparent && self.truth.reference.is_some() {
+            return refuse("--background transparent has no reference: leave out one of them");
+        }
         if !self.march.aov.is_empty() {
             if self.is_on_device() {
                 return refuse("--aov is made by the CPU: leave out --device");
@@ -232,6 +238,9 @@ impl Args {
             return refuse(format!(
                 "--method {word} draws simplified scenes (.glb); march, calf, splat and reproject render containers"
             ));
+        }
+        if method != Method::March && self.given.names.iter().any(|name| name == "refinements") {
+            return refuse(format!("--method {word} has no --refinements: march does"));
         }
         if !method.marches() && self.is_on_device() {
             return refuse(format!("--method {word} runs on the CPU: leave out --device"));
@@ -267,6 +276,7 @@ impl Args {
             far_m: march.far.map(|metres| metres as f32),
             samples: march.samples,
             holes: march.holes,
+            background: march.background,
             specular: march.effects,
             max_bounces: march.max_bounces,
             acceleration: march.acceleration,

@@ -7,7 +7,7 @@ use clap::{ArgMatches, Args};
 use glam::DVec3;
 
 use crate::cli::options::{Choices, one_of, parse_not_negative, parse_number_where, parse_point, parse_positive};
-use crate::evaluate::rendered_image::HoleFill;
+use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
 use crate::march::aov::AovKind;
 use crate::march::playback::frames::DecodeScope;
 use crate::march::playback::selection::ViewPriority;
@@ -57,6 +57,7 @@ pub const OF_LIGHT_FIELDS: &[&str] = &[
     "effects",
     "max-bounces",
     "holes",
+    "background",
     "refinements",
     "aov",
     "probe",
@@ -99,13 +100,18 @@ impl clap::Args for Given {
 }
 
 const HOLES: &Choices<HoleFill> = &[
-    ("behind", HoleFill::Behind, "What probes saw behind the surface; alpha is 1"),
+    ("behind", HoleFill::Behind, "What probes saw behind the surface, else as nearest; alpha is 1"),
     ("nearest", HoleFill::Nearest, "The texel of the nearest depth; alpha is 0"),
     ("blank", HoleFill::Blank, "Transparent black"),
 ];
 
+const BACKGROUNDS: &Choices<BackgroundFill> = &[
+    ("opaque", BackgroundFill::Opaque, "What probes saw; alpha is 1"),
+    ("transparent", BackgroundFill::Transparent, "Nothing; alpha is the part of a pixel that surfaces cover"),
+];
+
 const AOVS: &Choices<AovKind> = &[
-    ("depth", AovKind::Depth, "Z: metres along the ray, +inf for background"),
+    ("depth", AovKind::Depth, "Z: metres along the ray, +inf for background and where nothing is known"),
     ("normal", AovKind::Normal, "N.X, N.Y, N.Z: along the axes of the world; 0 where unknown"),
     ("holes", AovKind::Holes, "holes: 1 where no probe saw the surface, else 0"),
     ("views", AovKind::Views, "views: the number of probes that saw what is shown"),
@@ -147,7 +153,7 @@ pub struct MarchArgs {
     /// End of rays in metres from the eye [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// N x N rays per pixel, of a simplified scene samples [default: 1; with --method z-buffer 2]
+    /// N x N rays per pixel; with 3 or more, 5 rays where these show no edge. Of a simplified scene N x N samples [default: 1; with --method z-buffer 2]
     #[arg(long, value_name = "N", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Acceleration of ray marching
@@ -162,6 +168,9 @@ pub struct MarchArgs {
     /// Fill of holes: surfaces that no probe saw; they are counted
     #[arg(long, value_parser = one_of(HOLES), default_value = "behind")]
     pub holes: HoleFill,
+    /// Background: directions in which no probe saw a surface
+    #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "opaque")]
+    pub background: BackgroundFill,
     /// Departures from the CALF paper, joined by +: angles (weights of probes by angle and resolution), edges (coverage between
     /// texels), thin (surfaces thinner than texels); all or none
     #[arg(long, value_name = "LIST", value_parser = parse_refinements, default_value = "all")]

@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use crate::evaluate::HoleFill;
+use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::gpu::layout::{Face, Scene, View};
 use crate::image::Transfer;
 use crate::march::{
@@ -41,6 +41,8 @@ const CODING_LINEAR: u32 = 2;
 const HOLES_BLANK: u32 = 0;
 const HOLES_NEAREST: u32 = 1;
 const HOLES_BEHIND: u32 = 2;
+const BACKGROUND_OPAQUE: u32 = 0;
+const BACKGROUND_TRANSPARENT: u32 = 1;
 const REFINE_ANGLES: u32 = 1;
 const REFINE_EDGES: u32 = 2;
 const REFINE_THIN: u32 = 4;
@@ -167,6 +169,10 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
             HoleFill::Nearest => HOLES_NEAREST,
             HoleFill::Behind => HOLES_BEHIND,
         },
+        background: match settings.background {
+            BackgroundFill::Opaque => BACKGROUND_OPAQUE,
+            BackgroundFill::Transparent => BACKGROUND_TRANSPARENT,
+        },
         coding,
         gain,
         max_bounces: settings.max_bounces.min(MAX_BOUNCES),
@@ -199,6 +205,7 @@ mod tests {
     use crate::march::layers;
     use crate::march::pyramid;
     use crate::march::ray;
+    use crate::march::samples;
     use crate::march::segments;
     use crate::march::specular::material;
     use crate::march::specular::normal;
@@ -222,6 +229,8 @@ mod tests {
             ("HOLES_BLANK", HOLES_BLANK),
             ("HOLES_NEAREST", HOLES_NEAREST),
             ("HOLES_BEHIND", HOLES_BEHIND),
+            ("BACKGROUND_OPAQUE", BACKGROUND_OPAQUE),
+            ("BACKGROUND_TRANSPARENT", BACKGROUND_TRANSPARENT),
             ("REFINE_ANGLES", REFINE_ANGLES),
             ("REFINE_EDGES", REFINE_EDGES),
             ("REFINE_THIN", REFINE_THIN),
@@ -232,7 +241,7 @@ mod tests {
             ("TILE", TILE),
             ("COUNTERS", COUNTERS as u32),
             ("MOST_REACH", normal::MOST_REACH as u32),
-            ("SETTLE_TIMES", secondary_rays::SETTLE_TIMES),
+            ("SETTLE_TIMES", active_views::SETTLE_TIMES),
             ("MAX_INSIDE", solid::MAX_INSIDE as u32),
             ("MOST_BEFORE_STEPS", ray::MOST_BEFORE_STEPS),
         ];
@@ -244,6 +253,8 @@ mod tests {
             ("EDGE_PENALTY", interpolate::EDGE_PENALTY),
             ("DEPTH_CUT", interpolate::DEPTH_CUT),
             ("CUT_WEIGHT", interpolate::CUT_WEIGHT),
+            ("EDGE_CONTRAST", samples::EDGE_CONTRAST),
+            ("EDGE_BLACK", samples::EDGE_BLACK),
             ("LEAST_LAYER", layers::LEAST_LAYER),
             ("AROUND_REACH", Footprint::Around.reach()),
             ("GROWTH", ray::GROWTH),

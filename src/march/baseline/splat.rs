@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evaluate::{HoleFill, RenderedImage};
+use crate::evaluate::{BackgroundFill, HoleFill, RenderedImage};
 use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews, ClipPlanes, Counters, RenderSettings, Rendered, light_of};
 use crate::math::Camera;
@@ -21,7 +21,7 @@ struct Point {
     color: Vec3,
 }
 
-/// Splats. Of the settings, `size`, `holes`, and the first and last of the distances count: a point is one pixel, however
+/// Splats. Of the settings, `size`, `holes`, `background`, and the first and last of the distances count: a point is one pixel, however
 /// many samples a pixel has. Of points at the same distance the first wins, in the order of views, faces and texels. The
 /// monitor advances by one for each row of the picture, when all points are drawn.
 pub fn splat(
@@ -58,14 +58,18 @@ pub fn splat(
         background_rays: shown.iter().flatten().filter(|point| point.distance_m.is_infinite()).count() as u64,
         ..Counters::default()
     };
-    let mut alpha: Vec<f32> = shown.iter().map(|point| f32::from(u8::from(point.is_some()))).collect();
-    if settings.holes == HoleFill::Behind && alpha.contains(&1.0) {
-        alpha.fill(1.0);
-    }
+    let is_transparent = settings.background == BackgroundFill::Transparent;
+    let is_shown = |point: &Point| !is_transparent || point.distance_m.is_finite();
+    let alpha_of = |shown: &[Option<Point>]| -> Vec<f32> {
+        shown.iter().map(|point| f32::from(u8::from(point.as_ref().is_some_and(is_shown)))).collect()
+    };
+    let unfilled = alpha_of(&shown);
     if settings.holes != HoleFill::Blank {
         fill(&mut shown, settings.size);
     }
-    let light = |point: Option<Point>| point.map_or(Vec3::ZERO, |point| light_of(views.coding, point.color));
+    let alpha = if settings.holes == HoleFill::Behind { alpha_of(&shown) } else { unfilled };
+    let light =
+        |point: Option<Point>| point.filter(is_shown).map_or(Vec3::ZERO, |point| light_of(views.coding, point.color));
     let pixels = shown.into_iter().zip(alpha).map(|(point, alpha)| light(point).extend(alpha).to_array());
     Ok(Rendered { image: RenderedImage::of_pixels(settings.size, pixels)?, counters })
 }
@@ -175,6 +179,7 @@ mod tests {
             steps: Steps::new(4, 0.5, 50.0, 0),
             samples: 1,
             holes,
+            background: BackgroundFill::Opaque,
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::None,

@@ -3,11 +3,10 @@
 
 use glam::Vec3;
 
-use crate::image::ToneMap;
 use crate::march::interpolate::{ANGLE_EPSILON, CUT_WEIGHT, DEPTH_CUT};
 use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
 use crate::march::packet::views::{PacketView, PacketViews, Places};
-use crate::march::{DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, Refinements};
+use crate::march::{DEPTH_EPSILON, Interpolated, Refinements, RenderSettings};
 use crate::views::{BACKGROUND, ColorTexels, UNKNOWN};
 
 struct Sums {
@@ -19,6 +18,7 @@ struct Sums {
     covered: Lanes,
     all: Lanes,
     refinements: Refinements,
+    tolerance: Lanes,
 }
 
 /// Colours of the surface points in the `asked` lanes. None where no view has a surface in its direction.
@@ -26,11 +26,13 @@ pub(crate) fn seen_from_eye(
     views: &PacketViews<'_>,
     guesses: &mut [usize],
     (asked, points): (u32, &Points),
-    refinements: Refinements,
+    settings: &RenderSettings,
 ) -> [Option<Interpolated>; 4] {
     let zero = Lanes::ZERO;
     let difference = Lanes::INFINITY;
-    let mut sums = Sums { color: [zero; 3], weight: zero, difference, covered: zero, all: zero, refinements };
+    let (refinements, tolerance) = (settings.refinements, Lanes::splat(settings.tolerance()));
+    let mut sums =
+        Sums { color: [zero; 3], weight: zero, difference, covered: zero, all: zero, refinements, tolerance };
     let from_eye_m = length(points);
     for (view, guess) in views.views.iter().zip(guesses) {
         let places = view.places_of(points, guess);
@@ -120,7 +122,7 @@ impl Sums {
         let ratio = either(is_surface, texels.depth * planar_m, Lanes::ONE);
         let nearer = ln(ratio);
         let difference = nearer.abs();
-        let tolerance = Lanes::splat(HOLE_DIFFERENCE);
+        let tolerance = self.tolerance;
         let sees = is_known & (!is_surface | nearer.cmple(tolerance));
         self.all += either(sees, weight, Lanes::ZERO);
         self.covered += either(is_surface & difference.cmple(tolerance), weight, Lanes::ZERO);
@@ -180,46 +182,4 @@ fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4
         }
     }
     if are_codes { bytes(codes) } else { light.map(Lanes::from_array) }
-}
-
-/// Linear light of fractional 8-bit codes, from a table.
-pub(crate) struct LightCurve {
-    values: Vec<f32>,
-}
-
-impl LightCurve {
-    /// Linear interpolation between entries errs by less than 2e-7 of the brightest light.
-    const PARTS: usize = 4096;
-
-    pub(crate) fn new(tone: ToneMap) -> LightCurve {
-        let gain = (-f64::from(tone.exposure_ev)).exp2();
-        let value = |at: usize| (tone.transfer.decode(at as f64 / Self::PARTS as f64) * gain) as f32;
-        LightCurve { values: (0..=Self::PARTS + 1).map(value).collect() }
-    }
-
-    /// Light of a code over 255.
-    pub(crate) fn light(&self, code: f32) -> f32 {
-        let at = code.clamp(0.0, 1.0) * Self::PARTS as f32;
-        let entry = at as usize;
-        let [low, high] = [self.values[entry], self.values[entry + 1]];
-        low + (high - low) * (at - entry as f32)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::image::transfer::Transfer;
-
-    #[test]
-    fn light_is_that_of_the_curve() {
-        for transfer in [Transfer::Srgb, Transfer::Linear] {
-            let curve = LightCurve::new(ToneMap { transfer, exposure_ev: 0.0 });
-            for at in 0..=100_000 {
-                let code = at as f32 / 100_000.0;
-                let exact = transfer.decode(f64::from(code));
-                assert!((f64::from(curve.light(code)) - exact).abs() < 2e-7, "{code}");
-            }
-        }
-    }
 }

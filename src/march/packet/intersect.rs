@@ -114,9 +114,38 @@ impl<'a> PacketMarch<'a> {
             let known = std::array::from_fn(|lane| from[lane].filter(|_| occupied >> lane & 1 != 0));
             nearest_m = self.refine(packet, steps, (Marching::One(nearest), known), counters);
         }
-        let all = self.first_steps(packet, settings, (Marching::All, from), counters);
-        let all_m = self.refine(packet, steps, (Marching::All, all), counters);
+        let all_m = self.hits(packet, settings, from, counters);
         std::array::from_fn(|lane| FirstHits { nearest_m: nearest_m[lane], all_m: all_m[lane] })
+    }
+
+    /// [`crate::march::intersect::intersect_from`], of each ray from a step on.
+    pub(crate) fn hits(
+        &mut self,
+        packet: &Packet,
+        settings: &RenderSettings,
+        from: [Option<usize>; 4],
+        counters: &mut Counters,
+    ) -> [Option<f32>; 4] {
+        if from == [None; 4] {
+            return [None; 4];
+        }
+        let steps = self.first_steps(packet, settings, (Marching::All, from), counters);
+        self.refine(packet, &settings.steps, (Marching::All, steps), counters)
+    }
+
+    /// Lanes whose points at these steps are on or behind a surface of all views.
+    pub(crate) fn surfaces(
+        &mut self,
+        packet: &Packet,
+        steps: &Steps,
+        at: [Option<usize>; 4],
+        counters: &mut Counters,
+    ) -> u32 {
+        let Some(other) = at.iter().flatten().next().copied() else { return 0 };
+        let tested = bits_of(&at);
+        counters.march_steps += u64::from(tested.count_ones());
+        let points = packet.at(Lanes::from_array(at.map(|at| steps.distances_m[at.unwrap_or(other)])));
+        self.stops(Marching::All, tested, &points)
     }
 
     /// Lanes whose points at these steps a view knows to be on or behind a surface.

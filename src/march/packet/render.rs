@@ -2,37 +2,25 @@
 
 use glam::Vec3;
 
-use crate::march::packet::color::{LightCurve, seen_from_eye};
+use crate::march::layers::{Ask, Follower};
+use crate::march::packet::color::seen_from_eye;
 use crate::march::packet::intersect::{Packet, PacketMarch, bits_of};
 use crate::march::packet::lanes::Lanes;
 use crate::march::packet::views::PacketViews;
-use crate::march::{Counters, Primary, PrimaryHit, Ray};
-use crate::views::ColorCoding;
+use crate::march::{Counters, Interpolated, Primary, PrimaryHit, Ray};
 
 pub(crate) struct PacketScene<'a> {
     primary: &'a Primary<'a>,
     flat: PacketViews<'a>,
-    curve: Option<LightCurve>,
 }
 
 impl<'a> PacketScene<'a> {
     pub(crate) fn new(primary: &'a Primary<'a>) -> PacketScene<'a> {
-        let curve = match primary.views.coding {
-            ColorCoding::Codes(tone) => Some(LightCurve::new(tone)),
-            ColorCoding::Light => None,
-        };
-        PacketScene { primary, flat: PacketViews::new(&primary.views), curve }
+        PacketScene { primary, flat: PacketViews::new(&primary.views) }
     }
 
     pub(crate) fn row(&'a self) -> PacketRow<'a> {
         PacketRow { scene: self, march: PacketMarch::new(&self.flat) }
-    }
-
-    fn light(&self, color: Vec3) -> Vec3 {
-        match &self.curve {
-            Some(curve) => color.to_array().map(|code| curve.light(code)).into(),
-            None => color,
-        }
     }
 }
 
@@ -42,28 +30,74 @@ pub(crate) struct PacketRow<'a> {
 }
 
 impl PacketRow<'_> {
-    /// Hits of up to four rays from the eye, by their directions of length 1. Those that show more than one surface are followed one by one.
+    /// Hits of up to four rays from the eye, by their directions of length 1.
     pub(crate) fn hits(&mut self, directions: &[Vec3], counters: &mut Counters) -> [PrimaryHit; 4] {
         let primary = self.scene.primary;
         let packet = Packet::new(directions);
         let hits = self.march.first_hits(&packet, primary.settings, counters);
         let met = hits.map(|hits| hits.all_m);
-        let asked = bits_of(&met);
-        let seen = if asked == 0 {
-            [None; 4]
-        } else {
-            // Rays without a hit take the distance of another.
-            let other_m = met.iter().flatten().next().copied().unwrap_or(1.0);
-            let points = packet.at(Lanes::from_array(met.map(|distance_m| distance_m.unwrap_or(other_m))));
-            seen_from_eye(&self.scene.flat, self.march.guesses(), (asked, &points), primary.settings.refinements)
-        };
-        std::array::from_fn(|lane| {
-            let Some(&direction) = directions.get(lane) else { return PrimaryHit::default() };
-            let ray = Ray { origin: Vec3::ZERO, direction };
-            match seen[lane].filter(|seen| primary.is_whole(&ray, &hits[lane], seen)) {
-                Some(seen) => PrimaryHit::whole(met[lane], self.scene.light(seen.color)),
-                None => primary.follow(&ray, &hits[lane], counters),
+        let seen = self.seen(&packet, met);
+        let ray = |lane: usize| Ray { origin: Vec3::ZERO, direction: directions[lane] };
+        let mut shown = std::array::from_fn(|_| PrimaryHit::default());
+        let mut followers = std::array::from_fn(|_| None);
+        for lane in 0..directions.len().min(4) {
+            match seen[lane].filter(|seen| primary.is_whole(&ray(lane), &hits[lane], seen)) {
+                Some(seen) => shown[lane] = PrimaryHit::whole(met[lane], primary.light(seen.color)),
+                None => {
+                    let mut follower = Follower::new(primary, &ray(lane), &hits[lane]);
+                    if let (Ask::Seen(at_m), Some(hit_m)) = (follower.ask, met[lane])
+                        && at_m == hit_m
+                    {
+                        follower.saw(at_m, seen[lane]);
+                    }
+                    followers[lane] = Some(follower);
+                }
             }
-        })
+        }
+        if followers.iter().any(Option::is_some) {
+            self.follow(&packet, &mut followers, counters);
+        }
+        for (lane, follower) in followers.into_iter().enumerate() {
+            if let Some(follower) = follower {
+                shown[lane] = follower.end(&ray(lane), counters);
+            }
+        }
+        shown
+    }
+
+    /// Drives rays until they are done, as [`Primary::follow`] does one.
+    fn follow(&mut self, packet: &Packet, followers: &mut [Option<Follower<'_, '_>>; 4], counters: &mut Counters) {
+        let settings = self.scene.primary.settings;
+        loop {
+            let asks =
+                followers.each_ref().map(|follower| follower.as_ref().map_or(Ask::Done, |follower| follower.ask));
+            if asks == [Ask::Done; 4] {
+                return;
+            }
+            let seen_m = asks.map(|ask| if let Ask::Seen(at_m) = ask { Some(at_m) } else { None });
+            let tested = asks.map(|ask| if let Ask::IsSurface(step) = ask { Some(step) } else { None });
+            let marched = asks.map(|ask| if let Ask::Hit(first) = ask { Some(first) } else { None });
+            let seen = self.seen(packet, seen_m);
+            let surfaces = self.march.surfaces(packet, &settings.steps, tested, counters);
+            let hits = self.march.hits(packet, settings, marched, counters);
+            for (lane, follower) in followers.iter_mut().enumerate() {
+                let Some(follower) = follower else { continue };
+                match follower.ask {
+                    Ask::Seen(at_m) => follower.saw(at_m, seen[lane]),
+                    Ask::IsSurface(step) => follower.tested(step, surfaces >> lane & 1 != 0),
+                    Ask::Hit(_) => follower.hit(hits[lane]),
+                    Ask::Done => {}
+                }
+            }
+        }
+    }
+
+    /// What the views see on rays at these distances in metres.
+    fn seen(&mut self, packet: &Packet, at_m: [Option<f32>; 4]) -> [Option<Interpolated>; 4] {
+        // Rays without a distance take that of another.
+        let Some(other_m) = at_m.iter().flatten().next().copied() else { return [None; 4] };
+        let points = packet.at(Lanes::from_array(at_m.map(|at_m| at_m.unwrap_or(other_m))));
+        let asked = (bits_of(&at_m), &points);
+        seen_from_eye(&self.scene.flat, self.march.guesses(), asked, self.scene.primary.settings)
     }
 }

@@ -239,7 +239,18 @@ impl<'a> PacketView<'a> {
                 let texel = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
                 Lanes::new(texel(0), texel(1), texel(2), texel(3))
             }
-            Footprint::Around => around(&Around::of(&places), |_, texel| depth.get(texel).copied()),
+            Footprint::Around => {
+                let around = Around::of(&places);
+                match around.are_squares() {
+                    true => {
+                        let greatest = &self.pyramids.faces[*guess & 7].around;
+                        let square =
+                            |lane: usize| greatest.get(around.first[lane] as usize).copied().unwrap_or(UNKNOWN);
+                        Lanes::new(square(0), square(1), square(2), square(3))
+                    }
+                    false => greatest_of(&around, |_, texel| depth.get(texel).copied()),
+                }
+            }
         };
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask();
         let before = surface.cmplt(places.inverse_depth).bitmask();
@@ -320,7 +331,7 @@ impl<'a> PacketView<'a> {
         match self.footprint {
             Footprint::Texel => self.nearest(places),
             Footprint::Around => {
-                around(&Around::of(places), |lane, texel| self.depth[places.face.of(lane)].get(texel).copied())
+                greatest_of(&Around::of(places), |lane, texel| self.depth[places.face.of(lane)].get(texel).copied())
             }
         }
     }
@@ -466,11 +477,17 @@ impl Around {
             down: std::array::from_fn(|lane| lowest[lane].wrapping_sub(row[lane]).wrapping_mul(width[lane])),
         }
     }
+
+    /// Whether there are four texels around each place.
+    #[inline(always)]
+    fn are_squares(&self) -> bool {
+        (0..4).fold(true, |all, lane| all & (self.across[lane] == 1) & (self.down[lane] != 0))
+    }
 }
 
 /// The greatest inverse depths of the texels around each place, by lane and number of the texel; [`UNKNOWN`] where one is.
 #[inline(always)]
-fn around(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> Lanes {
+fn greatest_of(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> Lanes {
     let of = |lane: usize| {
         let (first, across, down) = (places.first[lane], places.across[lane], places.down[lane]);
         let texel = |number: u32| texel(lane, number as usize).unwrap_or(UNKNOWN);

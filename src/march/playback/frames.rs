@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
-use crate::evaluate::HoleFill;
 use crate::evaluate::frame_requests::FrameRequest;
+use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::march::aov::{AovKind, aovs};
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
@@ -58,6 +58,7 @@ pub struct PictureOptions {
     /// Rays in each row and column of a pixel.
     pub samples: u32,
     pub holes: HoleFill,
+    pub background: BackgroundFill,
     pub specular: SpecularMode,
     /// Most bounces of a ray.
     pub max_bounces: u32,
@@ -77,6 +78,7 @@ impl Default for PictureOptions {
             far_m: None,
             samples: 1,
             holes: HoleFill::default(),
+            background: BackgroundFill::default(),
             specular: SpecularMode::Auto,
             max_bounces: 4,
             acceleration: Acceleration::Pyramid,
@@ -95,6 +97,7 @@ impl PictureOptions {
             steps: Steps::new(self.steps, near_m, far_m, self.refine),
             samples: self.samples,
             holes: self.holes,
+            background: self.background,
             specular: self.specular,
             max_bounces: self.max_bounces,
             acceleration: self.acceleration,

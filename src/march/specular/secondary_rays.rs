@@ -39,9 +39,6 @@ pub const HIDDEN_TEXELS: f32 = 12.0;
 /// Sine of the angle between the directions of the eye and of a view to a surface at which what the view saw no longer counts.
 pub const RECORDED_SINE: f32 = 0.05;
 
-/// Bisections of [`SecondaryRays::on_texels`].
-pub const SETTLE_TIMES: u32 = 8;
-
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceHit {
     /// Metres from the eye.
@@ -119,18 +116,6 @@ impl<'a> SecondaryRays<'a> {
         Some((share * share * (3.0 - 2.0 * share), light_of(self.views.coding, found.color)))
     }
 
-    /// A point that the eye sees, moved on along its ray to where the texels that contain it say that the surface is: with
-    /// [`Footprint::Around`](crate::march::Footprint) rays end before that, and a mirror doubles the error.
-    fn on_texels(&self, hit: &SurfaceHit, counters: &mut Counters) -> Vec3 {
-        let from_m = hit.point.length();
-        let (ray, behind_m) = (Ray { origin: Vec3::ZERO, direction: hit.direction }, from_m * HOLE_DIFFERENCE.exp());
-        counters.march_steps += 2;
-        if self.views.is_surface(hit.point) || !self.views.is_surface(ray.at(behind_m)) {
-            return hit.point;
-        }
-        ray.at(self.views.refine(&ray, [from_m, behind_m], SETTLE_TIMES, counters))
-    }
-
     /// Divides the share of a surface among its secondary rays; returns the light that needs no further rays.
     fn divide(&mut self, next: &Pending, counters: &mut Counters) -> Vec3 {
         let Pending { mut hit, share, bounces } = *next;
@@ -143,7 +128,9 @@ impl<'a> SecondaryRays<'a> {
         // The eye's own rays; what others meet is seen from elsewhere.
         let is_primary = bounces == self.settings.max_bounces.min(MAX_BOUNCES);
         if is_primary && self.settings.refinements.edges {
-            hit.point = self.on_texels(&hit, counters);
+            // A mirror doubles the error of a place.
+            let ray = Ray { origin: Vec3::ZERO, direction: hit.direction };
+            hit.point = ray.at(self.views.on_texels(&ray, hit.point.length(), counters));
         }
         let recorded = if is_primary { self.recorded(hit.point) } else { None };
         let (recorded_share, recorded_light) = recorded.unwrap_or_default();

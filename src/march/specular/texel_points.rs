@@ -31,10 +31,7 @@ impl<'a> SpecularImage<'a> {
         if inverse == BACKGROUND || inverse == UNKNOWN {
             return None;
         }
-        let width = self.texels.size[0] as usize;
-        let centre = [at % width, at / width].map(|at| at as f32 + 0.5);
-        let local =
-            self.texels.map.direction(Face::from_index(self.face as u8)?, centre).as_dvec3() / f64::from(inverse);
+        let local = self.texels.direction(Face::from_index(self.face as u8)?, at) / f64::from(inverse);
         let point = self.view.probe_from_world.as_dmat3().transpose() * local + self.view.from_eye.as_dvec3();
         point.is_finite().then_some(point)
     }

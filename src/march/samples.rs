@@ -1,0 +1,145 @@
+//! Rays of a pixel: a few at first, and all where those show an edge.
+//!
+//! Enters: what rays of a pixel show. Leaves: the colour and alpha of the pixel, and whether it takes more rays.
+
+use glam::Vec3;
+
+use crate::evaluate::HoleFill;
+
+/// Two lights of a pixel differ where the difference of a channel is more than this part of their sum.
+pub const EDGE_CONTRAST: f32 = 0.1;
+/// Light that is added to both before that: what is much darker than this is black.
+pub const EDGE_BLACK: f32 = 0.02;
+
+/// The rays of a pixel, by their numbers in a grid, row by row.
+#[derive(Debug, Clone)]
+pub(crate) struct SampleGrid {
+    /// Those of the corners and the middle; of a grid of up to two rows all.
+    pub(crate) first: Vec<usize>,
+    pub(crate) rest: Vec<usize>,
+}
+
+impl SampleGrid {
+    /// A grid of at least one row and column.
+    pub(crate) fn new(side: usize) -> SampleGrid {
+        let is_end = |at: usize| at == 0 || at + 1 == side;
+        let is_first = |at: &usize| {
+            let place = [at % side, at / side];
+            side <= 2 || place.map(is_end) == [true; 2] || place == [side / 2; 2]
+        };
+        let (first, rest) = (0..side * side).partition(is_first);
+        SampleGrid { first, rest }
+    }
+}
+
+/// What a ray shows.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct RaySample {
+    /// Linear light, times [`RaySample::share`].
+    pub(crate) light: Vec3,
+    /// The part of the ray that has a colour.
+    pub(crate) share: f32,
+    /// Whether it first meets a surface that no view saw, or ends in nothing.
+    pub(crate) is_hole: bool,
+}
+
+/// The rays of a pixel so far.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PixelSum {
+    light: Vec3,
+    share: f32,
+    alpha: f32,
+    rays: u32,
+    holes: u32,
+    /// The least and the greatest light and share of a ray.
+    least: [Vec3; 2],
+    greatest: [Vec3; 2],
+}
+
+impl Default for PixelSum {
+    fn default() -> PixelSum {
+        PixelSum {
+            light: Vec3::ZERO,
+            share: 0.0,
+            alpha: 0.0,
+            rays: 0,
+            holes: 0,
+            least: [Vec3::INFINITY; 2],
+            greatest: [Vec3::NEG_INFINITY; 2],
+        }
+    }
+}
+
+impl PixelSum {
+    pub(crate) fn add(&mut self, sample: RaySample, fill: HoleFill) {
+        let RaySample { light, share, is_hole } = sample;
+        self.rays += 1;
+        self.holes += u32::from(is_hole);
+        let (light, share) = if is_hole && fill == HoleFill::Blank { (Vec3::ZERO, 0.0) } else { (light, share) };
+        let alpha = if is_hole && fill != HoleFill::Behind { 0.0 } else { share };
+        self.light += light;
+        self.share += share;
+        self.alpha += alpha;
+        for (at, value) in [light, Vec3::splat(alpha)].into_iter().enumerate() {
+            self.least[at] = self.least[at].min(value);
+            self.greatest[at] = self.greatest[at].max(value);
+        }
+    }
+
+    /// Whether the light or the alpha of its rays differ.
+    pub(crate) fn has_edge(&self) -> bool {
+        let differs = |at: usize| {
+            let (least, greatest) = (self.least[at], self.greatest[at]);
+            (greatest - least).cmpgt(EDGE_CONTRAST * (least + greatest + 2.0 * EDGE_BLACK)).any()
+        };
+        differs(0) || differs(1)
+    }
+
+    pub(crate) fn holes(&self) -> u32 {
+        self.holes
+    }
+
+    /// Light that is not multiplied by alpha, and alpha.
+    pub(crate) fn color_and_alpha(&self) -> ([f32; 3], f32) {
+        let color = if self.share > 0.0 { self.light / self.share } else { Vec3::ZERO };
+        (color.to_array(), self.alpha / self.rays.max(1) as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_rays_are_those_of_corners_and_middle() {
+        for (side, first) in
+            [(1, vec![0]), (2, vec![0, 1, 2, 3]), (3, vec![0, 2, 4, 6, 8]), (4, vec![0, 3, 10, 12, 15])]
+        {
+            let grid = SampleGrid::new(side);
+            assert_eq!(grid.first, first, "{side}");
+            let mut all = [grid.first, grid.rest].concat();
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..side * side));
+        }
+    }
+
+    #[test]
+    fn pixels_are_means_of_what_has_a_colour() {
+        let ray = |light: f32, share: f32, is_hole| RaySample { light: Vec3::splat(share * light), share, is_hole };
+        let of = |rays: &[RaySample], fill| {
+            let mut sum = PixelSum::default();
+            rays.iter().for_each(|&ray| sum.add(ray, fill));
+            let ([red, ..], alpha) = sum.color_and_alpha();
+            (red, alpha, sum.has_edge())
+        };
+        let (lit, half, hole) = (ray(0.5, 1.0, false), ray(0.5, 0.5, false), ray(1.0, 1.0, true));
+        assert_eq!(of(&[lit, lit], HoleFill::Behind), (0.5, 1.0, false));
+        assert_eq!(of(&[lit, hole], HoleFill::Behind), (0.75, 1.0, true));
+        assert_eq!(of(&[lit, hole], HoleFill::Nearest), (0.75, 0.5, true));
+        assert_eq!(of(&[lit, hole], HoleFill::Blank), (0.5, 0.5, true));
+        // A transparent background changes no colour.
+        assert_eq!(of(&[lit, half], HoleFill::Behind), (0.5, 0.75, true));
+        assert_eq!(of(&[ray(0.0, 0.0, false); 2], HoleFill::Behind), (0.0, 0.0, false));
+        assert!(!of(&[lit, ray(0.55, 1.0, false)], HoleFill::Behind).2);
+    }
+}
