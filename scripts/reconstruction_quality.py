@@ -99,30 +99,53 @@ def row_of(table, place, method, report):
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class Pose:
+    """A case whose pictures are kept in files, and what `render` reported of each method."""
+
+    title: str
+    case: Case
+    reports: dict
+    folder: pathlib.Path
+
+    def picture(self, label, image):
+        """The file of an image that is in a report."""
+        return pictures_of(self.folder, self.case, label) / f"{image['probe']}_{image['face']}.{image['frame']:04}.png"
+
+
+def pictures_of(folder, case, label):
+    return folder / "pictures" / f"{case.probe}_{label}"
+
+
 class Renderer:
     """Runs `lightfold render` on cases, each once; `options` are given to all of them."""
 
     def __init__(self, binary, options):
         self.binary, self.options = binary, options
         self.known = {}
+        self.poses = []
 
-    def command(self, case, method, *more):
+    def report(self, case, method, *more, out=("--null",)):
+        """What `render` reports; pictures go to `out` if this is the first time that it is asked for."""
         words = [self.binary, "render", case.container, "--reference", case.reference, "--reference-probe", case.probe]
         if case.without:
             words += ["--exclude-probe", ",".join(case.without)]
-        return words + ["--frames", case.frames, "--method", method, "--null", "--stats", "--json", *self.options, *more]
+        words += ["--frames", case.frames, "--method", method, "--stats", "--json", *self.options, *more]
+        if (case, method, more) not in self.known:
+            self.known[case, method, more] = lf.run_json(*words, *out)
+        return self.known[case, method, more]
 
-    def rows(self, table, place, case, *more, maps=None):
-        """A row for each method."""
-        found = []
+    def draw(self, title, case, folder):
+        """Keeps pictures and error maps of a pose, before its rows are asked for."""
+        reports = {}
         for method, label in METHODS:
-            command = tuple(map(str, self.command(case, method, *more)))
-            # Who asks for maps has not been here before.
-            if maps or command not in self.known:
-                errors = ["--error-map", maps / f"{case.probe}_{label}"] if maps else []
-                self.known[command] = lf.run_json(*command, *errors)
-            found.append(row_of(table, place, label, self.known[command]))
-        return found
+            out = ["-o", pictures_of(folder, case, label), "--error-map", folder / "errors" / f"{case.probe}_{label}"]
+            reports[label] = self.report(case, method, out=out)
+        self.poses.append(Pose(title, case, reports, folder))
+
+    def rows(self, table, place, case, *more):
+        """A row for each method."""
+        return [row_of(table, place, label, self.report(case, method, *more)) for method, label in METHODS]
 
 
 def counts_of_views(probes):
@@ -232,7 +255,8 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
     rows = []
     for probe in left_out:
         case = Case(container, pathlib.Path(manifest), probe, (probe,), frames)
-        of_probe = renderer.rows("left out", probe, case, maps=work / "errors")
+        renderer.draw(f"Probe {probe}, left out", case, work)
+        of_probe = renderer.rows("left out", probe, case)
         rows += of_probe + with_and_without_effects(renderer, probe, case, of_probe)
     central = Case(container, pathlib.Path(manifest), left_out[0], (left_out[0],), frames)
     rows += by_views(renderer, central, len(probes) - 1)
@@ -265,6 +289,17 @@ def along(renderer, container, manifest, line, frames):
     return [dataclasses.replace(row, line=line.name()) for row in rows]
 
 
+def shown_of_scene(named, free):
+    """(title, folder of the reference, name) of the poses of a scene whose pictures are kept; `named` are those on the way."""
+    near, middle = list(named)[1], list(named)[len(named) // 2]
+    return [
+        ("Probe 00, which takes part", "probes", "00"),
+        (f"Near probe 00, at {named[near]:g} of the way", "poses", near),
+        ("Midway between probes", "poses", middle),
+        *((f"{name}, off the straight ways", "poses", name) for name in (free[0], free[-1])),
+    ]
+
+
 def measure_scene(binary, renderer, scene, work, settings):
     """Captures a scene from eight corners and from poses on the way between two of them; answers rows."""
     around = corners(settings.region)
@@ -281,13 +316,15 @@ def measure_scene(binary, renderer, scene, work, settings):
     lamps = KEEP_LAMPS if str(scene) in SCENES_WITH_MIRRORS else []
     lf.run_json(binary, "encode", work / "probes", *lamps, "-o", container, "--json")
     rows = []
+    for title, reference, name in shown_of_scene(named, list(free)):
+        renderer.draw(title, Case(container, work / reference, name), work)
     for name, part in named.items():
         rows += renderer.rows("by pose", part, Case(container, work / "poses", name))
     for name in free:
         rows += renderer.rows("free poses", name, Case(container, work / "poses", name))
     rows += at_probes(renderer, container, work / "probes", [f"{at:02}" for at in range(len(around))])
     middle = Case(container, work / "poses", list(named)[settings.poses // 2])
-    both = renderer.rows("midway", "all", middle, maps=work / "errors")
+    both = renderer.rows("midway", "all", middle)
     rows += both + with_and_without_effects(renderer, "midway", middle, both)
     return rows + by_views(renderer, middle, len(around))
 
@@ -304,6 +341,6 @@ def with_and_without_effects(renderer, place, case, known):
     """
     if all(row.psnr_db_mirrors is None and row.psnr_db_glass is None for row in known):
         return []
-    blended = lf.run_json(*renderer.command(case, "march", "--effects", "none"))
+    blended = renderer.report(case, "march", "--effects", "none")
     rows = [dataclasses.replace(row, table="effects", place=place) for row in known]
     return rows + [row_of("effects", place, "ours, without effects", blended)]

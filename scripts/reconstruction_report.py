@@ -1,4 +1,4 @@
-"""How scripts/reconstruction-quality shows what it measured: Markdown, CSV, and charts as SVG."""
+"""How scripts/reconstruction-quality shows what it measured: tables as Markdown and CSV, and charts as SVG."""
 
 import csv
 import dataclasses
@@ -27,6 +27,13 @@ COLORS = {"points": "#b25d00", "ceiling": "#767676", "paper": "#a02060", "ours":
 OTHER_COLORS = ("#0067b1", "#b25d00", "#8a4fae", "#767676")
 DASHES = {"points": "2 3", "ceiling": "8 4", "paper": "6 2", "ours": "", "ours, without effects": "10 3 2 3"}
 
+ABOUT = (
+    "PSNR is of 8-bit codes, the mean over images that are not exact, and inside mirrors or glass that of all their "
+    "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Paper: the algorithm of "
+    "CALF, `--method calf`. Ceiling: true distances instead of marching, one point of each pixel, the weights of the "
+    "paper; marching can be better all the same, in mirrors and glass, and where few views know a surface. Ghosts: RMS "
+    "error within 3 pixels of projected silhouettes of probes, over that of all other pixels.")
+
 
 def decibels(value):
     return "" if value is None else "exact" if math.isinf(value) else f"{value:.2f}"
@@ -38,7 +45,7 @@ def place_in_words(place, line=None):
 
 
 def tables(rows):
-    """(title, Markdown) of each table that has rows."""
+    """(title, head, lines of cells) of each table that has rows."""
     found = []
     for name, title in TITLES.items():
         of_table = [row for row in rows if row.table == name]
@@ -65,7 +72,7 @@ def tables(rows):
                  *(ghosts(cell[place, method]) for method in methods if with_ghosts)]
                 for place in places
             ]
-        found.append((title, lf.table(head, lines)))
+        found.append((title, head, lines))
     return found
 
 
@@ -144,35 +151,49 @@ def chart(title, label, rows, measure=("psnr_db", "PSNR (dB)")):
 
 
 def of_lines(rows):
-    """What poses of a dataset are, in words; nothing is said of a scene."""
+    """What poses of a dataset are, in a paragraph; nothing is said of a scene."""
     if any(row.line for row in rows):
-        return ("Poses are probes that lie on the straight way between two others, as the truth is known at probes only. Those "
+        return ["Poses are probes that lie on the straight way between two others, as the truth is known at probes only. Those "
                 "between the two take no part in the pictures of their way; the two themselves do. A chart has the mean of "
-                "several ways.\n")
+                "several ways."]
     if any(row.table == "left out" for row in rows):
-        return "No probe lies on the straight way between two others, so that there are no figures by pose.\n"
-    return ""
+        return ["No probe lies on the straight way between two others, so that there are no figures by pose."]
+    return []
 
 
-def write(folder, name, rows, command):
-    """report.md, figures.csv and charts; answers the report."""
+@dataclasses.dataclass
+class Report:
+    """What is shown of an input, as Markdown and on a page."""
+
+    name: str
+    command: str
+    rows: list
+    # Paragraphs; `words` are code.
+    about: list
+    # (title, head, lines of cells)
+    tables: list
+    # (file, title, text of an SVG)
+    charts: list
+
+
+def report_of(name, rows, command):
     charts = []
     for table, file, label in (("by views", "by_views.svg", "active views"), ("by pose", "by_pose.svg", "way between two probes")):
-        of_table = [row for row in rows if row.table == table]
-        drawn = chart(f"{name}: PSNR by {label}", label, of_table)
+        title = f"{name}: PSNR by {label}"
+        drawn = chart(title, label, [row for row in rows if row.table == table])
         if drawn:
-            (folder / file).write_text(drawn)
-            charts.append(file)
-    (folder / "figures.csv").write_text(to_csv(rows))
-    sections = [f"## {title}\n\n{table}\n" for title, table in tables(rows)]
-    shown = "".join(f"![]({file})\n" for file in charts)
-    about = ("PSNR is of 8-bit codes, the mean over images that are not exact, and inside mirrors or glass that of all their "
-             "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Ceiling: true "
-             "distances instead of marching, one point of each pixel, the weights of the paper. Paper: the algorithm of CALF, `--method calf`. "
-             "Marching can be better all the same: in mirrors and glass, and "
-             "where few views know a surface. Ghosts: RMS error within 3 pixels of projected "
-             "silhouettes of probes, over that of all other pixels. Pictures of where errors lie are in errors/.\n")
-    about += of_lines(rows)
-    report = "\n".join([f"# {name}\n", f"`{command}`\n", about, *sections, shown])
-    (folder / "report.md").write_text(report)
-    return report
+            charts.append((file, title, drawn))
+    return Report(name, command, rows, [ABOUT, *of_lines(rows)], tables(rows), charts)
+
+
+def write(folder, report):
+    """report.md, figures.csv and charts; answers the Markdown."""
+    for file, _, drawn in report.charts:
+        (folder / file).write_text(drawn)
+    (folder / "figures.csv").write_text(to_csv(report.rows))
+    sections = [f"## {title}\n\n{lf.table(head, lines)}\n" for title, head, lines in report.tables]
+    about = " ".join([*report.about, "Pictures are in pictures/, and where their errors lie in errors/.\n"])
+    shown = "".join(f"![{title}]({file})\n" for file, title, _ in report.charts)
+    text = "\n".join([f"# {report.name}\n", f"`{report.command}`\n", about, *sections, shown])
+    (folder / "report.md").write_text(text)
+    return text

@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import html.parser
 import importlib.machinery
 import importlib.util
 import io
@@ -9,36 +10,55 @@ import itertools
 import json
 import math
 import pathlib
+import random
 import stat
 import sys
 import tempfile
 import unittest
 import unittest.mock
+import urllib.parse
 import xml.etree.ElementTree
 
+import peers_frames as pf
+import peers_kernels
+import reconstruction_page as rp
 import reconstruction_quality as rq
 import reconstruction_report as rr
 
 HERE = pathlib.Path(__file__).resolve().parent
 
-# Answers as lightfold would, and notes what it was called with.
+# Answers as lightfold would, and notes what it was called with. Pictures are gray, and those of a method have a spot of its own.
 STUB = """#!{python}
-import json, sys
+import json, pathlib, sys
 words = sys.argv[1:]
 open({log!r}, "a").write(json.dumps(words) + "\\n")
 value = lambda name: words[words.index(name) + 1] if name in words else None
 if words[0] == "render":
     db = {{"splat": 20.0, "reproject": 30.0, "calf": 27.0, "march": 28.0}}[value("--method")]
     db += float(value("--views") or 0) / 10 - (3 if value("--effects") == "none" else 0)
-    image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5}}
-    exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5}}
+    about = {{"probe": value("--reference-probe"), "face": "px", "frame": 0}}
+    image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5, **about}}
+    exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5, **about, "face": "nx"}}
     images = {{"exact": [exact, exact], "half": [image, exact]}}.get(value("--reference-probe"), [image, image])
     reference = {{"images": images, "method": value("--method"), "ghost_ratio": 1.25}}
     if {material}:
         reference.update(psnr_db_mirrors=db - 5, psnr_db_glass=db - 8)
     print(json.dumps({{"reference": reference, "pacing": {{"render_ms": {{"mean_ms": 2.0}}}}}}))
 else:
-    print(json.dumps({{"bytes": 1}}))
+    print(json.dumps({{"bytes": 1, "streams": []}}))
+if words[0] in ("render", "decode") and "-o" in words:
+    sys.path.insert(0, {scripts!r})
+    sys.dont_write_bytecode = True
+    import peers_frames
+    rows = [bytearray([90] * 3 * 96) for _ in range(96)]
+    for y in {{"calf": range(10, 20), "march": range(70, 75)}}.get(value("--method"), ()):
+        rows[y][30:60] = bytes([200] * 30)
+    decoded = words[0] == "decode"
+    of_face = lambda face: value("-o") + "/" + value("--reference-probe") + f"_{{face}}.0000.png"
+    names = [value("-o") % 0] if decoded else [of_face("px"), of_face("nx")]
+    pathlib.Path(names[0]).parent.mkdir(parents=True, exist_ok=True)
+    for name in names:
+        peers_frames.write_png(pathlib.Path(name), 96, b"".join(rows))
 """
 
 
@@ -62,7 +82,7 @@ class Stubbed(unittest.TestCase):
 
     def stub(self, material):
         self.log = self.work / "log"
-        self.program.write_text(STUB.format(python=sys.executable, log=str(self.log), material=material))
+        self.program.write_text(STUB.format(python=sys.executable, log=str(self.log), scripts=str(HERE), material=material))
         self.program.chmod(self.program.stat().st_mode | stat.S_IXUSR)
         return str(self.program)
 
@@ -126,13 +146,13 @@ class DatasetTest(Stubbed):
         self.assertEqual(len(along), 4 * len(rq.METHODS))
         shown = [words[words.index("--reference-probe") + 1] for words in along]
         self.assertEqual(shown, [name for _, name in parts for _ in rq.METHODS])
-        report = rr.write(self.work, "set", rows, "a command")
+        report = rr.write(self.work, rr.report_of("set", rows, "a command"))
         self.assertIn("| a to b, 0.333 |", report)
         self.assertIn("take no part in the pictures of their way", report)
         xml.etree.ElementTree.parse(self.work / "by_pose.svg")
         curve = rq.measure_dataset(binary, rq.Renderer(binary, []), self.dataset(["a", "half", "b"]), self.work, [], "0")
         self.assertFalse([row for row in curve if row.table == "by pose"])
-        self.assertIn("no figures by pose", rr.write(self.work, "set", curve, "a command"))
+        self.assertIn("no figures by pose", rr.write(self.work, rr.report_of("set", curve, "a command")))
 
     def test_the_lines_of_a_dataset_are_its_longest_ways(self):
         cube = [(f"{at:02}", corner) for at, corner in enumerate(itertools.product((-1, 1), repeat=3), 1)]
@@ -253,15 +273,149 @@ class ReportTest(unittest.TestCase):
         self.assertEqual([value for _, _, value in rr.mean_over_lines(rows, "psnr_db")], [25.0] * 3)
         root = xml.etree.ElementTree.fromstring(rr.chart("title", "way", rows))
         self.assertEqual(len([e for e in root.iter() if e.tag.endswith("circle")]), 3)
-        [(_, table)] = rr.tables(rows)
-        self.assertEqual(len(table.splitlines()), 2 + 6)
+        [(_, _, lines)] = rr.tables(rows)
+        self.assertEqual(len(lines), 6)
 
     def test_tables_have_all_methods_side_by_side(self):
-        [(title, table)] = rr.tables(self.rows([1, 2]))
+        [(title, head, lines)] = rr.tables(self.rows([1, 2]))
         self.assertIn("figure 9", title)
-        self.assertEqual(table.splitlines()[0], "| views | points dB | ours dB | points SSIM | ours SSIM | points holes % | ours holes % |")
-        self.assertEqual(table.splitlines()[2], "| 1 | 21.00 | 21.00 |  |  | 1.00 | 1.00 |")
+        self.assertEqual(head, ["views", "points dB", "ours dB", "points SSIM", "ours SSIM", "points holes %", "ours holes %"])
+        self.assertEqual(lines[0], ["1", "21.00", "21.00", "", "", "1.00", "1.00"])
         self.assertEqual(rr.to_csv(self.rows([1])).splitlines()[1], "by views,1,points,21.0,,1.0,,,,,")
+
+
+class Elements(html.parser.HTMLParser):
+    """(tag, attributes, text up to the next tag) of a page; tags that are not closed in turn raise."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.open = [], []
+        self.feed(text)
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append([tag, dict(attributes), ""])
+        if tag not in ("meta", "img", "br"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.found.append([tag, dict(attributes), ""])
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        if self.found:
+            self.found[-1][2] += data
+
+    def of(self, tag):
+        return [(attributes, text.strip()) for name, attributes, text in self.found if name == tag]
+
+
+class PageTest(Stubbed):
+    def run_script(self, *words):
+        module = script()
+        with unittest.mock.patch.object(module.lf, "build", lambda: str(self.program)), \
+                contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            module.main([*map(str, words), "-o", str(self.work / "reports")])
+
+    def test_a_page_shows_figures_and_crops_of_every_input(self):
+        self.stub(material=False)
+        manifest = self.dataset(["a <&>", "b"])
+        page = self.work / "page"
+        self.run_script("mirrors", manifest, "--poses", "3", "--page", page)
+        text = (page / "index.html").read_text()
+        elements = Elements(text)
+        [(attributes, _)] = elements.of("html")
+        self.assertEqual(attributes["lang"], "en")
+        self.assertEqual([name for _, name in elements.of("h2")], ["mirrors", self.work.name])
+        poses = [name for _, name in elements.of("h4")]
+        self.assertEqual([name.split(",")[0] for name in poses[-2:]], ["Probe a <&>", "Probe b"])
+        self.assertEqual(len(poses), 5 + 2)
+        # Figures of the report, and what the crops compare.
+        self.assertIn("<td>28.10</td>", text)
+        self.assertIn("figure 9", text)
+        heads = [name for attributes, name in elements.of("th") if attributes["scope"] == "col"]
+        for name in ("truth", "paper (before)", "ours (after)", "points", "ours ghosts"):
+            self.assertIn(name, heads)
+        rows = [name for attributes, name in elements.of("th") if attributes["scope"] == "row"]
+        self.assertEqual(rows.count("px, 0, 0"), len(poses))
+        # Nothing comes from elsewhere, and nothing is missing.
+        self.assertFalse({"script", "link", "iframe", "image", "use"} & {tag for tag, _, _ in elements.found})
+        self.assertNotRegex(text, r"url\(|@import|(src|href)=.(https?:)?//")
+        images = elements.of("img")
+        self.assertTrue(images and all(attributes["alt"] for attributes, _ in images))
+        files = {urllib.parse.unquote(attributes["src"]) for attributes, _ in images}
+        self.assertEqual(files, {str(file.relative_to(page)) for file in page.rglob("*.png")})
+        crop = next(attributes for attributes, _ in images if "crop" in attributes["alt"])
+        self.assertEqual(rp.read_png(page / urllib.parse.unquote(crop["src"]))[:2], (rp.SIDE * rp.SCALE, rp.SIDE * rp.SCALE))
+
+    def test_a_page_is_the_same_each_time(self):
+        self.stub(material=False)
+        words = [self.dataset(["a", "b"]), "--page", self.work / "page"]
+        contents = lambda: {file: file.read_bytes() for file in (self.work / "page").rglob("*.*")}
+        self.run_script(*words)
+        first = contents()
+        self.run_script(*words)
+        self.assertEqual(contents(), first)
+
+    def test_what_cannot_be_shown_is_told(self):
+        self.stub(material=False)
+        manifest = self.dataset(["a", "b"])
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as told:
+            script().main([str(manifest), "--page", str(manifest)])
+        self.assertIn("--page: the folder cannot be made", told.getvalue())
+        with self.assertRaisesRegex(rq.Refused, "different names"):
+            self.run_script(manifest, self.work, "--page", self.work / "page")
+        image = {"probe": "a", "face": "px", "frame": 0, "psnr_db": 1}
+        reports = dict.fromkeys(rp.COMPARED, {"reference": {"images": [image]}})
+        pose = rq.Pose("a pose", rq.Case(self.work, self.work, "a"), reports, self.work)
+        for label in rp.COMPARED:
+            file = pose.picture(label, image)
+            file.parent.mkdir(parents=True)
+            pf.write_png(file, 8, bytes(3 * 8 * 8))
+        with self.assertRaisesRegex(rq.Refused, "96 x 96 pixels were expected, as the truth has, not 8 x 8"):
+            rp.faces_of(pose, rp.Truths(str(self.program), self.work))
+
+    def test_rows_of_pngs_are_those_of_the_kernels(self):
+        for width, step in ((7, 3), (7, 4), (9, 2)):
+            draw = random.Random(step)
+            raw = b"".join(bytes([at % 5]) + draw.randbytes(width * step) for at in range(20))
+            known = peers_kernels.Kernels(self.work).png_rows(raw, 20, width * step, step)
+            self.assertEqual(bytes(rp.unfiltered(raw, width * step, step)), known)
+        self.assertEqual(rp.without_alpha(bytes([1, 2, 3, 255, 4, 5, 6, 0])), bytes([1, 2, 3, 0, 0, 0]))
+        (self.work / "no.png").write_bytes(b"no picture")
+        with self.assertRaisesRegex(rq.Refused, "no.png: a PNG of 8-bit colour or 16-bit gray was expected"):
+            rp.read_png(self.work / "no.png")
+
+    def test_silhouettes_are_where_distances_differ(self):
+        # From 1 m to 100 m; 10 % are 1357 codes.
+        width, codes = 4, [0, 1000, 3000, 3000] + [0, 1000, 3000, pf.BACKGROUND]
+        self.assertEqual(list(rp.silhouettes(codes, width, (1.0, 100.0))), [0, 1, 1, 1, 0, 1, 1, 1])
+        self.assertEqual(list(rp.silhouettes([pf.BACKGROUND] * 4, 2, (1.0, 100.0))), [0] * 4)
+
+    def test_crops_are_the_worst_windows_at_silhouettes(self):
+        size = side = 128
+        spot = lambda left, top, value: [value if left <= x < left + 4 and top <= y < top + 4 else 0
+                                         for y, x in itertools.product(range(side), repeat=2)]
+        add = lambda *of: [sum(values) for values in zip(*of)]
+        # Ours is better at the first spot, and worse at the second; the third has no silhouette.
+        away = spot(100, 100, 10**6)
+        errors = {"paper": add(spot(20, 20, 900), spot(24, 90, 10), away), "ours": add(spot(20, 20, 5), spot(24, 90, 50), away)}
+        edges = [int(x == 24) for _ in range(side) for x in range(side)]
+        windows = list(rp.windows_of("px", errors, edges, (size, side)))
+        (first, at_first), (second, at_second) = rp.choose(windows, 2)
+        self.assertEqual((first, second), ("paper", "ours"))
+        covers = lambda window, x, y: 0 <= x - window.left <= rp.SIDE - 4 and 0 <= y - window.top <= rp.SIDE - 4
+        self.assertTrue(covers(at_first, 20, 20) and covers(at_second, 24, 90))
+        self.assertAlmostEqual(at_second.psnr_db("ours"), 10 * math.log10(255**2 * 3 * rp.SIDE**2 / (16 * 50)))
+        many = [window for _, window in rp.choose(windows, 6)]
+        self.assertFalse([pair for pair in itertools.combinations(many, 2) if pair[0].overlaps(pair[1])])
+        # Where silhouettes are unknown, the worst windows of all are shown.
+        [(_, worst)] = rp.choose(list(rp.windows_of("px", errors, None, (size, side))), 1)
+        self.assertTrue(covers(worst, 100, 100))
+        exact = dict.fromkeys(errors, [0] * side**2)
+        self.assertEqual(rp.choose(list(rp.windows_of("px", exact, None, (size, side))), 6), [])
 
 
 if __name__ == "__main__":
