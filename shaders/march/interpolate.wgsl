@@ -152,8 +152,8 @@ fn seen_from_eye(point: vec3<f32>) -> Seen {
             }
             let nearer = log(bitcast<f32>(surface) / at.inverse_depth);
             let difference = abs(nearer);
-            all += select(0.0, weight, nearer <= scene.hole_difference);
-            covered += select(0.0, weight, difference <= scene.hole_difference);
+            all += select(0.0, weight, nearer <= scene.tolerance);
+            covered += select(0.0, weight, difference <= scene.tolerance);
             let fitting = weight * fit_weight(difference);
             sum.color += fitting * texel_color(at.face, taps.texels[tap]);
             sum.weight += fitting;

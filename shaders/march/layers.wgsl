@@ -86,7 +86,7 @@ fn follow(ray: Ray) -> RaySample {
     if (hits.nearest.found && thin_m >= near_m && thin_m * cosine <= scene.far_m
         && (!hits.all.found || thin_m < hits.all.distance_m * exp(-HOLE_DIFFERENCE))) {
         let seen = seen_from_eye(point_at(ray, thin_m));
-        if (seen.found && seen.difference <= scene.hole_difference) {
+        if (seen.found && seen.difference <= scene.tolerance) {
             rest = show(rest, ray, thin_m, seen);
         }
     }
@@ -96,7 +96,7 @@ fn follow(ray: Ray) -> RaySample {
             break;
         }
         var at_m = hit.distance_m;
-        var within = scene.hole_difference;
+        var within = scene.tolerance;
         var is_inside = false;
         // A surface before the near plane is cut away, and what is inside it.
         let is_cut = at_m < near_m;

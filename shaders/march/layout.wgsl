@@ -15,7 +15,7 @@ struct Scene {
     distance_count: u32,
     refine: u32,
     // A hit that differs more is disoccluded.
-    hole_difference: f32,
+    tolerance: f32,
     // What is shown of surfaces that no view saw: HOLES_BLANK, HOLES_NEAREST or HOLES_BEHIND.
     holes: u32,
     coding: u32,

@@ -135,7 +135,7 @@ fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     }
     let point = point_at(ray, hit.distance_m);
     let seen = surface_color(point);
-    if (seen.found && seen.difference <= scene.hole_difference) {
+    if (seen.found && seen.difference <= scene.tolerance) {
         return Found(FOUND_SURFACE, point, light_of(seen.color));
     }
     // Hidden from all views, but seen through the solid.
@@ -176,7 +176,7 @@ fn recorded_of(point: vec3<f32>) -> Recorded {
         if (surface == BACKGROUND || surface == UNKNOWN) {
             continue;
         }
-        if (abs(log(bitcast<f32>(surface) / at.inverse_depth)) > scene.hole_difference) {
+        if (abs(log(bitcast<f32>(surface) / at.inverse_depth)) > scene.tolerance) {
             continue;
         }
         let sine = length(cross(point, views[view].from_eye)) / (length(point) * length(from_view));

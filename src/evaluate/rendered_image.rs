@@ -11,7 +11,7 @@ use crate::image::{CodeSteps, Plane, ToneMap};
 /// What is shown of a surface that no view saw.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum HoleFill {
-    /// What views saw behind it: alpha is 1.
+    /// What views saw behind it, else as [`HoleFill::Nearest`]: alpha is 1.
     #[default]
     Behind,
     /// The colour of the texels whose depth is nearest: alpha is 0.
@@ -80,11 +80,11 @@ impl RenderedImage {
         })
     }
 
-    /// Light multiplied by alpha, and alpha. With [`HoleFill::Nearest`] light is not multiplied: it would be gone.
+    /// Light multiplied by alpha, and alpha. With [`HoleFill::Nearest`] light is kept where alpha is 0.
     pub fn rgba_light(&self, holes: HoleFill) -> Plane<[f16; 4]> {
         Plane::from_fn(self.color.width(), self.color.height(), |x, y| {
             let alpha = self.alpha.get(x, y);
-            let factor = if holes == HoleFill::Nearest { 1.0 } else { alpha };
+            let factor = if holes == HoleFill::Nearest && alpha == 0.0 { 1.0 } else { alpha };
             let [r, g, b] = self.color.get(x, y).map(|light| finite(light * factor));
             [r, g, b, f16::from_f32(alpha)]
         })

@@ -35,6 +35,9 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{ColorCoding, FaceTexels};
 
+/// The alpha of a pixel whose loops a device ended.
+pub const GIVEN_UP: f32 = -1.0;
+
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
 type Counter = fn(&mut Counters) -> &mut u64;
@@ -182,16 +185,14 @@ impl<'a> GpuRenderer<'a> {
         let image = RenderedImage::of_pixels(settings.size, pixels)?;
         let rendered = Rendered { image, counters: counters(&counts) };
         self.cost.reading += start.elapsed();
-        let samples = u64::from(settings.samples.max(1));
-        let asked = u64::from(width) * u64::from(height) * samples * samples;
-        let rays = rendered.counters.primary_rays;
-        match rays == asked {
-            true => Ok(rendered),
-            false => Err(Error::unsupported(format!(
-                "{}: it ended loops before they were done, and {} of {asked} rays are missing; take fewer `samples` or \
+        let alphas = rendered.image.alpha.data();
+        match alphas.iter().filter(|&&alpha| alpha == GIVEN_UP).count() {
+            0 => Ok(rendered),
+            missing => Err(Error::unsupported(format!(
+                "{}: it ended loops before they were done, and {missing} of {} pixels are missing; take fewer `samples` or \
                  `steps`, or `device` cpu",
                 self.gpu.info.name,
-                asked.saturating_sub(rays)
+                alphas.len()
             ))),
         }
     }
@@ -277,7 +278,7 @@ fn count_words([width, height]: [u32; 2]) -> usize {
 
 /// First and most rows of a dispatch, whole workgroups of them: for the most secondary rays, and for none.
 fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderSettings) -> [u32; 2] {
-    let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
+    let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine());
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
     let row = (rays * points).saturating_mul(views.max(1) as u64);
     let work = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };

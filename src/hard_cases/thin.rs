@@ -84,7 +84,7 @@ fn one_color() -> Result<Measured> {
     Ok(Measured::count(pixels.filter(|(color, alpha)| !is_gray(color) || **alpha != 1.0).count() as u64))
 }
 
-/// Squares of texels by turns white without a surface, and black with one: alpha goes by depth.
+/// A checkerboard of white background and black surfaces: alpha goes by depth, and nothing white shows beside it.
 fn color_without_surface() -> Result<Measured> {
     let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &|_| Some((2.0, [0; 3])));
     let mut setup =
@@ -98,10 +98,15 @@ fn color_without_surface() -> Result<Measured> {
         }
     }
     let settings = RenderSettings { background: BackgroundFill::Transparent, ..setup.refined(SIDE) };
-    own_codes(&setup, &settings, 0.5)
+    let measured = own_codes(&setup, &settings, 0.5)?;
+    let (beside, settings) = (Setup { eye: BESIDE, ..setup }, RenderSettings { samples: 4, ..settings });
+    let picture = render(&beside.views(), &camera(BESIDE, DVec3::NEG_Z)?, &settings, &Silent)?;
+    let white = picture.image.color.data().iter().flatten().filter(|&&light| code(light) >= 0.5).count();
+    let all = Measured::count(measured.figure as u64 + white as u64);
+    Ok(all.with_picture(beside.on_device("colours without depth", settings)?))
 }
 
-/// Pixels that change as a rod moves though the rod is before their part of the wall in no sight, neither the eye's nor that of a probe.
+/// Pixels that change as a rod moves, although neither the eye nor a probe sees it before that part of the wall.
 fn moving_rod() -> Result<Measured> {
     // Half a rod, texels around a point, and one more.
     const NEAR_M: f64 = 3.0 / 16.0;
@@ -127,6 +132,7 @@ fn moving_rod() -> Result<Measured> {
         elsewhere += 1;
         wrong.count_if(before.color.get(x, y) != after.color.get(x, y), || format!("column {x}, row {y}"));
     }
+    wrong.count_if(elsewhere < SIDE * SIDE / 4, || format!("only {elsewhere} pixels are elsewhere"));
     Ok(wrong.with_note(format!("{elsewhere} of {} pixels", SIDE * SIDE)))
 }
 
@@ -140,8 +146,8 @@ fn nothing_known() -> Result<Measured> {
     Ok(Measured::count(shown + picture.counters.primary_rays - picture.counters.hole_rays))
 }
 
-/// The error of a picture of a room by four probes, of which the one farthest from the eye has all surfaces that many metres too far (below 0: too near), over the
-/// error by that probe alone.
+/// The error of a picture of a room by four probes, over that by the one farthest from the eye alone, all of whose surfaces are that
+/// many metres too far (below 0: too near).
 fn wrong_by_metres(metres: f64) -> Result<Measured> {
     let half = DVec3::splat(WALL_M);
     let corners = [[0.5, 0.0, 0.5], [-0.5, 0.0, 0.5], [0.5, 0.0, -0.5], [-0.5, 0.0, -0.5]].map(DVec3::from_array);

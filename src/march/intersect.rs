@@ -24,7 +24,7 @@ pub fn intersect_from(
     counters: &mut Counters,
 ) -> Option<f32> {
     let step = first_step(how, views, (ray, steps), Until::Surface, counters)?;
-    Some(views.refine(ray, steps.steps.before(step), steps.steps.refine, counters))
+    Some(views.refine(ray, steps.steps.before(step), steps.steps.refine(), counters))
 }
 
 /// The number of the first step at which marching along a ray ends.

@@ -1,6 +1,7 @@
 //! What a primary ray shows: surfaces, one behind the other, each with its share, and the background.
 //!
-//! Enters: active views, a ray, where it first meets surfaces. Leaves: layers, whose shares sum up to 1 with that of a transparent background.
+//! Enters: active views, a ray, where it first meets surfaces. Leaves: layers; their shares and that of a transparent background sum up
+//! to 1.
 //!
 //! Algorithm 4 of CALF ends a ray where it first meets a surface, and takes what no view saw there for a hole. [`Refinements`] go further:
 //!
@@ -103,23 +104,23 @@ pub(crate) struct Primary<'a> {
     pub(crate) settings: &'a RenderSettings,
 }
 
-/// What a ray on its way asks for.
+/// What a [`LayerWalk`] queries its caller.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Ask {
+pub(crate) enum Query {
     /// What the views see at this distance in metres.
-    Seen(f32),
+    Color(f32),
     /// Whether this step is on or behind a surface.
-    IsSurface(usize),
+    Occupancy(usize),
     /// Where the ray meets a surface from this step on.
     Hit(usize),
     /// Nothing more of surfaces.
     Done,
 }
 
-/// A ray on its way through layers. Whoever drives it answers what it asks, until it is done.
-pub(crate) struct Follower<'p, 'a> {
+/// A ray on its way through layers. The caller answers its query until that is [`Query::Done`].
+pub(crate) struct LayerWalk<'p, 'a> {
     primary: &'p Primary<'a>,
-    pub(crate) ask: Ask,
+    pub(crate) query: Query,
     shown: PrimaryHit,
     place: Place,
     /// What is not shown yet.
@@ -179,16 +180,15 @@ impl<'a> Primary<'a> {
             };
             first = step;
             if nearest.is_surface(ray.at(steps.distances_m[step])) {
-                nearest_m = Some(nearest.refine(ray, steps.before(step), steps.refine, counters));
+                nearest_m = Some(nearest.refine(ray, steps.before(step), steps.refine(), counters));
             }
         }
         FirstHits { nearest_m, all_m: intersect_from(how, &self.views, ray, StepsFrom { steps, first }, counters) }
     }
 
-    /// Whether a surface shows all of a ray and is shown for certain, so that [`Primary::follow`] would end there.
+    /// Whether a surface shows all of a ray, so that a [`LayerWalk`] would end there: a shortcut.
     pub(crate) fn is_whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> bool {
-        const ROUNDING: f32 = 1e-5;
-        let is_covered = !self.settings.refinements.edges || seen.coverage > 1.0 - LEAST_LAYER + ROUNDING;
+        let is_covered = !self.settings.refinements.edges || seen.coverage > 1.0 - LEAST_LAYER;
         let is_shown = |hit_m: f32| match self.clip {
             Some(clip) => {
                 let [near_m, far_m] = clip.distances_m(ray);
@@ -197,38 +197,38 @@ impl<'a> Primary<'a> {
             None => true,
         };
         is_covered
-            && seen.difference < self.settings.tolerance() - ROUNDING
+            && seen.difference <= self.settings.tolerance()
             && hits.thin_m().is_none()
             && hits.all_m.is_some_and(is_shown)
     }
 
     /// All that a ray shows, in the plainest form.
     pub(crate) fn follow(&self, ray: &Ray, hits: &FirstHits, counters: &mut Counters) -> PrimaryHit {
-        let mut follower = Follower::new(self, ray, hits);
+        let mut walk = LayerWalk::new(self, ray, hits);
         let steps = &self.settings.steps;
         loop {
-            match follower.ask {
-                Ask::Seen(at_m) => follower.saw(at_m, seen_from_eye(&self.views, ray.at(at_m), self.settings)),
-                Ask::IsSurface(step) => {
+            match walk.query {
+                Query::Color(at_m) => walk.answer_color(at_m, seen_from_eye(&self.views, ray.at(at_m), self.settings)),
+                Query::Occupancy(step) => {
                     counters.march_steps += 1;
-                    follower.tested(step, self.views.is_surface(ray.at(steps.distances_m[step])));
+                    walk.answer_occupancy(step, self.views.is_surface(ray.at(steps.distances_m[step])));
                 }
-                Ask::Hit(first) => {
+                Query::Hit(first) => {
                     let from = StepsFrom { steps, first };
-                    follower.hit(intersect_from(self.settings.acceleration, &self.views, ray, from, counters));
+                    walk.answer_hit(intersect_from(self.settings.acceleration, &self.views, ray, from, counters));
                 }
-                Ask::Done => return follower.end(ray, counters),
+                Query::Done => return walk.end(ray, counters),
             }
         }
     }
 }
 
-impl<'p, 'a> Follower<'p, 'a> {
-    pub(crate) fn new(primary: &'p Primary<'a>, ray: &Ray, hits: &FirstHits) -> Follower<'p, 'a> {
+impl<'p, 'a> LayerWalk<'p, 'a> {
+    pub(crate) fn new(primary: &'p Primary<'a>, ray: &Ray, hits: &FirstHits) -> LayerWalk<'p, 'a> {
         let range_m = primary.clip.map_or([0.0, f32::INFINITY], |clip| clip.distances_m(ray));
-        let mut follower = Follower {
+        let mut walk = LayerWalk {
             primary,
-            ask: Ask::Done,
+            query: Query::Done,
             shown: PrimaryHit::default(),
             place: Place::Thin { all_m: hits.all_m },
             left: 1.0,
@@ -240,37 +240,37 @@ impl<'p, 'a> Follower<'p, 'a> {
             exits: 0,
         };
         match hits.thin_m().filter(|thin_m| (range_m[0]..=range_m[1]).contains(thin_m)) {
-            Some(thin_m) => follower.ask = Ask::Seen(thin_m),
-            None => follower.hit(hits.all_m),
+            Some(thin_m) => walk.query = Query::Color(thin_m),
+            None => walk.answer_hit(hits.all_m),
         }
-        follower
+        walk
     }
 
-    /// Answers [`Ask::Hit`].
-    pub(crate) fn hit(&mut self, hit_m: Option<f32>) {
+    /// Answers [`Query::Hit`].
+    pub(crate) fn answer_hit(&mut self, hit_m: Option<f32>) {
         self.exits += 1;
-        self.ask = match hit_m.filter(|&hit_m| hit_m <= self.range_m[1] && self.exits <= MAX_EXITS) {
+        self.query = match hit_m.filter(|&hit_m| hit_m <= self.range_m[1] && self.exits <= MAX_EXITS) {
             Some(hit_m) => {
                 (self.place, self.is_cut) = (Place::Hit, hit_m < self.range_m[0]);
                 self.at(hit_m)
             }
-            None => Ask::Done,
+            None => Query::Done,
         };
     }
 
-    /// Answers [`Ask::IsSurface`].
-    pub(crate) fn tested(&mut self, step: usize, is_surface: bool) {
-        self.ask = match is_surface {
+    /// Answers [`Query::Occupancy`].
+    pub(crate) fn answer_occupancy(&mut self, step: usize, is_surface: bool) {
+        self.query = match is_surface {
             true => {
                 self.place = Place::Inside;
                 self.at(self.primary.settings.steps.distances_m[step])
             }
-            false => Ask::Hit(step),
+            false => Query::Hit(step),
         };
     }
 
-    /// Answers [`Ask::Seen`].
-    pub(crate) fn saw(&mut self, at_m: f32, seen: Option<Interpolated>) {
+    /// Answers [`Query::Color`].
+    pub(crate) fn answer_color(&mut self, at_m: f32, seen: Option<Interpolated>) {
         let settings = self.primary.settings;
         // Between steps nothing is refined.
         let within = if self.place == Place::Inside {
@@ -290,23 +290,23 @@ impl<'p, 'a> Follower<'p, 'a> {
             }
         }
         match self.place {
-            _ if self.left == 0.0 || self.ends_in_hole => self.ask = Ask::Done,
-            Place::Thin { all_m } => self.hit(all_m),
-            Place::Hit | Place::Inside => self.ask = self.after(at_m),
+            _ if self.left == 0.0 || self.ends_in_hole => self.query = Query::Done,
+            Place::Thin { all_m } => self.answer_hit(all_m),
+            Place::Hit | Place::Inside => self.query = self.after(at_m),
         }
     }
 
-    /// What the ray asks at a point of a surface.
-    fn at(&self, at_m: f32) -> Ask {
-        if at_m >= self.least_m && !self.is_cut { Ask::Seen(at_m) } else { self.after(at_m) }
+    /// What the ray queries at a point of a surface.
+    fn at(&self, at_m: f32) -> Query {
+        if at_m >= self.least_m && !self.is_cut { Query::Color(at_m) } else { self.after(at_m) }
     }
 
-    /// What it asks behind that.
-    fn after(&self, at_m: f32) -> Ask {
+    /// What it queries behind that.
+    fn after(&self, at_m: f32) -> Query {
         let distances_m = &self.primary.settings.steps.distances_m;
         let next = distances_m.partition_point(|&distance_m| distance_m <= at_m);
         let is_in_range = distances_m.get(next).is_some_and(|&next_m| next_m <= self.range_m[1]);
-        if is_in_range { Ask::IsSurface(next) } else { Ask::Done }
+        if is_in_range { Query::Occupancy(next) } else { Query::Done }
     }
 
     /// Shows a surface by its coverage.

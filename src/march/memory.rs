@@ -9,18 +9,18 @@ use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
 use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
 
-/// Bytes of each ray that a thread holds: its direction, and layers of what it shows.
-const RAY_BYTES: u64 = 320;
+/// Bytes of each ray that a thread holds: its direction, layers of what it shows, and the sum of its pixel.
+const RAY_BYTES: u64 = 400;
 /// Bytes of a texel of material while spheres are fitted: its point, twice in a cluster, and the end of its ray.
 const FIT_BYTES: u64 = 64;
 /// Bytes of a texel of an environment map.
-const MAP_BYTES: u64 = 16;
+const MAP_BYTES: u64 = 18;
 /// Bytes of one while the map is made: what views see, sums, weights, and coarser images.
 const MAKING_BYTES: u64 = 96;
 /// Bytes of a texel that is splatted.
 const POINT_BYTES: u64 = 64;
 /// Bytes of a pixel from its rays until it is written: light and alpha, joined for two eyes, and codes or channels of a file.
-/// Rays are held by the thread that follows them, as are sums of rays of the pixels of a row.
+/// Rays are held by the thread that follows them.
 const PICTURE_BYTES: u64 = 96;
 /// Bytes of a pixel of planes beside a picture: six values, joined for two eyes, and channels of a file.
 const AOV_BYTES: u64 = 120;

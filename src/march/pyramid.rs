@@ -19,7 +19,7 @@ pub const LEAST_M: f32 = 1e-18;
 pub struct DepthPyramid {
     /// Squares of level `at` have 2^(`at` + 1) texels a side, the last ones perhaps fewer.
     pub levels: Vec<Level>,
-    /// Of each texel and those right of it, below it, and below and right of it, that there are.
+    /// For each texel the greatest of it and its right, lower and lower right neighbours in the image.
     pub around: Vec<f32>,
 }
 

@@ -29,8 +29,7 @@ impl Ray {
 pub struct Steps {
     /// Metres, never falling; at least one.
     pub distances_m: Vec<f32>,
-    /// Bisections of the interval before a hit.
-    pub refine: u32,
+    refine: u32,
     log_step: f32,
     uncertainty: f32,
 }
@@ -66,8 +65,18 @@ impl Steps {
             [first, second, ..] => (second / first).ln(),
             _ => 0.0,
         };
-        let left = -(-log_step).exp_m1() * 0.5f32.powi(refine.min(64) as i32);
-        Steps { distances_m, refine, log_step, uncertainty: -(-left).ln_1p() }
+        Steps { distances_m, refine: 0, log_step, uncertainty: 0.0 }.with_refine(refine)
+    }
+
+    /// The same with another number of bisections.
+    pub fn with_refine(&self, refine: u32) -> Steps {
+        let left = -(-self.log_step).exp_m1() * 0.5f32.powi(refine.min(64) as i32);
+        Steps { refine, uncertainty: -(-left).ln_1p(), ..self.clone() }
+    }
+
+    /// Bisections of the interval before a hit.
+    pub fn refine(&self) -> u32 {
+        self.refine
     }
 
     /// Distances in metres for a ray that starts on a surface with texels `texel_m` wide, with the numbers of those that are

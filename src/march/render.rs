@@ -24,7 +24,7 @@ pub struct Rendered {
     pub counters: Counters,
 }
 
-/// About so many rays of a row are in flight at once, and between two checks of the monitor.
+/// Rays of a row in flight at most, and between two checks of the monitor; more than a pixel has at first.
 pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
 /// Renders. The monitor advances by one for each row.
@@ -136,12 +136,16 @@ impl<'a> Picture<'a> {
         let row = |(y, (color, alpha)): (usize, (&mut [[f32; 3]], &mut [f32]))| -> Result<Counters> {
             let mut row =
                 Row { picture: self, hits: &hits, y, secondary: self.secondary(), counters: Counters::default() };
-            let mut sums = vec![PixelSum::default(); color.len()];
-            row.add_rays(&mut sums, &self.grid.first, |_| true)?;
-            row.add_rays(&mut sums, &self.grid.rest, PixelSum::has_edge)?;
-            for (sum, (color, alpha)) in sums.iter().zip(color.iter_mut().zip(alpha)) {
-                row.counters.hole_rays += u64::from(sum.holes());
-                (*color, *alpha) = sum.color_and_alpha();
+            let mut pixels = color.iter_mut().zip(alpha);
+            let at_once = RAYS_AT_ONCE / self.grid.first.len();
+            for first in (0..width as usize).step_by(at_once) {
+                let mut sums = vec![PixelSum::default(); at_once.min(width as usize - first)];
+                row.add_rays((first, &mut sums), &self.grid.first, |_| true)?;
+                row.add_rays((first, &mut sums), &self.grid.rest, PixelSum::has_edge)?;
+                for (sum, (color, alpha)) in sums.iter().zip(&mut pixels) {
+                    row.counters.hole_rays += u64::from(sum.holes());
+                    (*color, *alpha) = sum.color_and_alpha();
+                }
             }
             self.monitor.advance(1);
             Ok(row.counters)
@@ -180,21 +184,27 @@ struct Row<'a, F> {
 }
 
 impl<F: Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit>> Row<'_, F> {
-    /// Adds rays of these numbers to some pixels.
-    fn add_rays(&mut self, sums: &mut [PixelSum], grid: &[usize], takes: impl Fn(&PixelSum) -> bool) -> Result<()> {
+    /// Adds rays of these numbers to some of the pixels from a column on.
+    fn add_rays(
+        &mut self,
+        (first, sums): (usize, &mut [PixelSum]),
+        grid: &[usize],
+        takes: impl Fn(&PixelSum) -> bool,
+    ) -> Result<()> {
         if grid.is_empty() {
             return Ok(());
         }
-        let pixels: Vec<usize> = (0..sums.len()).filter(|&x| takes(&sums[x])).collect();
+        let pixels: Vec<usize> = (0..sums.len()).filter(|&at| takes(&sums[at])).collect();
         for pixels in pixels.chunks((RAYS_AT_ONCE / grid.len()).max(1)) {
             self.picture.monitor.check()?;
-            let rays = pixels.iter().flat_map(|&x| grid.iter().map(move |&at| (x, at)));
-            let directions: Vec<Vec3> = rays.clone().map(|(x, at)| self.picture.direction([x, self.y], at)).collect();
+            let rays = pixels.iter().flat_map(|&pixel| grid.iter().map(move |&at| (pixel, at)));
+            let directions: Vec<Vec3> =
+                rays.clone().map(|(pixel, at)| self.picture.direction([first + pixel, self.y], at)).collect();
             self.counters.primary_rays += directions.len() as u64;
             let hits = (self.hits)(&directions, &mut self.counters);
-            for ((x, _), (hit, direction)) in rays.zip(hits.iter().zip(directions)) {
+            for ((pixel, _), (hit, direction)) in rays.zip(hits.iter().zip(directions)) {
                 let sample = shade(&mut self.secondary, hit, direction, &mut self.counters);
-                sums[x].add(sample, self.picture.settings.holes);
+                sums[pixel].add(sample, self.picture.settings.holes);
             }
         }
         Ok(())

@@ -2,13 +2,13 @@
 //!
 //! Enters: what rays of a pixel show. Leaves: the colour and alpha of the pixel, and whether it takes more rays.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::evaluate::HoleFill;
 
 /// Two lights of a pixel differ where the difference of a channel is more than this part of their sum.
 pub const EDGE_CONTRAST: f32 = 0.1;
-/// Light that is added to both before that: what is much darker than this is black.
+/// Added to both, so that noise in the dark is no edge.
 pub const EDGE_BLACK: f32 = 0.02;
 
 /// The rays of a pixel, by their numbers in a grid, row by row.
@@ -46,27 +46,19 @@ pub(crate) struct RaySample {
 /// The rays of a pixel so far.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelSum {
-    light: Vec3,
+    /// Light and alpha.
+    sum: Vec4,
+    /// The least and the greatest of a ray.
+    least: Vec4,
+    greatest: Vec4,
     share: f32,
-    alpha: f32,
     rays: u32,
     holes: u32,
-    /// The least and the greatest light and share of a ray.
-    least: [Vec3; 2],
-    greatest: [Vec3; 2],
 }
 
 impl Default for PixelSum {
     fn default() -> PixelSum {
-        PixelSum {
-            light: Vec3::ZERO,
-            share: 0.0,
-            alpha: 0.0,
-            rays: 0,
-            holes: 0,
-            least: [Vec3::INFINITY; 2],
-            greatest: [Vec3::NEG_INFINITY; 2],
-        }
+        PixelSum { sum: Vec4::ZERO, least: Vec4::INFINITY, greatest: Vec4::NEG_INFINITY, share: 0.0, rays: 0, holes: 0 }
     }
 }
 
@@ -77,22 +69,17 @@ impl PixelSum {
         self.holes += u32::from(is_hole);
         let (light, share) = if is_hole && fill == HoleFill::Blank { (Vec3::ZERO, 0.0) } else { (light, share) };
         let alpha = if is_hole && fill != HoleFill::Behind { 0.0 } else { share };
-        self.light += light;
+        let shown = light.extend(alpha);
+        self.sum += shown;
+        self.least = self.least.min(shown);
+        self.greatest = self.greatest.max(shown);
         self.share += share;
-        self.alpha += alpha;
-        for (at, value) in [light, Vec3::splat(alpha)].into_iter().enumerate() {
-            self.least[at] = self.least[at].min(value);
-            self.greatest[at] = self.greatest[at].max(value);
-        }
     }
 
     /// Whether the light or the alpha of its rays differ.
     pub(crate) fn has_edge(&self) -> bool {
-        let differs = |at: usize| {
-            let (least, greatest) = (self.least[at], self.greatest[at]);
-            (greatest - least).cmpgt(EDGE_CONTRAST * (least + greatest + 2.0 * EDGE_BLACK)).any()
-        };
-        differs(0) || differs(1)
+        let (least, greatest) = (self.least, self.greatest);
+        (greatest - least).cmpgt(EDGE_CONTRAST * (least + greatest + 2.0 * EDGE_BLACK)).any()
     }
 
     pub(crate) fn holes(&self) -> u32 {
@@ -101,8 +88,9 @@ impl PixelSum {
 
     /// Light that is not multiplied by alpha, and alpha.
     pub(crate) fn color_and_alpha(&self) -> ([f32; 3], f32) {
-        let color = if self.share > 0.0 { self.light / self.share } else { Vec3::ZERO };
-        (color.to_array(), self.alpha / self.rays.max(1) as f32)
+        let light = self.sum.truncate();
+        let color = if self.share > 0.0 { light / self.share } else { Vec3::ZERO };
+        (color.to_array(), self.sum.w / self.rays.max(1) as f32)
     }
 }
 

@@ -135,8 +135,8 @@ fn bytes_of(decoder: &Decoder, streams: &FaceStreams<'_>, coding: ColorCoding) -
         ColorCoding::Codes(_) => 4,
         ColorCoding::Light => 8,
     };
-    // The levels of a pyramid above its texels have a third of its pixels, and a little more where sides are odd.
-    let pyramid = 2;
+    // A pyramid has a value for each texel, and levels above that a third of those, and a little more where sides are odd.
+    let pyramid = 4 + 2;
     let texel = 4 + pyramid + color + if streams.material.is_some() { 4 } else { 0 };
     let index = decoder.reader().index();
     streams.all().map(|stream| stream.memory_bytes(index)).fold(pixels * texel, u64::saturating_add)

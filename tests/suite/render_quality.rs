@@ -22,7 +22,7 @@ use lightfold::image::{Face, FrameRange};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
 use lightfold::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use lightfold::march::render::Rendered;
-use lightfold::march::settings::SpecularMode;
+use lightfold::march::settings::{Refinements, SpecularMode};
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::SquaredError;
 use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
@@ -41,20 +41,25 @@ const SLACK: f64 = 0.02;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Method {
     March,
+    Calf,
     Splat,
     Reproject,
 }
 
-const METHODS: [(&str, Method); 3] =
-    [("march", Method::March), ("splat", Method::Splat), ("reproject", Method::Reproject)];
+const METHODS: [(&str, Method); 4] =
+    [("march", Method::March), ("calf", Method::Calf), ("splat", Method::Splat), ("reproject", Method::Reproject)];
 
 /// What makes pictures by a method; reprojection takes a true distance for each pixel.
 fn renderer(method: Method, size: [u32; 2], distance_m: Option<DepthPlane>) -> Box<dyn Renderer> {
     let options = PictureOptions { size, ..PictureOptions::default() };
-    // What others do not see counts as black.
-    let options = if method == Method::March { options } else { PictureOptions { holes: HoleFill::Blank, ..options } };
+    let options = match method {
+        Method::March => options,
+        Method::Calf => PictureOptions { refinements: Refinements::NONE, ..options },
+        // What these do not see counts as black.
+        Method::Splat | Method::Reproject => PictureOptions { holes: HoleFill::Blank, ..options },
+    };
     match method {
-        Method::March => Box::new(CpuRenderer::new(options)),
+        Method::March | Method::Calf => Box::new(CpuRenderer::new(options)),
         Method::Splat => Box::new(SplatRenderer { options }),
         Method::Reproject => Box::new(ReprojectRenderer { options, distances_m: distance_m.into_iter().collect() }),
     }
@@ -260,7 +265,7 @@ fn pictures_become_what_a_probe_recorded_as_the_eye_comes_to_it() {
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn pictures_of_real_footage_are_no_worse_and_good_enough() {
     let rows = shared();
-    assert_eq!(rows.len(), 6);
+    assert_eq!(rows.len(), 2 * METHODS.len());
     check(&rows);
     let [march, splat] = ["march", "splat"].map(|method| psnr(&rows, "sponza9", method));
     assert!(march >= 31.5 && march >= splat + 4.0, "{march} dB by marching, {splat} dB by points");

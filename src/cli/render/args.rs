@@ -42,9 +42,9 @@ use crate::gpu::device::DeviceChoice;
     0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
     PNG; name a pattern for EXR.\n\n\
     EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
-    straight alpha. Alpha is 1, also for background and for holes that are filled; it is 0 where nothing is known. With --background \
-    transparent it is the part of a pixel that surfaces cover, and colour is theirs alone. --aov holes adds a channel that marks holes, which no probe saw; with --holes nearest or blank their alpha is 0. With \
-    --holes nearest light is not premultiplied.\n\n\
+    straight alpha. Alpha is 1, also for background and for holes filled with what is behind them; it is 0 where nothing is known, and \
+    in holes with --holes nearest, which keeps their light in EXR images, or blank. With --background transparent it is the part of \
+    a pixel that surfaces cover, and colour is theirs alone. --aov holes adds a channel that marks holes, which no probe saw.\n\n\
     With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of probes, over \
     that of all others; it is absent without depth on the CPU.\n\n\
     Lines of --trace: shot, a counter from 0; frame; eye in metres; active probes by priority, with slot (constant while a \

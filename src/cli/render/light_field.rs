@@ -19,8 +19,9 @@ use crate::gpu::render::playback::DeviceRenderer;
 use crate::image::transfer::ToneMap;
 use crate::image::{Face, FrameRange, StreamKind};
 use crate::march::active_views::ActiveViews;
+use crate::march::aov::AovKind;
 use crate::march::memory::{march_bytes, picture_bytes, splat_bytes};
-use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
+use crate::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::SelectionSettings;
 use crate::march::settings::{Refinements, SpecularMode};
@@ -239,9 +240,6 @@ impl Args {
                 "--method {word} draws simplified scenes (.glb); march, calf, splat and reproject render containers"
             ));
         }
-        if method != Method::March && self.given.names.iter().any(|name| name == "refinements") {
-            return refuse(format!("--method {word} has no --refinements: march does"));
-        }
         if !method.marches() && self.is_on_device() {
             return refuse(format!("--method {word} runs on the CPU: leave out --device"));
         }
@@ -262,7 +260,8 @@ impl Args {
                 most: views.views.map(|views| views as usize),
                 target_ms: views.target_ms,
             },
-            decode: views.decode,
+            // Normals are fitted to texels beyond those that pictures show.
+            decode: if self.march.aov.contains(&AovKind::Normal) { DecodeScope::All } else { views.decode },
         }
     }
 

@@ -134,7 +134,11 @@ const VIEW_PRIORITIES: &Choices<ViewPriority> = &[
 ];
 
 const DECODE_SCOPES: &Choices<DecodeScope> = &[
-    ("seen", DecodeScope::Seen, "Visible tiles and cells; all of them with reflective or refractive materials"),
+    (
+        "seen",
+        DecodeScope::Seen,
+        "Visible tiles and cells; all of them with reflective or refractive materials, and for --aov normal",
+    ),
     ("all", DecodeScope::All, "All tiles and cells"),
 ];
 
@@ -153,7 +157,8 @@ pub struct MarchArgs {
     /// End of rays in metres from the eye [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// N x N rays per pixel; with 3 or more, 5 rays where these show no edge. Of a simplified scene N x N samples [default: 1; with --method z-buffer 2]
+    /// N x N rays per pixel; from 3 on, 5 where these show no edge. Of a simplified scene N x N samples [default: 1; with
+    /// --method z-buffer 2]
     #[arg(long, value_name = "N", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Acceleration of ray marching

@@ -5,9 +5,7 @@ use std::mem::offset_of;
 use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::gpu::layout::{Face, Scene, View};
 use crate::image::Transfer;
-use crate::march::{
-    Acceleration, ActiveViews, DepthPyramid, HOLE_DIFFERENCE, MAX_BOUNCES, Proxies, Refinements, RenderSettings,
-};
+use crate::march::{Acceleration, ActiveViews, DepthPyramid, MAX_BOUNCES, Proxies, Refinements, RenderSettings};
 use crate::math::{Camera, Window};
 use crate::views::{ColorCoding, FaceTexels};
 
@@ -162,8 +160,8 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
         samples: settings.samples.max(1),
         view_count: views.views.len() as u32,
         distance_count: settings.steps.distances_m.len() as u32,
-        refine: settings.steps.refine,
-        hole_difference: HOLE_DIFFERENCE + settings.steps.uncertainty(),
+        refine: settings.steps.refine(),
+        tolerance: settings.tolerance(),
         holes: match settings.holes {
             HoleFill::Blank => HOLES_BLANK,
             HoleFill::Nearest => HOLES_NEAREST,
@@ -198,7 +196,7 @@ mod tests {
 
     use super::*;
     use crate::gpu::kernels::{KERNELS, Kernel};
-    use crate::gpu::render::{COUNTED, COUNTERS, TILE};
+    use crate::gpu::render::{COUNTED, COUNTERS, GIVEN_UP, TILE};
     use crate::march::Footprint;
     use crate::march::active_views;
     use crate::march::interpolate::{self, DEPTH_EPSILON};
@@ -247,12 +245,13 @@ mod tests {
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
-            ("HOLE_DIFFERENCE", HOLE_DIFFERENCE),
+            ("HOLE_DIFFERENCE", interpolate::HOLE_DIFFERENCE),
             ("ANGLE_EPSILON", interpolate::ANGLE_EPSILON),
             ("CAMERA_EPSILON", active_views::CAMERA_EPSILON),
             ("EDGE_PENALTY", interpolate::EDGE_PENALTY),
             ("DEPTH_CUT", interpolate::DEPTH_CUT),
             ("CUT_WEIGHT", interpolate::CUT_WEIGHT),
+            ("GIVEN_UP", GIVEN_UP),
             ("EDGE_CONTRAST", samples::EDGE_CONTRAST),
             ("EDGE_BLACK", samples::EDGE_BLACK),
             ("LEAST_LAYER", layers::LEAST_LAYER),

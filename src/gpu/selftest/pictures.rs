@@ -74,6 +74,7 @@ pub fn cases() -> Result<Vec<PictureCase>> {
         courtyard.case("courtyard, twice as wide", &around(courtyard.middle), codes, eye)?,
     ];
     cases[1].settings.samples = 2;
+    cases[2].settings.samples = 4;
     let away = DVec3::new(1e6, -2e5, 3e6);
     cases[5].field.views.iter_mut().for_each(|view| view.position += away);
     cases[5].camera = looking(eye + away)?;
@@ -91,7 +92,8 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     }
     hide(&mut cases[6].field);
     cases[6].settings.holes = HoleFill::Nearest;
-    cases[6].settings.steps.refine = 0;
+    let steps = &mut cases[6].settings.steps;
+    *steps = steps.with_refine(0);
     if let Some(last) = cases.last_mut() {
         last.settings.size = [2 * SIZE, 2 * SIZE];
     }

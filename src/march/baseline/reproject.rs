@@ -6,7 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evaluate::{BackgroundFill, HoleFill, RenderedImage};
+use crate::evaluate::{HoleFill, RenderedImage};
 use crate::image::DepthPlane;
 use crate::march::{ActiveViews, Counters, RayResult, Rendered, background, surface};
 use crate::math::Camera;
@@ -19,7 +19,6 @@ pub fn reproject(
     camera: &Camera,
     distance_m: &DepthPlane,
     holes: HoleFill,
-    background_fill: BackgroundFill,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let (width, height) = (distance_m.width(), distance_m.height());
@@ -41,7 +40,6 @@ pub fn reproject(
     let pixels = rows.into_iter().flatten().map(|(result, is_surface)| {
         counters.background_rays += u64::from(!is_surface);
         match result {
-            RayResult::Light(_) if !is_surface && background_fill == BackgroundFill::Transparent => [0.0; 4],
             RayResult::Light(light) => light.extend(1.0).to_array(),
             RayResult::Disoccluded(nearest) => {
                 counters.hole_rays += 1;

@@ -200,9 +200,7 @@ impl<'a> PacketMarch<'a> {
     ) -> [Option<usize>; 4] {
         let mut walks = first.map(|first| Walk::new(first.unwrap_or(0), distances_m.len()));
         let (mut hits, mut live) = ([None; 4], bits_of(&first));
-        // Lanes without a ray, and finished ones, keep places that are near the others.
-        let start = first.iter().flatten().next().copied().unwrap_or(0);
-        let (mut from_m, mut to_m, mut last) = ([distances_m.get(start).copied().unwrap_or(0.0); 4], [0.0; 4], [0; 4]);
+        let (mut from_m, mut to_m, mut last) = ([0.0; 4], [0.0; 4], [0; 4]);
         let ranks = if let Marching::One(_) = marching { 1 } else { self.order.len() };
         loop {
             let mut single = 0;
@@ -222,6 +220,10 @@ impl<'a> PacketMarch<'a> {
                 return hits;
             }
             counters.march_steps += u64::from(live.count_ones());
+            // Lanes without a ray, and finished ones, take the places of another.
+            if let Some(other) = lanes_of(live).next() {
+                lanes_of(ALL & !live).for_each(|lane| (from_m[lane], to_m[lane]) = (from_m[other], to_m[other]));
+            }
             let to_m = Lanes::from_array(to_m);
             let (from, to) = (packet.at(Lanes::from_array(from_m)), packet.at(to_m));
             let (mut left, mut occupied, mut past) = (live, 0, 0);
@@ -270,7 +272,7 @@ impl<'a> PacketMarch<'a> {
         for (lane, hit) in hits.iter().enumerate() {
             [empty_m[lane], surface_m[lane]] = steps.before(hit.unwrap_or(other));
         }
-        for _ in 0..steps.refine {
+        for _ in 0..steps.refine() {
             let middle_m = 0.5 * (empty_m + surface_m);
             counters.refine_steps += u64::from(tested.count_ones());
             let met = match marching {

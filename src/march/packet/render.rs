@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::march::layers::{Ask, Follower};
+use crate::march::layers::{LayerWalk, Query};
 use crate::march::packet::color::seen_from_eye;
 use crate::march::packet::intersect::{Packet, PacketMarch, bits_of};
 use crate::march::packet::lanes::Lanes;
@@ -39,54 +39,53 @@ impl PacketRow<'_> {
         let seen = self.seen(&packet, met);
         let ray = |lane: usize| Ray { origin: Vec3::ZERO, direction: directions[lane] };
         let mut shown = std::array::from_fn(|_| PrimaryHit::default());
-        let mut followers = std::array::from_fn(|_| None);
+        let mut walks = std::array::from_fn(|_| None);
         for lane in 0..directions.len().min(4) {
             match seen[lane].filter(|seen| primary.is_whole(&ray(lane), &hits[lane], seen)) {
                 Some(seen) => shown[lane] = PrimaryHit::whole(met[lane], primary.light(seen.color)),
                 None => {
-                    let mut follower = Follower::new(primary, &ray(lane), &hits[lane]);
-                    if let (Ask::Seen(at_m), Some(hit_m)) = (follower.ask, met[lane])
+                    let mut walk = LayerWalk::new(primary, &ray(lane), &hits[lane]);
+                    if let (Query::Color(at_m), Some(hit_m)) = (walk.query, met[lane])
                         && at_m == hit_m
                     {
-                        follower.saw(at_m, seen[lane]);
+                        walk.answer_color(at_m, seen[lane]);
                     }
-                    followers[lane] = Some(follower);
+                    walks[lane] = Some(walk);
                 }
             }
         }
-        if followers.iter().any(Option::is_some) {
-            self.follow(&packet, &mut followers, counters);
+        if walks.iter().any(Option::is_some) {
+            self.follow(&packet, &mut walks, counters);
         }
-        for (lane, follower) in followers.into_iter().enumerate() {
-            if let Some(follower) = follower {
-                shown[lane] = follower.end(&ray(lane), counters);
+        for (lane, walk) in walks.into_iter().enumerate() {
+            if let Some(walk) = walk {
+                shown[lane] = walk.end(&ray(lane), counters);
             }
         }
         shown
     }
 
     /// Drives rays until they are done, as [`Primary::follow`] does one.
-    fn follow(&mut self, packet: &Packet, followers: &mut [Option<Follower<'_, '_>>; 4], counters: &mut Counters) {
+    fn follow(&mut self, packet: &Packet, walks: &mut [Option<LayerWalk<'_, '_>>; 4], counters: &mut Counters) {
         let settings = self.scene.primary.settings;
         loop {
-            let asks =
-                followers.each_ref().map(|follower| follower.as_ref().map_or(Ask::Done, |follower| follower.ask));
-            if asks == [Ask::Done; 4] {
+            let queries = walks.each_ref().map(|walk| walk.as_ref().map_or(Query::Done, |walk| walk.query));
+            if queries == [Query::Done; 4] {
                 return;
             }
-            let seen_m = asks.map(|ask| if let Ask::Seen(at_m) = ask { Some(at_m) } else { None });
-            let tested = asks.map(|ask| if let Ask::IsSurface(step) = ask { Some(step) } else { None });
-            let marched = asks.map(|ask| if let Ask::Hit(first) = ask { Some(first) } else { None });
+            let seen_m = queries.map(|query| if let Query::Color(at_m) = query { Some(at_m) } else { None });
+            let tested = queries.map(|query| if let Query::Occupancy(step) = query { Some(step) } else { None });
+            let marched = queries.map(|query| if let Query::Hit(first) = query { Some(first) } else { None });
             let seen = self.seen(packet, seen_m);
             let surfaces = self.march.surfaces(packet, &settings.steps, tested, counters);
             let hits = self.march.hits(packet, settings, marched, counters);
-            for (lane, follower) in followers.iter_mut().enumerate() {
-                let Some(follower) = follower else { continue };
-                match follower.ask {
-                    Ask::Seen(at_m) => follower.saw(at_m, seen[lane]),
-                    Ask::IsSurface(step) => follower.tested(step, surfaces >> lane & 1 != 0),
-                    Ask::Hit(_) => follower.hit(hits[lane]),
-                    Ask::Done => {}
+            for (lane, walk) in walks.iter_mut().enumerate() {
+                let Some(walk) = walk else { continue };
+                match walk.query {
+                    Query::Color(at_m) => walk.answer_color(at_m, seen[lane]),
+                    Query::Occupancy(step) => walk.answer_occupancy(step, surfaces >> lane & 1 != 0),
+                    Query::Hit(_) => walk.answer_hit(hits[lane]),
+                    Query::Done => {}
                 }
             }
         }

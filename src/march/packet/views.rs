@@ -44,6 +44,8 @@ pub(crate) struct PacketView<'a> {
     pub(crate) faces: [Option<&'a FaceTexels>; 7],
     /// Eight, so that three bits are always an index.
     pub(crate) depth: [&'a [f32]; 8],
+    /// [`DepthPyramid::around`](crate::march::DepthPyramid), or empty.
+    squares: [&'a [f32]; 8],
     pub(crate) width: [u32; 8],
     /// Empty for colours that are light.
     pub(crate) codes: [&'a [[u8; 4]]; 8],
@@ -162,6 +164,7 @@ impl<'a> PacketView<'a> {
             pyramids: &active.pyramids,
             faces,
             depth: std::array::from_fn(|at| of(at).map_or(&[][..], |face| &face.inverse_depth)),
+            squares: std::array::from_fn(|at| active.pyramids.faces.get(at).map_or(&[][..], |face| &face.around)),
             width: std::array::from_fn(|at| of(at).map_or(1, |face| face.size[0])),
             codes: std::array::from_fn(|at| match of(at).map(|face| &face.color) {
                 Some(ColorTexels::Codes(codes)) => &codes[..],
@@ -240,15 +243,12 @@ impl<'a> PacketView<'a> {
                 Lanes::new(texel(0), texel(1), texel(2), texel(3))
             }
             Footprint::Around => {
-                let around = Around::of(&places);
-                match around.are_squares() {
-                    true => {
-                        let greatest = &self.pyramids.faces[*guess & 7].around;
-                        let square =
-                            |lane: usize| greatest.get(around.first[lane] as usize).copied().unwrap_or(UNKNOWN);
-                        Lanes::new(square(0), square(1), square(2), square(3))
-                    }
-                    false => greatest_of(&around, |_, texel| depth.get(texel).copied()),
+                let (around, squares) = (Around::of(&places), self.squares[*guess & 7]);
+                if around.are_squares() && squares.len() == depth.len() {
+                    let square = |lane: usize| squares.get(around.first[lane] as usize).copied().unwrap_or(UNKNOWN);
+                    Lanes::new(square(0), square(1), square(2), square(3))
+                } else {
+                    greatest_of(&around, |_, texel| depth.get(texel).copied())
                 }
             }
         };

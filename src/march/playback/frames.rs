@@ -55,7 +55,7 @@ pub struct PictureOptions {
     pub near_m: Option<f32>,
     /// End of rays in metres; by default beyond all surfaces of the views.
     pub far_m: Option<f32>,
-    /// Rays in each row and column of a pixel.
+    /// See [`RenderSettings::samples`].
     pub samples: u32,
     pub holes: HoleFill,
     pub background: BackgroundFill,

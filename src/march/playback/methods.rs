@@ -36,7 +36,6 @@ impl Renderer for ReprojectRenderer {
         let distance_m = self.distances_m.pop_front();
         let distance_m = distance_m.ok_or_else(|| Error::Usage("no true distances for this picture".into()))?;
         let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
-        let (holes, background) = (self.options.holes, self.options.background);
-        reproject(&views, camera, &distance_m, holes, background, monitor)
+        reproject(&views, camera, &distance_m, self.options.holes, monitor)
     }
 }

@@ -21,8 +21,8 @@ use crate::march::intersect::intersect;
 use crate::march::specular::material::Material;
 use crate::march::specular::solid::{Refraction, reflect};
 use crate::march::{
-    ActiveView, ActiveViews, Counters, HOLE_DIFFERENCE, Patch, Proxies, Ray, RayResult, RenderSettings, StepsFrom,
-    background, intersect_from, light_of, patch, surface, surface_color, surface_color_of, surface_material,
+    ActiveView, ActiveViews, Counters, Patch, Proxies, Ray, RayResult, RenderSettings, StepsFrom, background,
+    intersect_from, light_of, patch, surface, surface_color, surface_color_of, surface_material,
 };
 use crate::views::{BACKGROUND, UNKNOWN};
 
@@ -96,7 +96,7 @@ impl<'a> SecondaryRays<'a> {
     /// What views recorded of a point that look in nearly the eye's direction, and its share of the light: 1 where one looks in that
     /// direction, 0 where all differ by [`RECORDED_SINE`] or more.
     fn recorded(&self, point: Vec3) -> Option<(f32, Vec3)> {
-        let difference = HOLE_DIFFERENCE + self.settings.steps.uncertainty();
+        let difference = self.settings.tolerance();
         let share = |view: &ActiveView<'_>| {
             let from_view = point - view.from_eye;
             let Some(at) = view.view.project(view.local(point)) else { return 0.0 };
@@ -232,7 +232,7 @@ impl<'a> SecondaryRays<'a> {
             match (self.views.is_surface(ray.at(distance_m)), empty_m, step) {
                 (true, Some(empty_m), _) => {
                     let interval_m = [empty_m, distance_m];
-                    return Some(Departure::Hit(self.views.refine(ray, interval_m, steps.refine, counters)));
+                    return Some(Departure::Hit(self.views.refine(ray, interval_m, steps.refine(), counters)));
                 }
                 (true, None, _) if distance_m > HIDDEN_TEXELS * texel_m => return None,
                 (true, None, _) => {}

@@ -128,7 +128,7 @@ impl Refraction<'_> {
             counters.march_steps += 1;
             if !self.views.is_surface(ray.at(distance_m)) {
                 // The surface end is the nearer one here.
-                return Some(self.views.refine(ray, [distance_m, before_m], self.steps.refine, counters));
+                return Some(self.views.refine(ray, [distance_m, before_m], self.steps.refine(), counters));
             }
             before_m = distance_m;
         }
