@@ -92,7 +92,7 @@ fn color_without_surface() -> Result<Measured> {
     for texels in setup.field.views[0].faces.iter_mut().flatten() {
         let ColorTexels::Codes(codes) = &mut texels.color else { continue };
         for (at, (code, inverse_depth)) in (0..).zip(codes.iter_mut().zip(&mut texels.inverse_depth)) {
-            if (at % SIDE / 8 + at / SIDE / 8) % 2 == 0 {
+            if (at % SIDE / 8 + at / SIDE / 8).is_multiple_of(2) {
                 (*code, *inverse_depth) = ([255, 255, 255, 0], BACKGROUND);
             }
         }
