@@ -9,6 +9,7 @@ import math
 import os
 
 import peers_frames as pf
+import png_images
 from peers_color import BLOCKS, PSNR, QP, TRANSFORM
 
 MEANS = [38.5, 40.0]
@@ -62,4 +63,4 @@ def write(source, folder):
             rows = zip(*(crop(film, payloads[at], frame, left, top) for payloads in shown))
             beside = [b"".join(row) for row in rows]
             name = f"{mean:g}-{stream.probe}-{stream.face}-{stream.first_frame + frame:04}.png"
-            pf.write_png(folder / name, len(beside[0]) // 3, b"".join(row * SCALE for row in beside))
+            png_images.write(folder / name, len(beside[0]) // 3, b"".join(row * SCALE for row in beside))

@@ -14,6 +14,8 @@ import subprocess
 import typing
 import zlib
 
+import png_images
+
 BACKGROUND = 65535
 
 
@@ -136,35 +138,10 @@ def stepped(film, bound):
 
 def png_image(kernels, path):
     """Samples of a PNG of 8-bit colour or 16-bit gray; 16 bits in this order: low byte first."""
-    data = pathlib.Path(path).read_bytes()
-    at, packed, head = 8, [], None
-    while at + 8 <= len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + size]
-        at += 12 + size
-        if kind == b"IHDR":
-            head = struct.unpack(">IIBBBBB", body)
-        elif kind == b"IDAT":
-            packed.append(body)
-    steps = {(16, 0): 2, (8, 2): 3}
-    if head is None or (head[2], head[3]) not in steps or head[6]:
-        raise ValueError(f"{path} is not a PNG of 8-bit colour or 16-bit gray")
-    step = steps[head[2], head[3]]
-    rows = kernels.png_rows(zlib.decompress(b"".join(packed)), head[1], head[0] * step, step)
-    if step != 2:
-        return rows
-    swapped = bytearray(rows)
-    swapped[0::2], swapped[1::2] = rows[1::2], rows[0::2]
-    return bytes(swapped)
-
-
-def write_png(path, width, rgb):
-    """A PNG of 8-bit colour, rows without a filter."""
-    rows = b"".join(b"\0" + rgb[at:at + 3 * width] for at in range(0, len(rgb), 3 * width))
-    head = struct.pack(">IIBBBBB", width, len(rgb) // (3 * width), 8, 2, 0, 0, 0)
-    parts = ((b"IHDR", head), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
-    chunks = (struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in parts)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    _, _, step, samples = png_images.read(path, kernels.png_rows)
+    if step == 4:
+        raise ValueError(f"{path} has alpha; colour without was expected")
+    return bytes(samples)
 
 
 def write_dataset(folder, manifest, film, payloads):
@@ -176,7 +153,7 @@ def write_dataset(folder, manifest, film, payloads):
         for at, image in enumerate(film.images(payload)):
             path = folder / frame_path(pattern, stream.probe, stream.face, stream.first_frame + at)
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_png(path, film.width, image)
+            png_images.write(path, film.width, image)
 
 
 def read_dataset(kernels, folder, streams):

@@ -12,13 +12,12 @@ import itertools
 import math
 import pathlib
 import re
-import struct
 import sys
 import urllib.parse
-import zlib
 
 import lightfold_runs as lf
 import peers_frames as pf
+import png_images
 import reconstruction_quality as rq
 import reconstruction_report as rr
 
@@ -61,53 +60,16 @@ code{font:13px 'DejaVu Sans Mono',Consolas,monospace;overflow-wrap:anywhere}
 
 def read_png(path):
     """(width, height, samples) of a PNG of 8-bit RGB or RGBA, as RGB that is black where alpha is 0, or of 16-bit gray."""
-    data = pathlib.Path(path).read_bytes()
-    at, packed, head = 8, [], None
-    while at + 8 <= len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + size]
-        at += 12 + size
-        if kind == b"IHDR":
-            head = struct.unpack(">IIBBBBB", body)
-        elif kind == b"IDAT":
-            packed.append(body)
-    steps = {(8, 2): 3, (8, 6): 4, (16, 0): 2}
-    if head is None or head[2:4] not in steps or head[6]:
-        raise rq.Refused(f"{path}: a PNG of 8-bit colour or 16-bit gray was expected")
-    width, height, step = *head[:2], steps[head[2:4]]
-    samples = unfiltered(zlib.decompress(b"".join(packed)), width * step, step)
+    try:
+        width, height, step, samples = png_images.read(path)
+    except png_images.NotRead as error:
+        raise rq.Refused(str(error)) from error
     if step == 2:
         codes = array.array("H", bytes(samples))
-        if sys.byteorder == "little":
+        if sys.byteorder == "big":
             codes.byteswap()
         return width, height, codes
     return width, height, without_alpha(samples) if step == 4 else samples
-
-
-def unfiltered(raw, stride, step):
-    """Rows of a PNG without their filters; `step` is the bytes of a pixel."""
-    rows, above = bytearray(), bytearray(stride)
-    for start in range(0, len(raw), stride + 1):
-        kind, row = raw[start], bytearray(raw[start + 1:start + 1 + stride])
-        if kind == 2:
-            row = bytearray((value + up) & 255 for value, up in zip(row, above))
-        elif kind:
-            for i in range(stride):
-                left, corner = (row[i - step], above[i - step]) if i >= step else (0, 0)
-                row[i] = (row[i] + guess(kind, left, above[i], corner)) & 255
-        rows += row
-        above = row
-    return rows
-
-
-def guess(kind, left, up, corner):
-    """What a filter of PNG, other than none, predicts."""
-    if kind == 1:
-        return left
-    if kind == 3:
-        return (left + up) // 2
-    ahead = left + up - corner
-    return min((abs(ahead - left), 0, left), (abs(ahead - up), 1, up), (abs(ahead - corner), 2, corner))[2]
 
 
 def without_alpha(samples):
@@ -305,7 +267,7 @@ class Pictures:
         """An image and its PSNR: `place` is (start of the file's name, words), `picture` is (RGB, dB or None)."""
         (stem, words), (rgb, psnr_db) = place, picture
         file = f"{stem}_{re.sub('[^a-z]+', '_', what).strip('_')}.png"
-        pf.write_png(self.folder / file, width, rgb)
+        png_images.write(self.folder / file, width, rgb)
         address, height = urllib.parse.quote(f"{self.name}/{file}"), len(rgb) // (3 * width)
         alt = html.escape(f"{what}: {words}")
         shown = f'<img src="{address}" alt="{alt}" width="{width}" height="{height}" loading="lazy">'

@@ -21,6 +21,7 @@ import xml.etree.ElementTree
 
 import peers_frames as pf
 import peers_kernels
+import png_images
 import reconstruction_page as rp
 import reconstruction_quality as rq
 import reconstruction_report as rr
@@ -49,7 +50,7 @@ else:
 if words[0] in ("render", "decode") and "-o" in words:
     sys.path.insert(0, {scripts!r})
     sys.dont_write_bytecode = True
-    import peers_frames
+    import png_images
     rows = [bytearray([90] * 3 * 96) for _ in range(96)]
     for y in {{"calf": range(10, 20), "march": range(70, 75)}}.get(value("--method"), ()):
         rows[y][30:60] = bytes([200] * 30)
@@ -58,7 +59,7 @@ if words[0] in ("render", "decode") and "-o" in words:
     names = [value("-o") % 0] if decoded else [of_face("px"), of_face("nx")]
     pathlib.Path(names[0]).parent.mkdir(parents=True, exist_ok=True)
     for name in names:
-        peers_frames.write_png(pathlib.Path(name), 96, b"".join(rows))
+        png_images.write(pathlib.Path(name), 96, b"".join(rows))
 """
 
 
@@ -373,7 +374,7 @@ class PageTest(Stubbed):
         for label in rp.COMPARED:
             file = pose.picture(label, image)
             file.parent.mkdir(parents=True)
-            pf.write_png(file, 8, bytes(3 * 8 * 8))
+            png_images.write(file, 8, bytes(3 * 8 * 8))
         with self.assertRaisesRegex(rq.Refused, "96 x 96 pixels were expected, as the truth has, not 8 x 8"):
             rp.faces_of(pose, rp.Truths(str(self.program), self.work))
 
@@ -382,7 +383,7 @@ class PageTest(Stubbed):
             draw = random.Random(step)
             raw = b"".join(bytes([at % 5]) + draw.randbytes(width * step) for at in range(20))
             known = peers_kernels.Kernels(self.work).png_rows(raw, 20, width * step, step)
-            self.assertEqual(bytes(rp.unfiltered(raw, width * step, step)), known)
+            self.assertEqual(bytes(png_images.unfiltered(raw, 20, width * step, step)), known)
         self.assertEqual(rp.without_alpha(bytes([1, 2, 3, 255, 4, 5, 6, 0])), bytes([1, 2, 3, 0, 0, 0]))
         (self.work / "no.png").write_bytes(b"no picture")
         with self.assertRaisesRegex(rq.Refused, "no.png: a PNG of 8-bit colour or 16-bit gray was expected"):
