@@ -6,6 +6,7 @@ const HOLE_DIFFERENCE: f32 = 0.1;
 const ANGLE_EPSILON: f32 = 0.0005;
 const CAMERA_EPSILON: f32 = 0.01;
 const EDGE_PENALTY: f32 = 20.0;
+const NEARER: f32 = 1.105171;
 const DEPTH_CUT: f32 = 0.2;
 const CUT_WEIGHT: f32 = 0.001;
 
@@ -94,26 +95,25 @@ fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
     return 1.0 / (angle + blur + ANGLE_EPSILON);
 }
 
-// The weights of a view by its distance from the eye: of texels within the background, and of those beside a surface.
-fn background_weights(view: u32) -> vec2<f32> {
-    let weight = views[view].camera_weight;
+// The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
+fn edge_part_of(view: u32, weight: f32, epsilon: f32) -> f32 {
     if (!is_around || all(views[view].from_eye == vec3(0.0))) {
-        return vec2(weight);
+        return 1.0;
     }
-    return vec2(weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON));
+    return 1.0 / (1.0 + EDGE_PENALTY - EDGE_PENALTY * epsilon * weight);
 }
 
-fn is_surface_texel(face: u32, texel: vec2<u32>) -> bool {
+fn is_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
     let surface = inverse_depth_bits(face, texel);
-    return surface != BACKGROUND && surface != UNKNOWN;
+    return surface != UNKNOWN && bitcast<f32>(surface) > inverse_depth;
 }
 
-// Whether a surface lies in a texel above, below, left or right of one.
-fn is_beside_surface(face: u32, texel: vec2<u32>) -> bool {
-    return (texel.x > 0u && is_surface_texel(face, texel - vec2(1u, 0u)))
-        || (texel.x + 1u < faces[face].width && is_surface_texel(face, texel + vec2(1u, 0u)))
-        || (texel.y > 0u && is_surface_texel(face, texel - vec2(0u, 1u)))
-        || (texel.y + 1u < faces[face].height && is_surface_texel(face, texel + vec2(0u, 1u)));
+// Whether a surface with a greater inverse depth lies in a texel above, below, left or right of one.
+fn is_beside_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
+    return (texel.x > 0u && is_nearer(face, texel - vec2(1u, 0u), inverse_depth))
+        || (texel.x + 1u < faces[face].width && is_nearer(face, texel + vec2(1u, 0u), inverse_depth))
+        || (texel.y > 0u && is_nearer(face, texel - vec2(0u, 1u), inverse_depth))
+        || (texel.y + 1u < faces[face].height && is_nearer(face, texel + vec2(0u, 1u), inverse_depth));
 }
 
 fn fit_weight(difference: f32) -> f32 {
@@ -136,9 +136,12 @@ fn seen_from_eye(point: vec3<f32>) -> Seen {
             continue;
         }
         var of_view = views[view].camera_weight;
+        var epsilon = CAMERA_EPSILON;
         if ((scene.refinements & REFINE_ANGLES) != 0u) {
             of_view = angle_weight(view, point);
+            epsilon = ANGLE_EPSILON;
         }
+        let edge_part = edge_part_of(view, of_view, epsilon);
         var taps = taps_around(at.at, at.face);
         for (var tap = 0u; tap < 4u; tap++) {
             let surface = inverse_depth_bits(at.face, taps.texels[tap]);
@@ -154,7 +157,9 @@ fn seen_from_eye(point: vec3<f32>) -> Seen {
             let difference = abs(nearer);
             all += select(0.0, weight, nearer <= scene.tolerance);
             covered += select(0.0, weight, difference <= scene.tolerance);
-            let fitting = weight * fit_weight(difference);
+            let is_edge = edge_part < 1.0
+                && is_beside_nearer(at.face, taps.texels[tap], bitcast<f32>(surface) * NEARER);
+            let fitting = weight * fit_weight(difference) * select(1.0, edge_part, is_edge);
             sum.color += fitting * texel_color(at.face, taps.texels[tap]);
             sum.weight += fitting;
             sum.difference = min(sum.difference, difference);
@@ -176,11 +181,12 @@ fn background_color(direction: vec3<f32>) -> Seen {
             continue;
         }
         var taps = taps_around(at.at, at.face);
-        let of_view = background_weights(view);
+        let of_view = views[view].camera_weight;
+        let edge_part = edge_part_of(view, of_view, CAMERA_EPSILON);
         for (var tap = 0u; tap < 4u; tap++) {
             if (inverse_depth_bits(at.face, taps.texels[tap]) == BACKGROUND) {
-                let is_edge = of_view.x != of_view.y && is_beside_surface(at.face, taps.texels[tap]);
-                let weight = taps.weights[tap] * select(of_view.x, of_view.y, is_edge);
+                let is_edge = edge_part < 1.0 && is_beside_nearer(at.face, taps.texels[tap], 0.0);
+                let weight = taps.weights[tap] * of_view * select(1.0, edge_part, is_edge);
                 sum.color += weight * texel_color(at.face, taps.texels[tap]);
                 sum.weight += weight;
                 sum.difference = 0.0;

@@ -26,9 +26,11 @@ pub const HOLE_DIFFERENCE: f32 = 0.1;
 pub const ANGLE_EPSILON: f32 = 0.0005;
 /// Texels whose depth differs by more than this, in the logarithm, have next to no weight with [`angle_weight`].
 pub const DEPTH_CUT: f32 = 0.2;
-/// Texels of the background beside a surface have its colour mixed into theirs: the distance of their view from the eye counts so many
-/// times more. None does where the eye is in the view, so that pictures become what a probe recorded.
+/// Texels beside a nearer surface have its colour mixed into theirs: what makes the weight of their view less, its angle or its distance
+/// from the eye, counts so many times more. Nothing does where the eye is in the view, so that pictures become what a probe recorded.
 pub const EDGE_PENALTY: f32 = 20.0;
+/// A surface is nearer than another beside it where its inverse depth is so many times that: e to [`HOLE_DIFFERENCE`].
+pub const NEARER: f32 = 1.105_171;
 /// The part of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour where no other is.
 pub const CUT_WEIGHT: f32 = 0.001;
 
@@ -134,20 +136,19 @@ pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
     1.0 / (angle + blur + ANGLE_EPSILON)
 }
 
-/// The weights of a view by its distance from the eye: of texels within the background, and of those beside a surface.
-fn background_weights(view: &ActiveView<'_>) -> [f32; 2] {
-    let weight = view.camera_weight;
+/// The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
+pub(crate) fn edge_part(view: &ActiveView<'_>, weight: f32, epsilon: f32) -> f32 {
     match view.footprint {
         Footprint::Around if view.from_eye != Vec3::ZERO => {
-            [weight, 1.0 / ((1.0 + EDGE_PENALTY) / weight - EDGE_PENALTY * CAMERA_EPSILON)]
+            1.0 / (1.0 + EDGE_PENALTY - EDGE_PENALTY * epsilon * weight)
         }
-        _ => [weight; 2],
+        _ => 1.0,
     }
 }
 
-/// Whether a surface lies in a texel above, below, left or right of one.
-fn is_beside_surface(face: &FaceTexels, texel: usize) -> bool {
-    face.beside(texel).map(|at| face.inverse_depth[at]).any(|at| at != BACKGROUND && at != UNKNOWN)
+/// Whether a surface with a greater inverse depth lies in a texel above, below, left or right of one.
+fn is_beside_nearer(face: &FaceTexels, texel: usize, inverse_depth: f32) -> bool {
+    face.beside(texel).map(|at| face.inverse_depth[at]).any(|at| at != UNKNOWN && at > inverse_depth)
 }
 
 /// The weight of a texel by its difference in depth, without next to any beyond [`DEPTH_CUT`].
@@ -162,7 +163,11 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
     let (refinements, tolerance) = (settings.refinements, settings.tolerance());
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.local(point)) else { continue };
-        let of_view = if refinements.angles { angle_weight(view, point) } else { view.camera_weight };
+        let (of_view, epsilon) = match refinements.angles {
+            true => (angle_weight(view, point), ANGLE_EPSILON),
+            false => (view.camera_weight, CAMERA_EPSILON),
+        };
+        let edge_part = edge_part(view, of_view, epsilon);
         let taps = Taps::around(at.at, face);
         for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
             let inverse_depth = face.inverse_depth[texel];
@@ -183,7 +188,9 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
                 covered += weight;
             }
             let fit = if refinements.angles { cut_weight(difference) } else { 1.0 / (difference + DEPTH_EPSILON) };
-            sum.add(WeightedTexel { face, texel, weight: weight * fit, difference });
+            let is_edge = edge_part < 1.0 && is_beside_nearer(face, texel, inverse_depth * NEARER);
+            let weight = weight * fit * if is_edge { edge_part } else { 1.0 };
+            sum.add(WeightedTexel { face, texel, weight, difference });
         }
     }
     let coverage = if all > 0.0 { covered / all } else { 1.0 };
@@ -195,11 +202,12 @@ pub fn background_color(views: &ActiveViews<'_>, direction: Vec3) -> Option<Inte
     let mut sum = Sum::EMPTY;
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.probe_from_world * direction) else { continue };
-        let (taps, of_view) = (Taps::around(at.at, face), background_weights(view));
+        let (taps, of_view) = (Taps::around(at.at, face), view.camera_weight);
+        let edge_part = edge_part(view, of_view, CAMERA_EPSILON);
         for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
             if face.inverse_depth[texel] == BACKGROUND {
-                let is_edge = of_view[0] != of_view[1] && is_beside_surface(face, texel);
-                let weight = weight * of_view[usize::from(is_edge)];
+                let is_edge = edge_part < 1.0 && is_beside_nearer(face, texel, BACKGROUND);
+                let weight = weight * of_view * if is_edge { edge_part } else { 1.0 };
                 sum.add(WeightedTexel { face, texel, weight, difference: 0.0 });
             }
         }

@@ -19,7 +19,7 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
     lightfold render film.lfold --camera path.json --aov depth,normal,holes -o view.%04d.exr\n  \
-    lightfold render film.lfold --camera path.json --background transparent --samples 4 -o view.%04d.exr\n  \
+    lightfold render film.lfold --samples 4 --background transparent -o view.exr\n  \
     lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
     lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n  \
     lightfold render scene.glb --camera path.json -o view.%04d.png\n  \

@@ -3,7 +3,8 @@
 
 use glam::Vec3;
 
-use crate::march::interpolate::{ANGLE_EPSILON, CUT_WEIGHT, DEPTH_CUT};
+use crate::march::active_views::CAMERA_EPSILON;
+use crate::march::interpolate::{ANGLE_EPSILON, CUT_WEIGHT, DEPTH_CUT, EDGE_PENALTY, NEARER};
 use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
 use crate::march::packet::views::{PacketView, PacketViews, Places};
 use crate::march::{DEPTH_EPSILON, Interpolated, Refinements, RenderSettings};
@@ -37,11 +38,12 @@ pub(crate) fn seen_from_eye(
     for (view, guess) in views.views.iter().zip(guesses) {
         let places = view.places_of(points, guess);
         if asked & places.exist != 0 {
-            let weight = match refinements.angles {
-                true => angle_weight(view, points, from_eye_m),
-                false => Lanes::splat(view.camera_weight),
+            let (weight, epsilon) = match refinements.angles {
+                true => (angle_weight(view, points, from_eye_m), ANGLE_EPSILON),
+                false => (Lanes::splat(view.camera_weight), CAMERA_EPSILON),
             };
-            add(&mut sums, view, &places, (asked & places.exist, weight));
+            let edge_part = view.has_edges.then(|| (1.0 + EDGE_PENALTY - EDGE_PENALTY * epsilon * weight).recip());
+            add(&mut sums, view, &places, (asked & places.exist, weight, edge_part));
         }
     }
     let unit = if views.are_codes { 255.0 } else { 1.0 };
@@ -85,38 +87,71 @@ struct Texels {
 }
 
 #[inline(always)]
-fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, (lanes, of_view): (u32, Lanes)) {
-    let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2], [Lanes::ZERO; 2]);
-    for (axis, ends) in [&mut columns, &mut rows].into_iter().enumerate() {
+fn add(
+    sums: &mut Sums,
+    view: &PacketView<'_>,
+    places: &Places,
+    (lanes, of_view, edge_part): (u32, Lanes, Option<Lanes>),
+) {
+    // Of the texels around a place, and those before and after them.
+    let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 4], [Lanes::ZERO; 4], [Lanes::ZERO; 2]);
+    for (axis, along) in [&mut columns, &mut rows].into_iter().enumerate() {
         let at = places.at[axis] - 0.5;
         let low = floor(at);
         parts[axis] = at - low;
         let last = places.size[axis] - 1.0;
-        *ends = [low.max(Lanes::ZERO).min(last), (low + 1.0).max(Lanes::ZERO).min(last)];
+        *along = [low - 1.0, low, low + 1.0, low + 2.0].map(|at| at.max(Lanes::ZERO).min(last));
     }
     let [across, down] = parts;
     let above = 1.0 - down;
     let bilinear = [(1.0 - across) * above, across * above, (1.0 - across) * down, across * down];
     let weights = bilinear.map(|weight| weight * of_view);
-    let at = |tap: usize| [columns[tap % 2], rows[tap / 2]];
-    match view.face_of_codes(places) {
+    let at = |tap: usize| [columns[1 + tap % 2], rows[1 + tap / 2]];
+    let texels: [Texels; 4] = match view.face_of_codes(places) {
         Some((depth, codes)) => {
-            for (tap, weight) in weights.into_iter().enumerate() {
-                sums.add(weight, places.planar_m, texels_of_face(depth, codes, number_of(at(tap), places.size[0])));
-            }
+            std::array::from_fn(|tap| texels_of_face(depth, codes, number_of(at(tap), places.size[0])))
         }
-        None => {
-            for (tap, weight) in weights.into_iter().enumerate() {
-                sums.add(weight, places.planar_m, texels_anywhere(view, places, lanes, at(tap)));
-            }
-        }
+        None => std::array::from_fn(|tap| texels_anywhere(view, places, lanes, at(tap))),
+    };
+    let edges = edge_part.map(|edge_part| {
+        let depth = |row: usize, column: usize| match (row, column) {
+            (1 | 2, 1 | 2) => surface_of(texels[column - 1 + 2 * (row - 1)].depth),
+            (1 | 2, _) | (_, 1 | 2) => surface_of(depth_of(view, places, lanes, [columns[column], rows[row]])),
+            _ => Lanes::ZERO,
+        };
+        let depth: [[Lanes; 4]; 4] = std::array::from_fn(|row| std::array::from_fn(|column| depth(row, column)));
+        // At the rim of an image two of the four texels are one.
+        let [is_column, is_row] = [columns[1].cmpeq(columns[2]), rows[1].cmpeq(rows[2])];
+        std::array::from_fn(|tap| {
+            let (row, column) = (1 + tap / 2, 1 + tap % 2);
+            let [left, right] = [
+                either(is_column, depth[row][0], depth[row][column - 1]),
+                either(is_column, depth[row][3], depth[row][column + 1]),
+            ];
+            let [above, below] = [
+                either(is_row, depth[0][column], depth[row - 1][column]),
+                either(is_row, depth[3][column], depth[row + 1][column]),
+            ];
+            let nearest = left.max(right).max(above.max(below));
+            either(nearest.cmpgt(texels[tap].depth * NEARER), edge_part, Lanes::ONE)
+        })
+    });
+    for (tap, weight) in weights.into_iter().enumerate() {
+        let edge_part = edges.map_or(Lanes::ONE, |edges: [Lanes; 4]| edges[tap]);
+        sums.add((weight, edge_part), places.planar_m, &texels[tap]);
     }
 }
 
+/// Inverse depths of surfaces; others are 0.
+#[inline(always)]
+fn surface_of(depth: Lanes) -> Lanes {
+    either(depth.cmplt(Lanes::splat(UNKNOWN)), depth, Lanes::ZERO)
+}
+
 impl Sums {
-    /// Adds texels; `weight` lacks the factor of depth.
+    /// Adds texels; `weight` lacks the factor of depth, and for the colour that of edges.
     #[inline(always)]
-    fn add(&mut self, weight: Lanes, planar_m: Lanes, texels: Texels) {
+    fn add(&mut self, (weight, edge_part): (Lanes, Lanes), planar_m: Lanes, texels: &Texels) {
         let is_known = texels.depth.cmplt(Lanes::splat(UNKNOWN));
         let is_surface = texels.depth.cmpgt(Lanes::splat(BACKGROUND)) & is_known;
         let ratio = either(is_surface, texels.depth * planar_m, Lanes::ONE);
@@ -131,13 +166,29 @@ impl Sums {
             true => (fit - 1.0 / (DEPTH_CUT + DEPTH_EPSILON)).max(CUT_WEIGHT * fit),
             false => fit,
         };
-        let weight = either(is_surface, weight * fit, Lanes::ZERO);
+        let weight = either(is_surface, weight * fit * edge_part, Lanes::ZERO);
         self.weight += weight;
         self.difference = self.difference.min(either(is_surface, difference, Lanes::INFINITY));
         for (sum, color) in self.color.iter_mut().zip(texels.color) {
             *sum += weight * color;
         }
     }
+}
+
+/// Inverse depths of the texels of these columns and rows.
+#[inline(always)]
+fn depth_of(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [Lanes; 2]) -> Lanes {
+    let texel = |face: usize, at: usize| view.depth[face].get(at).copied().unwrap_or(UNKNOWN);
+    if let Some(face) = places.face.only().filter(|_| view.are_small) {
+        let at = number_of([column, row], places.size[0]);
+        return Lanes::from_array(at.map(|at| texel(face, at as usize)));
+    }
+    let (column, row, mut depths) = (to_whole(column), to_whole(row), [UNKNOWN; 4]);
+    for lane in lanes_of(lanes) {
+        let face = places.face.of(lane);
+        depths[lane] = texel(face, row[lane] as usize * view.width[face] as usize + column[lane] as usize);
+    }
+    Lanes::from_array(depths)
 }
 
 /// Texels of one face with coded colours.
