@@ -5,7 +5,8 @@ const DEPTH_EPSILON: f32 = 0.02;
 const HOLE_DIFFERENCE: f32 = 0.1;
 const ANGLE_EPSILON: f32 = 0.0005;
 const CAMERA_EPSILON: f32 = 0.01;
-const EDGE_PENALTY: f32 = 20.0;
+const EDGE_PENALTY: f32 = 6.0;
+const BACKGROUND_EDGE_PENALTY: f32 = 20.0;
 const NEARER: f32 = 1.105171;
 const DEPTH_CUT: f32 = 0.2;
 const CUT_WEIGHT: f32 = 0.001;
@@ -96,11 +97,11 @@ fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
 }
 
 // The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
-fn edge_part_of(view: u32, weight: f32, epsilon: f32) -> f32 {
+fn edge_part_of(view: u32, weight: f32, epsilon: f32, penalty: f32) -> f32 {
     if (!is_around || all(views[view].from_eye == vec3(0.0))) {
         return 1.0;
     }
-    return 1.0 / (1.0 + EDGE_PENALTY - EDGE_PENALTY * epsilon * weight);
+    return 1.0 / (1.0 + penalty - penalty * epsilon * weight);
 }
 
 fn is_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
@@ -141,7 +142,7 @@ fn seen_from_eye(point: vec3<f32>) -> Seen {
             of_view = angle_weight(view, point);
             epsilon = ANGLE_EPSILON;
         }
-        let edge_part = edge_part_of(view, of_view, epsilon);
+        let edge_part = edge_part_of(view, of_view, epsilon, EDGE_PENALTY);
         var taps = taps_around(at.at, at.face);
         for (var tap = 0u; tap < 4u; tap++) {
             let surface = inverse_depth_bits(at.face, taps.texels[tap]);
@@ -182,7 +183,7 @@ fn background_color(direction: vec3<f32>) -> Seen {
         }
         var taps = taps_around(at.at, at.face);
         let of_view = views[view].camera_weight;
-        let edge_part = edge_part_of(view, of_view, CAMERA_EPSILON);
+        let edge_part = edge_part_of(view, of_view, CAMERA_EPSILON, BACKGROUND_EDGE_PENALTY);
         for (var tap = 0u; tap < 4u; tap++) {
             if (inverse_depth_bits(at.face, taps.texels[tap]) == BACKGROUND) {
                 let is_edge = edge_part < 1.0 && is_beside_nearer(at.face, taps.texels[tap], 0.0);

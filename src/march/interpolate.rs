@@ -28,7 +28,10 @@ pub const ANGLE_EPSILON: f32 = 0.0005;
 pub const DEPTH_CUT: f32 = 0.2;
 /// Texels beside a nearer surface have its colour mixed into theirs: what makes the weight of their view less, its angle or its distance
 /// from the eye, counts so many times more. Nothing does where the eye is in the view, so that pictures become what a probe recorded.
-pub const EDGE_PENALTY: f32 = 20.0;
+/// More of it hides outlines of bright things better, and takes more detail of edges from views that see them less sharply.
+pub const EDGE_PENALTY: f32 = 6.0;
+/// The same of texels of the background.
+pub const BACKGROUND_EDGE_PENALTY: f32 = 20.0;
 /// A surface is nearer than another beside it where its inverse depth is so many times that: e to [`HOLE_DIFFERENCE`].
 pub const NEARER: f32 = 1.105_171;
 /// The part of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour where no other is.
@@ -137,11 +140,9 @@ pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
 }
 
 /// The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
-pub(crate) fn edge_part(view: &ActiveView<'_>, weight: f32, epsilon: f32) -> f32 {
+fn edge_part(view: &ActiveView<'_>, (weight, epsilon): (f32, f32), penalty: f32) -> f32 {
     match view.footprint {
-        Footprint::Around if view.from_eye != Vec3::ZERO => {
-            1.0 / (1.0 + EDGE_PENALTY - EDGE_PENALTY * epsilon * weight)
-        }
+        Footprint::Around if view.from_eye != Vec3::ZERO => 1.0 / (1.0 + penalty - penalty * epsilon * weight),
         _ => 1.0,
     }
 }
@@ -167,7 +168,7 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
             true => (angle_weight(view, point), ANGLE_EPSILON),
             false => (view.camera_weight, CAMERA_EPSILON),
         };
-        let edge_part = edge_part(view, of_view, epsilon);
+        let edge_part = edge_part(view, (of_view, epsilon), EDGE_PENALTY);
         let taps = Taps::around(at.at, face);
         for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
             let inverse_depth = face.inverse_depth[texel];
@@ -203,7 +204,7 @@ pub fn background_color(views: &ActiveViews<'_>, direction: Vec3) -> Option<Inte
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.probe_from_world * direction) else { continue };
         let (taps, of_view) = (Taps::around(at.at, face), view.camera_weight);
-        let edge_part = edge_part(view, of_view, CAMERA_EPSILON);
+        let edge_part = edge_part(view, (of_view, CAMERA_EPSILON), BACKGROUND_EDGE_PENALTY);
         for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
             if face.inverse_depth[texel] == BACKGROUND {
                 let is_edge = edge_part < 1.0 && is_beside_nearer(face, texel, BACKGROUND);

@@ -249,6 +249,7 @@ mod tests {
             ("ANGLE_EPSILON", interpolate::ANGLE_EPSILON),
             ("CAMERA_EPSILON", active_views::CAMERA_EPSILON),
             ("EDGE_PENALTY", interpolate::EDGE_PENALTY),
+            ("BACKGROUND_EDGE_PENALTY", interpolate::BACKGROUND_EDGE_PENALTY),
             ("NEARER", interpolate::NEARER),
             ("DEPTH_CUT", interpolate::DEPTH_CUT),
             ("CUT_WEIGHT", interpolate::CUT_WEIGHT),
