@@ -17,13 +17,12 @@ CELL, MARGIN, SCALE, PICTURES = 64, 32, 4, 6
 
 
 def crop(film, payload, frame, left, top):
-    """Rows of a crop, every pixel SCALE times as wide."""
+    """Rows of a crop."""
     image, side = film.images(payload)[frame], CELL + 2 * MARGIN
     rows = []
     for y in range(top, min(top + side, film.height)):
         at = 3 * (y * film.width + left)
-        row = image[at:at + 3 * min(side, film.width - left)]
-        rows.append(b"".join(row[x:x + 3] * SCALE for x in range(0, len(row), 3)))
+        rows.append(image[at:at + 3 * min(side, film.width - left)])
     return rows
 
 
@@ -62,5 +61,6 @@ def write(source, folder):
             stream = film.streams[at]
             rows = zip(*(crop(film, payloads[at], frame, left, top) for payloads in shown))
             beside = [b"".join(row) for row in rows]
+            width = len(beside[0]) // 3
             name = f"{mean:g}-{stream.probe}-{stream.face}-{stream.first_frame + frame:04}.png"
-            png_images.write(folder / name, len(beside[0]) // 3, b"".join(row * SCALE for row in beside))
+            png_images.write(folder / name, width * SCALE, png_images.enlarged(b"".join(beside), width, SCALE))

@@ -141,7 +141,7 @@ def png_image(kernels, path):
     _, _, step, samples = png_images.read(path, kernels.png_rows)
     if step == 4:
         raise ValueError(f"{path} has alpha; colour without was expected")
-    return bytes(samples)
+    return samples
 
 
 def write_dataset(folder, manifest, film, payloads):

@@ -5,6 +5,7 @@ import math
 import statistics
 import sys
 
+import png_images
 from peers_frames import NotMeasured
 
 
@@ -84,7 +85,7 @@ def psnr(kernels, wanted, found):
     """dB of all samples of all frames."""
     squares = sum(kernels.squares(a, b) for a, b in zip(wanted, found))
     samples = sum(map(len, wanted))
-    return 10 * math.log10(255 * 255 * samples / squares) if squares else math.inf
+    return png_images.psnr_db(squares, samples)
 
 
 def add(times, seconds):

@@ -1,5 +1,6 @@
-"""PNG files, with the standard library alone."""
+"""PNG files and 8-bit RGB pictures, with the standard library alone."""
 
+import math
 import pathlib
 import struct
 import zlib
@@ -30,7 +31,10 @@ def read(path, unfilter=None):
     if head is None or head[2:4] not in STEPS or head[6]:
         raise NotRead(f"{path}: a PNG of 8-bit colour or 16-bit gray was expected")
     width, height, step = *head[:2], STEPS[head[2:4]]
-    samples = (unfilter or unfiltered)(zlib.decompress(b"".join(packed)), height, width * step, step)
+    try:
+        samples = (unfilter or unfiltered)(zlib.decompress(b"".join(packed)), height, width * step, step)
+    except (ValueError, zlib.error) as error:
+        raise NotRead(f"{path}: {error}") from error
     if step == 2:
         swapped = bytearray(samples)
         swapped[0::2], swapped[1::2] = samples[1::2], samples[0::2]
@@ -41,7 +45,7 @@ def read(path, unfilter=None):
 def unfiltered(raw, rows, row_bytes, step):
     """Rows of a PNG without their filters; `step` is the bytes of a pixel."""
     if len(raw) != rows * (row_bytes + 1):
-        raise NotRead("a PNG holds more or fewer rows than it says")
+        raise ValueError("a PNG holds more or fewer rows than it says")
     out, above = bytearray(), bytearray(row_bytes)
     for start in range(0, len(raw), row_bytes + 1):
         kind, row = raw[start], bytearray(raw[start + 1:start + 1 + row_bytes])
@@ -73,3 +77,17 @@ def write(path, width, rgb, level=1):
     parts = ((b"IHDR", head), (b"IDAT", zlib.compress(rows, level)), (b"IEND", b""))
     chunks = (struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in parts)
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+
+
+def enlarged(picture, width, times):
+    """Each pixel drawn `times` times in each direction."""
+    drawn = bytearray()
+    for start in range(0, len(picture), 3 * width):
+        row = picture[start:start + 3 * width]
+        drawn += b"".join(row[x:x + 3] * times for x in range(0, len(row), 3)) * times
+    return drawn
+
+
+def psnr_db(squares, samples):
+    """PSNR of so many 8-bit codes whose differences have this sum of squares."""
+    return 10 * math.log10(255 * 255 * samples / squares) if squares else math.inf

@@ -65,7 +65,7 @@ def read_png(path):
     except png_images.NotRead as error:
         raise rq.Refused(str(error)) from error
     if step == 2:
-        codes = array.array("H", bytes(samples))
+        codes = array.array("H", samples)
         if sys.byteorder == "big":
             codes.byteswap()
         return width, height, codes
@@ -77,15 +77,6 @@ def without_alpha(samples):
     for channel in range(3):
         rgb[channel::3] = bytes(value if alpha else 0 for value, alpha in zip(samples[channel::4], samples[3::4]))
     return rgb
-
-
-def enlarged(picture, width, times):
-    """Each pixel drawn `times` times in each direction."""
-    drawn = bytearray()
-    for start in range(0, len(picture), 3 * width):
-        row = picture[start:start + 3 * width]
-        drawn += b"".join(row[x:x + 3] * times for x in range(0, len(row), 3)) * times
-    return drawn
 
 
 def cropped(picture, width, window):
@@ -173,7 +164,7 @@ class Window:
         return self.face == other.face and max(abs(self.left - other.left), abs(self.top - other.top)) < self.side
 
     def psnr_db(self, label):
-        return 10 * math.log10(255**2 * 3 * self.side**2 / self.errors[label]) if self.errors[label] else math.inf
+        return png_images.psnr_db(self.errors[label], 3 * self.side**2)
 
 
 def squares(a, b):
@@ -279,7 +270,7 @@ class Pictures:
         lines = []
         for label, window in chosen:
             face = faces[window.face]
-            draw = lambda of: enlarged(cropped(face.pictures[of], face.width, window), window.side, SCALE)
+            draw = lambda of: png_images.enlarged(cropped(face.pictures[of], face.width, window), window.side, SCALE)
             shown = {"truth": (draw("truth"), None)}
             shown |= {name: (draw(of), window.psnr_db(of)) for of, name in COMPARED.items()}
             stem = f"{pose.case.probe}_{window.face}_{window.left}_{window.top}"
@@ -301,7 +292,8 @@ class Pictures:
             shown |= {COMPARED[of]: (face.pictures[of], face.psnr_db[of]) for of in errors}
             shown |= {f"error of {COMPARED[of]}": (error, None) for of, error in errors.items()}
             place = f"{pose.case.probe}_{name}", f"face {name}"
-            draw = lambda what, rgb, db: self.cell(place, what, (enlarged(rgb, face.width, times), db), face.width * times)
+            drawn = lambda rgb: png_images.enlarged(rgb, face.width, times)
+            draw = lambda what, rgb, db: self.cell(place, what, (drawn(rgb), db), face.width * times)
             lines.append([name, *(draw(what, *of) for what, of in shown.items())])
         return table(f"{pose.title}: whole pictures", ["face", *shown], lines, "pictures")
 

@@ -22,6 +22,7 @@ import peers_color
 import peers_crops
 import peers_frames as pf
 import peers_table
+import png_images
 from peers_codecs import CODERS, Ffv1, PerStream, Rvl, Xz, Zstd, key_frames, x265
 from peers_kernels import Kernels
 from peers_measure import Contest, Depth, Row, depth_errors, psnr
@@ -293,8 +294,11 @@ class ColorTest(unittest.TestCase):
     def test_crops_show_each_pixel_many_times(self):
         film = color_film()
         rows = peers_crops.crop(film, film.payloads[0], 1, 32, 48)
-        self.assertEqual((len(rows), {len(row) for row in rows}), (16, {3 * 4 * 32}))
-        self.assertEqual(rows[0][:15], bytes([64, 96, 89] * 4 + [66, 96, 90]))
+        self.assertEqual((len(rows), {len(row) for row in rows}), (16, {3 * 32}))
+        drawn, line = png_images.enlarged(b"".join(rows), 32, 4), 3 * 4 * 32
+        self.assertEqual(len(drawn), 4 * 16 * line)
+        self.assertEqual(drawn[:15], bytes([64, 96, 89] * 4 + [66, 96, 90]))
+        self.assertEqual(drawn[:3 * line], drawn[line:4 * line])
 
 
 class CodecTest(unittest.TestCase):

@@ -388,6 +388,11 @@ class PageTest(Stubbed):
         (self.work / "no.png").write_bytes(b"no picture")
         with self.assertRaisesRegex(rq.Refused, "no.png: a PNG of 8-bit colour or 16-bit gray was expected"):
             rp.read_png(self.work / "no.png")
+        png_images.write(self.work / "cut.png", 8, bytes(3 * 8 * 8))
+        cut = (self.work / "cut.png").read_bytes()
+        (self.work / "cut.png").write_bytes(cut[:-20])
+        with self.assertRaisesRegex(rq.Refused, "cut.png: .*incomplete"):
+            rp.read_png(self.work / "cut.png")
 
     def test_silhouettes_are_where_distances_differ(self):
         # From 1 m to 100 m; 10 % are 1357 codes.
