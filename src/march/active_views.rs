@@ -110,6 +110,11 @@ impl<'a> ActiveView<'a> {
         }
     }
 
+    /// Whether its texels beside a nearer surface have less weight: with [`Footprint::Around`], unless the eye is in the view.
+    pub(crate) fn has_edges(&self) -> bool {
+        self.footprint == Footprint::Around && self.from_eye != Vec3::ZERO
+    }
+
     /// BetweenViewpointAndGeometry (algorithm 4, line 1).
     pub fn occupancy(&self, point: Vec3) -> Occupancy {
         let local = self.local(point);

@@ -14,7 +14,7 @@
 use glam::Vec3;
 
 use crate::march::active_views::CAMERA_EPSILON;
-use crate::march::{ActiveView, ActiveViews, Footprint, RenderSettings, Taps};
+use crate::march::{ActiveView, ActiveViews, RenderSettings, Taps};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the weight of depth: a difference of two per cent halves the weight.
@@ -141,10 +141,7 @@ pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
 
 /// The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
 fn edge_part(view: &ActiveView<'_>, (weight, epsilon): (f32, f32), penalty: f32) -> f32 {
-    match view.footprint {
-        Footprint::Around if view.from_eye != Vec3::ZERO => 1.0 / (1.0 + penalty - penalty * epsilon * weight),
-        _ => 1.0,
-    }
+    if view.has_edges() { 1.0 / (1.0 + penalty - penalty * epsilon * weight) } else { 1.0 }
 }
 
 /// Whether a surface with a greater inverse depth lies in a texel above, below, left or right of one.

@@ -4,7 +4,7 @@
 //! Points of a packet are close together and to those tested before, so they are guessed to lie in the same face. Where their
 //! places in it confirm that, no face is computed.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 use crate::image::{Face, TexelMap};
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
@@ -37,7 +37,6 @@ pub(crate) struct PacketView<'a> {
     greatest_inverse_depth: f32,
     pub(crate) camera_weight: f32,
     footprint: Footprint,
-    /// Whether its texels beside a nearer surface have less weight.
     pub(crate) has_edges: bool,
     is_view: bool,
     /// Whether indices of texels are below 2²³.
@@ -161,7 +160,7 @@ impl<'a> PacketView<'a> {
             greatest_inverse_depth: active.greatest_inverse_depth,
             camera_weight: active.camera_weight,
             footprint: active.footprint,
-            has_edges: active.footprint == Footprint::Around && active.from_eye != Vec3::ZERO,
+            has_edges: active.has_edges(),
             are_small,
             is_view,
             pyramids: &active.pyramids,
@@ -519,7 +518,7 @@ impl<'a> PacketViews<'a> {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DQuat, DVec3};
+    use glam::{DQuat, DVec3, Vec3};
 
     use super::*;
     use crate::image::transfer::ToneMap;
