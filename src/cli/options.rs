@@ -3,6 +3,7 @@
 mod camera;
 mod choice;
 mod color;
+mod dataset;
 mod depth;
 mod effort;
 mod material;
@@ -10,11 +11,13 @@ mod number;
 mod output;
 mod selection;
 mod sequence;
+mod shard;
 mod side;
 
 pub use camera::{CameraArgs, parse_aspect, parse_point};
 pub use choice::{Choices, one_of, word_of};
 pub use color::ColorArgs;
+pub use dataset::DatasetArgs;
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,
 };
@@ -24,4 +27,5 @@ pub use number::{parse_not_negative, parse_number_where, parse_positive};
 pub use output::{EncodeOutputArgs, MemoryArgs, OutputArgs, StoreArgs, Target, Unfinished, check_report, check_stdout};
 pub use selection::{FrameArgs, SelectionArgs, parse_face, parse_kind};
 pub use sequence::{COLOR_SPACES, ImageArgs, SequenceInputArgs};
+pub use shard::{ShardArgs, parse_shard};
 pub use side::SideArgs;

@@ -208,6 +208,9 @@ fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, to: Resum
         }
         (None, _) => Writer::new(to.out, name, fps, projection)?,
     };
+    for (name, value) in source.attributes().iter() {
+        writer.set_attribute(name, value.to_vec());
+    }
     for probe in source.probes() {
         writer.add_probe(ProbeEntry {
             name: probe.name.clone(),
@@ -276,7 +279,8 @@ impl<W: Write> Job<'_, W> {
     fn encode_depth(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
         let Some(first) = groups.first() else { return Ok(()) };
         let probe = first.group.probe;
-        let known = self.completed.scans.get(&probe).map(|note| note.scan.clone());
+        let noted = || self.completed.scans.get(&probe).map(|note| note.scan.clone());
+        let known = self.source.scans().and_then(|scans| scans.get(&probe).cloned()).or_else(noted);
         // Files as they are before they are read.
         let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
         let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
@@ -284,7 +288,7 @@ impl<W: Write> Job<'_, W> {
             depth_of_probe(self.source, self.settings, groups, known.as_ref(), self.monitor)?;
         let (mut kept, mut note) = (HashMap::new(), None);
         if let Some(scanned) = scanned {
-            let scan_note = ScanNote { scan: scanned.scan, files };
+            let scan_note = ScanNote { scan: scanned.found.scan(), files };
             self.writer.note(&scan_note.to_bytes(probe)?);
             self.writer.checkpoint()?;
             self.summary.reading += scanned.reading;
@@ -413,7 +417,7 @@ impl<W: Write> Job<'_, W> {
             .zip(&part.starts)
             .map(|((face, stream, unit, rect), &start)| {
                 let search = self.completed.search(stream, unit);
-                UnitJob::new(coder, &memory, UnitPlace { face, stream, unit, rect, start, search })
+                UnitJob::new(coder, memory, UnitPlace { face, stream, unit, rect, start, search })
             })
             .collect()
     }

@@ -16,8 +16,12 @@ mod encoder;
 mod group;
 mod job;
 mod order;
+mod part;
 mod resume;
+mod scan;
+mod scan_file;
 mod settings;
+mod shard;
 mod source;
 pub mod tile_quality;
 mod unit;
@@ -28,7 +32,10 @@ pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
     encode_resumable,
 };
+pub use part::Part;
+pub use scan_file::{ScanFile, scan_probes};
 pub use settings::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
+pub use shard::{Shard, ShardBy};
 pub use source::{FrameSource, GroupRef, selected_groups};

@@ -8,6 +8,7 @@ mod header;
 mod header_bytes;
 mod info;
 mod picture_chunk;
+pub mod shard;
 mod stream_chunk;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
