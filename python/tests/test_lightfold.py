@@ -245,13 +245,14 @@ class Encode(Folder):
 
     @unittest.skipUnless(hasattr(signal, "pthread_kill"), "signals of threads are of POSIX")
     def test_interruption_leaves_no_file(self):
-        rng = np.random.default_rng(2)
-        light = rng.uniform(0, 1, (24, 256, 256, 3)).astype(np.float16)
+        # Signals are looked for between streams.
+        light = np.random.default_rng(2).uniform(0, 1, (200, 1, 128, 128, 3)).astype(np.float16)
+        probes = [str(at) for at in range(len(light))]
         main = threading.main_thread().ident
         timer = threading.Timer(0.3, signal.pthread_kill, (main, signal.SIGINT))
         timer.start()
         with self.assertRaises(KeyboardInterrupt):
-            self.encode(color=[light], effort="exhaustive", psnr=60)
+            self.encode(probes, color=light)
         timer.join()
         self.assertEqual(list(self.path.parent.iterdir()), [])
 
