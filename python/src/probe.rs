@@ -26,7 +26,10 @@ pub struct Probe {
 #[pymethods]
 impl Probe {
     #[new]
-    #[pyo3(signature = (name, position=(0.0, 0.0, 0.0), orientation=(0.0, 0.0, 0.0, 1.0), intrinsics=None))]
+    #[pyo3(
+        signature = (name, position=(0.0, 0.0, 0.0), orientation=(0.0, 0.0, 0.0, 1.0), intrinsics=None),
+        text_signature = "(name, position=(0.0, 0.0, 0.0), orientation=(0.0, 0.0, 0.0, 1.0), intrinsics=None)"
+    )]
     pub fn new(
         name: String,
         position: (f64, f64, f64),

@@ -1,13 +1,17 @@
 """Examples of the documentation run, and the type stub has what the module has."""
 
 import ast
+import contextlib
 import doctest
 import inspect
+import io
+import json
 import os
 import re
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -74,6 +78,24 @@ class Examples(unittest.TestCase):
         sources = {example.source for _, text in docstrings() for example in examples(text, "docstring").examples}
         shared = [example for example in examples(readme(), "README.md").examples if example.source in sources]
         self.assertGreater(len(shared), 10)
+
+
+class Notebook(unittest.TestCase):
+    def test_it_runs_with_charts_that_nobody_sees(self):
+        notebook = json.loads((PYTHON / "examples" / "error_map.ipynb").read_text())
+        cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+        self.assertTrue(all(cell["outputs"] == [] and cell["execution_count"] is None for cell in cells))
+        axes = np.empty((2, 2), object)
+        axes.flat = [mock.Mock() for _ in range(4)]
+        pyplot = mock.Mock(subplots=mock.Mock(return_value=(mock.Mock(), axes)))
+        modules = {"matplotlib": mock.Mock(pyplot=pyplot), "matplotlib.pyplot": pyplot}
+        said = io.StringIO()
+        with mock.patch.dict("sys.modules", modules), contextlib.redirect_stdout(said):
+            scope = {}
+            for cell in cells:
+                exec("".join(cell["source"]), scope)
+        self.assertIn("max_error=100: at most 0.16", said.getvalue())
+        self.assertEqual([axis.imshow.call_count for axis in axes.flat], [1] * 4)
 
 
 class Stub(unittest.TestCase):

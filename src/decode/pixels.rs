@@ -40,7 +40,23 @@ pub enum PixelsMut<'p> {
     Material(&'p mut [[f32; 3]]),
 }
 
-impl PixelsMut<'_> {
+impl<'p> PixelsMut<'p> {
+    /// Parts of `length` pixels, the last with what is left.
+    pub(super) fn bands(self, length: usize) -> Vec<PixelsMut<'p>> {
+        fn split<'a, T>(pixels: &'a mut [T], length: usize, part: fn(&'a mut [T]) -> PixelsMut<'a>) -> Vec<PixelsMut<'a>> {
+            pixels.chunks_mut(length).map(part).collect()
+        }
+        match self {
+            PixelsMut::DepthCodes(pixels) => split(pixels, length, PixelsMut::DepthCodes),
+            PixelsMut::DepthMetres(pixels) => split(pixels, length, PixelsMut::DepthMetres),
+            PixelsMut::Color8(pixels) => split(pixels, length, PixelsMut::Color8),
+            PixelsMut::ColorHalf(pixels) => split(pixels, length, PixelsMut::ColorHalf),
+            PixelsMut::ColorFloat(pixels) => split(pixels, length, PixelsMut::ColorFloat),
+            PixelsMut::Material8(pixels) => split(pixels, length, PixelsMut::Material8),
+            PixelsMut::Material(pixels) => split(pixels, length, PixelsMut::Material),
+        }
+    }
+
     pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<()> {
         let length = match self {
             PixelsMut::DepthCodes(pixels) => pixels.len(),
