@@ -13,6 +13,7 @@ pub enum Effort {
 }
 
 impl Effort {
+    /// `fast`, `normal` or `exhaustive`.
     pub fn name(self) -> &'static str {
         match self {
             Effort::Fast => "fast",

@@ -80,20 +80,32 @@ pub use modules::*;
 use modules::*;
 
 pub use half::f16;
+#[cfg(feature = "encode")]
+pub use modules::container::Compression;
 pub use modules::container::{ByteSource, ProbeEntry};
 #[cfg(feature = "encode")]
 pub use modules::dataset::{ProbeInfo, SourceGroup};
 pub use modules::decode::{DecodeCost, Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
 pub use modules::depth::DepthRange;
 #[cfg(feature = "encode")]
+pub use modules::depth::domain::DomainKind;
+#[cfg(feature = "encode")]
+pub use modules::depth::mode_decision::Decide;
+#[cfg(feature = "encode")]
+pub use modules::effort::Effort;
+#[cfg(feature = "encode")]
 pub use modules::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, EncodeSummary, Encoder, EncoderStream,
     ErrorBound, FrameSource, MaterialSettings, ProbePose, TileSize,
 };
 pub use modules::error::{Error, Result};
+#[cfg(feature = "encode")]
+pub use modules::image::Transfer;
 pub use modules::image::{DepthKind, Face, FrameRange, Projection, StreamKind};
 #[cfg(feature = "encode")]
 pub use modules::inspect::{Inspection, StreamStats, statistics};
+#[cfg(feature = "encode")]
+pub use modules::monitor::Monitor;
 pub use modules::streams::{ColorBlocks, ColorFormat};
 
 #[cfg(feature = "cli")]

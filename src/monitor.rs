@@ -10,7 +10,10 @@ pub trait Monitor: Sync {
     /// Whether to stop.
     fn interrupted(&self) -> bool;
 
-    /// [`Error::Interrupted`] if interrupted; called in long loops.
+    /// Called in long loops.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if interrupted.
     fn check(&self) -> Result<()> {
         if self.interrupted() { Err(Error::Interrupted) } else { Ok(()) }
     }

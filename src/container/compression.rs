@@ -15,6 +15,7 @@ pub const MAX_ZSTD_LEVEL: u32 = 19;
 /// What is tried on each chunk; one that does not become smaller is stored raw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compression {
+    /// Nothing is tried.
     None,
     /// A preset of 0 (fast) to 9 (small).
     Lzma2(u32),
@@ -68,6 +69,7 @@ impl PayloadKind {
 
 impl Compression {
     /// The bytes to store, and how they are stored.
+    #[doc(hidden)]
     pub fn compress(self, raw: Vec<u8>, kind: PayloadKind) -> Result<(Storage, Vec<u8>)> {
         let (storage, stored) = match self {
             Compression::None => return Ok((Storage::Raw, raw)),

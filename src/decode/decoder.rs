@@ -123,6 +123,21 @@ impl Decoder {
         self.reader.load(limit_bytes)
     }
 
+    /// Name of the dataset.
+    pub fn name(&self) -> &str {
+        &self.reader.index().name
+    }
+
+    /// Frames per second, above 0.
+    pub fn fps(&self) -> f64 {
+        self.reader.index().fps
+    }
+
+    /// All probes, in the order of the probe table.
+    pub fn probes(&self) -> &[ProbeEntry] {
+        &self.reader.index().probes
+    }
+
     /// The probe of a stream: name, position in metres, orientation.
     pub fn probe(&self, stream: &StreamInfo) -> &ProbeEntry {
         &self.reader.index().probes[stream.probe]

@@ -51,15 +51,26 @@ impl<'a> FaceDecoder<'a> {
     ///
     /// # Errors
     /// [`Error::Usage`] for a frame that the stream does not have, a slice of another length, or a kind of pixels that the
-    /// stream's cannot become; [`Error::Invalid`] for a damaged chunk, by name.
-    pub fn decode_into(&mut self, frame: u32, mut pixels: PixelsMut<'_>) -> Result<()> {
+    /// stream's cannot become; [`Error::Invalid`] for a damaged chunk, by name. Pixels may have been written then.
+    pub fn decode_into(&mut self, frame: u32, pixels: PixelsMut<'_>) -> Result<()> {
         let size @ [width, _] = self.stream.size();
         pixels.check_size(size)?;
-        let units = try_map_ordered(self.units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| {
-            unit.decode(frame)?;
-            Ok(&*unit)
+        let entry = &self.stream.entry;
+        let [columns, _] = entry.grid();
+        // A row of units is converted as soon as it is decoded.
+        let bands = pixels.bands(width as usize * entry.unit_height as usize);
+        let bands = self.units.chunks_mut(columns as usize).zip(bands).collect();
+        try_map_ordered(bands, |(units, mut pixels): (&mut [UnitDecoder<'a>], PixelsMut<'_>)| {
+            let units = try_map_ordered(units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| {
+                unit.decode(frame)?;
+                Ok(&*unit)
+            })?;
+            units.iter().try_for_each(|unit| {
+                let [left, _, columns, rows] = unit.rect();
+                self.conversion.write(unit.pixels(), [left, 0, columns, rows], &mut pixels, width)
+            })
         })?;
-        units.iter().try_for_each(|unit| self.conversion.write(unit.pixels(), unit.rect(), &mut pixels, width))
+        Ok(())
     }
 
     #[doc(hidden)]

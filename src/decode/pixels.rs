@@ -32,20 +32,38 @@ pub enum PixelsMut<'p> {
     Color8(&'p mut [[u8; 3]]),
     /// Colour as linear Rec. 709 light, from 8-bit and half-float streams alike.
     ColorHalf(&'p mut [[f16; 3]]),
+    /// The same in single precision.
+    ColorFloat(&'p mut [[f32; 3]]),
     /// Material as bytes: reflection weight, refraction weight, index of refraction (depth.md 5).
     Material8(&'p mut [[u8; 3]]),
     /// Material as weights of 0 to 1 and an index of refraction of 1 to 3.
     Material(&'p mut [[f32; 3]]),
 }
 
-impl PixelsMut<'_> {
+impl<'p> PixelsMut<'p> {
+    /// Parts of `length` pixels, the last with what is left.
+    pub(super) fn bands(self, length: usize) -> Vec<PixelsMut<'p>> {
+        fn split<'a, T>(pixels: &'a mut [T], length: usize, part: fn(&'a mut [T]) -> PixelsMut<'a>) -> Vec<PixelsMut<'a>> {
+            pixels.chunks_mut(length).map(part).collect()
+        }
+        match self {
+            PixelsMut::DepthCodes(pixels) => split(pixels, length, PixelsMut::DepthCodes),
+            PixelsMut::DepthMetres(pixels) => split(pixels, length, PixelsMut::DepthMetres),
+            PixelsMut::Color8(pixels) => split(pixels, length, PixelsMut::Color8),
+            PixelsMut::ColorHalf(pixels) => split(pixels, length, PixelsMut::ColorHalf),
+            PixelsMut::ColorFloat(pixels) => split(pixels, length, PixelsMut::ColorFloat),
+            PixelsMut::Material8(pixels) => split(pixels, length, PixelsMut::Material8),
+            PixelsMut::Material(pixels) => split(pixels, length, PixelsMut::Material),
+        }
+    }
+
     pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<()> {
         let length = match self {
             PixelsMut::DepthCodes(pixels) => pixels.len(),
             PixelsMut::DepthMetres(pixels) => pixels.len(),
             PixelsMut::Color8(pixels) | PixelsMut::Material8(pixels) => pixels.len(),
             PixelsMut::ColorHalf(pixels) => pixels.len(),
-            PixelsMut::Material(pixels) => pixels.len(),
+            PixelsMut::ColorFloat(pixels) | PixelsMut::Material(pixels) => pixels.len(),
         };
         if length as u64 == u64::from(width) * u64::from(height) {
             return Ok(());
@@ -60,11 +78,12 @@ pub(super) struct Conversion {
     header: CodecHeader,
     metres: OnceLock<CodeTable>,
     light: OnceLock<DecodeTable>,
+    single: OnceLock<Box<[f32; 256]>>,
 }
 
 impl Conversion {
     pub fn new(header: CodecHeader) -> Conversion {
-        Conversion { header, metres: OnceLock::new(), light: OnceLock::new() }
+        Conversion { header, metres: OnceLock::new(), light: OnceLock::new(), single: OnceLock::new() }
     }
 
     /// Writes a unit's pixels into a rectangle (left, top, width, height) of an image of `stride` columns.
@@ -84,8 +103,22 @@ impl Conversion {
                 let table = self.light.get_or_init(|| DecodeTable::new(tone));
                 copy(codes, rect, out, stride, |pixel| pixel.map(|code| table.value(code)));
             }
+            (
+                UnitPixels::Color8(codes),
+                PixelsMut::ColorFloat(out),
+                CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }),
+            ) => {
+                let light = self.single.get_or_init(|| {
+                    let table = DecodeTable::new(tone);
+                    Box::new(std::array::from_fn(|code| table.value(code as u8).to_f32()))
+                });
+                copy(codes, rect, out, stride, |pixel| pixel.map(|code| light[usize::from(code)]));
+            }
             (UnitPixels::ColorHalf(keys), PixelsMut::ColorHalf(out), _) => {
                 copy(keys, rect, out, stride, |pixel| pixel.map(|key| key.to_half()));
+            }
+            (UnitPixels::ColorHalf(keys), PixelsMut::ColorFloat(out), _) => {
+                copy(keys, rect, out, stride, |pixel| pixel.map(|key| key.to_half().to_f32()));
             }
             (UnitPixels::Material(codes), PixelsMut::Material8(out), _) => copy(codes, rect, out, stride, |&code| code),
             (UnitPixels::Material(codes), PixelsMut::Material(out), _) => {

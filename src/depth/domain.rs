@@ -25,12 +25,15 @@ pub enum DomainKind {
 }
 
 impl DomainKind {
+    /// All domains, in the order of their values.
     pub const ALL: [DomainKind; 3] = [DomainKind::Log, DomainKind::Linear, DomainKind::Inverse];
 
+    /// The domain of that value, if there is one.
     pub fn from_byte(byte: u8) -> Option<DomainKind> {
         Self::ALL.get(usize::from(byte)).copied()
     }
 
+    /// `log`, `linear` or `inverse`.
     pub fn name(self) -> &'static str {
         match self {
             DomainKind::Log => "log",

@@ -18,10 +18,13 @@ pub const GOOD_PSNR_DB: f64 = 85.0;
 const LEAST_PLATELET_BYTES: usize = 7;
 const BC4W_BYTES: usize = 1 + COEFFICIENT_BYTES;
 
+/// Choice among the ways to code pixels within the error bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Decide {
+    /// The least squared error.
     #[default]
     Mse,
+    /// The fewest bytes.
     Size,
 }
 

@@ -10,8 +10,9 @@ use crate::encode::EncodeSettings;
 use crate::encode::job::{self, EncodeSummary};
 use crate::encode::source::FrameSource;
 use crate::error::{Error, Result};
+use crate::image::transfer::{DecodeTable, ToneMap};
 use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Plane, Projection, StreamKind};
-use crate::monitor::Silent;
+use crate::monitor::{Monitor, Silent};
 
 /// Encodes frames from memory into a container.
 ///
@@ -175,6 +176,16 @@ impl Encoder {
         Ok(())
     }
 
+    /// Adds a frame of 8-bit sRGB codes, row by row, as those of a PNG file.
+    ///
+    /// # Errors
+    /// As for [`Self::push_depth`].
+    pub fn push_color8(&mut self, stream: EncoderStream, codes: &[[u8; 3]]) -> Result<()> {
+        let table = DecodeTable::new(&ToneMap::default());
+        let light: Vec<_> = codes.iter().map(|pixel| pixel.map(|code| table.value(code))).collect();
+        self.push_color(stream, &light)
+    }
+
     /// Adds a frame of reflection weight, refraction weight (0 to 1) and index of refraction (1 to 3), row by row.
     ///
     /// # Errors
@@ -196,6 +207,14 @@ impl Encoder {
     /// [`Error::Usage`] for settings out of range, no stream, or a stream without frames; [`Error::Invalid`] for values that
     /// cannot be coded; [`Error::Io`] of the writer.
     pub fn finish<W: Write>(self, out: W) -> Result<(W, EncodeSummary)> {
+        self.finish_monitored(out, &Silent)
+    }
+
+    /// As [`Self::finish`], with a monitor, which advances by one for every image and may stop the work.
+    ///
+    /// # Errors
+    /// As for [`Self::finish`]; [`Error::Interrupted`] where the monitor stopped it.
+    pub fn finish_monitored<W: Write>(self, out: W, monitor: &dyn Monitor) -> Result<(W, EncodeSummary)> {
         let Encoder { mut source, settings, first_frame } = self;
         // The order of a dataset: by kind, probe and face.
         let mut streams: Vec<_> = source.groups.into_iter().zip(source.frames).collect();
@@ -210,7 +229,7 @@ impl Encoder {
             probe.frames = probe.frames.hull(group.frames);
         }
         (source.groups, source.frames) = streams.into_iter().unzip();
-        job::encode(&source, &settings, out, &Silent)
+        job::encode(&source, &settings, out, monitor)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::block::SIDE;
 use crate::color::SearchSettings;
 use crate::color::transform::Tables;
 use crate::color::transform::blocks::MAX_FRAMES;
+use crate::color::transform::encode::COARSEST;
 use crate::color::transform::tables::TableSet;
 use crate::container::Compression;
 use crate::container::index::MAX_SIZE;
@@ -244,6 +245,7 @@ impl EncodeSettings {
     pub(super) fn check(&self) -> Result<()> {
         self.temporal.check()?;
         self.nodes(0).check()?;
+        self.check_ranges()?;
         let no_tiles = matches!(self.tiles, TileSize::PerSide(0) | TileSize::Pixels(0));
         if no_tiles || self.cell == 0 || self.search.lookahead == 0 {
             return Err(Error::Usage("tiles, cell size and lookahead must be at least 1".into()));
@@ -284,6 +286,27 @@ impl EncodeSettings {
             )));
         }
         Ok(())
+    }
+
+    /// Refuses numbers that no codec takes.
+    fn check_ranges(&self) -> Result<()> {
+        let wrong = |message: String| Err(Error::Usage(message));
+        let SearchSettings { min_psnr_db, constant_step, .. } = self.search;
+        let of_blocks = self.color_blocks.map(|blocks| blocks.final_psnr_db);
+        for (name, db) in [("`psnr_final`", of_blocks), ("`psnr`", Some(min_psnr_db))] {
+            if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
+                return wrong(format!("{name} {db}: 0 to 200 dB was expected"));
+            }
+        }
+        if let Some(step) = constant_step.filter(|step| i32::from(*step) > COARSEST) {
+            return wrong(format!("`color_qp` {step}: 0 to {COARSEST} was expected"));
+        }
+        match self.color {
+            ColorFormat::EightBit(ToneMap { exposure_ev, .. }) if !(-8.0..=8.0).contains(&exposure_ev) => {
+                wrong(format!("`exposure` {exposure_ev}: -8 to 8 stops were expected"))
+            }
+            _ => Ok(()),
+        }
     }
 
     pub(super) fn color_header(&self) -> ColorHeader {

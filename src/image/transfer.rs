@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 
 use half::f16;
 
+/// Transfer function between linear light and 8-bit codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Transfer {
@@ -18,6 +19,7 @@ pub enum Transfer {
 }
 
 impl Transfer {
+    /// `srgb` or `linear`.
     pub fn name(self) -> &'static str {
         if self == Transfer::Srgb { "srgb" } else { "linear" }
     }
@@ -31,6 +33,7 @@ impl Transfer {
         }
     }
 
+    /// The inverse of [`Self::encode`].
     pub fn decode(self, code: f64) -> f64 {
         match self {
             Transfer::Linear => code,

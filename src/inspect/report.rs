@@ -219,6 +219,7 @@ struct TransformReport {
 }
 
 impl<'a> Inspection<'a> {
+    /// What `lightfold inspect --json` prints, to be serialized.
     pub fn report(&self, decoder: &'a Decoder) -> ContainerReport<'a> {
         let (reader, index, all) = (decoder.reader(), decoder.reader().index(), self.totals(None));
         let probes = self.probes();

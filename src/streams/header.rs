@@ -14,6 +14,7 @@ use crate::depth::predictive::projection::Shape;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
 use crate::image::{DepthKind, StreamKind};
+use crate::metrics::DEFAULT_WHITE_CD_M2;
 
 // Codecs by their four characters (depth.md, color.md).
 pub const DEPTH_AABB: [u8; 4] = *b"DAAB";
@@ -81,6 +82,11 @@ pub enum ColorFormat {
         /// Luminance of 1.0 in cd/m², for the metric.
         white_cd_m2: f64,
     },
+}
+
+impl ColorFormat {
+    /// Half floats, with the white of a standard display.
+    pub const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: DEFAULT_WHITE_CD_M2 };
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::image::Plane;
 use lightfold::monitor::Silent;
 use lightfold::streams::convert;
-use lightfold::{Decoder, EncodeSettings, Encoder, Face, PixelsMut, ProbePose, StreamKind};
+use lightfold::{ColorFormat, Decoder, EncodeSettings, Encoder, Face, PixelsMut, ProbePose, StreamKind};
 use tempfile::TempDir;
 
 use crate::footage::Footage;
@@ -113,6 +113,9 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
                     let table = lightfold::image::DecodeTable::new(&lightfold::image::ToneMap::default());
                     let light = convert::color_light(&Plane::new(SIZE[0], SIZE[1], codes).unwrap(), &table);
                     assert_eq!(light.data(), lights[0]);
+                    let mut single = vec![[0.0; 3]; pixels];
+                    face.decode_into(frame, PixelsMut::ColorFloat(&mut single)).unwrap();
+                    assert_eq!(single, lights[0].iter().map(|light| light.map(f16::to_f32)).collect::<Vec<_>>());
                 }
                 StreamKind::Material => {
                     let mut values = vec![[0.0; 3]; pixels];
@@ -130,6 +133,45 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
         }
     }
     assert_eq!(lightfold::inspect::statistics(&decoder).unwrap().streams.len(), 6);
+}
+
+#[test]
+fn codes_of_srgb_are_encoded_as_they_are() {
+    let codes: Vec<[u8; 3]> = (0..=255).map(|code| [code, 255 - code, 7]).collect();
+    let mut settings = EncodeSettings::default();
+    // No loss is as much.
+    settings.search.min_psnr_db = 200.0;
+    let mut encoder = Encoder::new("film", 24.0).with_settings(settings);
+    let probe = encoder.add_probe("00", ProbePose::default()).unwrap();
+    let stream = encoder.add_color(probe, Face::View, [16, 16]).unwrap();
+    assert!(encoder.push_color8(stream, &codes[1..]).is_err());
+    encoder.push_color8(stream, &codes).unwrap();
+    let decoder = Decoder::from_memory(encoder.finish(Vec::new()).unwrap().0).unwrap();
+    let mut decoded = vec![[0u8; 3]; 256];
+    decoder.face(&decoder.streams()[0]).decode_into(0, PixelsMut::Color8(&mut decoded)).unwrap();
+    assert_eq!(decoded, codes);
+    assert_eq!((decoder.name(), decoder.fps(), decoder.probes().len()), ("film", 24.0, 1));
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let refused = |change: fn(&mut EncodeSettings)| {
+        let mut settings = EncodeSettings::default();
+        change(&mut settings);
+        let mut encoder = Encoder::new("film", 24.0).with_settings(settings);
+        let probe = encoder.add_probe("00", ProbePose::default()).unwrap();
+        let stream = encoder.add_depth(probe, Face::View, [8, 8]).unwrap();
+        encoder.push_depth(stream, &[1.0; 64]).unwrap();
+        encoder.finish(Vec::new()).unwrap_err().to_string()
+    };
+    assert_eq!(refused(|all| all.search.min_psnr_db = f64::NAN), "`psnr` NaN: 0 to 200 dB was expected");
+    assert_eq!(refused(|all| all.search.constant_step = Some(241)), "`color_qp` 241: 0 to 240 was expected");
+    let brighter = |all: &mut EncodeSettings| {
+        if let ColorFormat::EightBit(tone) = &mut all.color {
+            tone.exposure_ev = 8.5;
+        }
+    };
+    assert_eq!(refused(brighter), "`exposure` 8.5: -8 to 8 stops were expected");
 }
 
 #[test]

@@ -25,7 +25,7 @@ use crate::color::transform::payload::CELLS;
 use crate::container::EncodedChunk;
 use crate::error::Result;
 
-pub use promise::Start;
+pub use promise::{COARSEST, Start};
 pub use rate::PricedTables;
 pub use training::count_payload;
 

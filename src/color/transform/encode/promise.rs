@@ -36,7 +36,7 @@ const WEIGHTED: i32 = 2;
 const MARGIN: f64 = 0.005;
 const LITTLE: f64 = 0.1;
 /// Largest step index that is tried.
-const COARSEST: i32 = 240;
+pub const COARSEST: i32 = 240;
 /// Steepest slope of chroma in 16ths.
 const MOST_SLOPE: f64 = 24.0;
 /// What steps of half-float keys are above those of bytes for the same quality.
