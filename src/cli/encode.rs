@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ColorArgs, DepthArgs, EffortArgs, EncodeOutputArgs, FrameArgs, MaterialArgs, SequenceInputArgs, Target, Unfinished,
-    check_stdout, parse_kind,
+    ChannelArgs, ColorArgs, DepthArgs, EffortArgs, EncodeOutputArgs, FrameArgs, MaterialArgs, SequenceInputArgs,
+    Target, Unfinished, check_stdout, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -39,12 +39,8 @@ pub struct Args {
     /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
-    /// Name of the depth channel or layer, if unusual
-    #[arg(long, value_name = "NAME")]
-    pub depth_channel: Option<String>,
-    /// Name of the colour layer, if unusual
-    #[arg(long, value_name = "NAME")]
-    pub color_channel: Option<String>,
+    #[command(flatten)]
+    pub channels: ChannelArgs,
     #[command(flatten)]
     pub frames: FrameArgs,
     #[command(flatten)]
@@ -104,8 +100,7 @@ impl Encodes for Args {
         self.material.apply(&mut settings);
         options.frames = self.frames.frames;
         options.face_size = self.face_size;
-        options.channel = self.depth_channel.clone();
-        options.color_channel = self.color_channel.clone();
+        self.channels.apply(&mut options);
         self.effort.apply(&mut settings);
         self.output.container.store.apply(&mut settings);
         if !self.stream.is_empty() {
@@ -145,7 +140,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
     }
     encode::keep_few_planar_depths(&mut source, &settings);
+    note_poses(&source);
     Encode { source: &source, settings: &settings, target: args.target(), global }.run()
+}
+
+/// Says, also with --quiet, that motion is lost: containers hold one pose of each probe.
+fn note_poses(source: &Source) {
+    let moving: Vec<&str> =
+        source.probes().iter().filter(|probe| !probe.poses.is_empty()).map(|probe| probe.name.as_str()).collect();
+    if !moving.is_empty() {
+        output::note(format_args!("{} moves: the container holds the pose of its first frame only", moving.join(", ")));
+    }
 }
 
 /// Runs a command that needs no further checks.

@@ -1,6 +1,7 @@
 //! Options that several commands share.
 
 mod camera;
+mod channels;
 mod choice;
 mod color;
 mod depth;
@@ -13,6 +14,7 @@ mod sequence;
 mod side;
 
 pub use camera::{CameraArgs, parse_aspect, parse_point};
+pub use channels::ChannelArgs;
 pub use choice::{Choices, one_of, word_of};
 pub use color::ColorArgs;
 pub use depth::{

@@ -7,7 +7,7 @@ mod open;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::manifest::Manifest;
+use super::manifest::{Manifest, Pose};
 use super::normals::{self, NormalFiles};
 use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
@@ -15,20 +15,23 @@ use super::pixels::{
 };
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
-use crate::image::layout::cut_faces;
+use crate::image::layout::{cut_eye, cut_faces};
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, NormalPlane, Plane, Projection, ReadLimits, Sequence, StreamKind, exr, png,
+    MaterialPlane, NormalPlane, Plane, Projection, ReadLimits, Sequence, StereoLayout, StreamKind, exr, png,
 };
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
 #[derive(Debug, Clone, Default)]
 pub struct SourceOptions {
-    /// Depth channel; for an image sequence the channel or channels of its kind ([`ChannelSelect::Named`]).
-    pub channel: Option<String>,
-    /// Colour layer or channels of a manifest's colour files ([`ChannelSelect::Named`]).
+    /// Channel or layer of depth ([`ChannelSelect::Named`]).
+    pub depth_channel: Option<String>,
+    /// Layer or channels of colour ([`ChannelSelect::Named`]).
     pub color_channel: Option<String>,
-    /// Metres per unit of depth, above 0. Default 1, except for integer (PNG) depth, which has no default.
+    /// Three channels of materials, with commas between them.
+    pub material_channel: Option<String>,
+    /// Metres per unit of depth, not 0; below 0 where values in front of the camera are negative. Default 1, except for
+    /// integer (PNG) depth, which has no default.
     pub depth_scale: Option<f64>,
     /// The value of the background in the files, before scaling. Default +inf.
     pub background: Option<f32>,
@@ -43,6 +46,18 @@ pub struct SourceOptions {
     /// quarter of the width.
     pub face_size: Option<u32>,
     pub limits: ReadLimits,
+}
+
+impl SourceOptions {
+    /// Names the channel or layer of a kind.
+    pub fn set_channel(&mut self, kind: StreamKind, name: &str) {
+        let channel = match kind {
+            StreamKind::Depth => &mut self.depth_channel,
+            StreamKind::Color => &mut self.color_channel,
+            StreamKind::Material => &mut self.material_channel,
+        };
+        *channel = Some(name.to_owned());
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,10 +91,12 @@ impl Default for SequenceLayout {
 pub struct ProbeInfo {
     /// Unique within the source.
     pub name: String,
-    /// Centre in metres.
+    /// Centre in metres; of a moving probe that of its first pose.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w from the probe's axes to the world's.
+    /// Unit quaternion x, y, z, w from the probe's axes to the world's; of a moving probe that of its first pose.
     pub orientation: [f64; 4],
+    /// Poses of a moving probe, one for each of its `frames`, in order; empty for a still probe.
+    pub poses: Vec<Pose>,
     /// Frames of the probe within those of the caller. A probe without any keeps its own frames here and is absent from the
     /// groups.
     pub frames: FrameRange,
@@ -88,6 +105,13 @@ pub struct ProbeInfo {
 }
 
 impl ProbeInfo {
+    /// Pose in a frame; outside the probe's frames, and of a still probe, that of `position` and `orientation`.
+    pub fn pose(&self, frame: u32) -> Pose {
+        let found = self.poses.binary_search_by_key(&frame, |pose| pose.frame).ok();
+        let still = Pose { frame, position: self.position, orientation: self.orientation };
+        found.map_or(still, |at| self.poses[at])
+    }
+
     /// The projection of an image of a cube map, or of the perspective image where the camera is known.
     pub fn projection(&self, face: Face, size: [u32; 2]) -> Option<ImageProjection> {
         match face {
@@ -150,6 +174,7 @@ pub struct Source {
     /// Where the source was opened by one.
     pub manifest: Option<Manifest>,
     content: Content,
+    stereo: Option<StereoLayout>,
     file_size: (u32, u32),
     delivered_size: (u32, u32),
     pub rules: DepthRules,
@@ -202,7 +227,7 @@ impl Source {
             let mut plane = if png::is_png(path) {
                 png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
             } else {
-                exr::read_color(path, &self.color_channel, &self.limits)?
+                exr::read_color(path, &self.select(&self.color_channel, group), &self.limits)?
             };
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
@@ -217,7 +242,7 @@ impl Source {
     /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         self.read(StreamKind::Depth, group, frame, |path| {
-            let mut plane = self.depth_file(path)?;
+            let mut plane = self.depth_file(path, group)?;
             check_depth(&mut plane, &self.rules)?;
             let mut planes = self.faces_of(plane, group, resample_nearest)?;
             if self.depth_in_files != self.depth_stored {
@@ -247,7 +272,7 @@ impl Source {
     /// Depth of a frame as stored, before background, unit and kind are applied: a plane per face of the group. Values may be
     /// anything, also NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
-        let read = |path: &Path| self.faces_of(self.depth_file(path)?, group, resample_nearest);
+        let read = |path: &Path| self.faces_of(self.depth_file(path, group)?, group, resample_nearest);
         self.read(group.kind, group, frame, read)
     }
 
@@ -257,8 +282,10 @@ impl Source {
             if png::is_png(path) {
                 return Err(Error::unsupported("material is read from EXR files only"));
             }
-            let [a, b, c] = &self.material_channels;
-            let mut plane = exr::read_material(path, [a, b, c], &self.limits)?;
+            let (probe, face) = self.names(group);
+            let names =
+                self.material_channels.each_ref().map(|name| name.replace("{probe}", probe).replace("{face}", face));
+            let mut plane = exr::read_material(path, names.each_ref().map(String::as_str), &self.limits)?;
             self.check_size(&plane)?;
             check_material(&mut plane, self.invalid_color)?;
             // Weights belong to one surface, so they are never blended.
@@ -305,7 +332,19 @@ impl Source {
         }
     }
 
-    fn depth_file(&self, path: &Path) -> Result<DepthPlane> {
+    /// What `{probe}` and `{face}` stand for.
+    fn names(&self, group: &SourceGroup) -> (&str, &str) {
+        let face = group.faces[0];
+        let probe = self.probes.get(group.probe).map_or("", |probe| probe.name.as_str());
+        (probe, self.manifest.as_ref().map_or(face.name(), |manifest| manifest.face_name(face)))
+    }
+
+    fn select(&self, channels: &ChannelSelect, group: &SourceGroup) -> ChannelSelect {
+        let (probe, face) = self.names(group);
+        channels.of_image(probe, face)
+    }
+
+    fn depth_file(&self, path: &Path, group: &SourceGroup) -> Result<DepthPlane> {
         let plane = if png::is_png(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
@@ -316,7 +355,7 @@ impl Source {
             // The scale comes after the background is told apart, in the file's own units.
             png::read_depth(path, 1.0, &self.limits)?
         } else {
-            exr::read_depth(path, &self.depth_channel, &self.limits)?
+            exr::read_depth(path, &self.select(&self.depth_channel, group), &self.limits)?
         };
         self.check_size(&plane)?;
         Ok(plane)
@@ -336,6 +375,7 @@ impl Source {
         let range = self.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
         vec![
             ("what an image shows", self.content.words().to_owned()),
+            ("the place of the eyes", self.stereo.map_or("none", StereoLayout::name).to_owned()),
             ("the size of the images", format!("{}x{}", self.file_size.0, self.file_size.1)),
             ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
             ("the background", self.rules.background.to_string()),
@@ -353,13 +393,18 @@ impl Source {
         ]
     }
 
-    /// Cuts or resamples a file into the faces of its group.
+    /// Cuts or resamples a file, or an eye's part of it, into the faces of its group.
     fn faces_of<T: Copy>(
         &self,
         plane: Plane<T>,
         group: &SourceGroup,
         resample: fn(&Plane<T>, &FaceMap) -> Result<Plane<T>>,
     ) -> Result<Vec<Plane<T>>> {
+        let eye = self.manifest.as_ref().and_then(|manifest| manifest.probes.get(group.probe)?.eye);
+        let plane = match (self.stereo, eye) {
+            (Some(layout), Some(eye)) => cut_eye(&plane, layout, eye)?,
+            _ => plane,
+        };
         match self.content {
             Content::Face => Ok(vec![plane]),
             Content::Faces(layout) => Ok(keep_faces(cut_faces(&plane, layout)?, &group.faces)),

@@ -5,16 +5,14 @@ use std::path::Path;
 
 use super::{Arrangement, Content, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};
 use crate::dataset::manifest::{
-    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
+    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, Pose, check_intrinsics, is_probe_name, manifest_path,
 };
 use crate::dataset::normals::NormalFiles;
-use crate::dataset::pixels::DepthRules;
+use crate::dataset::pixels::{DepthRules, FARTHEST_M};
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size};
 use crate::image::layout::face_size;
-use crate::image::{
-    ChannelSelect, DepthKind, Face, FaceLayout, FrameRange, Projection, Sequence, StreamKind, exr, png,
-};
+use crate::image::{DepthKind, Face, FaceLayout, FrameRange, Projection, Sequence, StreamKind, exr, png};
 
 const DEFAULT_FPS: f64 = 24.0;
 
@@ -34,31 +32,41 @@ impl Source {
         let kind = options.depth_kind.unwrap_or(depth.kind);
         let stated = manifest.depth.as_ref().and_then(DepthInfo::stated_scale);
         let scale = options.depth_scale.or(stated);
-        let space = options.color_space.or(manifest.color.as_ref().map(|color| color.space));
+        let space = options.color_space.or(manifest.color.as_ref().and_then(|color| color.space));
         let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
-        let mut source = Source::new(content, (manifest.size[0], manifest.size[1]), kind, options)
-            .map_err(|error| error.in_file(&file))?;
+        let [width, height] = manifest.picture_size();
+        let mut source = Source::new(content, (width, height), kind, options).map_err(|error| error.in_file(&file))?;
+        source.stereo = manifest.stereo;
+        source.file_size = manifest.size.into();
         source.name.clone_from(&manifest.name);
         source.fps = manifest.fps;
         source.rules.scale = scale.unwrap_or(1.0);
         source.scale_stated = scale.is_some();
         source.rules.background = options.background.unwrap_or(depth.background.value());
         source.color_space = space;
-        source.color_channel = options.color_channel.clone().into();
-        source.material_channels = [names.reflection, names.refraction, names.ior];
+        source.rules.farthest_m = depth.far.map_or(FARTHEST_M, |far| far.max(FARTHEST_M));
+        source.depth_channel = options.depth_channel.clone().or(depth.channel).into();
+        let layer = manifest.color.as_ref().and_then(|color| color.layer.clone());
+        source.color_channel = options.color_channel.clone().or(layer).into();
+        if options.material_channel.is_none() {
+            source.material_channels = [names.reflection, names.refraction, names.ior];
+        }
         if manifest.projection == Projection::Perspective {
             source.projection = Projection::Perspective;
         }
         let wanted =
             options.frames.map_or(Some(manifest.frame_range()), |frames| manifest.frame_range().intersect(frames));
         for probe in &manifest.probes {
-            let own = probe.frames.map_or(manifest.frame_range(), |[first, last]| FrameRange { first, last });
+            let own = manifest.frames_of(probe);
+            let frames = wanted.and_then(|wanted| wanted.intersect(own)).unwrap_or(own);
+            let Pose { position, orientation, .. } = probe.first_pose(frames);
             source.probes.push(ProbeInfo {
                 name: probe.name.clone(),
-                position: probe.position,
-                orientation: probe.orientation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-                frames: wanted.and_then(|wanted| wanted.intersect(own)).unwrap_or(own),
-                intrinsics: probe.intrinsics_for(manifest.size),
+                position,
+                orientation,
+                poses: probe.poses_in(frames),
+                frames,
+                intrinsics: probe.intrinsics_for(manifest.picture_size()),
             });
         }
         if manifest.projection == Projection::Perspective
@@ -145,21 +153,11 @@ impl Source {
                 source.depth_stored = depth_kind;
             }
         }
-        let select = ChannelSelect::from(options.channel.clone());
-        source.color_channel = options.color_channel.clone().map_or(select, ChannelSelect::Named);
-        if let (StreamKind::Material, Some(text)) = (kind, &options.channel) {
-            let names: Vec<&str> = text.split(',').map(str::trim).collect();
-            let [a, b, c] = names.as_slice() else {
-                return Err(Error::Usage(format!(
-                    "a material has three channels with commas between them, not \"{text}\""
-                )));
-            };
-            source.material_channels = [a, b, c].map(|name| (*name).to_string());
-        }
         source.probes.push(ProbeInfo {
             name: layout.probe.clone(),
             position: [0.0; 3],
             orientation: [0.0, 0.0, 0.0, 1.0],
+            poses: Vec::new(),
             frames: sequence.frames,
             intrinsics: if view { layout.intrinsics } else { None },
         });
@@ -170,9 +168,9 @@ impl Source {
     /// A source without probes, with everything that the options alone decide.
     fn new(content: Content, file_size: (u32, u32), depth_kind: DepthKind, options: &SourceOptions) -> Result<Source> {
         if let Some(scale) = options.depth_scale
-            && !(scale.is_finite() && scale > 0.0)
+            && (!scale.is_finite() || scale == 0.0)
         {
-            return Err(Error::Usage(format!("the depth scale is {scale}, it must be above 0 metres per unit")));
+            return Err(Error::Usage(format!("the depth scale is {scale}, it is metres per unit and must not be 0")));
         }
         if options.background.is_some_and(f32::is_nan) {
             return Err(Error::Usage("the background must be a number or inf".into()));
@@ -207,7 +205,10 @@ impl Source {
         };
         let cut = if content == Content::Equirect { &Face::CUBE[..] } else { &[] };
         let maps = cut.iter().map(|&face| FaceMap::new(face, delivered_size.0, width, height));
-        let names = MaterialChannels::default();
+        let material_channels = match &options.material_channel {
+            Some(text) => three_channels(text)?,
+            None => MaterialChannels::default().names().map(str::to_owned),
+        };
         Ok(Source {
             name: String::new(),
             fps: DEFAULT_FPS,
@@ -218,20 +219,22 @@ impl Source {
             normals: NormalFiles::default(),
             manifest: None,
             content,
+            stereo: None,
             file_size,
             delivered_size,
             rules: DepthRules {
                 background: options.background.unwrap_or(f32::INFINITY),
                 scale: options.depth_scale.unwrap_or(1.0),
+                farthest_m: FARTHEST_M,
                 invalid: options.invalid_depth,
             },
             scale_stated: options.depth_scale.is_some(),
             depth_stored: DepthKind::Distance,
             depth_in_files: depth_kind,
             color_space: options.color_space,
-            color_channel: ChannelSelect::Auto,
-            depth_channel: options.channel.clone().into(),
-            material_channels: [names.reflection, names.refraction, names.ior],
+            color_channel: options.color_channel.clone().into(),
+            depth_channel: options.depth_channel.clone().into(),
+            material_channels,
             invalid_color: options.invalid_color,
             limits: options.limits,
             maps: maps.collect::<Result<_>>()?,
@@ -246,11 +249,18 @@ impl Source {
     }
 }
 
+fn three_channels(text: &str) -> Result<[String; 3]> {
+    match text.split(',').map(|name| name.trim().to_owned()).collect::<Vec<_>>().try_into() {
+        Ok(names) => Ok(names),
+        Err(_) => Err(Error::Usage(format!("a material has three channels with commas between them, not \"{text}\""))),
+    }
+}
+
 /// What a single sequence is called: its file name up to the frame number, or its folder.
 fn sequence_name(spec: &str) -> String {
     let path = Path::new(spec);
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let name = if path.is_dir() { name } else { name.split(['%', '#', '@', '.']).next().unwrap_or_default() };
+    let name = if path.is_dir() { name } else { name.split(['%', '#', '@', '$', '<', '.']).next().unwrap_or_default() };
     let name = name.trim_end_matches(['.', '_', '-', ' ']);
     if name.is_empty() { "sequence".into() } else { name.into() }
 }
