@@ -14,6 +14,7 @@ mod encode;
 mod encode_color;
 mod encode_depth;
 mod global;
+mod init;
 mod inspect;
 mod interpolate;
 pub mod man;
@@ -27,6 +28,7 @@ mod progress;
 mod quadtree;
 mod quilt;
 mod render;
+mod schema;
 mod selftest;
 mod simplify;
 mod tradeoff;
@@ -82,6 +84,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Demo(args) => demo::run(&args, global),
         Command::Place(args) => place::run(&args, global),
         Command::Capture(args) => capture::run(&args, global),
+        Command::Init(args) => init::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode::run_on(&args, global),
         Command::EncodeDepth(args) => encode::run_on(&args, global),
@@ -99,6 +102,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::TrainColor(args) => train::run::<Transform>(&args, global),
         Command::TrainDepth(args) => train::run::<Predictive>(&args, global),
         Command::Selftest(args) => selftest::run(&args, global),
+        Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, command()),
         Command::Man(args) => man::run(&args, command()),
     }

@@ -2,6 +2,7 @@
 //! as rays.
 
 pub mod cameras;
+pub mod discover;
 pub mod manifest;
 mod normals;
 mod pixels;

@@ -63,11 +63,11 @@ pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> R
     let found = find_depth(&channel_names(reader.headers()), select).map_err(|error| error.in_file(path))?;
     let Some([green, blue]) = found.copies else {
         let plane = decode(reader, file_len, limits, f32::INFINITY, |_| Ok([found.channel]));
-        let plane = plane.map_err(|error| name_file(error, path))?;
+        let plane = plane.map_err(|error| named(error, path))?;
         return Plane::new(plane.width(), plane.height(), plane.into_data().into_flattened());
     };
     let plane = decode(reader, file_len, limits, f32::INFINITY, |_| Ok([found.channel, green, blue]));
-    let plane = plane.map_err(|error| name_file(error, path))?;
+    let plane = plane.map_err(|error| named(error, path))?;
     if let Some(at) = plane.data().iter().position(|&[r, g, b]| (r != g || r != b) && !r.is_nan()) {
         let [x, y] = [at as u32 % plane.width(), at as u32 / plane.width()];
         let message = format!(
@@ -100,6 +100,36 @@ pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     guard(reader.headers(), 1, limits, file_len).map_err(|error| error.in_file(path))?;
     let window = reader.headers()[0].shared_attributes.display_window.size;
     Ok((window.width() as u32, window.height() as u32))
+}
+
+/// What the header of a file says of footage.
+#[derive(Debug, Clone)]
+pub struct FileHeader {
+    pub size: (u32, u32),
+    pub(crate) channels: Vec<ChannelName>,
+    /// Frames per second, above 0.
+    pub fps: Option<f64>,
+    /// `worldToCamera`, row by row, for row vectors: the camera's x is right and y is up.
+    pub world_to_camera: Option<[f32; 16]>,
+    /// Whether `chromaticities` are stated.
+    pub has_chromaticities: bool,
+}
+
+pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
+    let (reader, file_len) = open(path)?;
+    let headers = reader.headers();
+    guard(headers, 1, limits, file_len).map_err(|error| error.in_file(path))?;
+    let window = headers[0].shared_attributes.display_window.size;
+    let rate = headers.iter().find_map(|header| header.own_attributes.frames_per_second);
+    Ok(FileHeader {
+        size: (window.width() as u32, window.height() as u32),
+        channels: channel_names(headers),
+        fps: rate
+            .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
+            .filter(|fps| *fps > 0.0 && fps.is_finite()),
+        world_to_camera: headers.iter().find_map(|header| header.own_attributes.world_to_camera),
+        has_chromaticities: headers[0].shared_attributes.chromaticities.is_some(),
+    })
 }
 
 trait Sample: Copy {
@@ -289,10 +319,10 @@ fn read_planes<T: Sample, const N: usize>(
     choose: impl FnOnce(&[ChannelName]) -> Result<[usize; N]>,
 ) -> Result<Plane<[T; N]>> {
     let (reader, file_len) = open(path)?;
-    decode(reader, file_len, limits, fill, choose).map_err(|error| name_file(error, path))
+    decode(reader, file_len, limits, fill, choose).map_err(|error| named(error, path))
 }
 
-fn name_file(error: Error, path: &Path) -> Error {
+fn named(error: Error, path: &Path) -> Error {
     match error {
         Error::Io { source, .. } => Error::io(path, source),
         other => other.in_file(path),

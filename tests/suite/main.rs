@@ -51,6 +51,7 @@ mod seurat;
 mod simplify;
 mod simplify_export;
 mod simplify_quality;
+mod studio;
 mod tradeoff;
 mod train;
 mod transform;

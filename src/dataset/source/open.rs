@@ -19,8 +19,11 @@ const DEFAULT_FPS: f64 = 24.0;
 impl Source {
     /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
     pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
-        let manifest = Manifest::read(path)?;
-        let file = manifest_path(path);
+        Source::of_manifest(Manifest::read(path)?, &manifest_path(path), options)
+    }
+
+    /// Opens the dataset of a manifest that has been validated; `file` is where it is, or will be.
+    pub fn of_manifest(manifest: Manifest, file: &Path, options: &SourceOptions) -> Result<Source> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let content = match (manifest.projection, manifest.face_files()) {
             (Projection::Equirect, _) => Content::Equirect,
@@ -35,7 +38,7 @@ impl Source {
         let space = options.color_space.or(manifest.color.as_ref().and_then(|color| color.space));
         let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
         let [width, height] = manifest.picture_size();
-        let mut source = Source::new(content, (width, height), kind, options).map_err(|error| error.in_file(&file))?;
+        let mut source = Source::new(content, (width, height), kind, options).map_err(|error| error.in_file(file))?;
         source.stereo = manifest.stereo;
         source.file_size = manifest.size.into();
         source.name.clone_from(&manifest.name);
@@ -80,7 +83,7 @@ impl Source {
                      distance for all probes or for none",
                     unknown.name
                 );
-                return Err(Error::invalid(message).in_file(&file));
+                return Err(Error::invalid(message).in_file(file));
             }
             source.depth_stored = DepthKind::Planar;
         }
@@ -105,7 +108,7 @@ impl Source {
         let frames: Vec<FrameRange> = source.probes.iter().map(|probe| probe.frames).collect();
         source.normals = NormalFiles::of(&manifest, folder, &first_faces, &frames)?;
         if source.groups.is_empty() {
-            return Err(Error::invalid("no probe has any of the frames asked for").in_file(&file));
+            return Err(Error::invalid("no probe has any of the frames asked for").in_file(file));
         }
         source.manifest = Some(manifest);
         Ok(source)
