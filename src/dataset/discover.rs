@@ -369,7 +369,7 @@ impl Draft<'_> {
         let background = far.map(|far| far * sign).or(finite().any(|value| value == 0.0).then_some(0.0));
         if let Some(background) = background {
             info.background = Background::Value(shortest(background));
-            self.unsure.push(format!("depth {background:e} was taken for the background",));
+            self.unsure.push(format!("depth {background:?} was taken for the background"));
         }
         Ok(Some(info))
     }

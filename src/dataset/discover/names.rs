@@ -73,15 +73,14 @@ fn tokens(text: &str) -> Vec<String> {
     tokens
 }
 
-/// The tokens, with the same word for all words but the ending.
+/// The tokens, with the same word for all words but the width of the frame number and the ending.
 fn form(tokens: &[String]) -> Vec<String> {
-    let is_word = |token: &String| token.starts_with(|c: char| c.is_ascii_alphanumeric());
     let last = tokens.len().saturating_sub(1);
-    tokens
-        .iter()
-        .enumerate()
-        .map(|(at, token)| if at < last && is_word(token) { "w".into() } else { token.clone() })
-        .collect()
+    let varies = |at: usize| {
+        let is_word = tokens[at].starts_with(|c: char| c.is_ascii_alphanumeric());
+        is_word && at < last && (at == 0 || tokens[at - 1] != "%")
+    };
+    (0..tokens.len()).map(|at| if varies(at) { "w".into() } else { tokens[at].clone() }).collect()
 }
 
 fn face_of(token: &str, words: &[&[&str]; 6]) -> Option<Face> {
