@@ -6,8 +6,8 @@ use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
-    bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
-    pack, place, quadtree, quilt, render, scan, selftest, simplify, train,
+    bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect, interpolate,
+    man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -38,6 +38,8 @@ pub enum Command {
     Place(place::Args),
     /// Capture a scene as a dataset: colour, depth, normals, materials
     Capture(capture::Args),
+    /// Propose a manifest for a folder of image sequences
+    Init(init::Args),
     /// Encode a dataset into one container
     Encode(encode::Args),
     /// Find the depth ranges of a dataset, for encodes in shards
@@ -76,6 +78,8 @@ pub enum Command {
     Tradeoff(TradeoffArgs),
     /// Test graphics devices against the CPU, and hard cases against their error bounds
     Selftest(selftest::Args),
+    /// Print the JSON Schema of a file, for editors and validators
+    Schema(schema::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),
     /// Write the man pages

@@ -14,6 +14,7 @@ mod encode;
 mod encode_color;
 mod encode_depth;
 mod global;
+mod init;
 mod inspect;
 mod interpolate;
 pub mod man;
@@ -28,6 +29,7 @@ mod quadtree;
 mod quilt;
 mod render;
 mod scan;
+mod schema;
 mod selftest;
 mod simplify;
 mod tradeoff;
@@ -83,6 +85,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Demo(args) => demo::run(&args, global),
         Command::Place(args) => place::run(&args, global),
         Command::Capture(args) => capture::run(&args, global),
+        Command::Init(args) => init::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::Scan(args) => scan::run(&args, global),
         Command::EncodeColor(args) => encode::run_on(&args, global),
@@ -101,6 +104,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::TrainColor(args) => train::run::<Transform>(&args, global),
         Command::TrainDepth(args) => train::run::<Predictive>(&args, global),
         Command::Selftest(args) => selftest::run(&args, global),
+        Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, command()),
         Command::Man(args) => man::run(&args, command()),
     }

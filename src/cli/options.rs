@@ -1,6 +1,7 @@
 //! Options that several commands share.
 
 mod camera;
+mod channels;
 mod choice;
 mod color;
 mod dataset;
@@ -15,6 +16,7 @@ mod shard;
 mod side;
 
 pub use camera::{CameraArgs, parse_aspect, parse_point};
+pub use channels::ChannelArgs;
 pub use choice::{Choices, one_of, word_of};
 pub use color::ColorArgs;
 pub use dataset::DatasetArgs;

@@ -23,6 +23,7 @@ mod probe_samples;
 mod read;
 mod reproject;
 mod seams;
+mod settle;
 mod values;
 
 use crate::dataset::manifest::Manifest;
@@ -33,6 +34,7 @@ use crate::monitor::Monitor;
 
 pub use finding::{Finding, Verdict};
 pub use read::Choice;
+pub use settle::settle;
 
 /// Default limit of probes to check.
 pub const MAX_PROBES: usize = 16;
@@ -51,7 +53,12 @@ pub struct Report {
 
 impl Report {
     pub fn suspects(&self) -> bool {
-        self.findings.iter().any(|finding| finding.verdict == Verdict::Suspect)
+        self.suspected().next().is_some()
+    }
+
+    /// Findings that suspect an error.
+    pub fn suspected(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect)
     }
 }
 

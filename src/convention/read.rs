@@ -165,8 +165,8 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
                             name: probe.name.clone(),
                             frame,
                             pose: Pose {
-                                position: probe.position.into(),
-                                turn: DQuat::from_array(probe.orientation).normalize(),
+                                position: probe.pose(frame).position.into(),
+                                turn: DQuat::from_array(probe.pose(frame).orientation).normalize(),
                             },
                             faces: vec![samples],
                         }),

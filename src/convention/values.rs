@@ -86,7 +86,10 @@ impl DepthValues {
     pub fn count(stored: &DepthPlane, stated: &Stated) -> DepthValues {
         let mut found = DepthValues { pixels: stored.data().len() as u64, ..DepthValues::default() };
         for &value in stored.data() {
-            if value == f32::INFINITY || value == stated.background {
+            let is_background = value == f32::INFINITY || value == stated.background;
+            // Below 0 where values in front of the camera are negative.
+            let value = if stated.scale < 0.0 { -value } else { value };
+            if is_background || value == f32::INFINITY {
                 found.background += 1;
             } else if value.is_nan() {
                 found.not_a_number += 1;
@@ -96,7 +99,7 @@ impl DepthValues {
                 found.negative += 1;
             } else {
                 let whole = u64::from(value.fract() == 0.0);
-                let outside = u64::from(stated.is_outside(f64::from(value) * stated.scale));
+                let outside = u64::from(stated.is_outside(f64::from(value) * stated.scale.abs()));
                 let one = DepthValues { surfaces: 1, whole, outside, at_max: 1, ..DepthValues::default() };
                 found = found.add(DepthValues { min: Some(value), max: value, ..one });
             }
@@ -178,7 +181,7 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
     let max = values.max;
     let often = at_max >= BACKGROUND_SHARE && values.at_max > 16;
     let gap = values.next_max > 0.0 && values.next_max < max * BACKGROUND_GAP;
-    let usual = USUAL_BACKGROUNDS.contains(&max) || f64::from(max) * stated.scale == stated.range_m[1];
+    let usual = USUAL_BACKGROUNDS.contains(&max) || f64::from(max) * stated.scale.abs() == stated.range_m[1];
     let (verdict, says) = if values.surfaces == 0 {
         (Verdict::CannotTell, "there is no surface at all".to_owned())
     } else if often && max == 1.0 {
@@ -198,7 +201,7 @@ fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
     let Some(nearest) = values.min else {
         return Finding::new("depth.near_far", Verdict::CannotTell, "there is no surface at all");
     };
-    let [min, max] = [nearest, values.max].map(|value| f64::from(value) * stated.scale);
+    let [min, max] = [nearest, values.max].map(|value| f64::from(value) * stated.scale.abs());
     let outside = values.outside as f64 / values.surfaces.max(1) as f64;
     let figures = [("nearest_m", min), ("farthest_m", max), ("outside", outside)];
     let seen = format!("surfaces lie {min:.4} m to {max:.4} m away");

@@ -116,9 +116,13 @@ impl CameraSet {
 
     fn of_manifest(manifest: &Manifest) -> Result<CameraSet> {
         let camera = |probe: &Probe| {
+            if !probe.poses.is_empty() {
+                let message = format!("probe {} has \"poses\": cameras to capture stand still", probe.name);
+                return Err(Error::invalid(message));
+            }
             let (fov_y_deg, shift) = match probe.intrinsics {
                 None => (probe.fov_y_deg, None),
-                Some(intrinsics) => lens_of(intrinsics, manifest.size)
+                Some(intrinsics) => lens_of(intrinsics, manifest.picture_size())
                     .map(|(fov_y_deg, shift)| (Some(fov_y_deg), Some(shift)))
                     .map_err(|error| error.context(format!("probe {}", probe.name)))?,
             };
@@ -128,7 +132,7 @@ impl CameraSet {
                 fov_y_deg,
                 shift,
                 frames: probe.frames,
-                ..PlacedCamera::at(probe.position)
+                ..PlacedCamera::at(probe.position.unwrap_or_default())
             })
         };
         Ok(Self::new(manifest.probes.iter().map(camera).collect::<Result<_>>()?))

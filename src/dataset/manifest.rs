@@ -1,13 +1,16 @@
-//! `lightfield.json`: the manifest of a dataset.
+//! `lightfield.json`: the manifest of a dataset (formats/manifest.md 2).
 
-use std::collections::BTreeSet;
+mod validate;
+
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::error::{Error, Result};
-use crate::image::{ColorSpace, DepthKind, Face, FrameRange, Pattern, Projection, StreamKind};
+use crate::image::layout::eye_size;
+use crate::image::{ColorSpace, DepthKind, Eye, Face, FrameRange, Pattern, Projection, StereoLayout, StreamKind};
 use crate::json;
 use crate::math::camera::rotation;
 
@@ -23,8 +26,13 @@ pub const MAX_SIDE: u32 = 65_536;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
+    /// Address of the schema, for editors; kept, never read.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     pub lightfield: u32,
     pub name: String,
+    /// Frames per second. In files also a ratio, such as "24000/1001".
+    #[serde(deserialize_with = "frame_rate")]
     pub fps: f64,
     /// First and last frame, inclusive.
     pub frames: [u32; 2],
@@ -36,6 +44,12 @@ pub struct Manifest {
     pub faces: Option<FaceFiles>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces_present: Option<Vec<String>>,
+    /// What `{face}` stands for, by the name of the face; the name itself where it is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub face_names: Option<BTreeMap<String, String>>,
+    /// Place of the two eyes' pictures in each image; each probe is one eye.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stereo: Option<StereoLayout>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<DepthInfo>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,10 +101,14 @@ impl Unit {
 pub struct DepthInfo {
     #[serde(default)]
     pub kind: DepthKind,
+    /// Channel, layer, part or stereo view of EXR files; found by its usual names when absent. `{probe}` and `{face}` stand
+    /// for names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
     /// Unit of the values. Metres when it and `scale` are absent, except in integer files, which need one of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<Unit>,
-    /// Metres per unit instead of `unit`; for integer files.
+    /// Metres per unit instead of `unit`, not 0. Below 0 where values in front of the camera are negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// The value of the background in the files, before unit and scale. So is +inf.
@@ -108,6 +126,7 @@ impl Default for DepthInfo {
     fn default() -> Self {
         DepthInfo {
             kind: DepthKind::Distance,
+            channel: None,
             unit: Some(Unit::M),
             scale: None,
             background: Background::default(),
@@ -149,10 +168,16 @@ impl Background {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColorInfo {
-    pub space: ColorSpace,
+    /// When absent, linear light for EXR files and sRGB for PNG files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub space: Option<ColorSpace>,
+    /// Layer, part, stereo view or three channels of EXR files; found by its usual names when absent. `{probe}` and
+    /// `{face}` stand for names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -169,13 +194,20 @@ pub struct MaterialChannels {
     pub ior: String,
 }
 
+impl MaterialChannels {
+    pub fn names(&self) -> [&str; 3] {
+        [&self.reflection, &self.refraction, &self.ior]
+    }
+}
+
 impl Default for MaterialChannels {
     fn default() -> Self {
         MaterialChannels { reflection: "reflect".into(), refraction: "refract".into(), ior: "ior".into() }
     }
 }
 
-/// File patterns, relative to the manifest: `{probe}` and `{face}` stand for names, `%04d` or `####` for the frame.
+/// File patterns, relative to the manifest: `{probe}` and `{face}` stand for names, `%04d`, `####`, `$F4` or `<frame04>` for
+/// the frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
@@ -203,19 +235,44 @@ impl Files {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Pose of a moving probe in one frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Number of the frame.
+    pub frame: u32,
+    /// Centre in metres.
+    pub position: [f64; 3],
+    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent.
+    #[serde(default = "no_turn")]
+    pub orientation: [f64; 4],
+}
+
+fn no_turn() -> [f64; 4] {
+    [0.0, 0.0, 0.0, 1.0]
+}
+
+/// A point of capture: a still one has a position, a moving one a pose in each of its frames.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
     /// Name, of letters, digits, `.`, `_` and `-`.
     pub name: String,
-    /// Centre in metres.
-    pub position: [f64; 3],
+    /// Centre in metres. A moving probe needs none; if it has one, it is that of its first pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
     /// First and last frame of this probe; those of the dataset when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
-    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent.
+    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent. Still probes only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
+    /// Poses of a moving probe, in any order: each of its frames once. Those of other frames are not used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<Pose>,
+    /// The eye whose picture is read, where `stereo` puts two into each image.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub eye: Option<Eye>,
     /// Vertical field of view in degrees, 0..180 exclusive; perspective only. Without it and without `intrinsics` the
     /// camera is unknown, and planar depth stays planar.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -228,6 +285,23 @@ pub struct Probe {
 }
 
 impl Probe {
+    /// Poses of a moving probe in the frames of a range, in order; none of a still one.
+    pub fn poses_in(&self, frames: FrameRange) -> Vec<Pose> {
+        let mut poses: Vec<Pose> = self.poses.iter().copied().filter(|pose| frames.contains(pose.frame)).collect();
+        poses.sort_unstable_by_key(|pose| pose.frame);
+        poses
+    }
+
+    /// Pose in the first frame of a range; that of all frames for a still probe.
+    pub fn first_pose(&self, frames: FrameRange) -> Pose {
+        let still = Pose {
+            frame: frames.first,
+            position: self.position.unwrap_or_default(),
+            orientation: self.orientation.unwrap_or_else(no_turn),
+        };
+        self.poses_in(frames).first().copied().unwrap_or(still)
+    }
+
     /// fx, fy, cx, cy for images of a size, from either key.
     pub fn intrinsics_for(&self, size: [u32; 2]) -> Option<[f64; 4]> {
         self.intrinsics.or_else(|| Some(intrinsics_of(self.fov_y_deg?, size)))
@@ -241,8 +315,34 @@ pub fn intrinsics_of(fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
     [focal, focal, width / 2.0, height / 2.0]
 }
 
-fn file_pattern(text: &str, probe: &str, face: Face) -> Result<Pattern> {
-    Pattern::parse(&text.replace("{probe}", probe).replace("{face}", face.name()))
+fn file_pattern(text: &str, probe: &str, face: &str) -> Result<Pattern> {
+    Pattern::parse(&text.replace("{probe}", probe).replace("{face}", face))
+}
+
+/// A frame rate: a number, or a ratio such as `24000/1001`. `None` for anything else, and where it is not above 0.
+pub fn parse_frame_rate(text: &str) -> Option<f64> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let rate = match text.split_once('/') {
+        Some((frames, seconds)) => number(frames)? / number(seconds)?,
+        None => number(text)?,
+    };
+    (rate.is_finite() && rate > 0.0).then_some(rate)
+}
+
+fn frame_rate<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f64, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "\"fps\" must be a number, or a ratio such as \"24000/1001\"")]
+    enum Rate {
+        Number(f64),
+        Ratio(String),
+    }
+    match Rate::deserialize(deserializer)? {
+        Rate::Number(rate) => Ok(rate),
+        Rate::Ratio(text) => parse_frame_rate(&text).ok_or_else(|| {
+            let message = format!("\"fps\" is \"{text}\", it must be above 0, or a ratio such as \"24000/1001\"");
+            serde::de::Error::custom(message)
+        }),
+    }
 }
 
 pub fn is_dataset(path: &Path) -> bool {
@@ -307,154 +407,39 @@ impl Manifest {
         self.projection == Projection::Cubemap && self.face_files() == FaceFiles::Six
     }
 
+    /// What `{face}` stands for.
+    pub fn face_name(&self, face: Face) -> &str {
+        let given = self.face_names.as_ref().and_then(|names| names.get(face.name()));
+        given.map_or(face.name(), String::as_str)
+    }
+
+    /// Width and height of a picture: of each image file, or of one eye's part of it.
+    pub fn picture_size(&self) -> [u32; 2] {
+        self.stereo.and_then(|layout| eye_size(layout, self.size)).unwrap_or(self.size)
+    }
+
+    /// Frames of a probe.
+    pub fn frames_of(&self, probe: &Probe) -> FrameRange {
+        probe.frames.map_or(self.frame_range(), |[first, last]| FrameRange { first, last })
+    }
+
+    /// Names of channels or layers of a kind, as given; each may hold `{probe}` and `{face}`.
+    fn channels(&self, kind: StreamKind) -> Vec<&str> {
+        match kind {
+            StreamKind::Color => self.color.iter().filter_map(|color| color.layer.as_deref()).collect(),
+            StreamKind::Depth => self.depth.iter().filter_map(|depth| depth.channel.as_deref()).collect(),
+            StreamKind::Material => self.material.iter().flat_map(|material| material.channels.names()).collect(),
+        }
+    }
+
     /// Pattern of the files of a stream, below the manifest's folder; `None` where the dataset has no such stream.
     pub fn pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Pattern>> {
-        self.files.get(kind).map(|text| file_pattern(text, probe, face)).transpose()
+        self.files.get(kind).map(|text| file_pattern(text, probe, self.face_name(face))).transpose()
     }
 
     /// As [`Self::pattern`], of normals.
     pub fn normal_pattern(&self, probe: &str, face: Face) -> Result<Option<Pattern>> {
-        self.files.normal.as_deref().map(|text| file_pattern(text, probe, face)).transpose()
-    }
-
-    pub fn validate(&self) -> Result<()> {
-        let wrong = |message: String| Err(Error::invalid(message));
-        if self.lightfield != MANIFEST_VERSION {
-            return wrong(format!(
-                "\"lightfield\" is {}, this program reads version {MANIFEST_VERSION}",
-                self.lightfield
-            ));
-        }
-        if self.name.is_empty() || self.name.contains(char::is_control) {
-            return wrong("\"name\" must be a word or more, without control characters".into());
-        }
-        if !(self.fps.is_finite() && self.fps > 0.0) {
-            return wrong(format!("\"fps\" is {}, it must be above 0", self.fps));
-        }
-        check_frames(self.frames).map_err(|error| error.context("\"frames\""))?;
-        let [width, height] = self.size;
-        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
-            return wrong(format!("\"size\" is {width}x{height}, each side must be 1 to {MAX_SIDE} pixels"));
-        }
-        if self.projection != Projection::Cubemap && self.faces.is_some() {
-            return wrong("\"faces\" is only for projection \"cubemap\"".into());
-        }
-        if self.has_face_files() && width != height {
-            return wrong(format!("\"size\" is {width}x{height}, but the faces of a cube are square"));
-        }
-        if let Some(names) = &self.faces_present {
-            self.validate_faces(names)?;
-        }
-        self.validate_depth()?;
-        self.validate_files()?;
-        self.validate_probes()
-    }
-
-    fn validate_faces(&self, names: &[String]) -> Result<()> {
-        if self.projection == Projection::Perspective {
-            return Err(Error::invalid("\"faces_present\" is not for projection \"perspective\""));
-        }
-        let known = |name: &&String| Face::CUBE.iter().any(|face| face.name() == name.as_str());
-        if let Some(name) = names.iter().find(|name| !known(name)) {
-            let message = format!("\"faces_present\" names \"{name}\", the faces are px, nx, py, ny, pz, nz");
-            return Err(Error::invalid(message));
-        }
-        if names.is_empty() || names.iter().collect::<BTreeSet<_>>().len() != names.len() {
-            return Err(Error::invalid("\"faces_present\" must name at least one face, and each once"));
-        }
-        Ok(())
-    }
-
-    fn validate_depth(&self) -> Result<()> {
-        let Some(depth) = &self.depth else { return Ok(()) };
-        let wrong = |message: String| Err(Error::invalid(message));
-        match &depth.background {
-            Background::Word(word) if word != "inf" => {
-                return wrong(format!("depth \"background\" is \"{word}\", it must be a number or \"inf\""));
-            }
-            Background::Value(value) if !(*value as f32).is_finite() => {
-                return wrong(format!("depth \"background\" is {value}, which is no 32-bit float"));
-            }
-            _ => {}
-        }
-        let metric = |value: Option<f64>| value.is_none_or(|value| value.is_finite() && value > 0.0);
-        if !metric(depth.scale) {
-            return wrong("depth \"scale\" must be above 0 metres per unit".into());
-        }
-        if depth.scale.is_some() && depth.unit.is_some_and(|unit| unit != Unit::M) {
-            return wrong("depth has both a \"scale\" and a \"unit\" other than m: leave one out".into());
-        }
-        if !metric(depth.near) || !metric(depth.far) {
-            return wrong("depth \"near\" and \"far\" must be above 0 metres".into());
-        }
-        if let (Some(near), Some(far)) = (depth.near, depth.far)
-            && near > far
-        {
-            return wrong(format!("depth \"near\" is {near}, it must be below \"far\", {far}"));
-        }
-        if depth.kind == DepthKind::Planar && self.projection == Projection::Equirect {
-            return wrong(
-                "depth \"kind\" is \"planar\", but equirectangular images have no plane: use \"distance\"".into(),
-            );
-        }
-        Ok(())
-    }
-
-    fn validate_files(&self) -> Result<()> {
-        let streams = StreamKind::ALL.map(|kind| (kind.name(), self.files.get(kind)));
-        for (name, text) in streams.into_iter().chain([("normal", self.files.normal.as_deref())]) {
-            let Some(text) = text else { continue };
-            let wrong = |what: String| Err(Error::invalid(format!("files \"{name}\": {what}")));
-            if self.probes.len() > 1 && !text.contains("{probe}") {
-                return wrong(format!("\"{text}\" has no {{probe}}, so all probes would share files"));
-            }
-            if self.has_face_files() && self.faces().len() > 1 && !text.contains("{face}") {
-                return wrong(format!("\"{text}\" has no {{face}}, so all faces would share files"));
-            }
-            if !self.has_face_files() && text.contains("{face}") {
-                return wrong(format!("\"{text}\" has {{face}}, but one image holds them all"));
-            }
-            let pattern = file_pattern(text, "0", Face::Px).map_err(|error| Error::invalid(error.to_string()))?;
-            if !pattern.has_field() {
-                return wrong(format!("\"{text}\" has no place for the frame number, such as %04d"));
-            }
-        }
-        match streams.iter().any(|(_, text)| text.is_some()) {
-            true => Ok(()),
-            false => Err(Error::invalid("\"files\" names no color, depth or material")),
-        }
-    }
-
-    fn validate_probes(&self) -> Result<()> {
-        if self.probes.is_empty() {
-            return Err(Error::invalid("\"probes\" is empty"));
-        }
-        let mut names = BTreeSet::new();
-        for probe in &self.probes {
-            let wrong = |what: String| Err(Error::invalid(format!("probe \"{}\": {what}", probe.name)));
-            if let Some(fault) = pose_fault(&probe.name, probe.position, probe.orientation, probe.fov_y_deg) {
-                return wrong(fault.into());
-            }
-            if !names.insert(&probe.name) {
-                return wrong("there are two probes of this name".into());
-            }
-            if let Some(frames) = probe.frames {
-                check_frames(frames).map_err(|error| error.context(format!("probe \"{}\": \"frames\"", probe.name)))?;
-            }
-            let has_lens = probe.fov_y_deg.is_some() || probe.intrinsics.is_some();
-            if has_lens && self.projection != Projection::Perspective {
-                return wrong("\"fov_y_deg\" and \"intrinsics\" are only for projection \"perspective\"".into());
-            }
-            if probe.fov_y_deg.is_some() && probe.intrinsics.is_some() {
-                return wrong("it has both \"fov_y_deg\" and \"intrinsics\": leave one out".into());
-            }
-            if let Some(intrinsics) = probe.intrinsics
-                && let Err(error) = check_intrinsics(intrinsics)
-            {
-                return wrong(error.to_string());
-            }
-        }
-        Ok(())
+        self.files.normal.as_deref().map(|text| file_pattern(text, probe, self.face_name(face))).transpose()
     }
 }
 
@@ -486,11 +471,4 @@ pub(crate) fn check_intrinsics(intrinsics: [f64; 4]) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid("\"intrinsics\" must be finite numbers fx, fy, cx, cy with focal lengths above 0"))
-}
-
-fn check_frames([first, last]: [u32; 2]) -> Result<()> {
-    if first <= last {
-        return Ok(());
-    }
-    Err(Error::invalid(format!("first frame {first} comes after last frame {last}")))
 }

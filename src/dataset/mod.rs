@@ -2,6 +2,7 @@
 //! as rays.
 
 pub mod cameras;
+pub mod discover;
 pub mod manifest;
 mod normals;
 mod pixels;
@@ -10,7 +11,7 @@ pub mod source;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use cameras::{CameraSet, PlacedCamera};
-pub use manifest::Manifest;
+pub use manifest::{Manifest, Pose};
 pub(crate) use pixels::planar_to_distance;
 pub use pixels::{InvalidColor, InvalidDepth};
 pub use source::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};

@@ -43,12 +43,40 @@ impl InvalidColor {
     }
 }
 
+/// No surface is as far, in metres, unless a manifest states so: values such as 1e30 mean that nothing is there.
+pub(super) const FARTHEST_M: f64 = 1e10;
+
 #[derive(Debug, Clone, Copy)]
 pub struct DepthRules {
     /// Value in the file that means "nothing there", besides +inf.
     pub background: f32,
+    /// Metres per unit; below 0 where values in front of the camera are negative.
     pub scale: f64,
+    /// The one value of an image that is as far as this or farther is background, too.
+    pub farthest_m: f64,
     pub invalid: InvalidDepth,
+}
+
+impl DepthRules {
+    /// Distance in units of the file, above 0 in front of the camera; +inf for the background.
+    fn units(&self, stored: f32) -> f32 {
+        if stored == f32::INFINITY || stored == self.background {
+            return f32::INFINITY;
+        }
+        if self.scale < 0.0 { -stored } else { stored }
+    }
+
+    /// What an image has as its background without a declaration, in units of the file: its farthest value, if no surface
+    /// can be as far. +inf where there is none.
+    fn farthest(&self, plane: &DepthPlane) -> f32 {
+        let finite = plane.data().iter().map(|&stored| self.units(stored)).filter(|units| *units < f32::INFINITY);
+        let farthest = finite.fold(0.0, f32::max);
+        if self.is_too_far(farthest) { farthest } else { f32::INFINITY }
+    }
+
+    fn is_too_far(&self, units: f32) -> bool {
+        f64::from(units) * self.scale.abs() >= self.farthest_m
+    }
 }
 
 pub(super) fn pixel(index: usize, width: u32) -> String {
@@ -64,31 +92,47 @@ fn metres(value: f32, factor: f64) -> f32 {
 /// Applies the rules: +inf where nothing is, 0.0 where [`InvalidDepth::Near`] put it, else a finite value above 0.
 pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<()> {
     let width = plane.width();
+    let farthest = rules.farthest(plane);
     for (index, value) in plane.data_mut().iter_mut().enumerate() {
-        let depth = *value;
-        *value = if depth == f32::INFINITY || depth == rules.background {
+        let units = rules.units(*value);
+        *value = if units >= farthest {
             f32::INFINITY
-        } else if depth > 0.0 {
-            if rules.scale == 1.0 { depth } else { metres(depth, rules.scale) }
+        } else if units > 0.0 && !rules.is_too_far(units) {
+            if rules.scale == 1.0 { units } else { metres(units, rules.scale.abs()) }
         } else {
             match rules.invalid {
                 InvalidDepth::Far => f32::INFINITY,
                 InvalidDepth::Near => 0.0,
                 InvalidDepth::Refuse => {
-                    let say = "set `invalid_depth` to far or near";
-                    let what = match depth {
-                        depth if depth.is_nan() => format!("not a number; {say}, as `background` cannot match it"),
-                        0.0 => format!("zero; {say}, or `background` to 0 if it means no surface"),
-                        depth => {
-                            format!("negative ({depth}); {say}, or `background` to the value that means no surface")
-                        }
-                    };
+                    let what = invalid_words(*value, units, farthest);
                     return Err(Error::invalid(format!("depth at {} is {what}", pixel(index, width))));
                 }
             }
         };
     }
     Ok(())
+}
+
+/// What is wrong with a stored depth, and what to do.
+fn invalid_words(stored: f32, units: f32, farthest: f32) -> String {
+    let say = "set `invalid_depth` to far or near";
+    if units.is_nan() {
+        format!("not a number; {say}, as `background` cannot match it")
+    } else if units == 0.0 {
+        format!("zero; {say}, or `background` to 0 if it means no surface")
+    } else if units > 0.0 {
+        format!(
+            "{stored:e}, too far for a surface, and not the {farthest:e} of the background either, as where both were \
+             averaged; {say}, or state a depth.far beyond it in the manifest"
+        )
+    } else if stored < 0.0 {
+        format!(
+            "negative ({stored}); {say}, or `background` to the value that means no surface; where all surfaces are \
+             negative, as in Houdini's Pz, set `depth_scale` or the manifest's depth.scale to -1"
+        )
+    } else {
+        format!("{stored}, on the other side of the camera than `depth_scale`, which is below 0, says; {say}")
+    }
 }
 
 /// Turns planar depth into distance; +inf and 0.0 stay.
@@ -153,4 +197,43 @@ pub(super) fn linear_from_srgb(plane: &mut ColorPlane) {
 /// Keeps the planes of `wanted` out of all six cube faces.
 pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>> {
     Face::CUBE.into_iter().zip(all).filter(|(face, _)| wanted.contains(face)).map(|(_, plane)| plane).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RULES: DepthRules =
+        DepthRules { background: f32::INFINITY, scale: 1.0, farthest_m: FARTHEST_M, invalid: InvalidDepth::Refuse };
+
+    fn checked(values: &[f32], rules: DepthRules) -> Result<Vec<f32>> {
+        let mut plane = Plane::new(values.len() as u32, 1, values.to_vec())?;
+        check_depth(&mut plane, &rules).map(|()| plane.into_data())
+    }
+
+    #[test]
+    fn the_one_value_that_no_surface_has_is_background() {
+        let inf = f32::INFINITY;
+        assert_eq!(checked(&[2.0, 1e30, 1e30, inf], RULES).unwrap(), [2.0, inf, inf, inf]);
+        assert_eq!(checked(&[1e30, 1e30], RULES).unwrap(), [inf, inf]);
+        assert_eq!(checked(&[200.0, 1e30], DepthRules { scale: 0.01, ..RULES }).unwrap(), [2.0, inf]);
+        assert_eq!(checked(&[2.0, 9e9], RULES).unwrap(), [2.0, 9e9]);
+        assert_eq!(checked(&[2.0, 1e12], DepthRules { farthest_m: 1e13, ..RULES }).unwrap(), [2.0, 1e12]);
+        let said = checked(&[2.0, 3e29, 1e30], RULES).unwrap_err().to_string();
+        assert!(said.contains("pixel (1, 0) is 3e29") && said.contains("1e30") && said.contains("depth.far"), "{said}");
+        let far = DepthRules { invalid: InvalidDepth::Far, ..RULES };
+        assert_eq!(checked(&[2.0, 3e29, 1e30], far).unwrap(), [2.0, inf, inf]);
+    }
+
+    #[test]
+    fn a_scale_below_zero_turns_the_sign() {
+        let inf = f32::INFINITY;
+        let houdini = DepthRules { scale: -1.0, background: 0.0, ..RULES };
+        assert_eq!(checked(&[-2.0, 0.0, inf, -inf, -1e30], houdini).unwrap(), [2.0, inf, inf, inf, inf]);
+        assert_eq!(checked(&[-200.0], DepthRules { scale: -0.01, ..RULES }).unwrap(), [2.0]);
+        let said = checked(&[-2.0, 3.0], houdini).unwrap_err().to_string();
+        assert!(said.contains("pixel (1, 0) is 3") && said.contains("below 0"), "{said}");
+        let said = checked(&[-2.0], RULES).unwrap_err().to_string();
+        assert!(said.contains("Pz") && said.contains("depth.scale to -1"), "{said}");
+    }
 }

@@ -96,7 +96,7 @@ pub(super) fn manifest_of(
                     FileFormat::Png => continue,
                 };
                 files.color = pattern;
-                color = Some(manifest::ColorInfo { space });
+                color = Some(manifest::ColorInfo { space: Some(space), layer: None });
             }
             (CodecHeader::Material(_), FileFormat::Exr) => {
                 files.material = pattern;
@@ -128,15 +128,15 @@ pub(super) fn manifest_of(
         let known = probe.intrinsics.iter().any(|&value| value != 0.0);
         probes.push(manifest::Probe {
             name: probe.name.clone(),
-            position: probe.position,
+            position: Some(probe.position),
             frames: (frames != all).then_some([frames.first, frames.last]),
             orientation: (probe.orientation != [0.0, 0.0, 0.0, 1.0]).then_some(probe.orientation),
-            fov_y_deg: None,
             intrinsics: known.then_some(probe.intrinsics),
-            extra: None,
+            ..manifest::Probe::default()
         });
     }
     Ok(Manifest {
+        schema: None,
         lightfield: manifest::MANIFEST_VERSION,
         name: if index.name.is_empty() { "unnamed".to_owned() } else { index.name.clone() },
         fps: index.fps,
@@ -144,6 +144,8 @@ pub(super) fn manifest_of(
         projection: if cube { Projection::Cubemap } else { Projection::Perspective },
         size,
         faces: cube.then_some(manifest::FaceFiles::Six),
+        face_names: None,
+        stereo: None,
         faces_present: (cube && present.len() < 6).then(|| present.iter().map(|face| face.name().to_owned()).collect()),
         depth,
         color,

@@ -96,7 +96,14 @@ impl Encoder {
         }
         let ProbePose { position, orientation, intrinsics } = pose;
         let frames = FrameRange { first: self.first_frame, last: self.first_frame };
-        self.source.probes.push(ProbeInfo { name: name.to_owned(), position, orientation, frames, intrinsics });
+        self.source.probes.push(ProbeInfo {
+            name: name.to_owned(),
+            position,
+            orientation,
+            poses: Vec::new(),
+            frames,
+            intrinsics,
+        });
         Ok(self.source.probes.len() - 1)
     }
 

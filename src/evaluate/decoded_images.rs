@@ -20,6 +20,7 @@ pub(super) fn probe_info(entry: &ProbeEntry) -> ProbeInfo {
         name: entry.name.clone(),
         position: entry.position,
         orientation: entry.orientation,
+        poses: Vec::new(),
         frames: FrameRange { first: entry.frames[0], last: entry.frames[1] },
         intrinsics: (entry.intrinsics != [0.0; 4]).then_some(entry.intrinsics),
     }

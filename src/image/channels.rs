@@ -1,7 +1,8 @@
 //! Selects the colour and depth channels of a file: common names, or a given one.
 //!
 //! A channel has its own name and, in a file of several layers (parts), `layer.name`. The tables are searched in order,
-//! first by full name, then by the channel's own name. An ambiguous name is an error that lists the candidates.
+//! first by full name, then by the channel's own name. An ambiguous name is an error that lists the candidates. A given name
+//! is that of a channel, or else of a layer, part or stereo view, inside which the tables are searched.
 
 use std::collections::BTreeSet;
 
@@ -27,7 +28,11 @@ pub const DEPTH_CHANNELS: &[&str] = &[
     "distance",
     "distance.Y",
     "distance.V",
+    "Pz",
 ];
+
+/// Last parts of names of layers that hold depth three times, as R, G and B, ignoring case.
+pub const DEPTH_LAYERS: &[&str] = &["VRayZDepth", "ZDepth", "Depth", "Z"];
 
 /// Suffixes of depth channels, used where exactly one channel of the file has one.
 pub const DEPTH_ENDINGS: &[&str] = &[".depth.z", ".depth.v", ".depth.y", ".depth"];
@@ -59,8 +64,8 @@ pub enum ChannelSelect {
     /// [`DEPTH_CHANNELS`] for depth, [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
     #[default]
     Auto,
-    /// For depth the name of a channel. For colour the name of a layer with R, G and B, three names separated by commas, or
-    /// the name of a channel that is read as gray.
+    /// For depth the name of a channel, layer, part or view. For colour the name of a layer, part or view, three names of
+    /// channels separated by commas, or the name of a channel that is read as gray.
     Named(String),
 }
 
@@ -69,6 +74,17 @@ impl ChannelSelect {
         match self {
             ChannelSelect::Auto => "the usual ones".to_owned(),
             ChannelSelect::Named(name) => name.clone(),
+        }
+    }
+}
+
+impl ChannelSelect {
+    /// With the name of a probe for `{probe}` and that of a face for `{face}`.
+    #[must_use]
+    pub fn of_image(&self, probe: &str, face: &str) -> ChannelSelect {
+        match self {
+            ChannelSelect::Auto => ChannelSelect::Auto,
+            ChannelSelect::Named(name) => ChannelSelect::Named(name.replace("{probe}", probe).replace("{face}", face)),
         }
     }
 }
@@ -84,7 +100,17 @@ pub(crate) struct ChannelName {
     /// Name of its layer (part); empty where the file has none.
     pub layer: String,
     pub part: usize,
+    /// Stereo view of its part, or of the channel where a part holds several; empty where the file has none.
+    pub view: String,
     pub name: String,
+}
+
+/// Where depth is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct DepthChannels {
+    pub channel: usize,
+    /// Two more channels of a layer that holds depth three times, which must be equal to it.
+    pub copies: Option<[usize; 2]>,
 }
 
 impl ChannelName {
@@ -95,7 +121,12 @@ impl ChannelName {
     }
 }
 
-const OPTIONS: &str = "`channel` (`depth_channel` or `color_channel` for a dataset)";
+/// How a channel or layer of depth is named.
+const DEPTH_KEY: &str = "`depth_channel` or the manifest's depth.channel";
+/// How a layer or channels of colour are named.
+const COLOR_KEY: &str = "`color_channel` or the manifest's color.layer";
+/// How other channels are named.
+const OTHER_KEY: &str = "its full name";
 
 const LISTED: usize = 24;
 
@@ -127,7 +158,7 @@ const TRIES: [(By, Same); 4] = [
 ];
 
 /// Index of the channel of that name; `None` when there is none, an error when several layers have it.
-fn lookup(names: &[ChannelName], wanted: &str, by: By, same: Same) -> Result<Option<usize>> {
+fn lookup(names: &[ChannelName], wanted: &str, (by, same): (By, Same), key: &str) -> Result<Option<usize>> {
     if let By::Full = by {
         return Ok(names.iter().position(|channel| same(&channel.full(), wanted)));
     }
@@ -136,18 +167,46 @@ fn lookup(names: &[ChannelName], wanted: &str, by: By, same: Same) -> Result<Opt
         [] => Ok(None),
         [one] => Ok(Some(*one)),
         _ => Err(Error::invalid(format!(
-            "several layers have a channel {wanted}: name one of {} with {OPTIONS}",
+            "several layers have a channel {wanted}: name one of {} with {key}",
             plain.iter().map(|&i| names[i].full()).collect::<Vec<_>>().join(", ")
         ))),
     }
 }
 
+fn named(names: &[ChannelName], wanted: &str, key: &str) -> Result<Option<usize>> {
+    match lookup(names, wanted, (By::Full, str::eq), key)? {
+        None => lookup(names, wanted, (By::Plain, str::eq), key),
+        found => Ok(found),
+    }
+}
+
+fn none_of_that_name(names: &[ChannelName], wanted: &str, what: &str) -> Error {
+    Error::invalid(format!("there is no {what} {wanted}; the channels are: {}", list(names)))
+}
+
 pub(crate) fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
-    let found = match lookup(names, wanted, By::Full, str::eq)? {
-        None => lookup(names, wanted, By::Plain, str::eq)?,
-        found => found,
+    named(names, wanted, OTHER_KEY)?.ok_or_else(|| none_of_that_name(names, wanted, "channel"))
+}
+
+/// Channels of a layer or part with names inside it, else those of a stereo view with names that do not contain the view's;
+/// and their indices in `names`.
+fn inside(names: &[ChannelName], wanted: &str) -> (Vec<usize>, Vec<ChannelName>) {
+    let of_layer = |channel: &ChannelName| {
+        let full = channel.full();
+        let name = full.strip_prefix(wanted)?.strip_prefix('.')?.to_owned();
+        Some(ChannelName { layer: String::new(), name, ..channel.clone() })
     };
-    found.ok_or_else(|| Error::invalid(format!("there is no channel {wanted}; the channels are: {}", list(names))))
+    let of_view = |channel: &ChannelName| {
+        let parts: Vec<&str> = channel.name.split('.').filter(|part| *part != wanted).collect();
+        (channel.view == wanted).then(|| ChannelName { name: parts.join("."), ..channel.clone() })
+    };
+    let choose = |of: &dyn Fn(&ChannelName) -> Option<ChannelName>| -> (Vec<usize>, Vec<ChannelName>) {
+        names.iter().enumerate().filter_map(|(at, channel)| Some((at, of(channel)?))).unzip()
+    };
+    match choose(&of_layer) {
+        (found, _) if found.is_empty() => choose(&of_view),
+        found => found,
+    }
 }
 
 /// Whether the channel is a coordinate of a vector, as the Z of a normal or a position.
@@ -178,17 +237,33 @@ pub(crate) fn find_picture_color(names: &[ChannelName]) -> Result<[usize; 3]> {
     })
 }
 
-pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<usize> {
-    if let ChannelSelect::Named(wanted) = select {
-        return find_named(names, wanted);
+pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<DepthChannels> {
+    let ChannelSelect::Named(wanted) = select else { return usual_depth(names) };
+    if let Some(channel) = named(names, wanted, DEPTH_KEY)? {
+        return Ok(DepthChannels { channel, copies: None });
     }
+    let (places, inner) = inside(names, wanted);
+    if inner.is_empty() {
+        return Err(none_of_that_name(names, wanted, "channel, layer or view"));
+    }
+    let found = match find_layer(&inner, "", (By::Full, str::eq), DEPTH_KEY)? {
+        // A layer of nothing but depth, three times.
+        Some([r, g, b]) if usual_depth(&inner).is_err() => DepthChannels { channel: r, copies: Some([g, b]) },
+        _ => usual_depth(&inner)?,
+    };
+    let copies = found.copies.map(|copies| copies.map(|copy| places[copy]));
+    Ok(DepthChannels { channel: places[found.channel], copies })
+}
+
+fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
     // A normal's Z would win over the depth beside it; such triples are set aside first.
     let candidates: Vec<usize> = (0..names.len()).filter(|&i| !is_coordinate(names, i)).collect();
     let kept: Vec<ChannelName> = candidates.iter().map(|&i| names[i].clone()).collect();
-    for (by, same) in TRIES {
+    let alone = |channel: usize| Ok(DepthChannels { channel, copies: None });
+    for how in TRIES {
         for wanted in DEPTH_CHANNELS {
-            if let Some(found) = lookup(&kept, wanted, by, same)? {
-                return Ok(candidates[found]);
+            if let Some(found) = lookup(&kept, wanted, how, DEPTH_KEY)? {
+                return alone(candidates[found]);
             }
         }
     }
@@ -198,21 +273,38 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
     };
     let found: Vec<usize> = candidates.iter().copied().filter(|&i| ending(&names[i])).collect();
     match (found.as_slice(), names) {
-        ([one], _) => Ok(*one),
-        ([], [_only]) => Ok(0),
-        _ => Err(Error::invalid(format!(
-            "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with {OPTIONS}; the channels are: {}",
-            list(names)
-        ))),
+        ([one], _) => return alone(*one),
+        ([], [_only]) => return alone(0),
+        _ => {}
     }
+    for wanted in DEPTH_LAYERS {
+        let is_one = |layer: &&String| layer.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case(wanted));
+        let layers = layers(names);
+        let mut found = Vec::new();
+        for layer in layers.iter().filter(is_one) {
+            found.extend(find_layer(names, layer, (By::Full, str::eq), DEPTH_KEY)?);
+        }
+        if let [[r, g, b]] = found.as_slice() {
+            return Ok(DepthChannels { channel: *r, copies: Some([*g, *b]) });
+        }
+    }
+    Err(Error::invalid(format!(
+        "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with {DEPTH_KEY}; the channels are: {}",
+        list(names)
+    )))
 }
 
-fn find_layer(names: &[ChannelName], layer: &str, by: By, same: Same) -> Result<Option<[usize; 3]>> {
+/// Names of channels up to their last dot, each once, in order.
+fn layers(names: &[ChannelName]) -> BTreeSet<String> {
+    names.iter().filter_map(|channel| channel.full().rsplit_once('.').map(|(layer, _)| layer.to_string())).collect()
+}
+
+fn find_layer(names: &[ChannelName], layer: &str, how: (By, Same), key: &str) -> Result<Option<[usize; 3]>> {
     for components in COLOR_COMPONENTS {
         let mut found = [None; 3];
         for (slot, component) in found.iter_mut().zip(components) {
             let wanted = if layer.is_empty() { (*component).to_string() } else { format!("{layer}.{component}") };
-            *slot = lookup(names, &wanted, by, same)?;
+            *slot = lookup(names, &wanted, how, key)?;
         }
         if let [Some(r), Some(g), Some(b)] = found {
             return Ok(Some([r, g, b]));
@@ -223,33 +315,36 @@ fn find_layer(names: &[ChannelName], layer: &str, by: By, same: Same) -> Result<
 
 /// Indices of red, green and blue; the same index three times for gray.
 pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Result<[usize; 3]> {
-    if let ChannelSelect::Named(wanted) = select {
-        if let [r, g, b] = wanted.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
-            return Ok([find_named(names, r)?, find_named(names, g)?, find_named(names, b)?]);
-        }
-        let layer = match find_layer(names, wanted, By::Full, str::eq)? {
-            None => find_layer(names, wanted, By::Plain, str::eq)?,
-            found => found,
-        };
-        return match layer {
-            Some(found) => Ok(found),
-            None => find_named(names, wanted).map(|gray| [gray; 3]),
-        };
+    let ChannelSelect::Named(wanted) = select else { return usual_color(names) };
+    if let [r, g, b] = wanted.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
+        return Ok([find_named(names, r)?, find_named(names, g)?, find_named(names, b)?]);
     }
-    for (by, same) in TRIES {
+    for by in [By::Full, By::Plain] {
+        if let Some(found) = find_layer(names, wanted, (by, str::eq), COLOR_KEY)? {
+            return Ok(found);
+        }
+    }
+    if let Some(gray) = named(names, wanted, COLOR_KEY)? {
+        return Ok([gray; 3]);
+    }
+    let (places, inner) = inside(names, wanted);
+    if inner.is_empty() {
+        return Err(none_of_that_name(names, wanted, "layer, channel or view"));
+    }
+    usual_color(&inner).map(|found| found.map(|at| places[at]))
+}
+
+fn usual_color(names: &[ChannelName]) -> Result<[usize; 3]> {
+    for how in TRIES {
         for layer in COLOR_LAYERS {
-            if let Some(found) = find_layer(names, layer, by, same)? {
+            if let Some(found) = find_layer(names, layer, how, COLOR_KEY)? {
                 return Ok(found);
             }
         }
     }
-    let layers: BTreeSet<String> = names
-        .iter()
-        .filter_map(|channel| channel.full().rsplit_once('.').map(|(layer, _)| layer.to_string()))
-        .collect();
     let mut found = Vec::new();
-    for layer in &layers {
-        found.extend(find_layer(names, layer, By::Full, str::eq)?);
+    for layer in &layers(names) {
+        found.extend(find_layer(names, layer, (By::Full, str::eq), COLOR_KEY)?);
     }
     if let [one] = found.as_slice() {
         return Ok(*one);
@@ -261,13 +356,13 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
             ));
         }
         for wanted in GRAY_CHANNELS {
-            if let Some(gray) = lookup(names, wanted, By::Plain, str::eq_ignore_ascii_case)? {
+            if let Some(gray) = lookup(names, wanted, (By::Plain, str::eq_ignore_ascii_case), COLOR_KEY)? {
                 return Ok([gray; 3]);
             }
         }
     }
     Err(Error::invalid(format!(
-        "no usual names of colour (R, G, B): name a layer or three channels with {OPTIONS}; the channels are: {}",
+        "no usual names of colour (R, G, B): name a layer or three channels with {COLOR_KEY}; the channels are: {}",
         list(names)
     )))
 }
@@ -281,15 +376,29 @@ mod tests {
             .map(|text| match text.split_once('|') {
                 Some((layer, name)) => {
                     let part = layer.len();
-                    ChannelName { layer: layer.into(), part, name: name.into() }
+                    ChannelName { layer: layer.into(), part, view: String::new(), name: name.into() }
                 }
-                None => ChannelName { layer: String::new(), part: 0, name: (*text).into() },
+                None => ChannelName { layer: String::new(), part: 0, view: String::new(), name: (*text).into() },
             })
             .collect()
     }
 
     fn depth(all: &[&str]) -> Result<usize> {
-        find_depth(&names(all), &ChannelSelect::Auto)
+        let found = find_depth(&names(all), &ChannelSelect::Auto)?;
+        assert_eq!(found.copies, None);
+        Ok(found.channel)
+    }
+
+    fn depth_of(all: &[&str], select: &str) -> Result<DepthChannels> {
+        find_depth(&names(all), &ChannelSelect::Named(select.into()))
+    }
+
+    fn views(all: &[&str]) -> Vec<ChannelName> {
+        let with_view = |text: &&str| {
+            let (view, name) = text.split_once(':').unwrap();
+            ChannelName { view: view.into(), ..names(&[name]).remove(0) }
+        };
+        all.iter().map(with_view).collect()
     }
 
     #[test]
@@ -323,7 +432,38 @@ mod tests {
         assert!(depth(&["N.X", "N.Y", "N.Z"]).is_err());
         let message = depth(&["left|Z", "right!|Z"]).unwrap_err().to_string();
         assert!(message.contains("left.Z") && message.contains("right!.Z"), "{message}");
-        assert!(message.contains("`channel`") && message.contains("`depth_channel`"), "{message}");
+        assert!(message.contains("`depth_channel`") && message.contains("depth.channel"), "{message}");
+        assert_eq!(depth(&["B", "G", "Pz", "R"]).unwrap(), 2);
+        assert!(depth(&["Px", "Py", "Pz"]).is_err(), "a position is not depth");
+    }
+
+    #[test]
+    fn layers_of_depth() {
+        let three = |channel, copies| DepthChannels { channel, copies: Some(copies) };
+        let one = |channel| DepthChannels { channel, copies: None };
+        let vray = ["B", "G", "R", "VRayZDepth.B", "VRayZDepth.G", "VRayZDepth.R"];
+        assert_eq!(find_depth(&names(&vray), &ChannelSelect::Auto).unwrap(), three(5, [4, 3]));
+        assert_eq!(depth_of(&vray, "VRayZDepth").unwrap(), three(5, [4, 3]));
+        assert_eq!(depth_of(&vray, "VRayZDepth.G").unwrap(), one(4));
+        assert_eq!(depth_of(&["far.Z", "near.Z", "near.A"], "near").unwrap(), one(1));
+        assert_eq!(depth_of(&["R", "aux|distance to eye"], "aux").unwrap(), one(1));
+        assert_eq!(depth_of(&["left|R", "left|G", "left|B", "left|Z", "right!|Z"], "left").unwrap(), one(3));
+        let message = depth_of(&vray, "Zed").unwrap_err().to_string();
+        assert!(message.contains("Zed") && message.contains("VRayZDepth.R"), "{message}");
+    }
+
+    #[test]
+    fn views_of_stereo_files() {
+        let parts = views(&["left:l|R", "left:l|G", "left:l|B", "left:l|Z", "right:rr|R", "right:rr|G", "right:rr|B"]);
+        let named = |name: &str| ChannelSelect::Named(name.into());
+        assert_eq!(find_color(&parts, &named("left")).unwrap(), [0, 1, 2]);
+        assert_eq!(find_color(&parts, &named("rr")).unwrap(), [4, 5, 6]);
+        assert_eq!(find_depth(&parts, &named("left")).unwrap().channel, 3);
+        assert!(find_color(&parts, &ChannelSelect::Auto).is_err());
+        let one_part = views(&["left:R", "left:G", "left:B", "right:right.R", "right:right.G", "right:right.B"]);
+        assert_eq!(find_color(&one_part, &named("left")).unwrap(), [0, 1, 2]);
+        assert_eq!(find_color(&one_part, &named("right")).unwrap(), [3, 4, 5]);
+        assert_eq!(find_color(&one_part, &named("{probe}").of_image("right", "view")).unwrap(), [3, 4, 5]);
     }
 
     #[test]

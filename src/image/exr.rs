@@ -56,11 +56,27 @@ pub fn read_rgba(path: &Path, limits: &ReadLimits) -> Result<Plane<[f16; 4]>> {
     Ok(plane)
 }
 
-/// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window.
+/// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window. Of a layer that
+/// holds depth three times, all three must be equal.
 pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<DepthPlane> {
-    let plane = read_planes(path, limits, f32::INFINITY, |names| find_depth(names, select).map(|index| [index]))?;
-    let (width, height) = (plane.width(), plane.height());
-    Plane::new(width, height, plane.into_data().into_flattened())
+    let (reader, file_len) = open(path)?;
+    let found = find_depth(&channel_names(reader.headers()), select).map_err(|error| error.in_file(path))?;
+    let Some([green, blue]) = found.copies else {
+        let plane = decode(reader, file_len, limits, f32::INFINITY, |_| Ok([found.channel]));
+        let plane = plane.map_err(|error| named(error, path))?;
+        return Plane::new(plane.width(), plane.height(), plane.into_data().into_flattened());
+    };
+    let plane = decode(reader, file_len, limits, f32::INFINITY, |_| Ok([found.channel, green, blue]));
+    let plane = plane.map_err(|error| named(error, path))?;
+    if let Some(at) = plane.data().iter().position(|&[r, g, b]| (r != g || r != b) && !r.is_nan()) {
+        let [x, y] = [at as u32 % plane.width(), at as u32 / plane.width()];
+        let message = format!(
+            "R, G and B of the layer of depth differ at pixel ({x}, {y}), so they are no depth: name a channel with \
+             `depth_channel` or the manifest's depth.channel"
+        );
+        return Err(Error::invalid(message).in_file(path));
+    }
+    Ok(plane.map(|pixel| pixel[0]))
 }
 
 /// Reflection weight, refraction weight and index of refraction from the channels of the three `names`.
@@ -84,6 +100,36 @@ pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     guard(reader.headers(), 1, limits, file_len).map_err(|error| error.in_file(path))?;
     let window = reader.headers()[0].shared_attributes.display_window.size;
     Ok((window.width() as u32, window.height() as u32))
+}
+
+/// What the header of a file says of footage.
+#[derive(Debug, Clone)]
+pub struct FileHeader {
+    pub size: (u32, u32),
+    pub(crate) channels: Vec<ChannelName>,
+    /// Frames per second, above 0.
+    pub fps: Option<f64>,
+    /// `worldToCamera`, row by row, for row vectors: the camera's x is right and y is up.
+    pub world_to_camera: Option<[f32; 16]>,
+    /// Whether `chromaticities` are stated.
+    pub has_chromaticities: bool,
+}
+
+pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
+    let (reader, file_len) = open(path)?;
+    let headers = reader.headers();
+    guard(headers, 1, limits, file_len).map_err(|error| error.in_file(path))?;
+    let window = headers[0].shared_attributes.display_window.size;
+    let rate = headers.iter().find_map(|header| header.own_attributes.frames_per_second);
+    Ok(FileHeader {
+        size: (window.width() as u32, window.height() as u32),
+        channels: channel_names(headers),
+        fps: rate
+            .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
+            .filter(|fps| *fps > 0.0 && fps.is_finite()),
+        world_to_camera: headers.iter().find_map(|header| header.own_attributes.world_to_camera),
+        has_chromaticities: headers[0].shared_attributes.chromaticities.is_some(),
+    })
 }
 
 trait Sample: Copy {
@@ -240,6 +286,24 @@ fn guard(headers: &[Header], wanted_bytes: u64, limits: &ReadLimits, file_len: u
     Ok(())
 }
 
+/// Names of the channels of all parts, in order.
+pub(crate) fn channel_names(headers: &[Header]) -> Vec<ChannelName> {
+    let mut names = Vec::new();
+    for (part, header) in headers.iter().enumerate() {
+        let own = &header.own_attributes;
+        let layer = own.layer_name.as_ref().map(ToString::to_string).unwrap_or_default();
+        let views: Vec<String> = own.multi_view_names.iter().flatten().map(ToString::to_string).collect();
+        for channel in &header.channels.list {
+            let name = channel.name.to_string();
+            // Channels of the first of several views are called as if there was one.
+            let named = views.iter().find(|view| name.rsplit('.').skip(1).any(|part| part == view.as_str()));
+            let view = own.view_name.as_ref().map(ToString::to_string).or(named.or(views.first()).cloned());
+            names.push(ChannelName { layer: layer.clone(), part, view: view.unwrap_or_default(), name });
+        }
+    }
+    names
+}
+
 struct Wanted {
     part: usize,
     sample_type: SampleType,
@@ -255,10 +319,14 @@ fn read_planes<T: Sample, const N: usize>(
     choose: impl FnOnce(&[ChannelName]) -> Result<[usize; N]>,
 ) -> Result<Plane<[T; N]>> {
     let (reader, file_len) = open(path)?;
-    decode(reader, file_len, limits, fill, choose).map_err(|error| match error {
+    decode(reader, file_len, limits, fill, choose).map_err(|error| named(error, path))
+}
+
+fn named(error: Error, path: &Path) -> Error {
+    match error {
         Error::Io { source, .. } => Error::io(path, source),
         other => other.in_file(path),
-    })
+    }
 }
 
 fn decode<T: Sample, const N: usize>(
@@ -314,13 +382,11 @@ fn select<const N: usize>(
     headers: &[Header],
     choose: impl FnOnce(&[ChannelName]) -> Result<[usize; N]>,
 ) -> Result<Vec<Wanted>> {
-    let mut names = Vec::new();
-    let mut places = Vec::new();
+    let names = channel_names(headers);
+    let mut places = Vec::with_capacity(names.len());
     for (part, header) in headers.iter().enumerate() {
-        let layer = header.own_attributes.layer_name.as_ref().map(ToString::to_string).unwrap_or_default();
         let mut bytes_before = 0;
         for channel in &header.channels.list {
-            names.push(ChannelName { layer: layer.clone(), part, name: channel.name.to_string() });
             places.push((part, channel.sample_type, bytes_before));
             bytes_before += channel.sample_type.bytes_per_sample();
         }

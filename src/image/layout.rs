@@ -1,4 +1,4 @@
-//! Images with all six faces of a cube: crosses and strips.
+//! Images with all six faces of a cube, crosses and strips; images with the pictures of both eyes.
 //!
 //! ```text
 //! cross 4:3          cross 3:4           strips 6:1, 1:6
@@ -67,6 +67,52 @@ pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
     Err(Error::invalid(format!("{shapes}, this image is {width}x{height}")))
 }
 
+/// Place of the pictures of two eyes in one image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum StereoLayout {
+    /// The left eye's picture above the right eye's.
+    OverUnder,
+    /// The left eye's picture to the left of the right eye's.
+    SideBySide,
+}
+
+impl StereoLayout {
+    /// As in manifests.
+    pub fn name(self) -> &'static str {
+        if self == StereoLayout::OverUnder { "over-under" } else { "side-by-side" }
+    }
+}
+
+/// An eye of a stereo image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Eye {
+    Left,
+    Right,
+}
+
+/// Size of the picture of an eye; `None` where the image cannot be halved.
+pub fn eye_size(layout: StereoLayout, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
+    match layout {
+        StereoLayout::OverUnder => (height % 2 == 0 && height > 0).then_some([width, height / 2]),
+        StereoLayout::SideBySide => (width % 2 == 0 && width > 0).then_some([width / 2, height]),
+    }
+}
+
+/// Cuts the picture of an eye out.
+pub fn cut_eye<T: Copy>(image: &Plane<T>, layout: StereoLayout, eye: Eye) -> Result<Plane<T>> {
+    let [width, height] = [image.width(), image.height()];
+    let size = eye_size(layout, [width, height])
+        .ok_or_else(|| Error::invalid(format!("an image of {width}x{height} pixels cannot be halved for two eyes")))?;
+    let origin = match (eye, layout) {
+        (Eye::Left, _) => [0, 0],
+        (Eye::Right, StereoLayout::OverUnder) => [0, size[1]],
+        (Eye::Right, StereoLayout::SideBySide) => [size[0], 0],
+    };
+    Ok(image.cut(origin, size))
+}
+
 /// Cuts the six faces out, in the order of [`Face::CUBE`].
 pub fn cut_faces<T: Copy>(image: &Plane<T>, layout: FaceLayout) -> Result<Vec<Plane<T>>> {
     let size = face_size(layout, image.width(), image.height())?;
@@ -125,6 +171,17 @@ mod tests {
                 assert_eq!(plane.get(3, 5), Some(face.direction(3, 5, size).normalize()), "{face:?}");
             }
         }
+    }
+
+    #[test]
+    fn eyes_are_halves() {
+        let image = Plane::from_fn(4, 2, |x, y| 10 * y + x);
+        let cut = |layout, eye| cut_eye(&image, layout, eye).unwrap().into_data();
+        assert_eq!(cut(StereoLayout::OverUnder, Eye::Left), [0, 1, 2, 3]);
+        assert_eq!(cut(StereoLayout::OverUnder, Eye::Right), [10, 11, 12, 13]);
+        assert_eq!(cut(StereoLayout::SideBySide, Eye::Left), [0, 1, 10, 11]);
+        assert_eq!(cut(StereoLayout::SideBySide, Eye::Right), [2, 3, 12, 13]);
+        assert!(cut_eye(&Plane::filled(3, 3, 0), StereoLayout::OverUnder, Eye::Left).is_err());
     }
 
     #[test]

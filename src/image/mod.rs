@@ -23,7 +23,7 @@ pub mod transfer;
 pub use channels::ChannelSelect;
 pub use cube::Face;
 pub use kind::{DepthKind, Projection, StreamKind};
-pub use layout::FaceLayout;
+pub use layout::{Eye, FaceLayout, StereoLayout};
 pub use limits::ReadLimits;
 pub use plane::{ColorPlane, DepthPlane, MaterialPlane, NormalPlane, Plane};
 #[cfg(feature = "encode")]

@@ -83,6 +83,11 @@ impl<T: Clone> Plane<T> {
 }
 
 impl<T: Copy> Plane<T> {
+    /// A rectangle of it, which must lie inside.
+    pub fn cut(&self, origin: [u32; 2], [width, height]: [u32; 2]) -> Plane<T> {
+        Plane::from_fn(width, height, |x, y| self.get(origin[0] + x, origin[1] + y))
+    }
+
     pub fn get(&self, x: u32, y: u32) -> T {
         assert!(x < self.width && y < self.height);
         self.data[y as usize * self.width as usize + x as usize]

@@ -5,7 +5,7 @@ use std::io::{BufReader, BufWriter, Write};
 use std::path::Path;
 
 use ::image::codecs::png::{PngDecoder, PngEncoder};
-use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use ::image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 use half::f16;
 use serde::{Deserialize, Serialize};
 
@@ -96,6 +96,11 @@ pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthP
 
 pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok(open(path, limits)?.dimensions())
+}
+
+/// Whether the file has one gray channel of 16 bits.
+pub fn is_gray16(path: &Path, limits: &ReadLimits) -> Result<bool> {
+    Ok(open(path, limits)?.color_type() == ColorType::L16)
 }
 
 /// Writes 8-bit R, G, B. The bytes depend on the pixels alone.

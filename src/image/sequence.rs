@@ -71,8 +71,9 @@ impl FromStr for FrameRange {
 }
 
 /// A file name pattern with a field for the frame number.
-/// Fields are `%d` and `%04d`, n `#` for n digits (a single `#` for four), n `@` for n digits. There is at most one, in the
-/// file name. `%%` is a percent sign. Longer numbers are written in full.
+/// Fields are `%d` and `%04d`, n `#` for n digits (a single `#` for four), n `@` for n digits, `$F`, `$F4` and `${F4}` as
+/// Houdini writes them, `<frame>`, `<frame04>`, `<f>` and `<f4>`, where a width is missing as many digits as the number has.
+/// There is at most one, in the file name. `%%` is a percent sign. Longer numbers are written in full.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     directory: PathBuf,
@@ -102,6 +103,8 @@ impl Field {
             Some(mark @ ('#' | '@')) if (mark, digits) != ('#', 1) => {
                 Field { digits, text: mark.to_string().repeat(digits) }
             }
+            Some('$') => Field { digits, text: format!("$F{digits}") },
+            Some('<') => Field { digits, text: format!("<frame{digits:02}>") },
             _ => Field::percent(digits),
         }
     }
@@ -134,6 +137,10 @@ impl Pattern {
                     })?;
                     (Some(digits), used)
                 }
+                '$' | '<' => match named_field(rest) {
+                    Some((digits, used)) => (Some(digits), used),
+                    None => (None, 1),
+                },
                 _ => (None, first.len_utf8()),
             };
             match digits {
@@ -231,6 +238,31 @@ fn percent_field(text: &str) -> Option<(usize, usize)> {
         None if inner.is_empty() => Some((1, 2)),
         Some(digits) if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
             Some((digits.parse::<usize>().ok()?.max(1), inner.len() + 2))
+        }
+        _ => None,
+    }
+}
+
+/// Digits and length of a `$F4`, `${F4}`, `<frame04>` or `<f4>` at the start of the text.
+fn named_field(text: &str) -> Option<(usize, usize)> {
+    let (name, used) = if let Some(name) = text.strip_prefix("$F") {
+        let digits = name.bytes().take_while(u8::is_ascii_digit).count();
+        (&name[..digits], 2 + digits)
+    } else {
+        let (open, close) = if text.starts_with('<') { ("<", '>') } else { ("${F", '}') };
+        let inner = &text.strip_prefix(open)?[..text.strip_prefix(open)?.find(close)?];
+        let used = open.len() + inner.len() + 1;
+        let lower = inner.to_ascii_lowercase();
+        let name = match open {
+            "<" => lower.strip_prefix("frame").or_else(|| lower.strip_prefix('f'))?.len(),
+            _ => inner.len(),
+        };
+        (&inner[inner.len() - name..], used)
+    };
+    match name {
+        "" => Some((1, used)),
+        digits if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
+            Some((digits.parse::<usize>().ok()?.max(1), used))
         }
         _ => None,
     }
@@ -341,7 +373,7 @@ fn file_names(folder: &Path) -> Result<Vec<String>> {
 }
 
 /// Splits a file name at the last digits before its extension: prefix, digits, suffix.
-fn split_number(name: &str) -> Option<(&str, &str, &str)> {
+pub(crate) fn split_number(name: &str) -> Option<(&str, &str, &str)> {
     let stem = name.rfind('.').map_or(name, |dot| &name[..dot]);
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
     let start = stem[..end]
@@ -427,13 +459,33 @@ mod tests {
             ("b%%%01d.exr", "b%12.exr"),
             ("shot#1/b.exr", "shot#1/b.exr"),
             ("é#.png", "é0012.png"),
+            ("b.$F4.exr", "b.0012.exr"),
+            ("b.$F.exr", "b.12.exr"),
+            ("b.${F6}.exr", "b.000012.exr"),
+            ("b.<frame>.exr", "b.12.exr"),
+            ("b.<frame04>.exr", "b.0012.exr"),
+            ("b_<Frame3>.exr", "b_012.exr"),
+            ("b.<f4>.exr", "b.0012.exr"),
+            ("b$HIP<UDIM>.#.exr", "b$HIP<UDIM>.0012.exr"),
+            ("b$<.exr", "b$<.exr"),
         ] {
             assert_eq!(Pattern::parse(text).unwrap().path(12), Path::new(expected), "{text}");
         }
-        for bad in ["", "a/", "#.#.exr", "%d@.exr", "%4d.exr", "%s.exr", "%", "%0xd", "%99d", "%099d"] {
+        for bad in
+            ["", "a/", "#.#.exr", "%d@.exr", "%4d.exr", "%s.exr", "%", "%0xd", "%99d", "%099d", "$F.#", "$F99", "<f>$F"]
+        {
             assert!(Pattern::parse(bad).is_err(), "{bad}");
         }
-        for text in ["a/x%%.####.exr", "x.#.exr", "x.@@.exr", "x.%d.exr", "x.%01d.exr", "x.%04d.exr"] {
+        for text in [
+            "a/x%%.####.exr",
+            "x.#.exr",
+            "x.@@.exr",
+            "x.$F4.exr",
+            "x.<frame>.exr",
+            "x.%d.exr",
+            "x.%01d.exr",
+            "x.%04d.exr",
+        ] {
             assert_eq!(Pattern::parse(text).unwrap().to_string(), text);
         }
     }
@@ -474,6 +526,8 @@ mod tests {
             ("frame-%04d.depth.png", frames, "did you mean %06d?"),
             ("frame-####.depth.png", None, "did you mean ######?"),
             ("frame-@.depth.png", frames, "did you mean @@@@@@?"),
+            ("frame-$F4.depth.png", frames, "did you mean $F6?"),
+            ("frame-<f>.depth.png", frames, "did you mean <frame06>?"),
             ("s####.exr", None, "####.exr: no file matches this pattern; s9.exr is there: did you mean %d?"),
             ("frame-%04d.png", None, "frame-%04d.png: no file matches this pattern"),
             ("frame-%06d.depth.png", Some(FrameRange { first: 7, last: 8 }), "frame 7 is missing"),

@@ -3,7 +3,7 @@
 use half::f16;
 
 use crate::container::ProbeEntry;
-use crate::dataset::{Source, SourceGroup};
+use crate::dataset::{Pose, Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, StreamKind, TexelMap};
@@ -86,10 +86,11 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
             }
         }
         if !images.is_empty() {
+            let Pose { position, orientation, .. } = info.pose(frame);
             let entry = ProbeEntry {
                 name: info.name.clone(),
-                position: info.position,
-                orientation: info.orientation,
+                position,
+                orientation,
                 frames: [info.frames.first, info.frames.last],
                 intrinsics: info.intrinsics.unwrap_or_default(),
             };

@@ -129,6 +129,10 @@ fn data_labelled_right_is_fine() {
     }
 }
 
+fn place(probe: &mut lightfold::dataset::manifest::Probe) -> &mut [f64; 3] {
+    probe.position.as_mut().unwrap()
+}
+
 fn depth(manifest: &mut Manifest) -> &mut lightfold::dataset::manifest::DepthInfo {
     manifest.depth.as_mut().unwrap()
 }
@@ -178,7 +182,9 @@ fn scales_are_found() {
 fn positions_are_checked() {
     let set = Set::new();
     let moved = |change: fn([f64; 3]) -> [f64; 3]| {
-        set.check_as(|manifest| manifest.probes.iter_mut().for_each(|probe| probe.position = change(probe.position)))
+        set.check_as(|manifest| {
+            manifest.probes.iter_mut().for_each(|probe| probe.position = probe.position.map(&change))
+        })
     };
     assert_suspects(&moved(|[x, y, z]| [-x, y, z]), "positions", "(-x, y, z)");
     assert_suspects(&moved(|[x, y, z]| [x, -y, z]), "positions", "(x, -y, z)");
@@ -193,7 +199,7 @@ fn positions_are_checked() {
         manifest.probes[3].position = position;
     });
     assert_suspects(&report, "positions", "01 and 03 exchanged");
-    let report = set.check_as(|manifest| manifest.probes[2].position[0] -= 0.4);
+    let report = set.check_as(|manifest| place(&mut manifest.probes[2])[0] -= 0.4);
     assert_suspects(&report, "positions", "probe 02 contradicts");
 }
 
@@ -205,7 +211,7 @@ fn orientations_are_checked() {
     let turned = |orientation: glam::DQuat| {
         set.check_as(|manifest| {
             for probe in &mut manifest.probes {
-                probe.position = (turn * glam::DVec3::from(probe.position)).to_array();
+                probe.position = probe.position.map(|at| (turn * glam::DVec3::from(at)).to_array());
                 probe.orientation = Some(orientation.to_array());
             }
         })
@@ -314,7 +320,7 @@ fn walls_that_are_alike_are_no_copies() {
     let two = |height: f64| {
         set.check_as(|manifest| {
             manifest.probes = manifest.probes[1..3].to_vec();
-            (manifest.probes[0].position[1], manifest.probes[1].position[1]) = (1.5, height);
+            (place(&mut manifest.probes[0])[1], place(&mut manifest.probes[1])[1]) = (1.5, height);
         })
     };
     assert_eq!(verdict(&two(1.5), "as similar walls"), Verdict::CannotTell);
@@ -386,7 +392,7 @@ fn probes_in_a_dome_raise_no_doubt() {
         }
         let report = set.check_as(|manifest| {
             for (probe, place) in manifest.probes.iter_mut().zip(places) {
-                probe.position = place.to_array();
+                probe.position = Some(place.to_array());
             }
             (depth(manifest).near, depth(manifest).far) = (None, None);
         });

@@ -98,11 +98,13 @@ fn measured_footage_with_a_wrong_manifest_is_suspected() {
         });
         assert_suspects(&report, set, &["positions"]);
         for axis in 0..3 {
-            let report = wrong(&|manifest| manifest.probes.iter_mut().for_each(|probe| probe.position[axis] *= -1.0));
+            let report = wrong(&|manifest| {
+                manifest.probes.iter_mut().for_each(|probe| probe.position.as_mut().unwrap()[axis] *= -1.0)
+            });
             // On a line along an axis, its sign is all that there is; object's probes are symmetric about every axis.
             assert_suspects(&report, &format!("{set} -{axis}"), &["positions"]);
         }
-        let report = wrong(&|manifest| manifest.probes[2].position[0] += 0.3);
+        let report = wrong(&|manifest| manifest.probes[2].position.as_mut().unwrap()[0] += 0.3);
         assert_suspects(&report, set, &["positions"]);
         let report = wrong(&|manifest| (depth(manifest).near, depth(manifest).far) = (Some(1000.0), Some(30_000.0)));
         assert_suspects(&report, set, &["depth.near_far"]);
@@ -154,7 +156,12 @@ fn kinect(change: impl FnOnce(&mut Manifest)) -> Report {
             symlink(file, folder.path().join(&name).join(format!("{kind}.0000.png"))).unwrap();
         }
         let orientation = Some(turn.to_array());
-        manifest.probes.push(Probe { name, position: column(3).to_array(), orientation, ..template.probes[0].clone() });
+        manifest.probes.push(Probe {
+            name,
+            position: Some(column(3).to_array()),
+            orientation,
+            ..template.probes[0].clone()
+        });
     }
     change(&mut manifest);
     std::fs::write(folder.path().join("lightfield.json"), manifest.to_json().unwrap()).unwrap();

@@ -23,14 +23,20 @@ fn named(name: &str) -> ChannelSelect {
 }
 
 /// One layer of an EXR file, made of named channels.
-struct Part<'a> {
-    name: Option<&'a str>,
-    position: [i32; 2],
-    size: [usize; 2],
-    channels: Vec<(&'a str, FlatSamples)>,
+pub(crate) struct Part<'a> {
+    pub name: Option<&'a str>,
+    pub position: [i32; 2],
+    pub size: [usize; 2],
+    pub channels: Vec<(&'a str, FlatSamples)>,
 }
 
-fn write_parts(path: &Path, display: IntegerBounds, compression: Compression, blocks: Blocks, parts: Vec<Part>) {
+pub(crate) fn write_parts(
+    path: &Path,
+    display: IntegerBounds,
+    compression: Compression,
+    blocks: Blocks,
+    parts: Vec<Part>,
+) {
     let layers: Vec<_> = parts
         .into_iter()
         .map(|part| {
@@ -123,7 +129,10 @@ fn half_float_and_uint_channels() {
     );
     assert_eq!(ours::read_depth(&path, &named("R"), &limits()).unwrap().data(), [2049.0, 2051.0]);
     assert_eq!(ours::read_depth(&path, &named("B"), &limits()).unwrap().data(), [0.5, f32::NEG_INFINITY]);
-    assert_says(&message(ours::read_depth(&path, &AUTO, &limits())), &["t.exr", "`channel`", "B, G, R"]);
+    assert_says(
+        &message(ours::read_depth(&path, &AUTO, &limits())),
+        &["t.exr", "`depth_channel`", "depth.channel", "B, G, R"],
+    );
     assert_says(&message(ours::read_depth(&path, &named("Q"), &limits())), &["t.exr", "Q", "B, G, R"]);
 }
 
@@ -147,6 +156,19 @@ fn layers_are_told_apart() {
     let mixed = ours::read_color(&path, &named("beauty.R, albedo.G, depth.Z"), &limits()).unwrap();
     assert_eq!(mixed.get(2, 1), [15.0, 25.0, 5.5].map(f16::from_f32));
     assert_says(&message(ours::read_depth(&path, &named("R"), &limits())), &["beauty.R", "albedo.R"]);
+}
+
+#[test]
+fn depth_in_three_channels_must_be_one_depth() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("v.exr");
+    let three = |blue| vec![("VRayZDepth.R", floats(6, 0.5)), ("VRayZDepth.G", floats(6, 0.5)), ("VRayZDepth.B", blue)];
+    write_simple(&path, [3, 2], three(floats(6, 0.5)));
+    assert_eq!(ours::read_depth(&path, &AUTO, &limits()).unwrap(), ramp(3, 2));
+    assert_eq!(ours::read_depth(&path, &named("VRayZDepth"), &limits()).unwrap(), ramp(3, 2));
+    write_simple(&path, [3, 2], three(FlatSamples::F32(vec![0.5, 1.5, 2.5, 3.5, 4.25, 5.5])));
+    assert_says(&message(ours::read_depth(&path, &AUTO, &limits())), &["v.exr", "pixel (1, 1)", "depth.channel"]);
+    assert_eq!(ours::read_depth(&path, &named("VRayZDepth.R"), &limits()).unwrap(), ramp(3, 2));
 }
 
 #[test]

@@ -326,11 +326,11 @@ fn depth_that_is_none() {
             assert_eq!(read(&with(InvalidDepth::Refuse, Some(value))).unwrap(), [1.0, inf, inf]);
         }
     }
-    for value in [f32::from_bits(1), f32::MAX] {
+    for (value, scales) in [(f32::from_bits(1), [1e-30, 1e9]), (9e9, [1e-30, 1.0])] {
         write(value);
         assert_eq!(read(&with(InvalidDepth::Refuse, None)).unwrap(), [1.0, inf, value]);
         // Scaling neither makes nothing of something nor something of nothing.
-        for scale in [1e-30, 1e30] {
+        for scale in scales {
             let options = SourceOptions { depth_scale: Some(scale), ..SourceOptions::default() };
             let values = read(&options).unwrap();
             assert!(values[2] > 0.0 && values[2].is_finite() && values[1] == inf);
@@ -388,6 +388,37 @@ fn manifests_that_contradict_themselves() {
         (r#""lightfield": 1"#, r#""lightfield": 2"#, "version"),
         (r#""fps": 24"#, r#""fps": 0"#, "fps"),
         (r#""fps": 24"#, r#""fps": 1e999"#, "number"),
+        (r#""fps": 24"#, r#""fps": true"#, "24000/1001"),
+        (r#""fps": 24"#, r#""fps": "24/0""#, "24/0"),
+        (r#""depth": {"#, r#""stereo": "over-under", "depth": {"#, "square"),
+        (r#"[0, 0, 0]}"#, r#"[0, 0, 0], "eye": "left"}"#, "stereo"),
+        (r#""name": "t","#, r#""name": "t", "face_names": {"up": "u"},"#, "up"),
+        (r#""name": "t","#, r#""name": "t", "face_names": {"px": "nx"},"#, "same name"),
+        (r#""name": "t","#, r#""name": "t", "face_names": {"px": "a#"},"#, "a#"),
+        (r#""kind": "distance","#, r#""kind": "distance", "scale": 0,"#, "must not be 0"),
+        (r#", "position": [0, 0, 0]"#, "", "neither"),
+        (r#", "position": [0, 0, 0]"#, r#", "poses": []"#, "neither"),
+        (r#""position": [0, 0, 0]"#, r#""poses": [{"frame": 0, "position": [0, 0, 0]}]"#, "lacks frame 1"),
+        (
+            r#"[0, 0, 0]}"#,
+            r#"[0, 0, 0], "poses": [{"frame": 1, "position": [1, 0, 0]}, {"frame": 0, "position": [1, 0, 0]}]}"#,
+            "first of its",
+        ),
+        (
+            r#"[0, 0, 0]}"#,
+            r#"[0, 0, 0], "orientation": [0, 0, 0, 1], "poses": [{"frame": 1, "position": [1, 0, 0]}]}"#,
+            "leave \"orientation\" out",
+        ),
+        (
+            r#""position": [0, 0, 0]"#,
+            r#""poses": [{"frame": 1, "position": [1, 0, 0]}, {"frame": 1, "position": [1, 0, 0]}]"#,
+            "frame 1 twice",
+        ),
+        (
+            r#""position": [0, 0, 0]"#,
+            r#""poses": [{"frame": 0, "position": [1, 0, 0], "orientation": [1, 1, 0, 0]}]"#,
+            "frame 0: \"orientation\"",
+        ),
         ("[0, 1]", "[3, 1]", "first frame 3"),
         ("[0, 1]", "[-3, 1]", "-3"),
         (r#""size": [4, 4],"#, "", "size"),

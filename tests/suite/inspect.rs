@@ -78,6 +78,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         }
     }
     let manifest = Manifest {
+        schema: None,
         lightfield: 1,
         name: "small".into(),
         fps: 24.0,
@@ -86,19 +87,13 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         size: [SIZE, SIZE],
         faces: None,
         faces_present: Some(vec!["px".into(), "nz".into()]),
+        face_names: None,
+        stereo: None,
         depth: None,
-        color: Some(ColorInfo { space: ColorSpace::LinearRec709 }),
+        color: Some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
         files,
-        probes: vec![Probe {
-            name: "00".into(),
-            position: [1.0, 2.0, 3.0],
-            frames: None,
-            orientation: None,
-            fov_y_deg: None,
-            intrinsics: None,
-            extra: None,
-        }],
+        probes: vec![Probe { name: "00".into(), position: Some([1.0, 2.0, 3.0]), ..Probe::default() }],
         extra: None,
     };
     std::fs::write(folder.path().join("lightfield.json"), manifest.to_json().unwrap()).unwrap();

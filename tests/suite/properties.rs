@@ -139,6 +139,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
         (any::<bool>(), proptest::option::of(0usize..3), proptest::option::of(-1e30..1e30), 0.01..1.0, 1.0..1e4);
     let depth = depth.prop_map(|(planar, unit, background, near, far)| DepthInfo {
         kind: if planar { DepthKind::Planar } else { DepthKind::Distance },
+        channel: None,
         unit: unit.map(|unit| [Unit::M, Unit::Cm, Unit::Mm][unit]),
         scale: None,
         background: background.map_or_else(Background::default, Background::Value),
@@ -151,15 +152,14 @@ fn manifest() -> impl Strategy<Value = Manifest> {
         |(name, fps, side, depth, probes, channels)| {
             let probe = |(name, (position, first, more)): (String, (Vec<f64>, u32, u32))| Probe {
                 name,
-                position: [position[0], position[1], position[2]],
+                position: Some([position[0], position[1], position[2]]),
                 frames: Some([first, first + more]),
-                orientation: None,
-                fov_y_deg: None,
-                intrinsics: None,
                 extra: Some(serde_json::json!({ "kept": [first, null] })),
+                ..Probe::default()
             };
             let (reflection, refraction, ior) = channels;
             Manifest {
+                schema: None,
                 lightfield: 1,
                 name,
                 fps,
@@ -168,6 +168,8 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 size: [side; 2],
                 faces: None,
                 faces_present: Some(vec!["px".into(), "nz".into()]),
+                face_names: None,
+                stereo: None,
                 depth: Some(depth),
                 color: None,
                 material: Some(MaterialInfo { channels: MaterialChannels { reflection, refraction, ior } }),

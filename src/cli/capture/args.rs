@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::cli::options::{self, Choices, FrameArgs, one_of, parse_point};
+use crate::dataset::manifest::parse_frame_rate;
 use crate::image::{DepthKind, Projection};
 use crate::scene::Pass;
 
@@ -120,7 +121,7 @@ pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
 }
 
 pub fn parse_fps(text: &str) -> Result<f64, String> {
-    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of frames per second above 0"))
+    parse_frame_rate(text).ok_or_else(|| format!("'{text}' is no number of frames per second above 0, nor a ratio"))
 }
 
 pub fn parse_metres(text: &str) -> Result<f64, String> {
@@ -139,6 +140,7 @@ mod tests {
             assert!(parse_size(text).unwrap_err().contains("640x480"), "{text}");
         }
         assert_eq!(parse_fps("29.97"), Ok(29.97));
+        assert_eq!(parse_fps("24000/1001"), Ok(24000.0 / 1001.0));
         for text in ["", "0", "-1", "inf", "nan", "x"] {
             assert!(parse_fps(text).is_err() && parse_metres(text).is_err(), "{text}");
         }

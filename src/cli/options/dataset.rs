@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::FrameArgs;
+use super::{ChannelArgs, FrameArgs};
 use crate::cli::refuse;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
@@ -15,12 +15,8 @@ pub struct DatasetArgs {
     /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
-    /// Name of the depth channel or layer, if unusual
-    #[arg(long, value_name = "NAME")]
-    pub depth_channel: Option<String>,
-    /// Name of the colour layer, if unusual
-    #[arg(long, value_name = "NAME")]
-    pub color_channel: Option<String>,
+    #[command(flatten)]
+    pub channels: ChannelArgs,
     #[command(flatten)]
     pub frames: FrameArgs,
 }
@@ -29,8 +25,7 @@ impl DatasetArgs {
     pub fn apply(&self, options: &mut SourceOptions) {
         options.frames = self.frames.frames;
         options.face_size = self.face_size;
-        options.channel = self.depth_channel.clone();
-        options.color_channel = self.color_channel.clone();
+        self.channels.apply(options);
     }
 
     /// Opens the dataset, which has the frames that were asked for.

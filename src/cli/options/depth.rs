@@ -192,8 +192,8 @@ pub struct DepthReadingArgs {
     /// Handling of NaN, negative and zero depths
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_DEPTHS), default_value = "refuse")]
     pub invalid_depth: InvalidDepth,
-    /// Metres per unit of an integer image
-    #[arg(long, value_name = "M")]
+    /// Metres per unit of depth, for integer images; below 0 where depth is negative, as Houdini's Pz
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub depth_scale: Option<f64>,
     /// Background value in the files, in addition to +inf
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_background)]

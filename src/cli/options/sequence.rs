@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use super::{EffortArgs, FrameArgs, parse_face};
+use super::{ChannelArgs, EffortArgs, FrameArgs, parse_face};
 use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
@@ -57,16 +57,18 @@ pub struct ImageArgs {
     /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
-    /// Name of the channel or layer, if unusual
-    #[arg(long, value_name = "NAME")]
+    /// Channel or layer of the sequence's kind: the older form of the options below
+    #[arg(long, value_name = "NAME", hide = true,
+        conflicts_with_all = ["depth_channel", "color_channel", "material_channel"])]
     pub channel: Option<String>,
+    #[command(flatten)]
+    pub channels: ChannelArgs,
 }
 
 impl SequenceInputArgs {
     /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         source.frames = self.frames.frames;
-        source.channel = self.images.channel.clone();
         source.face_size = self.images.face_size;
         self.effort.apply(settings);
     }
@@ -79,13 +81,19 @@ impl SequenceInputArgs {
                 self.more.len()
             ));
         }
+        self.images.channels.check(kind)?;
+        let mut options = options.clone();
+        self.images.channels.apply(&mut options);
+        if let Some(name) = &self.images.channel {
+            options.set_channel(kind, name);
+        }
         let images = self.images.layout()?;
         let arrangement = match images.arrangement {
             Arrangement::Single(_) => Arrangement::Single(self.face),
             unfolded => unfolded,
         };
         let layout = SequenceLayout { arrangement, probe: self.probe.clone(), ..images };
-        Source::from_sequence(kind, &self.input, &layout, options)
+        Source::from_sequence(kind, &self.input, &layout, &options)
     }
 }
 

@@ -39,6 +39,7 @@ impl SideArgs {
             && images.layout == Arrangement::Single(Face::View)
             && images.intrinsics.is_none()
             && (images.face_size, images.channel.as_ref()) == (None, None)
+            && images.channels.is_usual()
     }
 
     /// Options of both sides and the compared selection.
@@ -48,7 +49,10 @@ impl SideArgs {
         source.color_space = self.color_space;
         source.invalid_color = self.invalid_color;
         source.face_size = self.images.face_size;
-        source.channel = self.images.channel.clone();
-        Ok(SideOptions { source, layout: self.images.layout()?, selection })
+        self.images.channels.apply(&mut source);
+        // The older form names depth of a dataset.
+        source.depth_channel = source.depth_channel.or(self.images.channel.clone());
+        let sequence_channel = self.images.channel.clone();
+        Ok(SideOptions { source, layout: self.images.layout()?, sequence_channel, selection })
     }
 }

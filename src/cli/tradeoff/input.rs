@@ -126,10 +126,6 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
         }
         if of_diff.contains(&name) {
             fixed.diff.push(word.clone());
-        } else if let Some(channel) = word.strip_prefix("--depth-channel=") {
-            fixed.diff.push(format!("--channel={channel}"));
-        } else if name == "color-channel" {
-            return refuse("--color-channel after --: diff has no such option, so that quality could not be measured");
         }
         fixed.encode.push(word);
     }
@@ -273,13 +269,14 @@ mod tests {
             words.join(" ")
         };
         assert_eq!(sort(sorted.encode), "--depth-channel=Z --frames=0-3 --hdr");
-        assert_eq!(sort(sorted.diff), "--channel=Z --frames=0-3 --hdr");
+        assert_eq!(sort(sorted.diff), "--depth-channel=Z --frames=0-3 --hdr");
         assert_eq!(sorted.decode, ["--gpu-index=1"]);
         let said = |line: &str| of(line).unwrap_err().to_string();
         assert!(said("--stream depth").contains("tradeoff gives it"));
         assert!(said("--color-cell 0").contains("'0'"), "{}", said("--color-cell 0"));
         assert!(said("--colour").contains("unexpected argument '--colour'"));
-        assert!(said("--color-channel A").contains("diff has no such option"));
+        let colour = of("--color-channel A").unwrap();
+        assert_eq!((colour.encode, colour.diff), (vec!["--color-channel=A".into()], vec!["--color-channel=A".into()]));
         assert!(!said("--color-cell 0").contains('\n'));
     }
 }

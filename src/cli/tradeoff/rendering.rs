@@ -51,7 +51,7 @@ pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitSt
 /// The probe that is nearest to the middle of all, the first of several.
 fn most_central(dataset: &Path) -> Result<String> {
     let manifest = Manifest::read(dataset)?;
-    let position = |at: usize| DVec3::from_array(manifest.probes[at].position);
+    let position = |at: usize| DVec3::from_array(manifest.probes[at].first_pose(manifest.frame_range()).position);
     let middle = (0..manifest.probes.len()).map(position).sum::<DVec3>() / manifest.probes.len().max(1) as f64;
     let away = |at: &usize| position(*at).distance_squared(middle);
     let nearest = (0..manifest.probes.len()).min_by(|a, b| away(a).total_cmp(&away(b)));

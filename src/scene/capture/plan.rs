@@ -71,6 +71,7 @@ impl CapturePlan {
         let files = |pass| wants(pass).then(|| self.file_text(pass));
         let probes = (0..self.cameras.cameras.len()).map(|camera| self.probe(camera)).collect::<Result<_>>()?;
         let manifest = Manifest {
+            schema: None,
             lightfield: MANIFEST_VERSION,
             name: self.name.clone(),
             fps: self.fps,
@@ -79,8 +80,10 @@ impl CapturePlan {
             size: self.size,
             faces: (self.projection == Projection::Cubemap).then_some(FaceFiles::Six),
             faces_present: None,
+            face_names: None,
+            stereo: None,
             depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
-            color: wants(Pass::Color).then_some(ColorInfo { space: ColorSpace::LinearRec709 }),
+            color: wants(Pass::Color).then_some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
             files: Files {
                 color: files(Pass::Color),
@@ -146,12 +149,12 @@ impl CapturePlan {
         let shifted = fov_y_deg.filter(|_| placed.shift.is_some());
         Ok(Probe {
             name,
-            position: placed.position,
+            position: Some(placed.position),
             frames: (frames != self.frames).then_some([frames.first, frames.last]),
             orientation: placed.orientation,
             fov_y_deg: fov_y_deg.filter(|_| shifted.is_none()),
             intrinsics: shifted.map(|fov_y_deg| placed.intrinsics(fov_y_deg, self.size)),
-            extra: None,
+            ..Probe::default()
         })
     }
 

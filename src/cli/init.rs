@@ -1,0 +1,94 @@
+//! `lightfold init DIR`: a manifest for a folder of images.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::progress::Progress;
+use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
+use crate::convention;
+use crate::dataset::discover::{self, Proposal};
+use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
+use crate::dataset::{Source, SourceOptions};
+use crate::error::{Error, Result};
+use crate::image::StreamKind;
+use crate::report::coding_map::counted;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\
+    Finds image sequences by the frame numbers in their names, probes and faces by folders or names, panoramas, crosses and \
+    strips by shape, colour and depth by channels, cameras by the attribute worldToCamera; and checks the manifest as \
+    inspect --check does. What images cannot tell is printed, one line each: correct it in the manifest.")]
+pub struct Args {
+    /// The folder of images
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The manifest to write, - for standard output [default: lightfield.json in DIR]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Replace a manifest that exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let inside = args.folder.join(MANIFEST_NAME);
+    let to = args.output.as_ref().unwrap_or(&inside);
+    let is_standard_output = to == Path::new("-");
+    if !is_standard_output && to.exists() && !args.force {
+        return refuse(format!("{}: there is a manifest already; --force replaces it", to.display()));
+    }
+    if !args.folder.is_dir() {
+        return refuse(format!("{}: a folder of images was expected", args.folder.display()));
+    }
+    let mut proposal = discover::propose(&args.folder)?;
+    let file = if is_standard_output { &inside } else { to };
+    if !is_below(file, &args.folder) {
+        proposal = proposal.outside(&args.folder)?;
+    }
+    let Proposal { manifest, mut unsure } = proposal;
+    let (manifest, doubts) = match checked(&manifest, file, global) {
+        Ok((manifest, doubts)) => (manifest, doubts),
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        // The manifest is of use all the same.
+        Err(error) => (manifest, vec![format!("the checks ended early: {error}")]),
+    };
+    unsure.extend(doubts);
+    output::write_file(to, &manifest.to_json()?)?;
+    global.note(text(to, &manifest));
+    unsure.iter().for_each(|line| output::note(format_args!("unsure: {line}")));
+    Ok(ExitStatus::Passed)
+}
+
+/// Whether a file lies directly in a folder.
+fn is_below(file: &Path, folder: &Path) -> bool {
+    let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (parent.canonicalize(), folder.canonicalize()) {
+        (Ok(parent), Ok(folder)) => parent == folder,
+        _ => false,
+    }
+}
+
+/// The manifest as the checks settle it, and what they suspect.
+fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Manifest, Vec<String>)> {
+    let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
+    let steps =
+        convention::steps(&source, &convention::Choice { max_probes: convention::MAX_PROBES, ..Default::default() })?;
+    let progress = Progress::start(global, "checking", steps)?;
+    let (manifest, report) = convention::settle(manifest.clone(), file, &progress)?;
+    let doubts = report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
+    Ok((manifest, doubts))
+}
+
+fn text(file: &Path, manifest: &Manifest) -> String {
+    let kinds: Vec<&str> =
+        StreamKind::ALL.into_iter().filter(|kind| manifest.files.get(*kind).is_some()).map(StreamKind::name).collect();
+    format!(
+        "{}: {} of {} in {}, frames {}, {}x{} pixels",
+        file.display(),
+        kinds.join(" and "),
+        counted(manifest.probes.len() as u64, "probe"),
+        manifest.projection.name(),
+        manifest.frame_range(),
+        manifest.size[0],
+        manifest.size[1]
+    )
+}

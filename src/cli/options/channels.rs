@@ -1,0 +1,47 @@
+//! Channels of EXR files.
+
+use clap::Args;
+
+use crate::cli::refuse;
+use crate::dataset::SourceOptions;
+use crate::error::Result;
+use crate::image::StreamKind;
+
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Channels")]
+pub struct ChannelArgs {
+    /// Depth channel or layer of EXR files [default: from the manifest, or by usual names]
+    #[arg(long, value_name = "NAME")]
+    pub depth_channel: Option<String>,
+    /// Colour layer of EXR files, or three channels R,G,B [default: from the manifest, or by usual names]
+    #[arg(long, value_name = "NAME")]
+    pub color_channel: Option<String>,
+    /// Three material channels of EXR files, as reflect,refract,ior [default: from the manifest]
+    #[arg(long, value_name = "A,B,C")]
+    pub material_channel: Option<String>,
+}
+
+impl ChannelArgs {
+    pub fn apply(&self, source: &mut SourceOptions) {
+        source.depth_channel.clone_from(&self.depth_channel);
+        source.color_channel.clone_from(&self.color_channel);
+        source.material_channel.clone_from(&self.material_channel);
+    }
+
+    pub fn is_usual(&self) -> bool {
+        self.depth_channel.is_none() && self.color_channel.is_none() && self.material_channel.is_none()
+    }
+
+    /// Refuses channels of another kind than that of a sequence.
+    pub fn check(&self, kind: StreamKind) -> Result<()> {
+        let given = [
+            (StreamKind::Depth, &self.depth_channel),
+            (StreamKind::Color, &self.color_channel),
+            (StreamKind::Material, &self.material_channel),
+        ];
+        match given.into_iter().find(|(other, name)| *other != kind && name.is_some()) {
+            Some((other, _)) => refuse(format!("--{}-channel: this is a sequence of {}", other.name(), kind.name())),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! `lightfold schema NAME`: JSON Schemas of files.
+
+use crate::cli::options::{Choices, one_of};
+use crate::cli::{ExitStatus, output};
+use crate::error::Result;
+
+/// Names of schemas, their texts, and what they describe.
+const SCHEMAS: &Choices<&str> =
+    &[("manifest", include_str!("../../formats/schemas/manifest.json"), "lightfield.json, the manifest of a dataset")];
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  lightfold schema manifest > manifest.schema.json\n\n\
+    Editors complete and check a lightfield.json whose first key is \"$schema\": \"manifest.schema.json\".")]
+pub struct Args {
+    /// What the schema describes
+    #[arg(value_name = "NAME", value_parser = one_of(SCHEMAS))]
+    pub name: &'static str,
+}
+
+pub fn run(args: &Args) -> Result<ExitStatus> {
+    output::print_text(args.name).map(|()| ExitStatus::Passed)
+}

@@ -1,0 +1,40 @@
+//! Chooses what images alone do not tell of a proposed manifest, by the checks.
+
+use std::path::Path;
+
+use super::{Choice, MAX_PROBES, Report, check};
+use crate::dataset::manifest::Manifest;
+use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
+use crate::error::Result;
+use crate::monitor::Monitor;
+
+/// The manifest with the kind of depth that raises fewer suspicions, and the report of its checks. `file` is where the manifest
+/// will be.
+pub fn settle(manifest: Manifest, file: &Path, monitor: &dyn Monitor) -> Result<(Manifest, Report)> {
+    let checked = |manifest: &Manifest| {
+        let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
+        check(&source, &choice(&source), monitor)
+    };
+    let report = checked(&manifest)?;
+    let doubts = |report: &Report| report.suspected().count();
+    let is_doubted = report.suspected().any(|finding| finding.check.starts_with("depth.kind"));
+    let mut other = manifest.clone();
+    let Some(depth) = other.depth.as_mut().filter(|_| is_doubted && manifest.projection != Projection::Equirect) else {
+        return Ok((manifest, report));
+    };
+    depth.kind = match depth.kind {
+        DepthKind::Distance => DepthKind::Planar,
+        DepthKind::Planar => DepthKind::Distance,
+    };
+    let other_report = checked(&other)?;
+    Ok(if doubts(&other_report) < doubts(&report) { (other, other_report) } else { (manifest, report) })
+}
+
+/// All probes; the first where several stand at one place, as if nobody knew their positions.
+fn choice(source: &Source) -> Choice {
+    let probes = source.probes();
+    let is_known = probes.windows(2).all(|pair| pair[0].position != pair[1].position);
+    let first = probes.first().map(|probe| probe.name.clone());
+    let probes = if is_known { Vec::new() } else { first.into_iter().collect() };
+    Choice { probes, max_probes: MAX_PROBES, frame: None }
+}

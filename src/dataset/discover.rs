@@ -1,0 +1,434 @@
+//! Proposes a manifest for a folder of image sequences.
+//!
+//! Enters: a folder. Leaves: a manifest, and a sentence for each thing that images cannot tell.
+//!
+//! 1. `sequences`: files with frame numbers, and the kinds of images that the first of each holds.
+//! 2. `names`: for each kind one pattern with `{probe}` and `{face}`.
+//! 3. `poses`: cameras, where EXR files state them.
+//! 4. Here: frames, projection by names and shape, values of depth by the first image.
+
+mod names;
+mod poses;
+mod sequences;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use names::Named;
+use sequences::Found;
+
+use super::manifest::{
+    Background, ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS, Probe, Unit,
+};
+use crate::error::{Error, Result};
+use crate::image::channels::find_named;
+use crate::image::layout::face_size;
+use crate::image::{
+    ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, Projection, ReadLimits, StreamKind,
+    exr, png,
+};
+
+/// Frames per second where no file states any.
+const USUAL_FPS: f64 = 24.0;
+/// Depth from here on, in units of the file, means that nothing is there.
+const NOTHING_FROM: f32 = 1e10;
+/// Names of the parts or views of stereo files.
+const EYES: [&str; 2] = ["left", "right"];
+
+/// A manifest that fits the files of a folder.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// Valid, with patterns relative to the folder.
+    pub manifest: Manifest,
+    /// What images cannot tell, or what was left out: a sentence each.
+    pub unsure: Vec<String>,
+}
+
+impl Proposal {
+    /// The same with absolute patterns, for a manifest in another folder.
+    pub fn outside(mut self, folder: &Path) -> Result<Proposal> {
+        let whole = folder.canonicalize().map_err(|error| Error::io(folder, error))?;
+        let Some(whole) = whole.to_str().filter(|whole| !whole.contains(['{', '}'])) else {
+            return Err(Error::invalid("patterns cannot hold the path of this folder: put the manifest into it")
+                .in_file(folder));
+        };
+        let files = &mut self.manifest.files;
+        for text in [&mut files.color, &mut files.depth, &mut files.material, &mut files.normal].into_iter().flatten() {
+            *text = format!("{}/{text}", whole.trim_end_matches('/'));
+        }
+        Ok(self)
+    }
+}
+
+/// Proposes a manifest for the images in a folder and the folders below it.
+pub fn propose(folder: &Path) -> Result<Proposal> {
+    let limits = ReadLimits::default();
+    let mut unsure = Vec::new();
+    let found = sequences::find(folder, &limits, &mut unsure)?;
+    if found.is_empty() {
+        return Err(Error::invalid("no .exr or .png file with a frame number was found in it").in_file(folder));
+    }
+    let mut kinds = BTreeMap::new();
+    for kind in StreamKind::ALL {
+        let chosen = choose(&found, kind);
+        if chosen.is_empty() {
+            continue;
+        }
+        let named = names::name(&chosen.iter().map(|of| of.text.as_str()).collect::<Vec<_>>())
+            .map_err(|error| error.context(format!("the files of {}", kind.name())).in_file(folder))?;
+        unsure.extend(
+            named.left_out.iter().map(|at| {
+                format!("{} was left out: its name is of another form than {}", chosen[*at].text, named.text)
+            }),
+        );
+        kinds.insert(kind, (chosen, named));
+    }
+    if kinds.is_empty() {
+        let channels = found[0].channels();
+        let message =
+            format!("neither colour nor depth was found in its images; {} has the channels {channels}", found[0].text);
+        return Err(Error::invalid(message).in_file(folder));
+    }
+    Draft { folder, found: &found, kinds, limits, unsure }.manifest()
+}
+
+/// Sequences of a kind. Files of depth alone win over those that hold it beside colour.
+fn choose(found: &[Found], kind: StreamKind) -> Vec<&Found> {
+    let of_kind: Vec<&Found> = found.iter().filter(|of| of.kinds.contains(&kind)).collect();
+    let alone = |of: &&&Found| of.kinds.len() == 1;
+    let some_alone = of_kind.iter().any(|of| alone(&of));
+    of_kind.into_iter().filter(|of| kind != StreamKind::Depth || !some_alone || alone(&of)).collect()
+}
+
+/// Sequences of a kind, and their common pattern.
+type OfKind<'a> = (Vec<&'a Found>, Named);
+
+struct Draft<'a> {
+    folder: &'a Path,
+    found: &'a [Found],
+    kinds: BTreeMap<StreamKind, OfKind<'a>>,
+    limits: ReadLimits,
+    unsure: Vec<String>,
+}
+
+impl Draft<'_> {
+    fn manifest(mut self) -> Result<Proposal> {
+        let size = self.size()?;
+        let faces = self.faces()?;
+        let names = self.probe_names()?;
+        let stereo_parts = self.kinds.values().all(|(files, _)| files[0].has_eyes) && names.len() == 1;
+        let (projection, layout) = self.projection(size, &faces)?;
+        let frames = self.frames(&names)?;
+        let all = frames.values().copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default();
+        let depth = self.depth(projection, stereo_parts)?;
+        let mut probes = Vec::new();
+        for name in &names {
+            let frames = (frames[name] != all).then_some(frames[name]);
+            let first = self.first_file(name);
+            let place = first.map(|(of, face)| poses::of(of, face, frames.unwrap_or(all), &self.limits)).transpose()?;
+            let mut probe = Probe { name: name.clone(), frames, ..place.flatten().unwrap_or_default() };
+            if probe.position.is_none() && probe.poses.is_empty() {
+                probe.position = Some([0.0; 3]);
+            }
+            probes.push(probe);
+        }
+        if stereo_parts {
+            probes = EYES.map(|eye| Probe { name: eye.into(), ..probes[0].clone() }).to_vec();
+            self.unsure.push("the files hold two eyes, which became the probes left and right".into());
+        }
+        self.note_poses(&probes, projection);
+        let fps = self.fps();
+        let channel = stereo_parts.then(|| "{probe}".to_owned());
+        let color = self.color_space().map(|space| ColorInfo { space: Some(space), layer: None });
+        let color = match channel {
+            Some(layer) => Some(ColorInfo { layer: Some(layer), ..color.unwrap_or_default() }),
+            None => color,
+        };
+        let file = |kind| self.kinds.get(&kind).map(|(_, named): &OfKind<'_>| named.text.clone());
+        let color = color.filter(|_| self.kinds.contains_key(&StreamKind::Color));
+        let manifest = Manifest {
+            schema: None,
+            lightfield: MANIFEST_VERSION,
+            name: self.name(),
+            fps,
+            frames: all,
+            projection,
+            size: size.into(),
+            faces: layout.filter(|layout| *layout != FaceFiles::Six),
+            faces_present: (faces.len() < 6 && !faces.is_empty())
+                .then(|| faces.keys().map(|face| face.name().to_owned()).collect()),
+            face_names: faces
+                .iter()
+                .any(|(face, word)| face.name() != word)
+                .then(|| faces.iter().map(|(face, word)| (face.name().to_owned(), word.clone())).collect()),
+            stereo: None,
+            depth,
+            color,
+            material: None,
+            files: Files {
+                color: file(StreamKind::Color),
+                depth: file(StreamKind::Depth),
+                material: file(StreamKind::Material),
+                normal: self.normals(&names)?,
+            },
+            probes,
+            extra: None,
+        };
+        manifest.validate()?;
+        Ok(Proposal { manifest, unsure: self.unsure })
+    }
+
+    fn name(&self) -> String {
+        let whole = self.folder.canonicalize().unwrap_or_else(|_| self.folder.to_path_buf());
+        let name = whole.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if name.is_empty() || name.contains(char::is_control) { "footage".into() } else { name.into() }
+    }
+
+    /// The one size of all images.
+    fn size(&self) -> Result<(u32, u32)> {
+        let mut all = self.kinds.values().flat_map(|(files, _)| files);
+        let first = all.next().map_or(&self.found[0], |of| *of);
+        match all.find(|of| of.size != first.size) {
+            Some(other) => Err(Error::invalid(format!(
+                "{} is {}x{} pixels, {} is {}x{}: the images of a dataset have one size; keep others in another folder",
+                first.text, first.size.0, first.size.1, other.text, other.size.0, other.size.1
+            ))
+            .in_file(self.folder)),
+            None => Ok(first.size),
+        }
+    }
+
+    /// What files call the faces; empty where one image holds all, or there is one face only.
+    fn faces(&self) -> Result<BTreeMap<Face, String>> {
+        let mut all = self.kinds.values().map(|(_, named)| &named.faces);
+        let first = all.next().cloned().unwrap_or_default();
+        match all.all(|faces| *faces == first) {
+            true => Ok(first),
+            false => Err(Error::invalid("the files of colour and depth call their faces by different names")
+                .in_file(self.folder)),
+        }
+    }
+
+    /// Names of the probes that have files of each kind.
+    fn probe_names(&mut self) -> Result<Vec<String>> {
+        let of_kinds: Vec<BTreeSet<String>> = self.kinds.values().map(|(_, named)| named.probes()).collect();
+        let all: BTreeSet<String> = of_kinds.iter().flatten().cloned().collect();
+        let common: Vec<String> =
+            all.iter().filter(|name| of_kinds.iter().all(|names| names.contains(*name))).cloned().collect();
+        if common.is_empty() {
+            let texts: Vec<&str> = self.kinds.values().map(|(_, named)| named.text.as_str()).collect();
+            let message = format!("no probe has files of every kind: they are {}", texts.join(", "));
+            return Err(Error::invalid(message).in_file(self.folder));
+        }
+        let lacking: Vec<&String> = all.iter().filter(|name| !common.contains(name)).collect();
+        self.unsure
+            .extend(lacking.iter().map(|name| format!("probe {name} was left out: it has not files of every kind")));
+        Ok(common)
+    }
+
+    fn first_file(&self, probe: &str) -> Option<(&Found, Face)> {
+        self.kinds.values().find_map(|(files, named)| {
+            let (&(_, face), &at) = named.members.iter().find(|((name, _), _)| name == probe)?;
+            Some((files[at], face))
+        })
+    }
+
+    /// First and last frame that all files of a probe have, by its name.
+    fn frames(&mut self, names: &[String]) -> Result<BTreeMap<String, [u32; 2]>> {
+        let mut frames = BTreeMap::new();
+        for name in names {
+            let files: Vec<&Found> = self
+                .kinds
+                .values()
+                .flat_map(|(files, named)| {
+                    named.members.iter().filter(|((of, _), _)| of == name).map(|(_, at)| files[*at])
+                })
+                .collect();
+            let first = files.iter().filter_map(|of| of.frames.first()).max().copied().unwrap_or(0);
+            let last = files.iter().filter_map(|of| of.frames.last()).min().copied().unwrap_or(0);
+            if first > last {
+                let message = format!("the files of probe {name} have no frame in common");
+                return Err(Error::invalid(message).in_file(self.folder));
+            }
+            for of in files {
+                let [own_first, own_last] =
+                    [of.frames.first(), of.frames.last()].map(|frame| frame.copied().unwrap_or(0));
+                if [own_first, own_last] != [first, last] {
+                    let text = &of.text;
+                    self.unsure.push(format!(
+                        "{text} has the frames {own_first}-{own_last}, of which {first}-{last} are used"
+                    ));
+                }
+                if let Some(missing) = (first..=last).find(|frame| !of.frames.contains(frame)) {
+                    self.unsure.push(format!("{} lacks frame {missing}", of.text));
+                }
+            }
+            frames.insert(name.clone(), [first, last]);
+        }
+        Ok(frames)
+    }
+
+    fn projection(
+        &mut self,
+        size: (u32, u32),
+        faces: &BTreeMap<Face, String>,
+    ) -> Result<(Projection, Option<FaceFiles>)> {
+        if !faces.is_empty() {
+            if faces.iter().any(|(face, word)| face.name() != word) {
+                let words: Vec<String> = faces.iter().map(|(face, word)| format!("{word} = {}", face.name())).collect();
+                self.unsure.push(format!("the faces were taken as {}", words.join(", ")));
+            }
+            return Ok((Projection::Cubemap, Some(FaceFiles::Six)));
+        }
+        let (width, height) = size;
+        let is = |layout| face_size(layout, width, height).is_ok();
+        Ok(if is(FaceLayout::Strip) {
+            (Projection::Cubemap, Some(FaceFiles::Strip))
+        } else if is(FaceLayout::Cross) && self.has_empty_corners(size)? {
+            (Projection::Cubemap, Some(FaceFiles::Cross))
+        } else if u64::from(width) == 2 * u64::from(height) {
+            self.unsure.push("images twice as wide as high were taken for equirectangular panoramas".into());
+            (Projection::Equirect, None)
+        } else {
+            (Projection::Perspective, None)
+        })
+    }
+
+    /// Whether the images have one value in each corner that no face of a cross covers.
+    fn has_empty_corners(&self, (width, height): (u32, u32)) -> Result<bool> {
+        let cells: &[[u32; 2]] = if width > height {
+            &[[0, 0], [2, 0], [3, 0], [0, 2], [2, 2], [3, 2]]
+        } else {
+            &[[0, 0], [2, 0], [0, 2], [2, 2], [0, 3], [2, 3]]
+        };
+        let side = face_size(FaceLayout::Cross, width, height)?;
+        let file = self.kinds.iter().next().map(|(kind, (files, _))| (*kind, &files[0].first));
+        let Some((kind, file)) = file else { return Ok(false) };
+        let corners = |value: &dyn Fn(u32, u32) -> [u32; 3]| {
+            cells.iter().all(|[column, row]| {
+                let (left, top) = (column * side, row * side);
+                (0..side * side).all(|at| value(left + at % side, top + at / side) == value(left, top))
+            })
+        };
+        Ok(match kind {
+            StreamKind::Color => {
+                let plane = self.read_color(file)?;
+                corners(&|x, y| plane.get(x, y).map(|value| u32::from(value.to_bits())))
+            }
+            StreamKind::Depth => {
+                let plane = self.read_depth(file)?;
+                corners(&|x, y| [plane.get(x, y).to_bits(); 3])
+            }
+            StreamKind::Material => false,
+        })
+    }
+
+    fn read_color(&self, file: &Path) -> Result<ColorPlane> {
+        match png::is_png(file) {
+            true => png::read_color(file, ColorSpace::Srgb, &self.limits),
+            false => exr::read_color(file, &ChannelSelect::Auto, &self.limits),
+        }
+    }
+
+    fn read_depth(&self, file: &Path) -> Result<DepthPlane> {
+        match png::is_png(file) {
+            true => png::read_depth(file, 1.0, &self.limits),
+            false => exr::read_depth(file, &ChannelSelect::Auto, &self.limits),
+        }
+    }
+
+    /// What the first image of depth tells.
+    fn depth(&mut self, projection: Projection, is_stereo: bool) -> Result<Option<DepthInfo>> {
+        let Some((files, _)) = self.kinds.get(&StreamKind::Depth) else { return Ok(None) };
+        let first = files[0];
+        let mut info =
+            DepthInfo { unit: None, channel: is_stereo.then(|| "{probe}".to_owned()), ..DepthInfo::default() };
+        if projection == Projection::Perspective {
+            info.kind = DepthKind::Planar;
+        }
+        if png::is_png(&first.first) {
+            info.unit = Some(Unit::Mm);
+            self.unsure.push(format!("{} holds integers, which were taken for millimetres", first.text));
+        }
+        let plane = match is_stereo {
+            true => exr::read_depth(&first.first, &ChannelSelect::Named(EYES[0].into()), &self.limits)?,
+            false => self.read_depth(&first.first)?,
+        };
+        let finite = || plane.data().iter().copied().filter(|value| value.is_finite());
+        let negative = finite().filter(|value| *value < 0.0).count();
+        let positive = finite().filter(|value| *value > 0.0).count();
+        let sign = if negative > positive { -1.0 } else { 1.0 };
+        if sign < 0.0 {
+            info.scale = Some(-1.0);
+            self.unsure.push(format!(
+                "{} holds negative depths, which were taken for Z of a camera that looks along -Z",
+                first.text
+            ));
+        }
+        let far = finite().map(|value| value * sign).filter(|value| *value >= NOTHING_FROM).reduce(f32::max);
+        let background = far.map(|far| far * sign).or(finite().any(|value| value == 0.0).then_some(0.0));
+        if let Some(background) = background {
+            info.background = Background::Value(shortest(background));
+            self.unsure.push(format!("depth {background:?} was taken for the background"));
+        }
+        Ok(Some(info))
+    }
+
+    fn fps(&mut self) -> f64 {
+        let stated = self.found.iter().find_map(|of| of.header.as_ref()?.fps);
+        stated.unwrap_or_else(|| {
+            self.unsure.push(format!("no file states its frame rate: \"fps\" is {USUAL_FPS}"));
+            USUAL_FPS
+        })
+    }
+
+    /// Encoding of colour, where it is not what files of their format usually have.
+    fn color_space(&mut self) -> Option<ColorSpace> {
+        let (files, _) = self.kinds.get(&StreamKind::Color)?;
+        if png::is_png(&files[0].first) {
+            self.unsure.push("PNG colour was taken for sRGB".into());
+            return Some(ColorSpace::Srgb);
+        }
+        None
+    }
+
+    fn note_poses(&mut self, probes: &[Probe], projection: Projection) {
+        let without = probes.iter().filter(|probe| probe.poses.is_empty() && probe.position == Some([0.0; 3])).count();
+        if without > 0 {
+            self.unsure.push(format!(
+                "no file states where {}: \"position\" is 0, 0, 0",
+                match probes.len() {
+                    1 => "the probe stands".to_owned(),
+                    all => format!("{without} of {all} probes stand"),
+                }
+            ));
+        }
+        if projection == Projection::Perspective {
+            self.unsure.push(
+                "no file states the lens: give \"fov_y_deg\" or \"intrinsics\", or planar depth stays planar".into(),
+            );
+        }
+    }
+
+    /// Pattern of files of normals of the same probes and faces.
+    fn normals(&mut self, names: &[String]) -> Result<Option<String>> {
+        let is_normal = |of: &&Found| {
+            let header = of.header.as_ref();
+            header.is_some_and(|header| {
+                of.kinds.is_empty() && NORMAL_CHANNELS.iter().all(|name| find_named(&header.channels, name).is_ok())
+            })
+        };
+        let texts: Vec<&str> = self.found.iter().filter(is_normal).map(|of| of.text.as_str()).collect();
+        if texts.is_empty() {
+            return Ok(None);
+        }
+        let Ok(named) = names::name(&texts) else { return Ok(None) };
+        let all_there = names.iter().all(|name| named.probes().contains(name));
+        Ok((all_there && named.faces == self.faces()? && named.left_out.is_empty()).then_some(named.text))
+    }
+}
+
+/// The 64-bit number with the digits that print a 32-bit one.
+fn shortest(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}

@@ -1,0 +1,184 @@
+//! One pattern for many sequences: which parts of their names are faces, and which are probes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::dataset::manifest::is_probe_name;
+use crate::error::{Error, Result};
+use crate::image::Face;
+
+/// Name of the only probe.
+const ONLY_PROBE: &str = "00";
+
+/// Words for faces; the first two sets mean nothing else.
+const FACE_WORDS: [[&[&str]; 6]; 3] = [
+    [&["px"], &["nx"], &["py"], &["ny"], &["pz"], &["nz"]],
+    [&["posx", "xpos"], &["negx", "xneg"], &["posy", "ypos"], &["negy", "yneg"], &["posz", "zpos"], &["negz", "zneg"]],
+    [&["right", "rt"], &["left", "lf"], &["top", "up"], &["bottom", "down", "dn"], &["front", "fr"], &["back", "bk"]],
+];
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// The pattern.
+    pub text: String,
+    /// Index of the sequence of each probe and face; [`Face::View`] where the names have no faces.
+    pub members: BTreeMap<(String, Face), usize>,
+    /// What the names call the faces.
+    pub faces: BTreeMap<Face, String>,
+    /// Indices of sequences whose names are of another form.
+    pub left_out: Vec<usize>,
+}
+
+impl Named {
+    pub fn probes(&self) -> BTreeSet<String> {
+        self.members.keys().map(|(probe, _)| probe.clone()).collect()
+    }
+}
+
+/// Finds the pattern of sequences, given as patterns without probes and faces.
+pub fn name(texts: &[&str]) -> Result<Named> {
+    let split: Vec<Vec<String>> = texts.iter().map(|text| tokens(text)).collect();
+    let mut forms: BTreeMap<Vec<String>, Vec<usize>> = BTreeMap::new();
+    for (at, tokens) in split.iter().enumerate() {
+        forms.entry(form(tokens)).or_default().push(at);
+    }
+    let most =
+        forms.values().max_by_key(|members| (members.len(), usize::MAX - members[0])).cloned().unwrap_or_default();
+    let left_out = (0..texts.len()).filter(|at| !most.contains(at)).collect();
+    let mut rows: Vec<Vec<String>> = most.iter().map(|at| split[*at].clone()).collect();
+    let faces = take_faces(&mut rows);
+    let probes = take_probes(&mut rows)?;
+    let mut members = BTreeMap::new();
+    for ((at, face), probe) in most.iter().zip(&faces).zip(probes) {
+        if members.insert((probe, face.as_ref().map_or(Face::View, |(face, _)| *face)), *at).is_some() {
+            return Err(Error::invalid(format!("two sequences have the same probe and face, as {}", texts[*at])));
+        }
+    }
+    let faces = faces.into_iter().flatten().collect();
+    let text = rows.first().map(|row| row.concat()).unwrap_or_default();
+    Ok(Named { text, members, faces, left_out })
+}
+
+/// Runs of letters and digits, and the characters between them.
+fn tokens(text: &str) -> Vec<String> {
+    let mut tokens: Vec<String> = Vec::new();
+    let mut was_word = false;
+    for c in text.chars() {
+        let is_word = c.is_ascii_alphanumeric();
+        match tokens.last_mut() {
+            Some(last) if is_word && was_word => last.push(c),
+            _ => tokens.push(c.into()),
+        }
+        was_word = is_word;
+    }
+    tokens
+}
+
+/// The tokens, with the same word for all words but the width of the frame number and the ending.
+fn form(tokens: &[String]) -> Vec<String> {
+    let last = tokens.len().saturating_sub(1);
+    let varies = |at: usize| {
+        let is_word = tokens[at].starts_with(|c: char| c.is_ascii_alphanumeric());
+        is_word && at < last && (at == 0 || tokens[at - 1] != "%")
+    };
+    (0..tokens.len()).map(|at| if varies(at) { "w".into() } else { tokens[at].clone() }).collect()
+}
+
+fn face_of(token: &str, words: &[&[&str]; 6]) -> Option<Face> {
+    let lower = token.to_ascii_lowercase();
+    words.iter().position(|names| names.contains(&lower.as_str())).map(|at| Face::CUBE[at])
+}
+
+/// Puts `{face}` in the place of the words for faces; answers face and word of each row.
+fn take_faces(rows: &mut [Vec<String>]) -> Vec<Option<(Face, String)>> {
+    let width = rows.first().map_or(0, Vec::len);
+    for (set, words) in FACE_WORDS.iter().enumerate() {
+        for column in 0..width {
+            let found: Option<Vec<Face>> = rows.iter().map(|row| face_of(&row[column], words)).collect();
+            let Some(found) = found else { continue };
+            let distinct: BTreeSet<&Face> = found.iter().collect();
+            // Left and right alone are eyes.
+            if set == 2 && (distinct.len() < 2 || distinct.iter().all(|face| [Face::Px, Face::Nx].contains(face))) {
+                continue;
+            }
+            let words: Vec<String> = rows.iter().map(|row| row[column].clone()).collect();
+            let same: Vec<usize> =
+                (0..width).filter(|other| rows.iter().zip(&words).all(|(row, word)| row[*other] == *word)).collect();
+            for row in rows.iter_mut() {
+                same.iter().for_each(|at| row[*at] = "{face}".into());
+            }
+            return found.into_iter().zip(words).map(Some).collect();
+        }
+    }
+    vec![None; rows.len()]
+}
+
+/// Puts `{probe}` in the place of what differs; answers the probe of each row.
+fn take_probes(rows: &mut [Vec<String>]) -> Result<Vec<String>> {
+    let width = rows.first().map_or(0, Vec::len);
+    let differs: Vec<usize> =
+        (0..width).filter(|column| rows.iter().any(|row| row[*column] != rows[0][*column])).collect();
+    let (Some(&first), Some(&last)) = (differs.first(), differs.last()) else {
+        return Ok(vec![ONLY_PROBE.into(); rows.len()]);
+    };
+    let is_repeated = rows.iter().all(|row| differs.iter().all(|at| row[*at] == row[first]));
+    let probes: Vec<String> = match is_repeated {
+        true => rows.iter().map(|row| row[first].clone()).collect(),
+        false => rows.iter().map(|row| row[first..=last].concat()).collect(),
+    };
+    if let Some(wrong) = probes.iter().find(|probe| !is_probe_name(probe)) {
+        return Err(Error::invalid(format!(
+            "they differ in more than a probe and a face, such as by \"{wrong}\": name one folder or file after each probe"
+        )));
+    }
+    for row in rows.iter_mut() {
+        if is_repeated {
+            differs.iter().for_each(|at| row[*at] = "{probe}".into());
+        } else {
+            row.splice(first..=last, ["{probe}".to_owned()]);
+        }
+    }
+    Ok(probes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pattern(texts: &[&str]) -> String {
+        name(texts).unwrap().text
+    }
+
+    #[test]
+    fn faces_and_probes_are_found_in_folders_and_files() {
+        let mut texts = Vec::new();
+        for (probe, face) in ["a1", "b2"].into_iter().flat_map(|probe| ["px", "nz"].map(|face| (probe, face))) {
+            texts.push(format!("cam_{probe}/{face}/{probe}_{face}_color.%04d.exr"));
+        }
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        let named = name(&texts).unwrap();
+        assert_eq!(named.text, "cam_{probe}/{face}/{probe}_{face}_color.%04d.exr");
+        assert_eq!(named.members[&("b2".to_owned(), Face::Nz)], 3);
+        assert_eq!(named.faces[&Face::Px], "px");
+        assert_eq!(named.left_out, Vec::<usize>::new());
+    }
+
+    #[test]
+    fn words_for_faces() {
+        let named = name(&["Left.%d.exr", "Right.%d.exr", "Top.%d.exr"]).unwrap();
+        assert_eq!((named.text.as_str(), named.faces[&Face::Nx].as_str()), ("{face}.%d.exr", "Left"));
+        // Two eyes.
+        let named = name(&["left.%d.exr", "right.%d.exr"]).unwrap();
+        assert_eq!((named.text.as_str(), named.faces.len(), named.probes().len()), ("{probe}.%d.exr", 0, 2));
+        assert_eq!(name(&["px_%03d.exr"]).unwrap().faces.len(), 1);
+        assert_eq!(pattern(&["color.%04d.exr"]), "color.%04d.exr");
+        assert_eq!(pattern(&["r1_c1/z.%d.png", "r1_c2/z.%d.png", "r2_c1/z.%d.png"]), "{probe}/z.%d.png");
+    }
+
+    #[test]
+    fn other_forms_are_left_out_and_what_cannot_be_named_is_refused() {
+        let named = name(&["a/z.%d.exr", "b/z.%d.exr", "b/old-z.%d.exr"]).unwrap();
+        assert_eq!((named.text.as_str(), named.left_out), ("{probe}/z.%d.exr", vec![2]));
+        let said = name(&["a/x.%d.exr", "b/y.%d.exr"]).unwrap_err().to_string();
+        assert!(said.contains("\"a/x\""), "{said}");
+    }
+}

@@ -1,0 +1,189 @@
+//! Image sequences below a folder, and what their first files hold.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::EYES;
+use crate::dataset::manifest::MaterialChannels;
+use crate::error::{Error, Result};
+use crate::image::channels::{find_color, find_depth, find_named};
+use crate::image::exr::FileHeader;
+use crate::image::sequence::split_number;
+use crate::image::{ChannelSelect, Pattern, ReadLimits, StreamKind, exr, png};
+
+/// Folders below folders, at most.
+const MAX_FOLDERS: usize = 8;
+/// Files that are looked at, at most.
+const MAX_FILES: usize = 2_000_000;
+/// Words in names of files of depth.
+const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "range"];
+/// Words in names of files that look like colour and are something else.
+const OTHER_WORDS: [&str; 22] = [
+    "albedo",
+    "normal",
+    "normals",
+    "nrm",
+    "diffuse",
+    "specular",
+    "spec",
+    "emission",
+    "shadow",
+    "shadows",
+    "mask",
+    "matte",
+    "ao",
+    "position",
+    "motion",
+    "velocity",
+    "vector",
+    "uv",
+    "id",
+    "crypto",
+    "cryptomatte",
+    "alpha",
+];
+
+/// Files that differ in their frame number alone.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Pattern, relative to the folder, with `/` between folders.
+    pub text: String,
+    pub first: PathBuf,
+    pub frames: BTreeSet<u32>,
+    pub size: (u32, u32),
+    /// What its images hold.
+    pub kinds: BTreeSet<StreamKind>,
+    /// Whether colour has to be chosen by the names of two eyes.
+    pub has_eyes: bool,
+    /// None of a PNG file.
+    pub header: Option<FileHeader>,
+}
+
+impl Found {
+    /// Names of channels, for messages.
+    pub fn channels(&self) -> String {
+        let names = self.header.iter().flat_map(|header| &header.channels).map(|channel| channel.name.clone());
+        let names: Vec<String> = names.take(12).collect();
+        if names.is_empty() { "of a PNG file".into() } else { names.join(", ") }
+    }
+
+    /// The file of a frame.
+    pub fn file(&self, frame: u32) -> Result<PathBuf> {
+        let name = self.text.rsplit('/').next().unwrap_or_default();
+        let folder = self.first.parent().unwrap_or(Path::new(""));
+        Ok(Pattern::parse(name)?.below(folder).path(frame))
+    }
+}
+
+/// All sequences, by name. A file that cannot be part of one is noted.
+pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
+    let mut groups: BTreeMap<[String; 3], BTreeMap<u32, String>> = BTreeMap::new();
+    let mut unnumbered = Vec::new();
+    for file in images_below(folder)? {
+        let (place, name) = file.rsplit_once('/').unwrap_or(("", file.as_str()));
+        let numbered = split_number(name).and_then(|(before, number, after)| {
+            Some(([place.to_owned(), before.to_owned(), after.to_owned()], number.parse::<u32>().ok()?, number))
+        });
+        match numbered {
+            Some((group, frame, number)) => drop(groups.entry(group).or_default().insert(frame, number.to_owned())),
+            None => unnumbered.push(file),
+        }
+    }
+    if let [first, others @ ..] = unnumbered.as_slice() {
+        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+        unsure.push(format!("{first}{more} left out: there is no frame number in the name"));
+    }
+    let mut found = Vec::new();
+    for ([place, before, after], numbers) in groups {
+        let digits = numbers.values().map(String::len).min().unwrap_or(1);
+        let [before, after] = [before, after].map(|text| text.replace('%', "%%"));
+        let field = if digits == 1 { "%d".to_owned() } else { format!("%0{digits}d") };
+        let name = format!("{before}{field}{after}");
+        let text = if place.is_empty() { name.clone() } else { format!("{place}/{name}") };
+        let frames: BTreeSet<u32> = numbers.keys().copied().collect();
+        let (Some(frame), Ok(pattern)) = (frames.first().copied(), Pattern::parse(&name)) else {
+            unsure.push(format!("{text} was left out: its name cannot be written as a pattern"));
+            continue;
+        };
+        let first = pattern.below(&folder.join(&place)).path(frame);
+        if !first.is_file() || text.contains(['{', '}']) {
+            unsure.push(format!("{text} was left out: its name cannot be written as a pattern"));
+            continue;
+        }
+        found.push(look(text, first, frames, limits)?);
+    }
+    // Passes such as albedo are colour only where nothing else is.
+    let is_other = |of: &Found| words(&of.text).iter().any(|word| OTHER_WORDS.contains(&word.as_str()));
+    if found.iter().any(|of| of.kinds.contains(&StreamKind::Color) && !is_other(of)) {
+        for of in found.iter_mut().filter(|of| of.kinds.contains(&StreamKind::Color) && is_other(of)) {
+            of.kinds.clear();
+            unsure.push(format!("{} was left out: it looks like another pass than colour", of.text));
+        }
+    }
+    Ok(found)
+}
+
+/// Image files below a folder, relative to it, with `/` between folders, in order.
+fn images_below(folder: &Path) -> Result<Vec<String>> {
+    let mut files = Vec::new();
+    let mut folders = vec![(String::new(), 0)];
+    while let Some((place, depth)) = folders.pop() {
+        let whole = folder.join(&place);
+        for entry in std::fs::read_dir(&whole).map_err(|error| Error::io(&whole, error))? {
+            let path = entry.map_err(|error| Error::io(&whole, error))?.path();
+            let Some(name) = path.file_name().and_then(|name| name.to_str()).filter(|name| !name.starts_with('.'))
+            else {
+                continue;
+            };
+            let relative = if place.is_empty() { name.to_owned() } else { format!("{place}/{name}") };
+            let lower = name.to_ascii_lowercase();
+            if path.is_dir() {
+                if depth < MAX_FOLDERS {
+                    folders.push((relative, depth + 1));
+                }
+            } else if lower.ends_with(".exr") || lower.ends_with(".png") {
+                files.push(relative);
+            }
+        }
+        if files.len() > MAX_FILES {
+            return Err(Error::invalid(format!("more than {MAX_FILES} images are below it: choose a folder below"))
+                .in_file(folder));
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Words of a path, in small letters.
+fn words(text: &str) -> Vec<String> {
+    text.to_ascii_lowercase().split(|c: char| !c.is_ascii_alphanumeric()).map(str::to_owned).collect()
+}
+
+fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits) -> Result<Found> {
+    let is_named_depth = words(&text).iter().any(|word| DEPTH_WORDS.contains(&word.as_str()));
+    if png::is_png(&first) {
+        let is_depth = is_named_depth || png::is_gray16(&first, limits)?;
+        let kind = if is_depth { StreamKind::Depth } else { StreamKind::Color };
+        let size = png::read_size(&first, limits)?;
+        return Ok(Found { text, first, frames, size, kinds: BTreeSet::from([kind]), has_eyes: false, header: None });
+    }
+    let header = exr::read_header(&first, limits)?;
+    let names = &header.channels;
+    let eyes = EYES.map(|eye| find_color(names, &ChannelSelect::Named(eye.into())).is_ok());
+    let color = find_color(names, &ChannelSelect::Auto);
+    let has_eyes = eyes == [true; 2];
+    let is_gray = color.as_ref().is_ok_and(|[r, g, _]| r == g);
+    let of_eye = ChannelSelect::Named(EYES[0].into());
+    let select = if has_eyes { &of_eye } else { &ChannelSelect::Auto };
+    let mut kinds = BTreeSet::new();
+    if has_eyes || color.is_ok() && !(is_gray && is_named_depth) {
+        kinds.insert(StreamKind::Color);
+    }
+    if find_depth(names, select).is_ok() && (!is_gray || is_named_depth) {
+        kinds.insert(StreamKind::Depth);
+    }
+    if MaterialChannels::default().names().iter().all(|name| find_named(names, name).is_ok()) {
+        kinds.insert(StreamKind::Material);
+    }
+    Ok(Found { text, first, frames, size: header.size, kinds, has_eyes, header: Some(header) })
+}

@@ -1,0 +1,237 @@
+//! `init`: manifests for folders as renderers leave them.
+
+use std::path::Path;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
+    WritableImage,
+};
+use half::f16;
+use lightfold::dataset::manifest::{Background, FaceFiles, Unit};
+use lightfold::dataset::{DepthKind, Manifest, Projection};
+use lightfold::image::{ColorPlane, Face, ImageProjection, Plane, exr as ours, png};
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
+use tempfile::TempDir;
+
+use crate::commands::{fine, refused};
+use crate::input::assert_says;
+
+/// Runs it on the folder `in`; answers what it said.
+fn init(folder: &Path) -> String {
+    let output = fine("init in --force", folder);
+    assert!(output.stdout.is_empty());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+fn manifest(folder: &Path) -> Manifest {
+    Manifest::read(&folder.join("lightfield.json")).unwrap()
+}
+
+fn encodes(folder: &Path) {
+    fine("encode in -o film.lfold --quiet", folder);
+    fine("inspect film.lfold --verify", folder);
+}
+
+fn gray(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> ColorPlane {
+    Plane::from_fn(width, height, |x, y| [f16::from_f32(value(x, y)); 3])
+}
+
+/// Writes channels of floats of 8x6 pixels with attributes.
+fn write(path: &Path, attributes: LayerAttributes, channels: &[(&str, &dyn Fn(usize) -> f32)]) {
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let samples = |value: &dyn Fn(usize) -> f32| FlatSamples::F32((0..48).map(value).collect());
+    let list = channels.iter().map(|(name, value)| AnyChannel::new(*name, samples(*value))).collect();
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let layer = Layer::new((8, 6), attributes, encoding, AnyChannels::sort(list));
+    Image::from_layer(layer).write().non_parallel().to_file(path).unwrap();
+}
+
+#[test]
+fn a_captured_scene_gets_its_manifest_back() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    let before =
+        FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 48, probes: 2 }.write(&set, &Silent).unwrap();
+    assert_says(&refused("init in", folder.path()), &["lightfield.json", "--force"]);
+    assert_eq!(manifest(&set), before);
+    let said = init(folder.path());
+    let found = manifest(&set);
+    assert_eq!(found.files, before.files);
+    assert_eq!((found.frames, found.size, found.projection), (before.frames, before.size, before.projection));
+    assert_eq!(found.depth.unwrap().kind, before.depth.unwrap().kind);
+    let names =
+        |of: &[lightfold::dataset::manifest::Probe]| of.iter().map(|probe| probe.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&found.probes), names(&before.probes));
+    assert_says(&said, &["unsure: no file states its frame rate", "unsure: no file states where 2 of 2 probes stand"]);
+    assert!(!said.contains("depth.kind") && !said.contains("seams"), "{said}");
+    encodes(folder.path());
+}
+
+#[test]
+fn the_checks_tell_planar_depth_of_a_cube() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: 64, probes: 1 }.write(&set, &Silent).unwrap();
+    std::fs::remove_file(set.join("lightfield.json")).unwrap();
+    for face in Face::CUBE {
+        let path = set.join(format!("probe_00/face_{}/depth.0000.exr", face.name()));
+        let distance = ours::read_depth(&path, &Default::default(), &Default::default()).unwrap();
+        let projection = ImageProjection::cube_face(face, 64);
+        let planar = Plane::from_fn(64, 64, |x, y| distance.get(x, y) / projection.ray_length_factor(x, y) as f32);
+        ours::write_depth(&path, &planar).unwrap();
+    }
+    let said = init(folder.path());
+    assert_eq!(manifest(&set).depth.unwrap().kind, DepthKind::Planar, "{said}");
+    encodes(folder.path());
+}
+
+#[test]
+fn faces_by_words_and_other_passes() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in/shot");
+    std::fs::create_dir_all(&set).unwrap();
+    for face in ["Right", "Left", "Top", "Bottom", "Front", "Back"] {
+        for frame in 10..12 {
+            let image = gray(8, 8, |x, y| (x + y) as f32 * 0.05 + 0.1);
+            ours::write_color(&set.join(format!("{face}_beauty_{frame:03}.exr")), &image).unwrap();
+            ours::write_color(&set.join(format!("{face}_albedo_{frame:03}.exr")), &image).unwrap();
+        }
+    }
+    std::fs::write(set.join("slate.png"), b"").unwrap();
+    let said = init(folder.path());
+    let found = manifest(&folder.path().join("in"));
+    assert_eq!(found.files.color.as_deref(), Some("shot/{face}_beauty_%03d.exr"));
+    assert_eq!((found.frames, found.projection), ([10, 11], Projection::Cubemap));
+    assert_eq!(found.face_names.unwrap()["ny"], "Bottom");
+    let words = ["unsure: shot/slate.png left out", "Top_albedo_%03d.exr was left out", "Right = px", "Back = nz"];
+    assert_says(&said, &words);
+    encodes(folder.path());
+}
+
+#[test]
+fn a_houdini_camera_that_moves_by_its_attributes() {
+    let folder = TempDir::new().unwrap();
+    for frame in 1..4u8 {
+        let mut attributes = LayerAttributes { frames_per_second: Some((24000, 1001)), ..LayerAttributes::default() };
+        let at = [-f32::from(frame), -1.5, 0.0];
+        attributes.world_to_camera =
+            Some([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, at[0], at[1], at[2], 1.0]);
+        let z = |at: usize| if at < 8 { 0.0 } else { -1.0 - at as f32 * 0.125 };
+        let light = |at: usize| at as f32 / 64.0;
+        let channels: [(&str, &dyn Fn(usize) -> f32); 4] =
+            [("C.R", &light), ("C.G", &light), ("C.B", &light), ("Pz", &z)];
+        write(&folder.path().join(format!("in/shot.{frame:04}.exr")), attributes, &channels);
+    }
+    let said = init(folder.path());
+    let found = manifest(&folder.path().join("in"));
+    assert_eq!((found.fps, found.frames, found.size), (24000.0 / 1001.0, [1, 3], [8, 6]));
+    assert_eq!(
+        (found.files.color.as_deref(), found.files.depth.as_deref()),
+        (Some("shot.%04d.exr"), Some("shot.%04d.exr"))
+    );
+    let depth = found.depth.unwrap();
+    assert_eq!((depth.kind, depth.scale, depth.background), (DepthKind::Planar, Some(-1.0), Background::Value(0.0)));
+    let places: Vec<_> = found.probes[0].poses.iter().map(|pose| (pose.frame, pose.position)).collect();
+    assert_eq!(places, [(1, [1.0, 1.5, 0.0]), (2, [2.0, 1.5, 0.0]), (3, [3.0, 1.5, 0.0])]);
+    assert_says(&said, &["negative depths", "background", "fov_y_deg"]);
+    assert!(!said.contains("frame rate") && !said.contains("where"), "{said}");
+    encodes(folder.path());
+}
+
+#[test]
+fn panoramas_crosses_and_sensors_by_their_shape() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    for probe in ["a", "b"] {
+        std::fs::create_dir_all(set.join(probe)).unwrap();
+        for frame in 0..2 {
+            ours::write_color(&set.join(format!("{probe}/c{frame}.exr")), &gray(16, 8, |x, _| x as f32 / 16.0))
+                .unwrap();
+        }
+    }
+    let said = init(folder.path());
+    let found = manifest(&set);
+    assert_eq!((found.projection, found.files.color.as_deref()), (Projection::Equirect, Some("{probe}/c%d.exr")));
+    assert_says(&said, &["panoramas", "2 of 2 probes"]);
+    encodes(folder.path());
+
+    let cross = |x: u32, y: u32| if y / 4 == 1 || x / 4 == 1 { 0.5 + (x + y) as f32 / 64.0 } else { 0.0 };
+    for (image, projection, faces) in [
+        (gray(16, 12, cross), Projection::Cubemap, Some(FaceFiles::Cross)),
+        (gray(16, 12, |x, y| cross(x, y) + (x + y) as f32), Projection::Perspective, None),
+        (gray(24, 4, cross), Projection::Cubemap, Some(FaceFiles::Strip)),
+    ] {
+        std::fs::remove_dir_all(&set).unwrap();
+        std::fs::create_dir_all(&set).unwrap();
+        ours::write_color(&set.join("x.0001.exr"), &image).unwrap();
+        init(folder.path());
+        let found = manifest(&set);
+        assert_eq!((found.projection, found.faces), (projection, faces));
+        encodes(folder.path());
+    }
+
+    std::fs::remove_dir_all(&set).unwrap();
+    std::fs::create_dir_all(&set).unwrap();
+    for frame in 150..152 {
+        let depth = Plane::from_fn(8, 6, |x, y| if x == 0 { 0 } else { (1000 + x * 100 + y) as u16 });
+        png::write_depth16(&set.join(format!("frame-{frame:06}.depth.png")), &depth).unwrap();
+        png::write_color8(&set.join(format!("frame-{frame:06}.color.png")), &Plane::filled(8, 6, [9, 99, 199]))
+            .unwrap();
+    }
+    let said = init(folder.path());
+    let found = manifest(&set);
+    assert_eq!(found.files.depth.as_deref(), Some("frame-%06d.depth.png"));
+    assert_eq!(found.files.color.as_deref(), Some("frame-%06d.color.png"));
+    let depth = found.depth.unwrap();
+    assert_eq!((depth.unit, depth.background, depth.kind), (Some(Unit::Mm), Background::Value(0.0), DepthKind::Planar));
+    assert_says(&said, &["millimetres", "sRGB", "depth 0.0 was taken"]);
+    encodes(folder.path());
+}
+
+#[test]
+fn two_eyes_in_parts_become_two_probes() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    std::fs::create_dir_all(&set).unwrap();
+    for frame in 1..3 {
+        let eye = |name: &str| {
+            let samples = |at: usize| FlatSamples::F32((0..48).map(|pixel| (pixel + at) as f32 * 0.01 + 0.5).collect());
+            let list =
+                ["R", "G", "B", "Z"].iter().enumerate().map(|(at, name)| AnyChannel::new(*name, samples(at))).collect();
+            let encoding = Encoding {
+                compression: Compression::ZIP16,
+                blocks: Blocks::ScanLines,
+                line_order: LineOrder::Increasing,
+            };
+            Layer::new((8, 6), LayerAttributes::named(name), encoding, AnyChannels::sort(list))
+        };
+        let display = exr::prelude::IntegerBounds::from_dimensions((8, 6));
+        let image = Image::from_layers(exr::prelude::ImageAttributes::new(display), vec![eye("left"), eye("right")]);
+        image.write().non_parallel().to_file(set.join(format!("s_{frame}.exr"))).unwrap();
+    }
+    assert_says(&init(folder.path()), &["two eyes"]);
+    let found = manifest(&set);
+    assert_eq!(found.probes.iter().map(|probe| probe.name.as_str()).collect::<Vec<_>>(), ["left", "right"]);
+    assert_eq!(found.color.unwrap().layer.as_deref(), Some("{probe}"));
+    assert_eq!(found.depth.unwrap().channel.as_deref(), Some("{probe}"));
+    encodes(folder.path());
+}
+
+#[test]
+fn manifests_go_elsewhere_and_bad_folders_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    std::fs::create_dir_all(&set).unwrap();
+    assert_says(&refused("init in", folder.path()), &["in", "no .exr or .png file with a frame number"]);
+    assert_says(&refused("init nowhere", folder.path()), &["nowhere", "a folder of images was expected"]);
+    ours::write_color(&set.join("x.1.exr"), &gray(8, 6, |x, _| x as f32)).unwrap();
+    let printed = fine("init in -o -", folder.path()).stdout;
+    assert_eq!(Manifest::from_json(&printed).unwrap().files.color.as_deref(), Some("x.%d.exr"));
+    assert!(!set.join("lightfield.json").exists());
+    fine("init in -o a.json", folder.path());
+    fine("encode a.json -o film.lfold --quiet", folder.path());
+    ours::write_color(&set.join("y.1.exr"), &gray(4, 3, |x, _| x as f32)).unwrap();
+    assert_says(&refused("init in", folder.path()), &["x.%d.exr is 8x6", "y.%d.exr is 4x3", "one size"]);
+}
