@@ -18,9 +18,11 @@ pub struct Page {
 }
 
 /// One page for the program and one for each visible command.
-pub fn pages(mut root: clap::Command) -> Result<Vec<Page>> {
+pub fn pages(root: clap::Command) -> Result<Vec<Page>> {
+    // `help` has no page, and none may cite it.
+    let mut root = root.disable_help_subcommand(true);
     root.build();
-    let visible = root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help");
+    let visible = root.get_subcommands().filter(|command| !command.is_hide_set());
     let subcommands = visible.map(|command| (format!("lightfold-{}", command.get_name()), command));
     std::iter::once(("lightfold".to_owned(), &root)).chain(subcommands).map(page).collect()
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::options::{MemoryArgs, check_stdout};
+use crate::cli::options::{MemoryArgs, check_report};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
@@ -57,7 +57,7 @@ struct Report {
 }
 
 pub fn run<C: TrainedCodec>(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    check_stdout(&args.output, args.json)?;
+    check_report(&args.output, args.json)?;
     let start = Instant::now();
     if args.inputs.iter().chain(&args.held_out).any(|input| is_same_file(input, &args.output)) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));

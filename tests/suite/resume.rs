@@ -315,8 +315,8 @@ fn other_options_are_refused_by_name() {
     type Change = fn(&mut EncodeSettings);
     let changes: [(&str, Change); 15] = [
         ("`depth_codec` was quadtree and is aabb now", |s| s.depth.codec = DepthCodec::Boxes),
-        ("`max_error` was 40 in codes and is 41 in codes now", |s| s.depth.error = ErrorBound::Codes(41)),
-        ("`depth_tile` was default and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
+        ("`max_error` was 40 codes and is 41 codes now", |s| s.depth.error = ErrorBound::Codes(41)),
+        ("`depth_tile` was the default and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
         ("the compression of chunks was Zstandard 9 and is LZMA2 6 now", |s| s.compression = Compression::Lzma2(6)),
         ("`near`", |s| s.near_m = Some(0.5)),
         ("`far`", |s| s.far_m = Some(1e6)),
@@ -442,7 +442,7 @@ fn an_encode_of_other_sources_is_refused() {
         changed
     };
     let said = refused(&with_head(hash + 1, if head[hash + 1] == b'0' { b'1' } else { b'0' }), &footage);
-    assert!(said.contains("the sources of lightfold were others"), "{said}");
+    assert!(said.contains("begun by another version of lightfold"), "{said}");
     // Not JSON, as in journals of earlier versions.
     let said = refused(&with_head(0, 0), &footage);
     assert!(said.contains("begun by another version of lightfold"), "{said}");

@@ -30,7 +30,7 @@ impl Folder {
     pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
         let busy = || {
-            Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", path.display()))
+            Error::busy(path, "another tradeoff measures into it; wait, or name another folder")
         };
         let lock = path.join(LOCK);
         let _lock = open_locked(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
