@@ -126,6 +126,16 @@ impl Error {
     }
 }
 
+/// A count with its noun, in the plural unless it is one: `1 tile`, `2 boxes`.
+pub fn counted(count: u64, what: &str) -> String {
+    let ending = match count {
+        1 => "",
+        _ if what.ends_with('x') => "es",
+        _ => "s",
+    };
+    format!("{count} {what}{ending}")
+}
+
 /// Whether a character is escaped in text: a terminal obeys it, or it breaks a line or changes the direction of text.
 pub fn is_escaped(c: char) -> bool {
     let reorders = matches!(c, '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');

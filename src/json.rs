@@ -96,7 +96,10 @@ mod tests {
         });
         assert_eq!(value, expected);
         let read = |key: &str| read_number(&value, key);
-        assert_eq!([read("psnr_db"), read("limit"), read("none")], [Some(f64::INFINITY), Some(f64::NEG_INFINITY), None]);
+        assert_eq!(
+            [read("psnr_db"), read("limit"), read("none")],
+            [Some(f64::INFINITY), Some(f64::NEG_INFINITY), None]
+        );
         assert_eq!([word("∞"), word("a")], ["inf", "a"]);
         assert_eq!(serde_json::to_string(&Number::shortest(0.1)).unwrap(), "0.1");
         assert_eq!(Number::shortest(f32::INFINITY).0, f64::INFINITY);

@@ -104,8 +104,20 @@ pub fn command() -> clap::Command {
 
 /// Commands that print nothing on standard output but what their options ask for.
 const WRITERS: &[&str] = &[
-    "bc4w", "capture", "decode", "encode", "encode-color", "encode-depth", "interpolate", "pack", "quadtree", "quilt", "render",
-    "simplify", "train-color", "train-depth",
+    "bc4w",
+    "capture",
+    "decode",
+    "encode",
+    "encode-color",
+    "encode-depth",
+    "interpolate",
+    "pack",
+    "quadtree",
+    "quilt",
+    "render",
+    "simplify",
+    "train-color",
+    "train-depth",
 ];
 /// Options that print a result on standard output.
 const PRINTING: &[&str] = &["json", "list_devices", "null", "stats", "verify"];
@@ -132,7 +144,9 @@ mod tests {
         for line in ["encode a -o b", "decode - -o b", "pack - -o b", "render a -o b.png"] {
             assert!(!of(line), "{line}");
         }
-        for line in ["encode a -o -", "encode a -o b --json", "decode a --null", "inspect a", "render a -o b.png --trace -"] {
+        for line in
+            ["encode a -o -", "encode a -o b --json", "decode a --null", "inspect a", "render a -o b.png --trace -"]
+        {
             assert!(of(line), "{line}");
         }
         let root = command();

@@ -4,9 +4,8 @@ use std::io::ErrorKind;
 
 use serde::Serialize;
 
-use crate::cli::options::one_of;
+use crate::cli::options::{PROGRESS_FORMS, ProgressForm, one_of};
 use crate::cli::output;
-use crate::cli::progress::{FORMS, ProgressForm};
 use crate::error::{Error, Result};
 
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -18,7 +17,7 @@ pub struct GlobalArgs {
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// How progress is shown
-    #[arg(long, global = true, value_name = "FORM", value_parser = one_of(FORMS), default_value = "auto")]
+    #[arg(long, global = true, value_name = "FORM", value_parser = one_of(PROGRESS_FORMS), default_value = "auto")]
     pub progress: ProgressForm,
     /// Whether standard output carries the result, so that progress must not.
     #[arg(skip)]
@@ -86,37 +85,9 @@ fn code_of_kind(kind: ErrorKind) -> u8 {
     match kind {
         ErrorKind::BrokenPipe => EXIT_BROKEN_PIPE,
         AlreadyExists | CrossesDevices | DirectoryNotEmpty | FileTooLarge | InvalidData | InvalidFilename
-        | InvalidInput | IsADirectory | NotADirectory | NotSeekable | Other | PermissionDenied
-        | ReadOnlyFilesystem | TooManyLinks | UnexpectedEof | Unsupported => EXIT_BAD_INPUT,
+        | InvalidInput | IsADirectory | NotADirectory | NotSeekable | Other | PermissionDenied | ReadOnlyFilesystem
+        | TooManyLinks | UnexpectedEof | Unsupported => EXIT_BAD_INPUT,
         _ => EXIT_RETRY,
-    }
-}
-
-/// What is printed as JSON in place of a report.
-#[derive(Debug, Serialize)]
-pub struct Failure {
-    error: FailureReport,
-}
-
-#[derive(Debug, Serialize)]
-struct FailureReport {
-    message: String,
-    /// The exit code.
-    code: u8,
-    /// Whether the same command may succeed later.
-    retry: bool,
-    file: Option<String>,
-}
-
-impl Failure {
-    pub fn of(error: &Error) -> Failure {
-        let file = error.file().map(|file| file.display().to_string());
-        Failure::new(output::with_option_names(&error.to_string()), exit_code(error), file)
-    }
-
-    pub fn new(message: String, code: u8, file: Option<String>) -> Failure {
-        let retry = matches!(code, EXIT_RETRY | EXIT_INTERRUPTED);
-        Failure { error: FailureReport { message, code, retry, file } }
     }
 }
 
@@ -138,8 +109,6 @@ mod tests {
         let full = Error::io("a", ErrorKind::StorageFull.into()).context("frame 7");
         let stopped = Error::Unfinished { cause: Box::new(full), safe: String::new() };
         assert_eq!(exit_code(&stopped), EXIT_RETRY);
-        let failure = serde_json::to_value(Failure::of(&stopped)).unwrap();
-        assert_eq!((&failure["error"]["retry"], &failure["error"]["file"]), (&true.into(), &"a".into()));
         assert_eq!(exit_code(&Error::Usage(String::new())), EXIT_BAD_INPUT);
     }
 }

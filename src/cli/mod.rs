@@ -13,6 +13,7 @@ mod diff_text;
 mod encode;
 mod encode_color;
 mod encode_depth;
+mod failure;
 mod global;
 mod inspect;
 mod interpolate;
@@ -44,7 +45,8 @@ use crate::depth::predictive::tables::Predictive;
 use crate::error::{Error, Result};
 
 pub use command_line::{Cli, Command, command};
-use global::{EXIT_BROKEN_PIPE, EXIT_FAILED, Failure, exit_code};
+use failure::Failure;
+use global::{EXIT_BROKEN_PIPE, EXIT_FAILED, exit_code};
 pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 
 /// Runs a command line and answers the process's exit code.
@@ -64,7 +66,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             // Whoever closes our output wants no more of it.
             if code != EXIT_BROKEN_PIPE {
                 output::note(format_args!("lightfold: {error}"));
-                output::print_failure(as_json, || Failure::of(&error));
+                if as_json {
+                    Failure::of(&error).print();
+                }
             }
             ExitCode::from(code)
         }
@@ -85,10 +89,10 @@ fn not_parsed(error: &clap::Error, as_json: bool) -> ExitCode {
         Err(broken) if !error.use_stderr() => exit_code(&Error::io("-", broken)),
         _ => error.exit_code() as u8,
     };
-    if error.use_stderr() {
+    if as_json && error.use_stderr() {
         let text = error.to_string();
         let message = text.split("\n\n").next().unwrap_or_default().trim().trim_start_matches("error: ").to_owned();
-        output::print_failure(as_json, || Failure::new(message, code, None));
+        Failure::new(message, code, None).print();
     }
     ExitCode::from(code)
 }

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use crate::cli::global::Failure;
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
 use crate::json;
@@ -26,12 +25,8 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print_text(&json::pretty(value)?)
 }
 
-/// Prints a failure in place of the report that was asked for.
-pub fn print_failure(as_json: bool, failure: impl FnOnce() -> Failure) {
-    if as_json && !HAS_REPORTED.load(Ordering::Relaxed) {
-        // The sentence is on standard error, and the exit code says the rest.
-        let _ = print_json(&failure());
-    }
+pub fn has_reported() -> bool {
+    HAS_REPORTED.load(Ordering::Relaxed)
 }
 
 pub fn print_either(as_json: bool, report: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
@@ -55,7 +50,9 @@ pub fn with_memory<T: Serialize>(report: T) -> WithMemory<T> {
 pub fn how_to_resume(error: &Error) -> &'static str {
     let message = error.to_string();
     match matches!(error, Error::Usage(_)) || with_option_names(&message) != message {
-        true => "--resume continues with equal options, once the input is mended; with other options, start anew without --resume",
+        true => {
+            "--resume continues with equal options, once the input is mended; with other options, start anew without --resume"
+        }
         false => "the same command with --resume continues",
     }
 }

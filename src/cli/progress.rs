@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 
-use crate::cli::options::Choices;
+use crate::cli::options::ProgressForm;
 use crate::cli::{GlobalArgs, refuse};
 use crate::error::Result;
 use crate::monitor::Monitor;
@@ -17,27 +17,6 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Time between lines, at least.
 const PAUSE: Duration = Duration::from_millis(500);
-
-/// How progress is shown.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ProgressForm {
-    #[default]
-    Auto,
-    Json,
-    OpenJd,
-    None,
-}
-
-pub const FORMS: &Choices<ProgressForm> = &[
-    ("auto", ProgressForm::Auto, "A bar on a terminal, nothing in a pipe"),
-    ("json", ProgressForm::Json, "JSON on standard error, one object a line, at most two a second"),
-    (
-        "openjd",
-        ProgressForm::OpenJd,
-        "Lines of Open Job Description, on standard output, or on standard error where that carries the result",
-    ),
-    ("none", ProgressForm::None, "Nothing"),
-];
 
 /// Shows progress, and reports SIGINT and SIGTERM.
 #[derive(Debug)]

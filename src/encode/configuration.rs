@@ -4,10 +4,11 @@
 use serde::Serialize;
 
 use crate::color::SearchSettings;
+use crate::dataset::SourceGroup;
 use crate::depth::TemporalSettings;
 use crate::depth::mode_decision::Decide;
+use crate::depth::quantise::metres_in_words;
 use crate::effort::Effort;
-use crate::dataset::SourceGroup;
 use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
@@ -157,7 +158,7 @@ fn words_of_tiles(tiles: TileSize) -> String {
 }
 
 fn metres(distance_m: Option<f32>) -> String {
-    distance_m.map_or_else(|| "that of the images".to_owned(), |distance| format!("{distance} m"))
+    distance_m.map_or_else(|| "that of the images".to_owned(), |distance| format!("{} m", metres_in_words(distance)))
 }
 
 fn words_of_blocks(blocks: Option<ColorBlockSettings>) -> String {

@@ -11,6 +11,7 @@ use crate::dataset::{Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::depth::predictive::Levels;
 use crate::depth::predictive::levels::MAX_LEVELS;
+use crate::depth::quantise::metres_in_words;
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
@@ -124,9 +125,12 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<Dep
     let (near, far) = (given[0].unwrap_or(extent.near_m), given[1].unwrap_or(extent.far_m));
     DepthRange::new(near, far).map_err(|_| {
         Error::Usage(format!(
-            "probe {probe}: near {near} m and far {far} m hold no depth; what was not given was found in the footage, \
+            "probe {probe}: near {} m and far {} m hold no depth; what was not given was found in the footage, \
              whose surfaces lie from {} m to {} m",
-            extent.near_m, extent.far_m
+            metres_in_words(near),
+            metres_in_words(far),
+            metres_in_words(extent.near_m),
+            metres_in_words(extent.far_m)
         ))
     })
 }

@@ -58,7 +58,10 @@ impl PartialFile {
         let (path, journal_path) = (beside(output, PARTIAL)?, beside(output, JOURNAL)?);
         let busy = || {
             let place = path.display();
-            Error::busy(output, format!("another lightfold is writing it, in {place}; wait for it, or name another file"))
+            Error::busy(
+                output,
+                format!("another lightfold is writing it, in {place}; wait for it, or name another file"),
+            )
         };
         let open = |path: &Path| open_locked(path).map_err(|error| Error::io(output, error))?.ok_or_else(busy);
         let Locked { file, is_locked } = open(&path)?;
@@ -311,7 +314,9 @@ mod tests {
         let (folder, output) = left();
         std::fs::remove_file(folder.path().join(".a.partial")).unwrap();
         let theirs = open_locked(&folder.path().join(".a.journal")).unwrap();
-        assert!(matches!(PartialFile::open(&output), Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::ResourceBusy));
+        assert!(
+            matches!(PartialFile::open(&output), Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::ResourceBusy)
+        );
         assert_eq!(count(&folder), 1);
         // One with bytes is not ours to remove.
         std::fs::write(folder.path().join(".a.partial"), b"chunks").unwrap();

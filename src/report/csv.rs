@@ -48,7 +48,8 @@ mod tests {
 
     #[test]
     fn keys_become_columns_and_missing_ones_empty_cells() {
-        let objects = [json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }), json!({ "a": null, "d": json::Number(f64::INFINITY) })];
+        let objects =
+            [json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }), json!({ "a": null, "d": json::Number(f64::INFINITY) })];
         assert_eq!(of_objects(&["a", "b.c", "d"], &objects).unwrap(), "a,b_c,d\n1,2.5,\"x,y\"\n,,inf\n");
     }
 

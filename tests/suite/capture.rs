@@ -394,7 +394,7 @@ mod stopped {
         refused(&["--resume", "--far", "9"], "--far was none and is 9 m now");
         refused(&["--resume", "--no-color"], "what is captured was color, depth and is depth now");
         fs::write(place.path().join("cameras.json"), CAMERAS.replace("1.6", "1.7")).unwrap();
-        refused(&["--resume"], "the cameras were others");
+        refused(&["--resume"], "the choice of cameras was");
         fs::write(place.path().join("cameras.json"), CAMERAS).unwrap();
         // Every kind of damage that a disk may do to an image.
         let found = files(&place.path().join(LEFT));

@@ -326,7 +326,7 @@ fn other_options_are_refused_by_name() {
         ("`min_children`", |s| s.depth.min_children = 1),
         ("`effort`", |s| s.depth.effort = lightfold::effort::Effort::Fast),
         ("`color_cell`", |s| s.cell = 32),
-        ("`color_tables` was none and is #", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
+        ("`color_tables` was none and is given now", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
         ("`psnr`", |s| s.search.min_psnr_db = 49.0),
         ("`stream`", |s| s.kinds = vec![StreamKind::Depth]),
     ];
@@ -339,7 +339,7 @@ fn other_options_are_refused_by_name() {
         footage.settings = settings.clone();
     }
     fs::remove_file(footage.path(22)).unwrap();
-    assert!(refused(&left, &footage).contains("the probes were others"), "a frame is gone");
+    assert!(refused(&left, &footage).contains("the range of `frames` was"), "a frame is gone");
 }
 
 fn age(path: &Path) {

@@ -8,8 +8,7 @@ use glam::DVec3;
 use crate::cli::capture::parse_size;
 use crate::cli::device::{DEVICES, GpuIndex};
 use crate::cli::options::{
-    Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive,
-    word_of,
+    Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive, word_of,
 };
 use crate::cli::refuse;
 use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};

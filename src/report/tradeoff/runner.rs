@@ -236,7 +236,10 @@ mod tests {
 
     #[test]
     fn a_report_without_a_number_is_refused() {
-        let report = Report { value: json!({ "a": { "b": null, "c": null, "c_is": "inf" } }), command: "lightfold x".to_owned() };
+        let report = Report {
+            value: json!({ "a": { "b": null, "c": null, "c_is": "inf" } }),
+            command: "lightfold x".to_owned(),
+        };
         assert_eq!(report.number("a/c").unwrap(), f64::INFINITY);
         assert!(report.number("a/b").unwrap_err().to_string().contains("lightfold x: its report has no number a.b"));
     }
