@@ -55,13 +55,19 @@ def footage(binary, work):
     return [("demo", next(demo.rglob("lightfield.json")))]
 
 
+def with_infinities(report):
+    """An object of a report: a number that is null beside a key `…_is` is infinite."""
+    infinite = {key.removesuffix("_is"): float(word) for key, word in report.items() if word in ("inf", "-inf") and key.endswith("_is")}
+    return report | {key: value for key, value in infinite.items() if key in report}
+
+
 def run_json(*command, may_differ=False):
     """Runs a command that reports JSON. `may_differ` accepts exit code 1, as `diff` gives it."""
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     if done.returncode not in ([0, 1] if may_differ else [0]):
         raise Failed(command, done.returncode, done.stderr)
     try:
-        return json.loads(done.stdout)
+        return json.loads(done.stdout, object_hook=with_infinities)
     except ValueError as error:
         raise Failed(command, done.returncode, f"{command[0]} {command[1]}: JSON was expected, {error}") from error
 

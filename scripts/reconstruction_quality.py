@@ -69,7 +69,7 @@ class Row:
 
 
 def number(value):
-    """A number of a report; JSON has no word for infinity."""
+    """A number of a report, if there is one."""
     return None if value is None else float(value)
 
 

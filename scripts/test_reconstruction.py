@@ -39,7 +39,7 @@ if words[0] == "render":
     db += float(value("--views") or 0) / 10 - (3 if value("--effects") == "none" else 0)
     about = {{"probe": value("--reference-probe"), "face": "px", "frame": 0}}
     image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5, **about}}
-    exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5, **about, "face": "nx"}}
+    exact = {{"psnr_db": None, "psnr_db_is": "inf", "ssim": 0.5, "hole_percent": 0.5, **about, "face": "nx"}}
     images = {{"exact": [exact, exact], "half": [image, exact]}}.get(value("--reference-probe"), [image, image])
     reference = {{"images": images, "method": value("--method"), "ghost_ratio": 1.25}}
     if {material}:

@@ -33,7 +33,7 @@ pub enum Error {
         /// What is not supported, and what to do instead.
         message: String,
     },
-    /// The operating system failed to read or write.
+    /// The operating system failed to read or write; the kind of its error tells whether it may be tried again.
     Io {
         /// The file, or `-`.
         file: PathBuf,
@@ -74,6 +74,27 @@ impl Error {
         Error::Io { file: file.as_ref().to_path_buf(), source }
     }
 
+    /// A file that is not there, yet: [`Error::Io`] of the kind [`std::io::ErrorKind::NotFound`].
+    pub fn not_found(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Error::io(file, std::io::Error::new(std::io::ErrorKind::NotFound, message.into()))
+    }
+
+    /// A file or folder that another process is writing: [`Error::Io`] of the kind [`std::io::ErrorKind::ResourceBusy`].
+    pub fn busy(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Error::io(file, std::io::Error::new(std::io::ErrorKind::ResourceBusy, message.into()))
+    }
+
+    /// The file that it is about, where there is one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Error::Invalid { file, .. } | Error::Unsupported { file, .. } | Error::Io { file, .. } => {
+                Some(file.as_path()).filter(|file| !file.as_os_str().is_empty())
+            }
+            Error::Unfinished { cause, .. } => cause.file(),
+            Error::Usage(_) | Error::Interrupted => None,
+        }
+    }
+
     /// Names the file, if no inner call did.
     #[must_use]
     pub fn in_file(mut self, path: impl AsRef<Path>) -> Self {
@@ -103,6 +124,16 @@ impl Error {
         }
         self
     }
+}
+
+/// A count with its noun, in the plural unless it is one: `1 tile`, `2 boxes`.
+pub fn counted(count: u64, what: &str) -> String {
+    let ending = match count {
+        1 => "",
+        _ if what.ends_with('x') => "es",
+        _ => "s",
+    };
+    format!("{count} {what}{ending}")
 }
 
 /// Whether a character is escaped in text: a terminal obeys it, or it breaks a line or changes the direction of text.

@@ -5,6 +5,14 @@ use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+const SOURCES: &str = "the sources of lightfold";
+const ANOTHER_VERSION: &str = "it was begun by another version of lightfold";
+
+/// Whether a value is a [`digest`], which tells nothing to people.
+fn is_digest(value: &str) -> bool {
+    value.starts_with('#')
+}
+
 /// Names and values in a fixed order. Settings are named as in messages, `` `depth_window` ``.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fingerprint(pub Vec<(String, String)>);
@@ -14,7 +22,7 @@ impl Fingerprint {
     pub fn of_program() -> Vec<(&'static str, String)> {
         vec![
             ("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()),
-            ("the sources of lightfold", env!("LIGHTFOLD_SOURCES").to_owned()),
+            (SOURCES, env!("LIGHTFOLD_SOURCES").to_owned()),
         ]
     }
 
@@ -22,13 +30,15 @@ impl Fingerprint {
     pub fn difference(&self, now: &Fingerprint) -> Option<String> {
         let mut pairs = self.0.iter().zip(&now.0);
         match pairs.find(|(old, new)| old != new) {
-            Some(((name, old), (of, new))) if name == of => Some(if old.starts_with('#') {
-                format!("{name} were others")
-            } else {
-                format!("{name} was {old} and is {new} now")
+            Some(((name, _), (of, _))) if name == of && name == SOURCES => Some(ANOTHER_VERSION.to_owned()),
+            Some(((name, old), (of, new))) if name == of => Some(match (is_digest(old), is_digest(new)) {
+                (true, true) => format!("{name} has changed"),
+                (true, false) => format!("{name} was given and is {new} now"),
+                (false, true) => format!("{name} was {old} and is given now"),
+                (false, false) => format!("{name} was {old} and is {new} now"),
             }),
             None if self.0.len() == now.0.len() => None,
-            _ => Some("it was begun by another version of lightfold".to_owned()),
+            _ => Some(ANOTHER_VERSION.to_owned()),
         }
     }
 }
@@ -64,12 +74,14 @@ mod tests {
 
     #[test]
     fn the_first_difference_is_reported() {
-        let begun = of(&[("`size`", "8"), ("the cameras", "#01")]);
+        let begun = of(&[("`size`", "8"), ("the file of cameras", "#01")]);
         assert_eq!(begun.difference(&begun.clone()), None);
         let says = |now: &[(&str, &str)]| begun.difference(&of(now)).unwrap();
-        assert_eq!(says(&[("`size`", "9"), ("the cameras", "#02")]), "`size` was 8 and is 9 now");
-        assert_eq!(says(&[("`size`", "8"), ("the cameras", "#02")]), "the cameras were others");
-        for now in [&[("`size`", "8")][..], &[("`fps`", "8"), ("the cameras", "#01")]] {
+        assert_eq!(says(&[("`size`", "9"), ("the file of cameras", "#02")]), "`size` was 8 and is 9 now");
+        let cameras = |value| says(&[("`size`", "8"), ("the file of cameras", value)]);
+        assert_eq!(cameras("#02"), "the file of cameras has changed");
+        assert_eq!(cameras("none"), "the file of cameras was given and is none now");
+        for now in [&[("`size`", "8")][..], &[("`fps`", "8"), ("the file of cameras", "#01")]] {
             assert!(says(now).contains("another version of lightfold"), "{now:?}");
         }
     }

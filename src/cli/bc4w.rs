@@ -15,6 +15,7 @@ use crate::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
 use crate::encode::tile_quality::{self, TileQualityReport};
 use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
 use crate::error::Result;
+use crate::error::counted;
 use crate::image::StreamKind;
 use crate::report::Table;
 
@@ -114,9 +115,9 @@ fn stats_text(found: &TilePsnr, seconds: f64) -> String {
         table.row(std::iter::once(title(of).to_owned()).chain(db).chain(counts));
     }
     format!(
-        "{table}\n{}\n{} tiles of 8x8 pixels, largest error of BC4w {} codes, {seconds:.2} s\n",
+        "{table}\n{}\n{} of 8x8 pixels, largest error of BC4w {} codes, {seconds:.2} s\n",
         histogram_text(found),
-        found.tiles(),
+        counted(found.tiles(), "tile"),
         found.bc4w_max_error
     )
 }

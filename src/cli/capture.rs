@@ -78,8 +78,8 @@ impl Work<'_> {
     fn fingerprint(&self) -> Fingerprint {
         let mut fields = Fingerprint::of_program();
         fields.extend(self.plan.options());
-        fields.push(("the contents of the scene", self.scene.contents().to_owned()));
-        fields.push(("--animation", self.args.animation.clone().unwrap_or_else(|| "the first".to_owned())));
+        fields.push(("the content of the scene", self.scene.contents().to_owned()));
+        fields.push(("`animation`", self.args.animation.clone().unwrap_or_else(|| "the first".to_owned())));
         // Sines and roots are rounded by the system's library.
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
         Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())

@@ -1,6 +1,8 @@
 //! The command line: every command and its arguments.
 
-use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsStr;
+
+use clap::{ArgMatches, CommandFactory, Parser, Subcommand};
 
 use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
@@ -18,7 +20,9 @@ use crate::cli::{
     propagate_version = true,
     max_term_width = 100,
     after_help = "Exit codes: 0 success; 1 a check failed: diff exceeds a bound, devices disagree, inspect --check suspects\n\
-        an error, or no point of tradeoff meets its limits; 2 bad input or usage; 130 interrupted.\n\n\
+        an error, or no point of tradeoff meets its limits; 2 bad input or usage; 75 may succeed if it is tried again: a file is not\n\
+        there yet, a disk is full, a mount is lost, another process has the output; 130 interrupted; 141 the reader of\n\
+        standard output has gone.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 100 --min-cell-psnr 40"
@@ -102,4 +106,58 @@ impl Command {
 /// The whole command line, for man pages and completions.
 pub fn command() -> clap::Command {
     Cli::command()
+}
+
+/// Commands that print nothing on standard output but what their options ask for.
+const WRITERS: &[&str] = &[
+    "bc4w",
+    "capture",
+    "decode",
+    "encode",
+    "encode-color",
+    "encode-depth",
+    "interpolate",
+    "pack",
+    "quadtree",
+    "quilt",
+    "render",
+    "simplify",
+    "train-color",
+    "train-depth",
+];
+/// Options that print a result on standard output.
+const PRINTING: &[&str] = &["json", "list_devices", "null", "stats", "verify"];
+const INPUTS: &[&str] = &["held_out", "input", "inputs", "more", "reference"];
+
+/// Whether standard output carries the result of a command.
+pub fn has_result_on_stdout(matches: &ArgMatches) -> bool {
+    let Some((name, matches)) = matches.subcommand() else { return true };
+    let prints = |id: &&str| matches.try_get_one::<bool>(id).ok().flatten() == Some(&true);
+    let is_dash = |id: &clap::Id| {
+        let values = matches.try_get_raw(id.as_str()).ok().flatten();
+        !INPUTS.contains(&id.as_str()) && values.is_some_and(|mut values| values.any(|value| value == OsStr::new("-")))
+    };
+    !WRITERS.contains(&name) || PRINTING.iter().any(|id| prints(&id)) || matches.ids().any(is_dash)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_on_standard_output_are_known_from_the_arguments() {
+        let of = |line: &str| has_result_on_stdout(&command().get_matches_from(format!("lightfold {line}").split(' ')));
+        for line in ["encode a -o b", "decode - -o b", "pack - -o b", "render a -o b.png"] {
+            assert!(!of(line), "{line}");
+        }
+        for line in
+            ["encode a -o -", "encode a -o b --json", "decode a --null", "inspect a", "render a -o b.png --trace -"]
+        {
+            assert!(of(line), "{line}");
+        }
+        let root = command();
+        for name in WRITERS {
+            assert!(root.find_subcommand(name).is_some(), "{name}");
+        }
+    }
 }

@@ -188,7 +188,8 @@ fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
 /// Sizes from the container, and decoding times without writing files.
 fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<Vec<KindReport>> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
-    let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams))?;
+    let images: u64 = streams.iter().map(|stream| stream.frames.count()).sum();
+    let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams) + images)?;
     let settings = InspectSettings::default();
     let inspection = inspect::inspect(decoder, &streams, settings, &progress)?;
     let mut rows = Vec::new();

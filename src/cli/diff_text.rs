@@ -199,7 +199,7 @@ fn domain_text(domain: &Domain) -> String {
     match domain.coding {
         Coding::Depth(range) => {
             let found = if domain.origin == Origin::Default { ", the range of both sides" } else { "" };
-            format!("16-bit log codes{of}, {} m to {} m{found}", range.near_m(), range.far_m())
+            format!("16-bit log codes{of}, {range}{found}")
         }
         Coding::Color(ColorFormat::EightBit(tone), cell) => {
             let curve = if tone.transfer == Transfer::Srgb { "sRGB" } else { "linear light" };

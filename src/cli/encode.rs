@@ -292,9 +292,13 @@ impl Encode<'_> {
                 begun.filter(|begun| encode::check_recovered(self.frames(), self.settings, begun).is_ok())
             }
             (begun, _) => {
-                let chunks = begun.map_or(0, |begun| begun.chunks.len());
-                if chunks > 0 {
-                    self.say(&format!("replacing an unfinished encode of {chunks} chunks; --resume would continue it"));
+                if let Some(begun) = begun.filter(|begun| !begun.chunks.is_empty()) {
+                    let chunks = counted(begun.chunks.len() as u64, "chunk");
+                    let more = match encode::check_recovered(self.source, self.settings, &begun) {
+                        Ok(()) => "; --resume would continue it",
+                        Err(_) => " with other options",
+                    };
+                    self.say(&format!("replacing an unfinished encode of {chunks}{more}"));
                 }
                 None
             }
@@ -326,7 +330,7 @@ impl Encode<'_> {
             }
             Kept::Chunks(words) => {
                 let on_disk = file.keep();
-                let safe = kept(file.work_path(), &words, &on_disk);
+                let safe = kept(file.work_path(), &words, &on_disk) + "; " + output::how_to_resume(&error);
                 Err(Error::Unfinished { cause: Box::new(error), safe })
             }
         }
@@ -345,7 +349,7 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
         Ok(()) => "safe".to_owned(),
         Err(error) => format!("kept, possibly not on disk ({error}),"),
     };
-    format!("{how} in {}: {chunks}; the same command with --resume continues", partial.display())
+    format!("{how} in {}: {chunks}", partial.display())
 }
 
 /// Says, also with --quiet, that light is lost: the container does not tell.
@@ -365,7 +369,7 @@ pub fn text(path: &Path, report: &EncodeReport) -> String {
     let EncodeReport { summary, ratio_percent, seconds, .. } = report;
     let resumed = match summary.resumed_chunks {
         0 => String::new(),
-        count => format!(", {count} resumed chunks"),
+        count => format!(", {}", counted(count, "resumed chunk")),
     };
     format!(
         "{}: {}, {}, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}",
@@ -385,7 +389,7 @@ mod tests {
     #[test]
     fn chunks_are_safe_once_on_disk() {
         let words = |on_disk| kept(Path::new(".a.partial"), "2 chunks", &on_disk);
-        let end = "in .a.partial: 2 chunks; the same command with --resume continues";
+        let end = "in .a.partial: 2 chunks";
         assert_eq!(words(Ok(())), format!("safe {end}"));
         let lost = words(Err(std::io::Error::other("broken")));
         assert_eq!(lost, format!("kept, possibly not on disk (broken), {end}"));

@@ -1,11 +1,14 @@
 //! Options, exit codes and messages of every command.
 
+use std::io::ErrorKind;
+
 use serde::Serialize;
 
+use crate::cli::options::{PROGRESS_FORMS, ProgressForm, one_of};
 use crate::cli::output;
 use crate::error::{Error, Result};
 
-#[derive(Debug, Clone, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 pub struct GlobalArgs {
     /// Number of threads; the result does not depend on it [default: one per processor]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -13,6 +16,12 @@ pub struct GlobalArgs {
     /// Print results and errors only
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// How progress is shown
+    #[arg(long, global = true, value_name = "FORM", value_parser = one_of(PROGRESS_FORMS), default_value = "auto")]
+    pub progress: ProgressForm,
+    /// Whether standard output carries the result, so that progress must not.
+    #[arg(skip)]
+    pub has_result_on_stdout: bool,
 }
 
 impl GlobalArgs {
@@ -40,9 +49,14 @@ pub fn refuse<T>(message: impl Into<String>) -> Result<T> {
 
 /// Exit code of a command whose check failed ([`ExitStatus::Failed`]).
 pub const EXIT_FAILED: u8 = 1;
+/// Bad input or options: the same command would fail again.
 pub const EXIT_BAD_INPUT: u8 = 2;
+/// The same command may succeed later; EX_TEMPFAIL of sysexits.h.
+pub const EXIT_RETRY: u8 = 75;
 /// Exit code after SIGINT, as shells expect it (128 + 2).
 pub const EXIT_INTERRUPTED: u8 = 130;
+/// Exit code after the reader of standard output has gone, as shells expect it (128 + 13, SIGPIPE).
+pub const EXIT_BROKEN_PIPE: u8 = 141;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitStatus {
@@ -55,6 +69,46 @@ pub fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Interrupted => EXIT_INTERRUPTED,
         Error::Unfinished { cause, .. } => exit_code(cause),
-        _ => EXIT_BAD_INPUT,
+        Error::Io { source, .. } => code_of_kind(source.kind()),
+        Error::Invalid { .. } | Error::Unsupported { .. } | Error::Usage(_) => EXIT_BAD_INPUT,
+    }
+}
+
+/// Errors of the system that the same command meets again are bad input. All others may pass: a file that is not there yet, a
+/// full disk, a lost mount, a lock; many of them have no name in [`ErrorKind`].
+fn code_of_kind(kind: ErrorKind) -> u8 {
+    use ErrorKind::{
+        AlreadyExists, CrossesDevices, DirectoryNotEmpty, FileTooLarge, InvalidData, InvalidFilename, InvalidInput,
+        IsADirectory, NotADirectory, NotSeekable, Other, PermissionDenied, ReadOnlyFilesystem, TooManyLinks,
+        UnexpectedEof, Unsupported,
+    };
+    match kind {
+        ErrorKind::BrokenPipe => EXIT_BROKEN_PIPE,
+        AlreadyExists | CrossesDevices | DirectoryNotEmpty | FileTooLarge | InvalidData | InvalidFilename
+        | InvalidInput | IsADirectory | NotADirectory | NotSeekable | Other | PermissionDenied | ReadOnlyFilesystem
+        | TooManyLinks | UnexpectedEof | Unsupported => EXIT_BAD_INPUT,
+        _ => EXIT_RETRY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_say_what_may_be_tried_again() {
+        let code = |error: std::io::Error| exit_code(&Error::io("a", error));
+        for kind in [ErrorKind::NotFound, ErrorKind::StorageFull, ErrorKind::ResourceBusy, ErrorKind::TimedOut] {
+            assert_eq!(code(kind.into()), EXIT_RETRY, "{kind}");
+        }
+        // EIO, of a lost mount.
+        assert_eq!(code(std::io::Error::from_raw_os_error(5)), EXIT_RETRY);
+        for kind in [ErrorKind::PermissionDenied, ErrorKind::UnexpectedEof, ErrorKind::IsADirectory] {
+            assert_eq!(code(kind.into()), EXIT_BAD_INPUT, "{kind}");
+        }
+        let full = Error::io("a", ErrorKind::StorageFull.into()).context("frame 7");
+        let stopped = Error::Unfinished { cause: Box::new(full), safe: String::new() };
+        assert_eq!(exit_code(&stopped), EXIT_RETRY);
+        assert_eq!(exit_code(&Error::Usage(String::new())), EXIT_BAD_INPUT);
     }
 }

@@ -14,6 +14,7 @@ use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::dataset::manifest;
 use crate::dataset::seurat::is_manifest as is_seurat_manifest;
 use crate::decode::{Decoder, StreamInfo};
+use crate::error::counted;
 use crate::error::{Error, Result};
 use crate::inspect::{self, Check, ChunksReport, ContainerReport, FrameReport, FrameRows, InspectSettings};
 use crate::report;
@@ -122,6 +123,7 @@ fn verdict(report: &Report<'_>) -> Result<ExitStatus> {
         return Ok(ExitStatus::Passed);
     }
     let chunks = report.inspection.totals(None).chunks;
-    Err(Error::invalid(format!("{damaged} of {chunks} chunks are damaged: copy or encode the file again"))
+    let all = counted(chunks, "chunk");
+    Err(Error::invalid(format!("damaged: {damaged} of {all}; copy or encode the file again"))
         .in_file(&report.args.input))
 }

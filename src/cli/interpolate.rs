@@ -175,12 +175,13 @@ fn fingerprint(
     let (acquire, interpolate, holes) = (&settings.acquire, &settings.interpolate, settings.holes);
     let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps, args.rasterize, args.quilt);
     let mut fields = Fingerprint::of_program();
+    fields.extend(args.options());
     fields.push((
-        "the options",
+        "the set of options",
         digest(format!("{acquire:?} {interpolate:?} {holes:?} {scene:?} {}", args.brute_force).as_bytes()),
     ));
     fields.push((
-        "the views",
+        "the list of views",
         digest(format!("{grid:?} {:?} {:?} {:?}", args.grid, args.view_range, args.frames.frames).as_bytes()),
     ));
     // Rasterisers differ in edges.

@@ -18,9 +18,11 @@ pub struct Page {
 }
 
 /// One page for the program and one for each visible command.
-pub fn pages(mut root: clap::Command) -> Result<Vec<Page>> {
+pub fn pages(root: clap::Command) -> Result<Vec<Page>> {
+    // `help` has no page, and none may cite it.
+    let mut root = root.disable_help_subcommand(true);
     root.build();
-    let visible = root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help");
+    let visible = root.get_subcommands().filter(|command| !command.is_hide_set());
     let subcommands = visible.map(|command| (format!("lightfold-{}", command.get_name()), command));
     std::iter::once(("lightfold".to_owned(), &root)).chain(subcommands).map(page).collect()
 }
@@ -31,6 +33,10 @@ fn page((title, command): (String, &clap::Command)) -> Result<Page> {
     let mut text = Vec::new();
     let man = clap_mangen::Man::new(command.clone()).title(title).source(source);
     man.render(&mut text).map_err(|error| Error::io(&name, error))?;
+    // The program's own page lists those of its commands.
+    if command.get_subcommands().next().is_none() {
+        text.extend_from_slice(b".SH \"SEE ALSO\"\nlightfold(1)\n");
+    }
     Ok(Page { name, text })
 }
 
@@ -41,4 +47,36 @@ pub fn run(args: &Args, root: clap::Command) -> Result<ExitStatus> {
         std::fs::write(&path, &page.text).map_err(|error| Error::io(&path, error))?;
     }
     Ok(ExitStatus::Passed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names before `(1)` in a page, without the marks of fonts and hyphens.
+    fn cited(text: &str) -> Vec<String> {
+        let plain = ["\\fB", "\\fI", "\\fR", "\\"].iter().fold(text.to_owned(), |text, mark| text.replace(mark, ""));
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '-';
+        let before = plain.match_indices("(1)").map(|(at, _)| &plain[..at]);
+        before.map(|before| before.rsplit(|c| !is_name(c)).next().unwrap_or_default().to_owned()).collect()
+    }
+
+    #[test]
+    fn cited_pages_exist_and_values_have_names_and_help() {
+        let pages = pages(crate::cli::command()).unwrap();
+        let text = |page: &Page| String::from_utf8(page.text.clone()).unwrap();
+        let mut citations = 0;
+        for page in &pages {
+            for name in cited(&text(page)) {
+                let is_there = pages.iter().any(|other| other.name == format!("{name}.1"));
+                assert!(is_there, "{} cites {name}(1)", page.name);
+                citations += 1;
+            }
+        }
+        assert!(citations > 2 * (pages.len() - 1), "{citations}");
+        let encode = pages.iter().find(|page| page.name == "lightfold-encode.1").map(text).unwrap();
+        for words in ["predictive: Predicted codes", "json: JSON on standard error", "\\fI<CODEC>\\fR"] {
+            assert!(encode.contains(words), "{words}: {encode}");
+        }
+    }
 }

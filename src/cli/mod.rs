@@ -13,6 +13,7 @@ mod diff_text;
 mod encode;
 mod encode_color;
 mod encode_depth;
+mod failure;
 mod global;
 mod init;
 mod inspect;
@@ -31,46 +32,72 @@ mod render;
 mod scan;
 mod schema;
 mod selftest;
+mod short_help;
 mod simplify;
 mod tradeoff;
 mod train;
 mod unfinished_folder;
 
 use std::ffi::OsString;
-use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::FromArgMatches;
 
 use crate::color::transform::tables::Transform;
 use crate::depth::predictive::tables::Predictive;
 use crate::error::{Error, Result};
 
 pub use command_line::{Cli, Command, command};
-use global::{EXIT_FAILED, exit_code};
+use failure::Failure;
+use global::{EXIT_BROKEN_PIPE, EXIT_FAILED, exit_code};
 pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 
 /// Runs a command line and answers the process's exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     tradeoff::end_with_parent();
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let as_json = arguments.iter().any(|word| word == "--json");
+    let cli = match parse(&arguments) {
         Ok(cli) => cli,
-        Err(error) => {
-            // Help and version are no errors and go to standard output; clap knows which.
-            let _ = error.print();
-            return ExitCode::from(error.exit_code() as u8);
-        }
+        Err(error) => return not_parsed(&error, as_json),
     };
     match execute(cli) {
         Ok(ExitStatus::Passed) => ExitCode::SUCCESS,
         Ok(ExitStatus::Failed) => ExitCode::from(EXIT_FAILED),
-        // The reader of our output has closed it.
-        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            output::note(format_args!("lightfold: {error}"));
-            ExitCode::from(exit_code(&error))
+            let code = exit_code(&error);
+            // Whoever closes our output wants no more of it.
+            if code != EXIT_BROKEN_PIPE {
+                output::note(format_args!("lightfold: {error}"));
+                if as_json {
+                    Failure::of(&error).print();
+                }
+            }
+            ExitCode::from(code)
         }
     }
+}
+
+fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
+    let matches = short_help::with_short_help(command()).try_get_matches_from(arguments)?;
+    let mut cli = Cli::from_arg_matches(&matches)?;
+    cli.global.has_result_on_stdout = command_line::has_result_on_stdout(&matches);
+    Ok(cli)
+}
+
+/// Prints help, version or what is wrong with the arguments.
+fn not_parsed(error: &clap::Error, as_json: bool) -> ExitCode {
+    // Clap knows which of them are errors, and prints the others to standard output.
+    let code = match error.print() {
+        Err(broken) if !error.use_stderr() => exit_code(&Error::io("-", broken)),
+        _ => error.exit_code() as u8,
+    };
+    if as_json && error.use_stderr() {
+        let text = error.to_string();
+        let message = text.split("\n\n").next().unwrap_or_default().trim().trim_start_matches("error: ").to_owned();
+        Failure::new(message, code, None).print();
+    }
+    ExitCode::from(code)
 }
 
 fn execute(cli: Cli) -> Result<ExitStatus> {

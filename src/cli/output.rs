@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
@@ -16,8 +17,16 @@ pub fn name_output(error: Error, path: &Path) -> Error {
     if matches!(error, Error::Io { .. }) { error.in_file(path) } else { error }
 }
 
+/// Whether a report was printed, beside which a failure would be a second document.
+static HAS_REPORTED: AtomicBool = AtomicBool::new(false);
+
 pub fn print_json(value: &impl Serialize) -> Result<()> {
+    HAS_REPORTED.store(true, Ordering::Relaxed);
     print_text(&json::pretty(value)?)
+}
+
+pub fn has_reported() -> bool {
+    HAS_REPORTED.load(Ordering::Relaxed)
 }
 
 pub fn print_either(as_json: bool, report: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
@@ -35,6 +44,17 @@ pub struct WithMemory<T> {
 
 pub fn with_memory<T: Serialize>(report: T) -> WithMemory<T> {
     WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() }
+}
+
+/// How a stopped command goes on. Where an option stopped it, the same command would stop again.
+pub fn how_to_resume(error: &Error) -> &'static str {
+    let message = error.to_string();
+    match matches!(error, Error::Usage(_)) || with_option_names(&message) != message {
+        true => {
+            "--resume continues with equal options, once the input is mended; with other options, start anew without --resume"
+        }
+        false => "the same command with --resume continues",
+    }
 }
 
 pub fn note(line: impl std::fmt::Display) {

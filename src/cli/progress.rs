@@ -1,20 +1,29 @@
-//! Progress on a terminal, and Ctrl-C.
+//! Progress, as a bar on a terminal or as lines for programs, and Ctrl-C.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use serde::Serialize;
 
+use crate::cli::options::ProgressForm;
 use crate::cli::{GlobalArgs, refuse};
 use crate::error::Result;
 use crate::monitor::Monitor;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// A progress bar, on terminals only, that reports SIGINT and SIGTERM.
+/// Time between lines, at least.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// Shows progress, and reports SIGINT and SIGTERM.
 #[derive(Debug)]
 pub struct Progress {
+    /// Counts, also where it is not drawn.
     bar: ProgressBar,
+    lines: Option<Lines>,
 }
 
 impl Progress {
@@ -24,8 +33,8 @@ impl Progress {
             Ok(()) | Err(ctrlc::Error::MultipleHandlers) => {}
             Err(error) => return refuse(format!("no handler for Ctrl-C could be set: {error}")),
         }
-        let visible = !global.quiet && std::io::stderr().is_terminal();
-        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let is_drawn = global.progress == ProgressForm::Auto && !global.quiet && std::io::stderr().is_terminal();
+        let target = if is_drawn { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} {rate} eta {eta}")
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
@@ -33,7 +42,16 @@ impl Progress {
                 let _ = text.write_str(&rate(state.per_sec()));
             });
         let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style).with_message(what);
-        Ok(Progress { bar })
+        let lines = match global.progress {
+            ProgressForm::Auto | ProgressForm::None => None,
+            ProgressForm::Json => Some(LineForm::Json),
+            ProgressForm::OpenJd if global.has_result_on_stdout => Some(LineForm::OpenJdOnStderr),
+            ProgressForm::OpenJd => Some(LineForm::OpenJd),
+        };
+        let lines = lines.map(|form| Lines { form, stage: what, begun: Instant::now(), last: Mutex::new(None) });
+        let progress = Progress { bar, lines };
+        progress.tell(false);
+        Ok(progress)
     }
 
     /// Sets the number of steps, where it follows from what is read first. Reading does not count.
@@ -42,10 +60,17 @@ impl Progress {
         self.bar.set_position(0);
         self.bar.reset_eta();
     }
+
+    fn tell(&self, is_last: bool) {
+        if let Some(lines) = &self.lines {
+            lines.tell(self.bar.position(), self.bar.length().unwrap_or(0), is_last);
+        }
+    }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
+        self.tell(true);
         self.bar.finish_and_clear();
     }
 }
@@ -53,10 +78,67 @@ impl Drop for Progress {
 impl Monitor for Progress {
     fn advance(&self, steps: u64) {
         self.bar.inc(steps);
+        self.tell(false);
     }
 
     fn interrupted(&self) -> bool {
         INTERRUPTED.load(Ordering::Relaxed)
+    }
+}
+
+/// Lines of one stage.
+#[derive(Debug)]
+struct Lines {
+    form: LineForm,
+    stage: &'static str,
+    begun: Instant,
+    /// When the last line was written, and the steps that it told.
+    last: Mutex<Option<(Instant, [u64; 2])>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LineForm {
+    Json,
+    OpenJd,
+    OpenJdOnStderr,
+}
+
+#[derive(Serialize)]
+struct JsonLine {
+    stage: &'static str,
+    done: u64,
+    total: u64,
+    seconds: f64,
+}
+
+impl Lines {
+    /// Writes where the stage stands, unless a line was written just now; the last one always, if it has news.
+    fn tell(&self, done: u64, total: u64, is_last: bool) {
+        // Other threads that advance meanwhile need not wait: one of them writes.
+        let guard = if is_last { self.last.lock().ok() } else { self.last.try_lock().ok() };
+        let Some(mut last) = guard else { return };
+        let is_due = last.is_none_or(|(at, told)| if is_last { told != [done, total] } else { at.elapsed() >= PAUSE });
+        if !is_due {
+            return;
+        }
+        *last = Some((Instant::now(), [done, total]));
+        let text = self.text(done, total);
+        // Progress that nobody reads is no error.
+        let _ = match self.form {
+            LineForm::OpenJd => std::io::stdout().lock().write_all(text.as_bytes()),
+            LineForm::Json | LineForm::OpenJdOnStderr => std::io::stderr().lock().write_all(text.as_bytes()),
+        };
+    }
+
+    fn text(&self, done: u64, total: u64) -> String {
+        let stage = self.stage;
+        if self.form == LineForm::Json {
+            let seconds = (self.begun.elapsed().as_secs_f64() * 1000.0).round() / 1000.0;
+            let line = serde_json::to_string(&JsonLine { stage, done, total, seconds });
+            return line.map_or_else(|_| String::new(), |line| line + "\n");
+        }
+        let percent = if total == 0 { 0.0 } else { 100.0 * done.min(total) as f64 / total as f64 };
+        format!("openjd_progress: {percent:.1}\nopenjd_status: {stage} {done}/{total}\n")
     }
 }
 
@@ -75,5 +157,16 @@ mod tests {
             [0.0, 0.4321, 9.94, 9.97, 35.4321, 1234.5678].map(rate),
             ["0.0/s", "0.4/s", "9.9/s", "10/s", "35/s", "1235/s"]
         );
+    }
+
+    #[test]
+    fn lines_tell_stage_and_steps() {
+        let lines = |form| Lines { form, stage: "encoding", begun: Instant::now(), last: Mutex::new(None) };
+        let json: serde_json::Value = serde_json::from_str(&lines(LineForm::Json).text(12, 96)).unwrap();
+        assert_eq!((&json["stage"], &json["done"], &json["total"]), (&"encoding".into(), &12.into(), &96.into()));
+        assert!(json["seconds"].as_f64().is_some_and(|seconds| seconds >= 0.0));
+        let openjd = lines(LineForm::OpenJd);
+        assert_eq!(openjd.text(12, 96), "openjd_progress: 12.5\nopenjd_status: encoding 12/96\n");
+        assert_eq!(openjd.text(0, 0), "openjd_progress: 0.0\nopenjd_status: encoding 0/0\n");
     }
 }

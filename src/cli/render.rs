@@ -13,6 +13,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::cli::options::check_stdout;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, device, outputs, refuse};
 use crate::decode::Decoder;
@@ -131,7 +132,7 @@ impl Args {
         if self.results_to_stdout() + usize::from(self.json) > 1 {
             return refuse("only one result fits standard output: name files for the others");
         }
-        Ok(())
+        self.output.iter().chain(&self.contact_sheet).try_for_each(|path| check_stdout(path, false))
     }
 
     fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {

@@ -193,7 +193,10 @@ fn device_text(tested: &Tested, cases: &[CaseReport]) -> String {
     let images = sum(|case| case.pictures) - rendered;
     let count = hard_cases.iter().filter(|case| case.pictures > case.rendered).count();
     out += &format!(
-        "{count} hard cases with streams, {images} images; {rendered} pictures; {words} words or pixels differ\n"
+        "{} with streams, {}; {}; {words} words or pixels differ\n",
+        counted(count as u64, "hard case"),
+        counted(images, "image"),
+        counted(rendered, "picture"),
     );
     for (case, figures) in cases.iter().zip(hard_cases).filter(|(_, figures)| figures.mismatched_words > 0) {
         let first = figures.first.as_deref().unwrap_or_default();

@@ -50,7 +50,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let progress = Progress::start(global, "simplifying", steps)?;
     let captures: Vec<&Capture> = std::iter::once(&capture).chain(&held_out).collect();
     check_outputs(args, &captures)?;
-    let fingerprint = unfinished::fingerprint(&args.input, &settings, &capture);
+    let fingerprint = unfinished::fingerprint(args, &settings, &capture);
     let (mut unfinished, words) = UnfinishedScene::open(args, fingerprint, global)?;
     let selected = match words {
         Some(words) => {

@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::options::{MemoryArgs, check_stdout};
+use crate::cli::options::{MemoryArgs, check_report};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::decode::Decoder;
 use crate::entropy::tables::MOST_OWN;
 use crate::error::Result;
+use crate::error::counted;
 use crate::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
 
 pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
@@ -57,7 +58,7 @@ struct Report {
 }
 
 pub fn run<C: TrainedCodec>(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    check_stdout(&args.output, args.json)?;
+    check_report(&args.output, args.json)?;
     let start = Instant::now();
     if args.inputs.iter().chain(&args.held_out).any(|input| is_same_file(input, &args.output)) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
@@ -87,13 +88,15 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
 fn words(path: &Path, summary: TrainSummary) -> String {
     let TrainSummary { payloads, symbols, sets, payload_bytes, trained_payload_bytes, table_bytes, held_out } = summary;
     let [before, after, stored] = [payload_bytes, trained_payload_bytes, table_bytes].map(human_bytes);
-    let sets = if sets == 1 { "1 table set".to_owned() } else { format!("{sets} table sets") };
+    let (sets, symbols) = (counted(sets as u64, "table set"), counted(symbols, "symbol"));
+    let payloads = counted(payloads, "payload");
     let held_out = held_out.map_or(String::new(), |HeldOut { payloads, payload_bytes, trained_payload_bytes }| {
         let [before, after] = [payload_bytes, trained_payload_bytes].map(human_bytes);
-        format!("; {payloads} held-out payloads take {before}, with the trained sets alone about {after}")
+        let payloads = counted(payloads, "held-out payload");
+        format!("; {payloads} take {before}, with the trained sets alone about {after}")
     });
     format!(
-        "{}: {sets} from {symbols} symbols of {payloads} payloads; these take {before}, with the trained tables about {after}, \
+        "{}: {sets} from {symbols} of {payloads}; these take {before}, with the trained tables about {after}, \
          and {stored} for the tables{held_out}",
         path.display()
     )

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::GlobalArgs;
+use super::{GlobalArgs, output};
 use crate::error::{Error, Result};
 use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
+use crate::report::coding_map::counted;
 
 /// An output folder in the making.
 #[derive(Debug)]
@@ -43,8 +44,10 @@ impl UnfinishedFolder {
         if resume {
             say("nothing to resume; starting anew");
         } else if images > 0 {
-            let plural = if images == 1 { "" } else { "s" };
-            say(&format!("replacing an unfinished {what} of {images} image{plural}; --resume would continue it"));
+            let begun: Vec<(String, String)> = serde_json::from_str(&left).unwrap_or_default();
+            let is_same = Fingerprint(begun).difference(now).is_none();
+            let more = if is_same { "; --resume would continue it" } else { " with other options" };
+            say(&format!("replacing an unfinished {what} of {}{more}", counted(images, "image")));
         }
         let state = serde_json::to_string_pretty(&now.0)
             .map_err(|error| Error::invalid(format!("the state of the {what}: {error}")))?;
@@ -68,8 +71,9 @@ impl UnfinishedFolder {
         }
         self.folder.keep();
         let safe = format!(
-            "{images} of {all} images are kept in {}; the same command with --resume continues",
-            self.folder.work_path().display()
+            "{images} of {all} images are kept in {}; {}",
+            self.folder.work_path().display(),
+            output::how_to_resume(&error)
         );
         Error::Unfinished { cause: Box::new(error), safe }
     }

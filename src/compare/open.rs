@@ -79,7 +79,7 @@ fn form_of(path: &str) -> Result<Form> {
         return Ok(Form::Container);
     }
     if !file.exists() && !Pattern::parse(path)?.has_field() {
-        return Err(Error::invalid("there is no such file or folder").in_file(path));
+        return Err(Error::not_found(path, "there is no such file or folder"));
     }
     Ok(Form::Sequence)
 }

@@ -376,20 +376,20 @@ impl Source {
         vec![
             ("what an image shows", self.content.words().to_owned()),
             ("the place of the eyes", self.stereo.map_or("none", StereoLayout::name).to_owned()),
-            ("the size of the images", format!("{}x{}", self.file_size.0, self.file_size.1)),
+            ("the size of the image files", format!("{}x{}", self.file_size.0, self.file_size.1)),
             ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
-            ("the background", self.rules.background.to_string()),
-            ("the depth scale", self.rules.scale.to_string()),
+            ("`background`", self.rules.background.to_string()),
+            ("`depth_scale`", self.rules.scale.to_string()),
             ("`invalid_depth`", self.rules.invalid.name().to_owned()),
             ("`invalid_color`", self.invalid_color.name().to_owned()),
             ("the kind of depth", format!("{} as {}", self.depth_in_files.name(), self.depth_stored.name())),
             ("near in the manifest", words_of(range.and_then(|depth| depth.near), "none")),
             ("far in the manifest", words_of(range.and_then(|depth| depth.far), "none")),
-            ("whether a depth scale is stated", self.scale_stated.to_string()),
-            ("the color space", words_of(self.color_space.map(ColorSpace::name), "that of the files")),
-            ("the color channels", self.color_channel.words()),
+            ("the source of the depth scale", if self.scale_stated { "a statement" } else { "the default" }.to_owned()),
+            ("`color_space`", words_of(self.color_space.map(ColorSpace::name), "that of the files")),
+            ("the choice of color channels", self.color_channel.words()),
             ("the depth channel", self.depth_channel.words()),
-            ("the material channels", self.material_channels.join(", ")),
+            ("the choice of material channels", self.material_channels.join(", ")),
         ]
     }
 

@@ -4,6 +4,8 @@
 //! 65535 is the background, exactly, and 65,534 steps of 0.0015% of the span are left. Near and far are those of the
 //! probe, as close to its surfaces as the footage allows; its six faces share them, so that no seam shows.
 
+use std::fmt;
+
 use crate::error::{Error, Result};
 
 pub use crate::metrics::codes::BACKGROUND_CODE;
@@ -15,6 +17,18 @@ pub const FAR_CODE: u16 = u16::MAX - 1;
 pub struct DepthRange {
     near_m: f32,
     far_m: f32,
+}
+
+/// A distance in metres, with a power of ten where it has many digits: `0.25`, `1e30`.
+pub fn metres_in_words(distance_m: f32) -> String {
+    let is_plain = distance_m == 0.0 || !distance_m.is_finite() || (1e-4..1e7).contains(&distance_m.abs());
+    if is_plain { distance_m.to_string() } else { format!("{distance_m:e}") }
+}
+
+impl fmt::Display for DepthRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} m to {} m", metres_in_words(self.near_m), metres_in_words(self.far_m))
+    }
 }
 
 impl DepthRange {

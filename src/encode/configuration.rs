@@ -4,8 +4,10 @@
 use serde::Serialize;
 
 use crate::color::SearchSettings;
+use crate::dataset::SourceGroup;
 use crate::depth::TemporalSettings;
 use crate::depth::mode_decision::Decide;
+use crate::depth::quantise::metres_in_words;
 use crate::effort::Effort;
 use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{
@@ -14,7 +16,7 @@ use crate::encode::{
 use crate::entropy::{Model, TableSet, Tables};
 use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::{StreamKind, ToneMap};
+use crate::image::{FrameRange, StreamKind, ToneMap};
 use crate::streams::{ColorBlocks, ColorFormat};
 
 pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerprint {
@@ -23,13 +25,31 @@ pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerp
     fields.push(("the name of the dataset", source.name().to_owned()));
     fields.push(("the frame rate", source.fps().to_string()));
     fields.push(("the projection", source.projection().name().to_owned()));
-    fields.push(("the probes", digest(format!("{:?}", source.probes()).as_bytes())));
     let groups: Vec<_> = selected_groups(source, settings).iter().map(|group| (group.at, group.group)).collect();
-    fields.push(("the streams, their frames and sizes", digest(format!("{groups:?}").as_bytes())));
+    fields.extend(words_of_groups(source, groups.iter().map(|(_, group)| *group)));
+    fields.push(("the list of probes", digest(format!("{:?}", source.probes()).as_bytes())));
+    fields.push(("the list of streams", digest(format!("{groups:?}").as_bytes())));
     fields.extend(source.configuration());
     // Last: it may differ only because an option chooses another encoder.
     fields.push(("the kind of machine", machine(settings)));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+}
+
+/// What people know of probes and streams, which digests tell in full.
+fn words_of_groups<'a>(
+    source: &dyn FrameSource,
+    groups: impl Iterator<Item = &'a SourceGroup> + Clone,
+) -> [(&'static str, String); 3] {
+    let first = groups.clone().map(|group| group.frames.first).min().unwrap_or(0);
+    let last = groups.clone().map(|group| group.frames.last).max().unwrap_or(0);
+    let mut sizes: Vec<String> = groups.map(|group| format!("{}x{}", group.width, group.height)).collect();
+    sizes.dedup();
+    let names: Vec<&str> = source.probes().iter().map(|probe| probe.name.as_str()).collect();
+    [
+        ("the range of `frames`", FrameRange { first, last }.to_string()),
+        ("the size of the images", sizes.join(", ")),
+        ("the choice of probes", names.join(", ")),
+    ]
 }
 
 pub(super) fn to_bytes<T: Serialize + ?Sized>(part: &T) -> Result<Vec<u8>> {
@@ -81,7 +101,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`near`", metres(*near_m)),
         ("`far`", metres(*far_m)),
         ("`material_error`", material_error.to_string()),
-        ("`material_block`", in_blocks.to_string()),
+        ("`material_block`", if *in_blocks { "bc1" } else { "none" }.to_owned()),
         ("`color_cell`", cell.to_string()),
         ("`color_codec`", if *color_codec == ColorCodec::Cells { "cells" } else { "transform" }.to_owned()),
         ("`color_chunk`", color_chunk.to_string()),
@@ -109,7 +129,7 @@ fn name_of_codec(codec: DepthCodec) -> &'static str {
         DepthCodec::Quadtree => "quadtree",
         DepthCodec::Tree => "the quadtree of a later pack",
         DepthCodec::Boxes => "aabb",
-        DepthCodec::BoxesInBlocks => "aabb with bc5 blocks",
+        DepthCodec::BoxesInBlocks => "aabb in bc5 blocks",
         DepthCodec::Blocks => "bc4w",
         DepthCodec::Predictive => "predictive",
     }
@@ -117,7 +137,7 @@ fn name_of_codec(codec: DepthCodec) -> &'static str {
 
 fn words_of_bound(error: ErrorBound) -> String {
     match error {
-        ErrorBound::Codes(codes) => format!("{codes} in codes"),
+        ErrorBound::Codes(codes) => format!("{codes} codes"),
         ErrorBound::Relative(share) => format!("{share} of the distance"),
     }
 }
@@ -131,14 +151,14 @@ fn words_of_efforts(depth: Effort, color: Effort) -> String {
 
 fn words_of_tiles(tiles: TileSize) -> String {
     match tiles {
-        TileSize::Usual => "default".to_owned(),
+        TileSize::Usual => "the default".to_owned(),
         TileSize::PerSide(tiles) => format!("{tiles} per side"),
-        TileSize::Pixels(side) => format!("{side} in pixels"),
+        TileSize::Pixels(side) => format!("{side} pixels"),
     }
 }
 
 fn metres(distance_m: Option<f32>) -> String {
-    distance_m.map_or_else(|| "that of the images".to_owned(), |distance| format!("{distance} m"))
+    distance_m.map_or_else(|| "that of the images".to_owned(), |distance| format!("{} m", metres_in_words(distance)))
 }
 
 fn words_of_blocks(blocks: Option<ColorBlockSettings>) -> String {

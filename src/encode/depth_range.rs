@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crate::dataset::{Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::depth::predictive::Levels;
+use crate::depth::quantise::metres_in_words;
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
 use crate::encode::scan::{Distances, FoundDepth, Scan};
@@ -89,9 +90,12 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<Dep
     let (near, far) = (given[0].unwrap_or(extent.near_m), given[1].unwrap_or(extent.far_m));
     DepthRange::new(near, far).map_err(|_| {
         Error::Usage(format!(
-            "probe {probe}: near {near} m and far {far} m hold no depth; what was not given was found in the footage, \
+            "probe {probe}: near {} m and far {} m hold no depth; what was not given was found in the footage, \
              whose surfaces lie from {} m to {} m",
-            extent.near_m, extent.far_m
+            metres_in_words(near),
+            metres_in_words(far),
+            metres_in_words(extent.near_m),
+            metres_in_words(extent.far_m)
         ))
     })
 }

@@ -57,11 +57,11 @@ impl PartialFile {
         }
         let (path, journal_path) = (beside(output, PARTIAL)?, beside(output, JOURNAL)?);
         let busy = || {
-            Error::Usage(format!(
-                "{}: another lightfold is writing it, in {}; wait for it, or name another file",
-                output.display(),
-                path.display()
-            ))
+            let place = path.display();
+            Error::busy(
+                output,
+                format!("another lightfold is writing it, in {place}; wait for it, or name another file"),
+            )
         };
         let open = |path: &Path| open_locked(path).map_err(|error| Error::io(output, error))?.ok_or_else(busy);
         let Locked { file, is_locked } = open(&path)?;
@@ -105,7 +105,7 @@ impl PartialFile {
         let io = |error| Error::io(&self.output, error);
         let bytes = intact.unwrap_or_default();
         truncate(self.writer.get_mut(), bytes.file).map_err(io)?;
-        let busy = || Error::Usage(format!("{}: another process has it", self.journal_path.display()));
+        let busy = || Error::busy(&self.journal_path, "another process has it");
         let mut journal = match self.journal.take() {
             Some(journal) => journal,
             None => open_locked(&self.journal_path).map_err(io)?.ok_or_else(busy)?.file,
@@ -314,7 +314,9 @@ mod tests {
         let (folder, output) = left();
         std::fs::remove_file(folder.path().join(".a.partial")).unwrap();
         let theirs = open_locked(&folder.path().join(".a.journal")).unwrap();
-        assert!(matches!(PartialFile::open(&output), Err(Error::Usage(_))));
+        assert!(
+            matches!(PartialFile::open(&output), Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::ResourceBusy)
+        );
         assert_eq!(count(&folder), 1);
         // One with bytes is not ours to remove.
         std::fs::write(folder.path().join(".a.partial"), b"chunks").unwrap();

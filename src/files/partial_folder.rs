@@ -62,11 +62,9 @@ impl PartialFolder {
         let made = MadeFolders::create(parent_of(&path)).map_err(io)?;
         std::fs::create_dir_all(&path).map_err(io)?;
         let Some(Locked { file, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
-            return Err(Error::Usage(format!(
-                "{}: another lightfold is writing it, in {}; wait for it, or name another folder",
-                output.display(),
-                path.display()
-            )));
+            let place = path.display();
+            let message = format!("another lightfold is writing it, in {place}; wait for it, or name another folder");
+            return Err(Error::busy(output, message));
         };
         // On a full disk the state may be empty beside intact images.
         let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || kind.count(&path) > 0;
@@ -214,7 +212,8 @@ mod tests {
         std::fs::create_dir(folder.work_path().join("sub")).unwrap();
         std::fs::write(folder.work_path().join("sub/one.exr"), "1").unwrap();
         assert_eq!(folder.files(), 1);
-        assert!(matches!(PartialFolder::open(&output, CAPTURE), Err(Error::Usage(_))), "there are two of them");
+        let second = PartialFolder::open(&output, CAPTURE);
+        assert!(matches!(second, Err(Error::Io { .. })), "there are two of them");
         folder.keep();
         drop(folder);
         let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();

@@ -288,7 +288,7 @@ impl Sequence {
         }
         let pattern = Pattern::parse(spec)?;
         if !pattern.has_field() {
-            return Err(Error::invalid("there is no such file or folder").in_file(spec));
+            return Err(Error::not_found(spec, "there is no such file or folder"));
         }
         Sequence::of_pattern(pattern, frames)
     }
@@ -298,7 +298,7 @@ impl Sequence {
         for frame in frames.iter() {
             let path = pattern.path(frame);
             if !path.is_file() {
-                return Err(Error::invalid(format!("frame {frame} is missing: there is no such file")).in_file(path));
+                return Err(Error::not_found(path, format!("frame {frame} is missing: there is no such file")));
             }
         }
         Ok(Sequence { pattern, frames })
@@ -343,15 +343,17 @@ impl Sequence {
             return Sequence::known(pattern, frames);
         }
         let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
-            let hint = hint.map(|hint| format!("; {hint}")).unwrap_or_default();
-            let message = format!("no file matches this pattern{hint}");
-            return Err(Error::invalid(message).in_file(pattern.to_string()));
+            let none = "no file matches this pattern";
+            return Err(match hint {
+                None => Error::not_found(pattern.to_string(), none),
+                Some(hint) => Error::invalid(format!("{none}; {hint}")).in_file(pattern.to_string()),
+            });
         };
         // Ordered and distinct: the first number that is not the expected one follows the hole.
         if let Some((missing, _)) = (first..=last).zip(&numbers).find(|(expected, found)| expected != *found) {
             let message =
                 format!("frame {missing} is missing between frames {first} and {last}: there is no such file");
-            return Err(Error::invalid(message).in_file(pattern.path(missing)));
+            return Err(Error::not_found(pattern.path(missing), message));
         }
         Ok(Sequence { pattern, frames: FrameRange { first, last } })
     }

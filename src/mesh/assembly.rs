@@ -4,6 +4,7 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::triangles::Mesh;
+use crate::error::counted;
 
 #[derive(Debug)]
 pub struct Part<'a> {
@@ -52,7 +53,7 @@ impl LeftOut {
     pub fn note(&self, notes: &mut Vec<String>) {
         let why = ["a corner is not a finite number", "they have no area"];
         for (count, why) in [self.not_finite, self.no_area].into_iter().zip(why).filter(|(count, _)| *count > 0) {
-            notes.push(format!("{count} triangles are left out: {why}"));
+            notes.push(format!("left out: {}: {why}", counted(count as u64, "triangle")));
         }
     }
 }

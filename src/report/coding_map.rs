@@ -19,9 +19,10 @@ use crate::inspect::{self, Survey, coding_map, survey};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
+pub use crate::error::counted;
 use crate::report::picture::sheet::Sheet;
 use subject::Subject;
-pub use subject::{What, counted};
+pub use subject::What;
 
 const MAX_PLOTS: usize = 4096;
 

@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
+use crate::json;
 
 /// Rows of flat structures; the columns are their fields.
 pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {
@@ -24,7 +25,7 @@ pub fn of_objects(columns: &[&str], objects: &[impl Serialize]) -> Result<String
         let object = serde_json::to_value(object).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
         let cell = |column: &&str| match column.split('.').try_fold(&object, |object, key| object.get(key)) {
             None | Some(Value::Null) => String::new(),
-            Some(Value::String(text)) => text.clone(),
+            Some(Value::String(text)) => json::word(text).to_owned(),
             Some(other) => other.to_string(),
         };
         records.push(columns.iter().map(cell).collect());
@@ -47,7 +48,8 @@ mod tests {
 
     #[test]
     fn keys_become_columns_and_missing_ones_empty_cells() {
-        let objects = [json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }), json!({ "a": null, "d": "inf" })];
+        let objects =
+            [json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }), json!({ "a": null, "d": json::Number(f64::INFINITY) })];
         assert_eq!(of_objects(&["a", "b.c", "d"], &objects).unwrap(), "a,b_c,d\n1,2.5,\"x,y\"\n,,inf\n");
     }
 

@@ -1,5 +1,6 @@
 //! The machine that figures were taken on, and the memory that a process took, as far as the system tells.
 
+use crate::error::counted;
 use std::fs;
 
 /// The largest resident memory of this process so far, in bytes; none where the system does not tell.
@@ -27,8 +28,7 @@ pub fn processor() -> String {
         .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
         .unwrap_or_else(|| std::env::consts::ARCH.to_owned());
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let plural = if threads == 1 { "" } else { "s" };
-    format!("{model}, {threads} thread{plural}")
+    format!("{model}, {}", counted(threads as u64, "thread"))
 }
 
 fn field(text: &str, name: &str) -> Option<String> {

@@ -10,6 +10,7 @@ use crate::placement::{Figures, Lighting};
 
 const MOST_MARKERS: usize = 40;
 const SIZE: [u32; 2] = [860, 420];
+const REACHABLE_SURFACE: &str = "% of the surface that is reachable";
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -42,9 +43,13 @@ fn words(lighting: Lighting) -> String {
     }
 }
 
+/// A share of surfaces or directions in percent of what any candidate sees, which the region limits.
+fn percent(share: f64, reachable: f64) -> f64 {
+    if reachable > 0.0 { 100.0 * share / reachable } else { 0.0 }
+}
+
 fn series(name: String, number: usize, figures: &[Figures], value: impl Fn(&Figures) -> f64) -> Series {
-    let mark =
-        |(at, figures): (usize, &Figures)| Mark { x: (at + 1) as f64, y: 100.0 * value(figures), ..Mark::default() };
+    let mark = |(at, figures): (usize, &Figures)| Mark { x: (at + 1) as f64, y: value(figures), ..Mark::default() };
     // From no camera, which covers nothing.
     let marks = std::iter::once(Mark::default()).chain(figures.iter().enumerate().map(mark)).collect();
     let kind = if figures.len() <= MOST_MARKERS { Kind::Line } else { Kind::Curve };
@@ -52,8 +57,8 @@ fn series(name: String, number: usize, figures: &[Figures], value: impl Fn(&Figu
 }
 
 /// What is reachable, in the colour of the series of a number.
-fn level(name: String, number: usize, share: f64, cameras: usize) -> Series {
-    let mark = |x: f64| Mark { x, y: 100.0 * share, ..Mark::default() };
+fn level(name: String, number: usize, percent: f64, cameras: usize) -> Series {
+    let mark = |x: f64| Mark { x, y: percent, ..Mark::default() };
     let look = Look::of(number).dashed([6.0, 4.0]);
     Series { name, kind: Kind::Curve, look, marks: vec![mark(0.0), mark(cameras as f64)] }
 }
@@ -62,65 +67,64 @@ fn most_cameras(curves: &[Curve]) -> usize {
     curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1)
 }
 
-/// A chart of shares over cameras. The axis of shares ends at 100%, or at what is shown where that is little.
+/// A chart of shares over cameras.
 fn chart(title: String, legend: String, up: &str, curves: &[Curve], series: Vec<Series>) -> Drawing {
-    let most = series.iter().flat_map(|series| &series.marks).map(|mark| mark.y).fold(0.0, f64::max);
-    let top = if most > 0.0 && most < 50.0 { most } else { 100.0 };
     let x = Axis::linear("cameras", [0.0, most_cameras(curves) as f64]);
-    Chart { series, legend, ..Chart::new(title, x, Axis::linear(up, [0.0, top])) }.draw(SIZE[0], SIZE[1])
+    Chart { series, legend, ..Chart::new(title, x, Axis::linear(up, [0.0, 100.0])) }.draw(SIZE[0], SIZE[1])
 }
 
 /// Figure 3. Coverage of specular surfaces is of directions, which have no viewer distance.
 fn coverage(curve: &Curve) -> Drawing {
-    let figures = &curve.figures;
+    let Curve { figures, reachable, .. } = curve;
+    let of_surface = |share: f64| percent(share, reachable.seen);
+    let of_directions = |share: f64| percent(share, reachable.coverage);
     let series = match curve.lighting {
         Lighting::Diffuse => vec![
-            series("seen".into(), 0, figures, |figures| figures.seen),
-            series("seen, weighted".into(), 1, figures, |figures| figures.weighted),
-            series("within viewer distance".into(), 2, figures, |figures| figures.within),
-            level("seen, reachable".into(), 0, curve.reachable.seen, figures.len()),
-            level("within, reachable".into(), 2, curve.reachable.within, figures.len()),
+            series("seen".into(), 0, figures, |figures| of_surface(figures.seen)),
+            series("seen, weighted".into(), 1, figures, |figures| of_surface(figures.weighted)),
+            series("within viewer distance".into(), 2, figures, |figures| of_surface(figures.within)),
+            level("within, reachable".into(), 2, of_surface(reachable.within), figures.len()),
         ],
         Lighting::Specular { .. } => vec![
-            series("directions".into(), 0, figures, |figures| figures.coverage),
-            series("surface seen".into(), 1, figures, |figures| figures.seen),
-            level("directions, reachable".into(), 0, curve.reachable.coverage, figures.len()),
-            level("surface, reachable".into(), 1, curve.reachable.seen, figures.len()),
+            series("directions".into(), 0, figures, |figures| of_directions(figures.coverage)),
+            series("surface seen".into(), 1, figures, |figures| of_surface(figures.seen)),
         ],
     };
-    let up = if curve.lighting == Lighting::Diffuse { "% of all surface" } else { "% of all" };
+    let up = if curve.lighting == Lighting::Diffuse { REACHABLE_SURFACE } else { "% of what is reachable" };
     let title = format!("Coverage of {} by cameras, {}", curve.scene, words(curve.lighting));
-    chart(title, format!("k = {:.3} per metre", curve.rate_per_m), up, std::slice::from_ref(curve), series)
+    let legend =
+        format!("k = {:.3} per metre; {:.1}% of all surface is reachable", curve.rate_per_m, 100.0 * reachable.seen);
+    chart(title, legend, up, std::slice::from_ref(curve), series)
 }
 
 /// Figure 4.
 fn convergence(curves: &[Curve]) -> Drawing {
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
-    let each = || curves.iter().enumerate();
-    let lines =
-        each().map(|(number, curve)| series(words(curve.lighting), number, &curve.figures, |figures| figures.coverage));
-    let reachable = each().map(|(number, curve)| {
-        let name = format!("{}, reachable", curve.lighting.name());
-        level(name, number, curve.reachable.coverage, most_cameras(curves))
-    });
-    let series = lines.chain(reachable).collect();
-    chart(format!("Convergence in {scene}"), "Lighting".to_owned(), "coverage (%)", curves, series)
+    let line = |(number, curve): (usize, &Curve)| {
+        series(words(curve.lighting), number, &curve.figures, |figures| {
+            percent(figures.coverage, curve.reachable.coverage)
+        })
+    };
+    let series = curves.iter().enumerate().map(line).collect();
+    chart(format!("Convergence in {scene}"), "Lighting".to_owned(), "% of reachable coverage", curves, series)
 }
 
 /// Figure 3 for several k: what is seen at all, and from within the viewer distance.
 fn decay(curves: &[Curve]) -> Drawing {
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
     let each = || curves.iter().enumerate();
+    let of_surface = |curve: &Curve, share: f64| percent(share, curve.reachable.seen);
     let seen = each().map(|(number, curve)| {
-        series(format!("k = {}, seen", curve.rate_per_m), number, &curve.figures, |figures| figures.seen)
+        let name = format!("k = {}, seen", curve.rate_per_m);
+        series(name, number, &curve.figures, |figures| of_surface(curve, figures.seen))
     });
     let within = each().map(|(number, curve)| {
         let name = format!("k = {}, within", curve.rate_per_m);
-        let line = series(name, number, &curve.figures, |figures| figures.within);
+        let line = series(name, number, &curve.figures, |figures| of_surface(curve, figures.within));
         Series { look: Look::of(number).dashed([6.0, 4.0]), ..line }
     });
     let (title, legend) = (format!("Coverage of {scene} by cameras and k"), "k per metre; viewer distance".to_owned());
-    chart(title, legend, "% of all surface", curves, seen.chain(within).collect())
+    chart(title, legend, REACHABLE_SURFACE, curves, seen.chain(within).collect())
 }
 
 #[cfg(test)]
@@ -180,15 +184,22 @@ mod tests {
     }
 
     #[test]
-    fn little_coverage_fills_the_chart_and_specular_is_of_directions() {
+    fn shares_are_of_what_is_reachable_and_specular_is_of_directions() {
+        let highest = |drawing: &Drawing, points: usize| {
+            let lines = drawing.shapes.iter().filter_map(|shape| match shape {
+                Shape::Line { through, .. } if through.len() == points => Some(through.clone()),
+                _ => None,
+            });
+            lines.flatten().map(|point| point[1]).fold(f64::INFINITY, f64::min)
+        };
         let mut few = curve(Lighting::Specular { theta_deg: 50.0 }, &[0.02, 0.04]);
         few.reachable = few.figures[1];
-        let figures = all(&[few.clone()], &[]);
-        for figure in &figures {
-            assert!(!texts(&figure.drawing).contains(&"100"), "{}", figure.name);
-        }
-        assert!(texts(&figures[0].drawing).contains(&"directions"));
-        few.reachable.coverage = 0.9;
-        assert!(texts(&all(&[few], &[])[0].drawing).contains(&"100"));
+        let mut many = curve(Lighting::Specular { theta_deg: 50.0 }, &[0.45, 0.9]);
+        many.reachable = many.figures[1];
+        // Four hundredths are all that a camera in the region can see.
+        let [few, many] = [few, many].map(|curve| all(&[curve], &[]));
+        assert_eq!(highest(&few[1].drawing, 3), highest(&many[1].drawing, 3));
+        assert!(texts(&few[0].drawing).contains(&"directions") && texts(&few[0].drawing).contains(&"100"));
+        assert!(texts(&few[0].drawing).iter().any(|text| text.contains("4.0% of all surface is reachable")));
     }
 }

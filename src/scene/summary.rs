@@ -17,9 +17,12 @@ pub struct SceneSummary {
     pub materials: usize,
     /// In use.
     pub textures: usize,
+    /// Of the scene's own.
     pub suns: usize,
-    /// Point and spot lights.
+    /// Point and spot lights of the scene's own.
     pub lamps: usize,
+    /// Whether the scene has no light of its own, so that a sun and a sky are added.
+    pub is_lit_by_default: bool,
     pub animations: Vec<AnimationSummary>,
 }
 
@@ -41,6 +44,7 @@ pub struct AnimationSummary {
 impl Scene {
     pub fn summary(&self) -> SceneSummary {
         let scene = self.at(0.0);
+        let is_lit_by_default = matches!(self, Scene::Model(model) if model.is_lit_by_default());
         let materials = materials(&scene);
         let images =
             materials.iter().flat_map(|material| [&material.plain.base_texture, &material.plain.emissive_texture]);
@@ -51,8 +55,9 @@ impl Scene {
             objects: scene.objects.len(),
             materials: materials.len(),
             textures: textures.len(),
-            suns: scene.light.suns.len(),
-            lamps: scene.light.lamps.len(),
+            suns: if is_lit_by_default { 0 } else { scene.light.suns.len() },
+            lamps: if is_lit_by_default { 0 } else { scene.light.lamps.len() },
+            is_lit_by_default,
             animations: self.animation_summaries(),
         }
     }

@@ -1,6 +1,7 @@
 //! Conversion between values and codes: metres and depth codes, light and 8 bits, material weights and bytes.
 
 use crate::depth::Quantiser;
+use crate::depth::quantise::metres_in_words;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::transfer::{DecodeTable, EncodeTable};
@@ -35,10 +36,9 @@ pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u1
         plane,
         |z| quantiser.code(z),
         |z| {
+            let z = metres_in_words(z);
             format!(
-                "lies at {z} m, outside the given range of {} m to {} m: widen `near` and `far`, or leave them to be found",
-                range.near_m(),
-                range.far_m()
+                "lies at {z} m, outside the given range of {range}: widen `near` and `far`, or leave them to be found"
             )
         },
     )

@@ -305,7 +305,7 @@ fn refusals() -> Result<(), Failed> {
                 return Err(format!("{what}: it said '{said}'").into());
             }
         }
-        let quiet = GlobalArgs { threads: None, quiet: true };
+        let quiet = GlobalArgs { quiet: true, ..GlobalArgs::default() };
         // With `auto` the CPU takes over, from a device that fails but not from a file that is broken.
         let fails =
             |error: Error| or_on_cpu((Some(gpu), Some(device::DeviceChoice::Auto)), &quiet, |_| Err(error), || Ok(7));

@@ -391,10 +391,10 @@ mod stopped {
             assert!(words.contains("cap: cannot resume the unfinished capture") && words.contains(says), "{words}");
             assert_eq!(images(&place.path().join(LEFT)), there);
         };
-        refused(&["--resume", "--far", "9"], "--far was inf and is 9 now");
+        refused(&["--resume", "--far", "9"], "--far was none and is 9 m now");
         refused(&["--resume", "--no-color"], "what is captured was color, depth and is depth now");
         fs::write(place.path().join("cameras.json"), CAMERAS.replace("1.6", "1.7")).unwrap();
-        refused(&["--resume"], "the cameras were others");
+        refused(&["--resume"], "the choice of cameras was");
         fs::write(place.path().join("cameras.json"), CAMERAS).unwrap();
         // Every kind of damage that a disk may do to an image.
         let found = files(&place.path().join(LEFT));

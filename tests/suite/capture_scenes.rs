@@ -105,7 +105,7 @@ fn a_capture_does_not_go_on_with_another_texture_beside_its_scene() {
     let before = files(&left);
     fs::write(at("paint.png"), png(1, 1, &[BLUE])).unwrap();
     let said = refused(&format!("{line} --resume"), folder.path());
-    assert!(said.contains("the contents of the scene were others"), "{said}");
+    assert!(said.contains("the content of the scene has changed"), "{said}");
     fs::write(at("paint.png"), png(1, 1, &[RED])).unwrap();
     let said = refused(&format!("{line} --resume --animation x"), folder.path());
     assert!(said.contains("no animation “x”"), "{said}");

@@ -48,6 +48,7 @@ mod resume;
 mod resume_footage;
 mod roundtrip;
 mod samples;
+mod schemas;
 mod sensor;
 mod seurat;
 mod shards;

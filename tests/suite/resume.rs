@@ -315,8 +315,8 @@ fn other_options_are_refused_by_name() {
     type Change = fn(&mut EncodeSettings);
     let changes: [(&str, Change); 15] = [
         ("`depth_codec` was quadtree and is aabb now", |s| s.depth.codec = DepthCodec::Boxes),
-        ("`max_error` was 40 in codes and is 41 in codes now", |s| s.depth.error = ErrorBound::Codes(41)),
-        ("`depth_tile` was default and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
+        ("`max_error` was 40 codes and is 41 codes now", |s| s.depth.error = ErrorBound::Codes(41)),
+        ("`depth_tile` was the default and is 1 per side now", |s| s.tiles = TileSize::PerSide(1)),
         ("the compression of chunks was Zstandard 9 and is LZMA2 6 now", |s| s.compression = Compression::Lzma2(6)),
         ("`near`", |s| s.near_m = Some(0.5)),
         ("`far`", |s| s.far_m = Some(1e6)),
@@ -326,7 +326,7 @@ fn other_options_are_refused_by_name() {
         ("`min_children`", |s| s.depth.min_children = 1),
         ("`effort`", |s| s.depth.effort = lightfold::effort::Effort::Fast),
         ("`color_cell`", |s| s.cell = 32),
-        ("`color_tables` was none and is #", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
+        ("`color_tables` was none and is given now", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
         ("`psnr`", |s| s.search.min_psnr_db = 49.0),
         ("`stream`", |s| s.kinds = vec![StreamKind::Depth]),
     ];
@@ -339,7 +339,7 @@ fn other_options_are_refused_by_name() {
         footage.settings = settings.clone();
     }
     fs::remove_file(footage.path(22)).unwrap();
-    assert!(refused(&left, &footage).contains("the probes were others"), "a frame is gone");
+    assert!(refused(&left, &footage).contains("the range of `frames` was"), "a frame is gone");
 }
 
 fn age(path: &Path) {
@@ -442,7 +442,7 @@ fn an_encode_of_other_sources_is_refused() {
         changed
     };
     let said = refused(&with_head(hash + 1, if head[hash + 1] == b'0' { b'1' } else { b'0' }), &footage);
-    assert!(said.contains("the sources of lightfold were others"), "{said}");
+    assert!(said.contains("begun by another version of lightfold"), "{said}");
     // Not JSON, as in journals of earlier versions.
     let said = refused(&with_head(0, 0), &footage);
     assert!(said.contains("begun by another version of lightfold"), "{said}");

@@ -12,6 +12,7 @@ use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use crate::dataset::{Source, manifest};
 use crate::error::Result;
+use crate::error::counted;
 use crate::report::Table;
 
 /// Lines of text are no longer.
@@ -62,7 +63,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 }
 
 fn text(name: &str, report: &Report) -> String {
-    let mut out = format!("{name}: {} of {} probes, {} images\n\n", report.probes, report.all_probes, report.images);
+    let mut out = format!(
+        "{name}: {} of {}, {}\n\n",
+        report.probes,
+        counted(report.all_probes as u64, "probe"),
+        counted(report.images as u64, "image")
+    );
     let mut table = Table::new("Check|Verdict|Why").wrapped(COLUMNS);
     for finding in &report.findings {
         let verdict = match finding.verdict {

@@ -51,6 +51,9 @@ fn text(name: &str, summary: &SceneSummary) -> String {
         table.row([what.to_owned(), count.to_string()]);
     }
     let _ = write!(out, "\n{table}");
+    if summary.is_lit_by_default {
+        out.push_str("\nNo lights: capture adds a sun and a sky\n");
+    }
     if summary.animations.is_empty() {
         out.push_str("\nNothing moves\n");
         return out;

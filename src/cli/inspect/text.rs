@@ -255,6 +255,9 @@ fn settings(report: &Report<'_>) -> String {
 
 /// Four significant digits.
 fn metres(value: f32) -> String {
+    if value.abs() >= 1e7 {
+        return format!("{value:.3e}");
+    }
     let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
 }

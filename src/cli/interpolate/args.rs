@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::cli::capture::parse_size;
 use crate::cli::device::{DEVICES, GpuIndex};
 use crate::cli::options::{
-    Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive,
+    Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive, word_of,
 };
 use crate::cli::refuse;
 use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
@@ -283,6 +283,47 @@ fn parse_reduction(text: &str) -> std::result::Result<LayerReduction, String> {
 }
 
 impl Args {
+    /// Names and values of the options that pictures depend on and people are likely to change.
+    pub(super) fn options(&self) -> Vec<(&'static str, String)> {
+        fn words(value: Option<impl std::fmt::Display>) -> String {
+            value.map_or_else(|| "none".to_owned(), |value| value.to_string())
+        }
+        let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
+        let pixels = |(width, height): (u32, Option<u32>)| format!("{width}x{}", height.unwrap_or(width));
+        vec![
+            ("`eye`", words(self.eye)),
+            ("`look_at`", words(self.look_at)),
+            ("`probe`", if self.probe.is_empty() { "none".to_owned() } else { self.probe.join(",") }),
+            ("`face`", self.face.name().to_owned()),
+            ("`up`", words(self.up)),
+            ("`fov`", self.fov.to_string()),
+            ("`views`", self.views.to_string()),
+            ("`baseline`", words(self.baseline)),
+            ("`view_cone`", words(self.view_cone)),
+            ("`rows`", self.rows.to_string()),
+            ("`grid`", word_of(GRID_ORDERS, &self.grid).to_owned()),
+            ("`baseline_y`", words(self.baseline_y)),
+            ("`focus`", words(self.focus)),
+            ("`size`", words(self.size.map(pixels))),
+            ("`quilt`", words(self.quilt)),
+            ("`samples`", self.samples.to_string()),
+            ("`frames`", words(self.frames.frames)),
+            ("`fps`", self.fps.to_string()),
+            ("`acquire`", word_of(ACQUISITIONS, &self.acquire).to_owned()),
+            ("`layers`", self.layers.to_string()),
+            ("`culling`", word_of(CULLINGS, &self.culling).to_owned()),
+            ("`max_sources`", self.max_sources.to_string()),
+            ("`ao_rays`", self.ao_rays.to_string()),
+            ("`shadows`", word_of(SHADOWS, &self.shadows).to_owned()),
+            ("`subdivide`", self.subdivide.to_string()),
+            ("`splits`", self.splits.to_string()),
+            ("`holes`", self.holes.map_or("the default", |holes| word_of(HOLES, &holes)).to_owned()),
+            ("`view_range`", words(self.view_range.map(|(first, last)| format!("{first}-{last}")))),
+            ("`brute_force`", switch(self.brute_force)),
+            ("`rasterize`", switch(self.rasterize)),
+        ]
+    }
+
     /// Refuses options that this input has not.
     pub(super) fn check(&self) -> Result<()> {
         let total = u64::from(self.views) * u64::from(self.rows);

@@ -12,6 +12,7 @@ use crate::epipolar::pipeline::{SourceReport, Summary};
 use crate::epipolar::stages::Stages;
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
+use crate::error::counted;
 use crate::json::{self, Number};
 use crate::report::interpolation::{Quality, QualityReport};
 
@@ -116,11 +117,11 @@ impl Report {
         let [width, height] = self.size;
         let sources = match self.sources.len() {
             0 => String::new(),
-            count => format!(" from {count} source views"),
+            count => format!(" from {}", counted(count as u64, "source view")),
         };
         let mut text = format!(
-            "{} views of {width}x{height}{sources}, {:.3} m: {:.2} s, {:.1} ms each{}; up to {}\n",
-            self.views,
+            "{} of {width}x{height}{sources}, {:.3} m: {:.2} s, {:.1} ms each{}; up to {}\n",
+            counted(self.views as u64, "view"),
             self.baseline_m,
             self.seconds.as_secs_f64(),
             1e3 * self.seconds_per_view.as_secs_f64(),

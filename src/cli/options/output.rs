@@ -96,12 +96,37 @@ fn parse_container_path(text: &str) -> std::result::Result<PathBuf, String> {
     }
 }
 
-/// Refuses standard output for a container where it is a terminal, or has a report.
+/// Refuses a terminal for what is no text, and standard output where it has a report.
 pub fn check_stdout(path: &Path, has_report: bool) -> Result<()> {
-    if path == Path::new("-") && !has_report && std::io::stdout().is_terminal() {
-        return refuse("standard output is a terminal: name a file, or redirect it");
+    check_report(path, has_report)?;
+    match is_terminal(path) {
+        true if path == Path::new("-") => refuse("standard output is a terminal: name a file, or redirect it"),
+        true => refuse(format!("{}: a terminal, where a file was expected", path.display())),
+        false => Ok(()),
     }
-    check_report(path, has_report)
+}
+
+/// Whether an output is a terminal, by any of its names: `-`, `/dev/stdout`, `/dev/tty`.
+fn is_terminal(path: &Path) -> bool {
+    if path == Path::new("-") {
+        return std::io::stdout().is_terminal();
+    }
+    let is_device = std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir() && !is_pipe(&meta));
+    is_device && std::fs::File::options().write(true).open(path).is_ok_and(|file| file.is_terminal())
+}
+
+/// Whether opening it would wait for a reader.
+fn is_pipe(meta: &std::fs::Metadata) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        meta.file_type().is_fifo()
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = meta;
+        false
+    }
 }
 
 /// Refuses a report and a result on standard output.

@@ -93,7 +93,7 @@ impl Report<'_> {
         let mut notes = Vec::new();
         if self.args.stop().cameras == Some(found.cameras.len() - found.started) && self.args.is_endless() {
             let count = found.cameras.len() - found.started;
-            notes.push(format!("stopped after {count} cameras; --cameras allows more"));
+            notes.push(format!("stopped after {}; --cameras allows more", counted(count as u64, "camera")));
         }
         if let Some(wanted) = self.args.uniform.map(|count| count as usize)
             && found.cameras.len() - found.started < wanted

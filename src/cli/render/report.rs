@@ -387,11 +387,11 @@ fn similarity(truth: &TruthRun) -> String {
     let all = &truth.all;
     let ssim = all.ssim().map(|ssim| format!(", SSIM {ssim:.4}")).unwrap_or_default();
     let mut parts = format!(
-        "{}: PSNR {:.2} dB over all pixels, mean {:.2} dB of {} images{ssim}; {:.2}% holes, {:.2} dB without holes",
+        "{}: PSNR {:.2} dB over all pixels, mean {:.2} dB of {}{ssim}; {:.2}% holes, {:.2} dB without holes",
         truth.path.display(),
         all.all.psnr_db(),
         all.mean_psnr_db(),
-        all.images,
+        counted(all.images, "image"),
         all.hole_percent(),
         all.seen.psnr_db(),
     );

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::options::{Choices, EFFORTS, MemoryArgs, check_report, one_of, parse_positive};
+use crate::cli::options::{Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::placement::Region;
@@ -152,9 +152,13 @@ const FILTERS: &Choices<TextureFilter> = &[
     ("b-spline", TextureFilter::BSpline, "Cubic, within 2 texels: smoothest"),
 ];
 
+fn switch(is_on: bool) -> String {
+    if is_on { "on" } else { "off" }.to_owned()
+}
+
 impl Args {
     pub(super) fn check(&self) -> Result<()> {
-        check_report(&self.output, self.json)?;
+        check_stdout(&self.output, self.json)?;
         if self.stats && self.output == Path::new("-") {
             return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
         }
@@ -172,6 +176,30 @@ impl Args {
     pub(super) fn outputs(&self) -> Outputs {
         let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), effort: self.effort };
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
+    }
+
+    /// Names and values of the options that tiles depend on.
+    pub(super) fn options(&self) -> Vec<(&'static str, String)> {
+        let Budgets { triangles, area, peak_overdraw } = self.budgets();
+        let density = self.pixels_per_degree.map_or("default".to_owned(), |density| density.to_string());
+        let region = if self.region.is_empty() { "default".to_owned() } else { self.region.join(" ") };
+        vec![
+            ("`triangles`", triangles.to_string()),
+            ("`area`", area.to_string()),
+            ("`peak_overdraw`", peak_overdraw.to_string()),
+            ("`atlas`", self.atlas.to_string()),
+            ("`pixels_per_degree`", density),
+            ("`region`", region),
+            ("`background`", word_of(BACKGROUNDS, &self.background).to_owned()),
+            ("`inside`", word_of(INSIDE, &self.inside).to_owned()),
+            ("`effort`", word_of(EFFORTS, &self.effort).to_owned()),
+            ("`tiling`", word_of(TILINGS, &self.tiling).to_owned()),
+            ("`sizing`", word_of(SIZINGS, &self.sizing).to_owned()),
+            ("`texture_filter`", word_of(FILTERS, &self.texture_filter).to_owned()),
+            ("`uv`", word_of(COORDINATES, &self.uv).to_owned()),
+            ("`hdr`", switch(self.hdr)),
+            ("`gbuffer`", switch(self.gbuffer)),
+        ]
     }
 
     pub(super) fn budgets(&self) -> Budgets {

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::args::Args;
 use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
+use crate::error::counted;
 use crate::json::{self, Number};
 use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
@@ -141,8 +142,8 @@ impl EvaluationReport {
             return "no picture was compared: the input has no perspective view\n".to_owned();
         }
         format!(
-            "overdraw of the input's views: mean {:.2}, peak {:.2}\n{}\n{} cracks and {} more translucent of {} pixels; from random \
-             places {} cracks of {}\n",
+            "overdraw of the input's views: mean {:.2}, peak {:.2}\n{}\n{} and {} more translucent of {} pixels; from random \
+             places {} of {}\n",
             self.overdraw_mean,
             self.peak_overdraw_measured,
             similarity(self.psnr_db, self.ssim),
@@ -226,12 +227,16 @@ impl Report {
         let file = |file: &FileReport| format!("{}: {}\n", file.path.display(), human_bytes(file.bytes));
         let files: String = self.files.iter().map(file).collect();
         let held_out = self.held_out.as_ref().map_or(String::new(), |held_out| {
-            format!("held out: {}, {} images\n", similarity(held_out.psnr_db, held_out.ssim), held_out.images)
+            format!(
+                "held out: {}, {}\n",
+                similarity(held_out.psnr_db, held_out.ssim),
+                counted(held_out.images as u64, "image")
+            )
         });
         format!(
-            "{files}{} triangles, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
+            "{files}{}, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
              {:.1}% of the least in {:.0}% of the budgets, {}\n{}{}{:.1} s",
-            self.triangles,
+            counted(self.triangles as u64, "triangle"),
             self.projected_area,
             self.peak_overdraw,
             self.atlas_width,

@@ -13,14 +13,17 @@ use crate::simplify::capture::Capture;
 use crate::simplify::settings::Settings;
 
 /// Everything that tiles depend on: of files their sizes and times.
-pub fn fingerprint(input: &Path, settings: &Settings, capture: &Capture) -> Fingerprint {
+pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Fingerprint {
+    let input = &args.input;
     let mut fields = Fingerprint::of_program();
-    fields.push(("the options", digest(format!("{settings:?}").as_bytes())));
+    fields.extend(args.options());
+    // What follows from options and input.
+    fields.push(("the set of options", digest(format!("{settings:?}").as_bytes())));
     fields.push(("the frame", capture.frame().to_string()));
-    fields.push(("the images of the input", digest(format!("{:?}", capture.images).as_bytes())));
-    let mut files: Vec<_> = capture.files().iter().chain([&input.to_owned()]).map(|path| file_state(path)).collect();
+    fields.push(("the list of input images", digest(format!("{:?}", capture.images).as_bytes())));
+    let mut files: Vec<_> = capture.files().iter().chain([input]).map(|path| file_state(path)).collect();
     files.sort();
-    fields.push(("the files of the input", digest(format!("{files:?}").as_bytes())));
+    fields.push(("the list of input files", digest(format!("{files:?}").as_bytes())));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
@@ -58,8 +61,12 @@ impl<'a> UnfinishedScene<'a> {
                 say("resuming with the tiles that were selected");
                 Some(words)
             }
-            (Some(_), false) => {
-                say("replacing an unfinished scene; --resume would continue it");
+            (Some(records), false) => {
+                let more = match unfinished.words_of(&records) {
+                    Ok(_) => "; --resume would continue it",
+                    Err(_) => " with other options",
+                };
+                say(&format!("replacing an unfinished scene{more}"));
                 None
             }
             (None, true) => {
@@ -120,8 +127,9 @@ impl<'a> UnfinishedScene<'a> {
             Err(error) => format!("kept, possibly not on disk ({error}),"),
         };
         let safe = format!(
-            "the selected tiles are {how} beside {}; the same command with --resume continues",
-            self.file.work_path().display()
+            "the selected tiles are {how} beside {}; {}",
+            self.file.work_path().display(),
+            output::how_to_resume(&error)
         );
         Error::Unfinished { cause: Box::new(error), safe }
     }

@@ -11,6 +11,7 @@ use super::fixed::parse;
 use super::text;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
+use crate::error::counted;
 use crate::error::{Error, Result};
 use crate::json;
 use crate::report::machine;
@@ -45,10 +46,10 @@ impl Opened {
         if args.overwrite && (store.dropped > 0 || !kind.is_resumable) {
             folder.clear()?;
         } else if store.dropped > 0 {
-            let count = store.dropped;
-            let are = if count == 1 { "1 point is" } else { &format!("{count} points are") };
+            let are = if store.dropped == 1 { "is" } else { "are" };
+            let points = counted(store.dropped as u64, "point");
             return refuse(format!(
-                "{}: {are} of other footage, options, machine or program; name another folder, or replace all of it by \
+                "{}: {points} {are} of other footage, options, machine or program; name another folder, or replace all of it by \
                  --overwrite",
                 store.path().display()
             ));
@@ -106,7 +107,8 @@ impl<'a> Sweeping<'a> {
         if done.is_err() && !store.rows.is_empty() {
             let next =
                 if kind.is_resumable { "the same command goes on from there" } else { "measuring again starts over" };
-            output::note(format_args!("{}: {} points are kept; {next}", store.path().display(), store.rows.len()));
+            let kept = counted(store.rows.len() as u64, "point");
+            output::note(format_args!("{}: kept: {kept}; {next}", store.path().display()));
         }
         let done = done?;
         let mut left_out = self.left_out;

@@ -33,11 +33,8 @@ pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> Str
     let _ = writeln!(text, "{} {}\n", results.about, results.sweep.method);
     let tested: Vec<_> = findings.iter().filter(|finding| finding.verdict != Verdict::NotMeasured).collect();
     for finding in &tested {
-        let head = match finding.verdict {
-            Verdict::Found => "These points agree with a paper",
-            _ => "These points do not agree with a paper",
-        };
-        let _ = writeln!(text, "{head}: {}\n  {}", finding.sentence, finding.rests_on);
+        let agrees = if finding.verdict == Verdict::Found { "agrees" } else { "does not agree" };
+        let _ = writeln!(text, "{}\n  This {agrees} with a paper: {}", finding.rests_on, finding.sentence);
     }
     if !tested.is_empty() {
         text.push('\n');

@@ -64,15 +64,6 @@ impl Subject<'_> {
     }
 }
 
-pub fn counted(count: u64, what: &str) -> String {
-    let ending = match count {
-        1 => "",
-        _ if what.ends_with('x') => "es",
-        _ => "s",
-    };
-    format!("{count} {what}{ending}")
-}
-
 pub fn percent(part: u64, whole: u64) -> String {
     format!("{:.2}%", 100.0 * part as f64 / whole.max(1) as f64)
 }

@@ -29,9 +29,7 @@ impl Folder {
     /// Creates the folder if there is none, locks it, and removes leftovers of killed processes.
     pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
-        let busy = || {
-            Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", path.display()))
-        };
+        let busy = || Error::busy(path, "another tradeoff measures into it; wait, or name another folder");
         let lock = path.join(LOCK);
         let _lock = open_locked(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
         let folder = Folder { path: path.to_path_buf(), kind, _lock };

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use super::figures::{self, Figure};
 use super::findings::{Finding, Verdict};
-use super::kind::Measured;
+use super::kind::{Measured, words};
 use super::score::Scored;
-use super::study::Results;
+use super::study::{Axis, Results};
 use super::table::{self, PointTable};
+use crate::error::counted;
 use crate::error::{Error, Result};
 use crate::files::write_whole;
 use crate::report::plot::number;
@@ -29,7 +30,7 @@ th,td{padding:3px 8px;text-align:right;border-bottom:1px solid #e2e2e2;white-spa
 th{background:#f5f5f5;border-bottom:2px solid #bbb;white-space:normal;vertical-align:bottom}\
 td small{display:block;font-size:10px;color:#606060}h4{font-size:14px;margin:16px 0 4px}tr.best td{background:#fdf3d7}\
 ol.findings{padding-left:24px}ol.findings li{margin:12px 0;max-width:1100px}\
-.verdict{display:inline-block;padding:0 8px;border-radius:3px;font-size:13px;font-weight:bold;color:#fff;margin-right:6px}\
+.verdict{display:inline-block;padding:0 8px;border-radius:3px;font-size:13px;font-weight:bold;color:#fff;margin-left:6px}\
 .found{background:#1b7a4b}.not-found{background:#b3261e}.not-measured{background:#6b6b6b}\
 .small{font-size:14px;color:#444}code{font:13px 'DejaVu Sans Mono',Consolas,monospace;background:#f5f5f5;padding:1px 4px;\
 overflow-wrap:anywhere}dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 16px;font-size:14px}dt{color:#606060}\
@@ -63,11 +64,13 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-         <p class=\"faint\">{} in {}. {}</p>\n<h2>Figures</h2>\n",
-        counted(results.measured.len(), "point", "points"),
-        counted(results.studies.len(), "study", "studies"),
+         <p class=\"faint\">{} in {}. {}</p>\n",
+        counted(results.measured.len() as u64, "point"),
+        counted(results.studies.len() as u64, "grid"),
         escape(&results.about)
     );
+    measured(&mut page, results);
+    page.push_str("<h2>Figures</h2>\n");
     if figures.is_empty() {
         page.push_str("<p>There is nothing to draw: no study has two points.</p>\n");
     }
@@ -89,8 +92,28 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
     Ok(page)
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
+/// What was measured: the values of each knob, and the first point, which has the default settings where they are swept.
+fn measured(page: &mut String, results: &Results) {
+    page.push_str("<h2>Measured</h2>\n<ul>\n");
+    for study in &results.studies {
+        let axis = |axis: &Axis| format!("{} {}", axis.knob, axis.values.join(", "));
+        let axes = study.axes.iter().map(axis).collect::<Vec<_>>().join("; ");
+        let fixed = words(&study.fixed).map_or_else(String::new, |fixed| format!("; all with {fixed}"));
+        let _ = writeln!(page, "<li>{}: {}</li>", escape(&study.title), escape(&format!("{axes}{fixed}")));
+    }
+    let defaults = results.studies.iter().filter_map(|study| results.of(&study.default_point()?));
+    for point in defaults {
+        let bytes = point.count("bytes_container");
+        let bytes = if bytes == 0 { String::new() } else { format!("{}, ", number::bytes(bytes as f64)) };
+        let figures = format!("{bytes}{}", quality(point));
+        let _ = writeln!(
+            page,
+            "<li>Default settings, <code>{}</code>: {}</li>",
+            escape(&point.point.words()),
+            escape(figures.trim_end_matches(", "))
+        );
+    }
+    page.push_str("</ul>\n");
 }
 
 /// The findings that were tested, and in a line what the others need.
@@ -117,10 +140,10 @@ fn findings_of(page: &mut String, findings: &[Finding]) {
 fn item(finding: &Finding) -> String {
     let verdict = finding.verdict.name();
     format!(
-        "<li><span class=\"verdict {}\">{verdict}</span>{}<br>{}<br><span class=\"small\">Rule: {}</span></li>\n",
-        verdict.replace(' ', "-"),
-        escape(finding.sentence),
+        "<li>{}<br>{} <span class=\"verdict {}\">{verdict}</span><br><span class=\"small\">Rule: {}</span></li>\n",
         escape(&finding.rests_on),
+        escape(finding.sentence),
+        verdict.replace(' ', "-"),
         escape(finding.rule)
     )
 }
@@ -274,7 +297,7 @@ mod tests {
         let results = Results { measured: vec![], studies: vec![], ..sample::paper() };
         let page = html(&results, &[], &coding::findings::judge(&results, None)).unwrap();
         assert!(page.contains("nothing to draw") && page.contains("Not measured: "), "{page}");
-        assert!(page.contains("0 points in 0 studies") && !page.contains("<ol"), "{page}");
+        assert!(page.contains("0 points in 0 grids") && !page.contains("<ol"), "{page}");
     }
 
     /// The page of the papers' results, changed.
@@ -302,14 +325,15 @@ mod tests {
         assert!(both.contains("It ignores quality:") && both.contains("Pareto fronts"), "{both}");
         let alike = page_of(|results| results.studies.retain(|study| study.name == "boxes"));
         assert!(alike.contains("best compromise") && !alike.contains("It ignores quality:"), "{alike}");
-        assert!(alike.contains("in 1 study."), "{alike}");
+        assert!(alike.contains("in 1 grid."), "{alike}");
     }
 
     #[test]
     fn figures_come_first_and_findings_without_figures_are_one_line() {
         let page = page_of(|results| results.measured.retain(|of| of.point.stream == Some(StreamKind::Color)));
         let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}: {page}"));
-        let order = ["<h2>Figures", "<h2>Least", "<h2>Findings", "<h2>All points", "<h2>How"].map(place);
+        let order =
+            ["<h2>Measured", "<h2>Figures", "<h2>Least", "<h2>Findings", "<h2>All points", "<h2>How"].map(place);
         assert!(order.is_sorted(), "{order:?}");
         assert_eq!(page.matches("Not measured: ").count(), 1);
         assert!(!page.contains(">not measured<") && page.contains(">found<"), "{page}");

@@ -160,13 +160,13 @@ mod tests {
         fn run(&self, words: &[OsString]) -> Result<Json> {
             let line = words.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ");
             let few = line.contains("--steps=64");
-            let psnr_db = if few { json!(31.5) } else { json!("inf") };
+            let (psnr_db, is) = if few { (json!(31.5), json!(null)) } else { (json!(null), json!("inf")) };
             self.0.borrow_mut().push(line);
             Ok(json!({
                 "megapixels_per_second": if few { 2.0 } else { 0.5 },
                 "march_steps": if few { 6_400 } else { 25_600 }, "primary_rays": 100, "bytes_read": 9_000,
                 "pacing": { "update_ms": { "mean_ms": 1.5 } },
-                "reference": { "mean_psnr_db": psnr_db, "ssim": null, "hole_percent": 0.25 },
+                "reference": { "mean_psnr_db": psnr_db, "mean_psnr_db_is": is, "ssim": null, "hole_percent": 0.25 },
             }))
         }
 

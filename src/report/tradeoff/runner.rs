@@ -13,6 +13,7 @@ use super::findings::Finding;
 use super::kind::{Measured, Point, SweepKind};
 use super::study::{ExampleCommand, Results};
 use crate::error::{Error, Result};
+use crate::json;
 
 /// Runs command lines of this program. Implemented by the command line.
 pub trait Runner {
@@ -188,23 +189,20 @@ impl Report {
         Report { value: self.value[key].clone(), command: self.command.clone() }
     }
 
-    fn find<T>(&self, path: &str, of: impl FnOnce(&Value) -> Option<T>) -> Result<T> {
-        self.value.pointer(&format!("/{path}")).and_then(of).ok_or_else(|| {
-            Error::invalid(format!("{}: its report has no number {}", self.command, path.replace('/', ".")))
-        })
+    /// A number at a JSON pointer without its first slash.
+    pub fn number(&self, path: &str) -> Result<f64> {
+        let (object, key) = path.rsplit_once('/').unwrap_or(("", path));
+        let object = if object.is_empty() { String::new() } else { format!("/{object}") };
+        let found = self.value.pointer(&object).and_then(|object| json::read_number(object, key));
+        found.ok_or_else(|| self.no_number(path))
     }
 
-    /// A number at a JSON pointer without its first slash; `"inf"` and `"-inf"` are infinite.
-    pub fn number(&self, path: &str) -> Result<f64> {
-        self.find(path, |value| match value.as_str() {
-            Some("inf") => Some(f64::INFINITY),
-            Some("-inf") => Some(f64::NEG_INFINITY),
-            _ => value.as_f64(),
-        })
+    fn no_number(&self, path: &str) -> Error {
+        Error::invalid(format!("{}: its report has no number {}", self.command, path.replace('/', ".")))
     }
 
     pub fn count(&self, path: &str) -> Result<u64> {
-        self.find(path, Value::as_u64)
+        self.value.pointer(&format!("/{path}")).and_then(Value::as_u64).ok_or_else(|| self.no_number(path))
     }
 }
 
@@ -238,7 +236,10 @@ mod tests {
 
     #[test]
     fn a_report_without_a_number_is_refused() {
-        let report = Report { value: json!({ "a": { "b": null, "c": "inf" } }), command: "lightfold x".to_owned() };
+        let report = Report {
+            value: json!({ "a": { "b": null, "c": null, "c_is": "inf" } }),
+            command: "lightfold x".to_owned(),
+        };
         assert_eq!(report.number("a/c").unwrap(), f64::INFINITY);
         assert!(report.number("a/b").unwrap_err().to_string().contains("lightfold x: its report has no number a.b"));
     }

@@ -1,8 +1,8 @@
 //! The order of runs: first a survey of all points, then rounds of one timed run of each point, every other round backwards,
 //! so that a machine that becomes slower or faster does so for all points alike.
 //!
-//! With a budget the surveys begin with the ends of all axes and add values between them, coarse to fine, as long as all
-//! rounds are expected to fit. A value is added with all of its grid, or not at all.
+//! The default settings are the first point. With a budget the surveys begin with them and the ends of all axes, and add values
+//! between them, coarse to fine, as long as all rounds are expected to fit. A value is added with all of its grid, or not at all.
 
 use std::collections::BTreeMap;
 
@@ -283,7 +283,7 @@ impl Measurement<'_> {
         let mut left_out = Vec::new();
         for study in studies {
             let mut grid = Grid::new(study);
-            let points = grid.reduced().points();
+            let points = all_points(&[grid.reduced()]);
             let is_first = grids.is_empty();
             let hopeful = is_first || self.repeats_that_fit(&points, &accepted).is_some();
             let probed = if hopeful { self.probe(&points, studies)? } else { None };
@@ -361,7 +361,7 @@ struct Grid<'a> {
 
 impl<'a> Grid<'a> {
     fn new(study: &'a Study) -> Grid<'a> {
-        Grid::of(study, |axis, at| at == 0 || at + 1 == axis.values.len())
+        Grid::of(study, |axis, at| at == 0 || at + 1 == axis.values.len() || Some(at) == study.default_at(axis))
     }
 
     fn of(study: &'a Study, chosen: impl Fn(&Axis, usize) -> bool) -> Grid<'a> {

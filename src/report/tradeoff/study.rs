@@ -56,6 +56,25 @@ impl Study {
         grid.into_iter().map(|settings| Point::new(self.sweep, self.stream, settings)).collect()
     }
 
+    /// Where the default of an axis's knob is among its values.
+    pub fn default_at(&self, axis: &Axis) -> Option<usize> {
+        let default = self.sweep.knob(axis.knob)?.default;
+        let is_default = |value: &String| {
+            value == default || knob::number(value).is_some_and(|number| knob::number(default) == Some(number))
+        };
+        axis.values.iter().position(is_default)
+    }
+
+    /// The point of the default settings, where it is one of the grid.
+    pub fn default_point(&self) -> Option<Point> {
+        let at_default = |axis: &Axis| {
+            let value = axis.values[self.default_at(axis)?].clone();
+            Some(Axis { knob: axis.knob, values: vec![value] })
+        };
+        let axes = self.axes.iter().map(at_default).collect::<Option<Vec<Axis>>>()?;
+        Study { axes, ..self.clone() }.points().into_iter().next()
+    }
+
     pub fn varied(&self) -> Vec<&Axis> {
         self.axes.iter().filter(|axis| axis.values.len() > 1).collect()
     }
@@ -65,10 +84,10 @@ impl Study {
     }
 }
 
-/// All points of studies, each once, in the order of the studies.
+/// All points of studies, each once: those of the default settings first, then in the order of the studies.
 pub fn all_points(studies: &[Study]) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
-    for point in studies.iter().flat_map(Study::points) {
+    for point in studies.iter().filter_map(Study::default_point).chain(studies.iter().flat_map(Study::points)) {
         if !points.contains(&point) {
             points.push(point);
         }

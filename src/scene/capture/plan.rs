@@ -249,13 +249,24 @@ impl CapturePlan {
             ("`frames`", frames.to_string()),
             ("`projection`", projection.name().to_owned()),
             ("`size`", format!("{width}x{height}")),
-            ("the cameras", digest(format!("{cameras:?}").as_bytes())),
+            ("the choice of cameras", cameras_in_words(cameras)),
+            ("the list of cameras", digest(format!("{cameras:?}").as_bytes())),
             ("`fov`", fov_y_deg.map_or("none".to_owned(), |fov| fov.to_string())),
             ("what is captured", passes.join(", ")),
             ("`samples`", samples.to_string()),
             ("`depth`", depth.name().to_owned()),
-            ("`far`", far_m.to_string()),
+            ("`far`", if far_m.is_finite() { format!("{far_m} m") } else { "none".to_owned() }),
         ]
+    }
+}
+
+/// Their positions, where there are few.
+fn cameras_in_words(set: &CameraSet) -> String {
+    const FEW: usize = 4;
+    let place = |position: &[f64; 3]| format!("{},{},{}", position[0], position[1], position[2]);
+    match set.cameras.len() {
+        count if count > FEW => format!("{count} cameras"),
+        _ => set.cameras.iter().map(|camera| place(&camera.position)).collect::<Vec<_>>().join(" and "),
     }
 }
 

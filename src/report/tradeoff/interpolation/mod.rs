@@ -223,7 +223,7 @@ mod tests {
             let coalesced = after("--coalesce=").is_some_and(|text| text != "0");
             let seconds = 1.0 + views * if coalesced { 0.004 } else { 0.01 };
             self.0.borrow_mut().push(line);
-            let spread = json!({ "mean": 36.5, "min": 35.0, "max": "inf" });
+            let spread = json!({ "mean": 36.5, "min": 35.0, "max": null, "max_is": "inf" });
             Ok(json!({
                 "seconds": seconds,
                 "stages": {

@@ -66,7 +66,7 @@ impl Runner for Fake {
         // Options that a point has make it smaller.
         let bytes = 1000 - line.replace(" --no-compression", "").len();
         self.lines.borrow_mut().push(line);
-        let quality = json!({ "psnr_db": "inf", "min_cell_psnr_db": 41.5, "ssim": 0.9, "max_error_codes": 3, "max_error_m": 0.5 });
+        let quality = json!({ "psnr_db": null, "psnr_db_is": "inf", "min_cell_psnr_db": 41.5, "ssim": 0.9, "max_error_codes": 3, "max_error_m": 0.5 });
         Ok(match words[0].to_str().unwrap() {
             "encode" => json!({ "seconds": number, "bytes": bytes, "raw_bytes": 5000, "peak_memory_bytes": 77 }),
             "decode" => json!({ "seconds": 0.0, "frames": 36, "pixels": 100, "updated_pixels": 40, "device": "cpu" }),

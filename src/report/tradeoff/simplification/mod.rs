@@ -224,7 +224,7 @@ mod tests {
                 return Err(Error::invalid(self.failure));
             }
             Ok(json!({
-                "seconds": 1.5, "psnr_db": 31.25, "ssim": 0.5, "psnr_hvs_m_db": "inf", "crack_pixels": 3,
+                "seconds": 1.5, "psnr_db": 31.25, "ssim": 0.5, "psnr_hvs_m_db": null, "psnr_hvs_m_db_is": "inf", "crack_pixels": 3,
                 "translucent_pixels": 40, "triangles": 96, "tiles": 40, "projected_area": 1.5, "overdraw_mean": 1.25,
                 "peak_overdraw": 2.5, "peak_overdraw_measured": 2.75, "atlas_texels": 4096, "atlas_occupancy": 0.5,
                 "selection": { "gap": -1e-18 }, "files": [{ "bytes": 9000 }],
