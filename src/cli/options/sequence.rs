@@ -10,7 +10,7 @@ use crate::encode::EncodeSettings;
 use crate::error::Result;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
-use crate::image::png::ColorSpace;
+use crate::image::ColorSpace;
 
 pub const COLOR_SPACES: &Choices<ColorSpace> =
     &[("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709"), ("srgb", ColorSpace::Srgb, "sRGB codes")];
