@@ -1,27 +1,25 @@
 //! Reads a dataset or an image sequence as planes of metres and linear light.
 //!
-//! Opening checks that all files exist; reading checks their content.
+//! Opening (`open`) checks that all files exist; reading checks their content.
+
+mod open;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::manifest::{
-    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
-};
+use super::manifest::Manifest;
 use super::normals::{self, NormalFiles};
 use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
     planar_to_distance,
 };
 use crate::error::{Error, Result};
-use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_nearest};
-use crate::image::layout::{cut_faces, face_size};
+use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
+use crate::image::layout::cut_faces;
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
     MaterialPlane, NormalPlane, Plane, Projection, ReadLimits, Sequence, StreamKind, exr, png,
 };
-
-const DEFAULT_FPS: f64 = 24.0;
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
 #[derive(Debug, Clone, Default)]
@@ -171,232 +169,6 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
-    pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
-        let manifest = Manifest::read(path)?;
-        let file = manifest_path(path);
-        let folder = file.parent().unwrap_or(Path::new(""));
-        let content = match (manifest.projection, manifest.face_files()) {
-            (Projection::Equirect, _) => Content::Equirect,
-            (Projection::Perspective, _) | (_, FaceFiles::Six) => Content::Face,
-            (_, FaceFiles::Cross) => Content::Faces(FaceLayout::Cross),
-            (_, FaceFiles::Strip) => Content::Faces(FaceLayout::Strip),
-        };
-        let depth = manifest.depth.clone().unwrap_or_default();
-        let kind = options.depth_kind.unwrap_or(depth.kind);
-        let stated = manifest.depth.as_ref().and_then(DepthInfo::stated_scale);
-        let scale = options.depth_scale.or(stated);
-        let space = options.color_space.or(manifest.color.as_ref().map(|color| color.space));
-        let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
-        let mut source = Source::new(content, (manifest.size[0], manifest.size[1]), kind, options)
-            .map_err(|error| error.in_file(&file))?;
-        source.name.clone_from(&manifest.name);
-        source.fps = manifest.fps;
-        source.rules.scale = scale.unwrap_or(1.0);
-        source.scale_stated = scale.is_some();
-        source.rules.background = options.background.unwrap_or(depth.background.value());
-        source.color_space = space;
-        source.color_channel = options.color_channel.clone().into();
-        source.material_channels = [names.reflection, names.refraction, names.ior];
-        if manifest.projection == Projection::Perspective {
-            source.projection = Projection::Perspective;
-        }
-        let wanted =
-            options.frames.map_or(Some(manifest.frame_range()), |frames| manifest.frame_range().intersect(frames));
-        for probe in &manifest.probes {
-            let own = probe.frames.map_or(manifest.frame_range(), |[first, last]| FrameRange { first, last });
-            source.probes.push(ProbeInfo {
-                name: probe.name.clone(),
-                position: probe.position,
-                orientation: probe.orientation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-                frames: wanted.and_then(|wanted| wanted.intersect(own)).unwrap_or(own),
-                intrinsics: probe.intrinsics_for(manifest.size),
-            });
-        }
-        if manifest.projection == Projection::Perspective
-            && kind == DepthKind::Planar
-            && manifest.files.depth.is_some()
-            && let Some(unknown) = source.probes.iter().find(|probe| probe.intrinsics.is_none())
-        {
-            if source.probes.iter().any(|probe| probe.intrinsics.is_some()) {
-                let message = format!(
-                    "probe \"{}\" has neither \"fov_y_deg\" nor \"intrinsics\", but others have: planar depth becomes \
-                     distance for all probes or for none",
-                    unknown.name
-                );
-                return Err(Error::invalid(message).in_file(&file));
-            }
-            source.depth_stored = DepthKind::Planar;
-        }
-        let faces = manifest.faces();
-        let together: Vec<&[Face]> =
-            if content == Content::Face { faces.chunks(1).collect() } else { vec![faces.as_slice()] };
-        for kind in StreamKind::ALL {
-            for probe in 0..source.probes.len() {
-                let frames = source.probes[probe].frames;
-                if wanted.is_none_or(|wanted| wanted.intersect(frames).is_none()) {
-                    continue;
-                }
-                for faces in &together {
-                    let name = source.probes[probe].name.clone();
-                    let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
-                    let sequence = Sequence::known(pattern.below(folder), frames)?;
-                    source.add(kind, probe, faces, sequence);
-                }
-            }
-        }
-        let first_faces: Vec<Face> = together.iter().map(|faces| faces[0]).collect();
-        let frames: Vec<FrameRange> = source.probes.iter().map(|probe| probe.frames).collect();
-        source.normals = NormalFiles::of(&manifest, folder, &first_faces, &frames)?;
-        if source.groups.is_empty() {
-            return Err(Error::invalid("no probe has any of the frames asked for").in_file(&file));
-        }
-        source.manifest = Some(manifest);
-        Ok(source)
-    }
-
-    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`Sequence::find`]).
-    /// The size is that of the first image.
-    pub fn from_sequence(
-        kind: StreamKind,
-        spec: &str,
-        layout: &SequenceLayout,
-        options: &SourceOptions,
-    ) -> Result<Source> {
-        if !is_probe_name(&layout.probe) {
-            let message = format!("\"{}\" is no probe name: use letters, digits, '.', '_' and '-'", layout.probe);
-            return Err(Error::Usage(message));
-        }
-        if let Some(intrinsics) = layout.intrinsics {
-            check_intrinsics(intrinsics).map_err(|error| Error::Usage(error.to_string()))?;
-        }
-        let sequence = Sequence::find(spec, options.frames)?;
-        let first = sequence.path(sequence.frames.first);
-        let size = if png::is_png(&first) {
-            png::read_size(&first, &options.limits)
-        } else {
-            exr::read_size(&first, &options.limits)
-        }?;
-        let (content, faces) = match layout.arrangement {
-            Arrangement::Single(face) => (Content::Face, vec![face]),
-            Arrangement::Cross => (Content::Faces(FaceLayout::Cross), Face::CUBE.to_vec()),
-            Arrangement::Strip => (Content::Faces(FaceLayout::Strip), Face::CUBE.to_vec()),
-            Arrangement::Equirect => (Content::Equirect, Face::CUBE.to_vec()),
-        };
-        if content == Content::Face && faces != [Face::View] && size.0 != size.1 {
-            let message = format!("the faces of a cube are square, this image is {}x{}", size.0, size.1);
-            return Err(Error::invalid(message).in_file(&first));
-        }
-        let depth_kind = options.depth_kind.unwrap_or_default();
-        let mut source = Source::new(content, size, depth_kind, options).map_err(|error| error.in_file(&first))?;
-        source.name = sequence_name(spec);
-        let view = faces == [Face::View];
-        if view {
-            source.projection = Projection::Perspective;
-            if layout.intrinsics.is_none() {
-                source.depth_stored = depth_kind;
-            }
-        }
-        let select = ChannelSelect::from(options.channel.clone());
-        source.color_channel = options.color_channel.clone().map_or(select, ChannelSelect::Named);
-        if let (StreamKind::Material, Some(text)) = (kind, &options.channel) {
-            let names: Vec<&str> = text.split(',').map(str::trim).collect();
-            let [a, b, c] = names.as_slice() else {
-                return Err(Error::Usage(format!(
-                    "a material has three channels with commas between them, not \"{text}\""
-                )));
-            };
-            source.material_channels = [a, b, c].map(|name| (*name).to_string());
-        }
-        source.probes.push(ProbeInfo {
-            name: layout.probe.clone(),
-            position: [0.0; 3],
-            orientation: [0.0, 0.0, 0.0, 1.0],
-            frames: sequence.frames,
-            intrinsics: if view { layout.intrinsics } else { None },
-        });
-        source.add(kind, 0, &faces, sequence);
-        Ok(source)
-    }
-
-    /// A source without probes, with everything that the options alone decide.
-    fn new(content: Content, file_size: (u32, u32), depth_kind: DepthKind, options: &SourceOptions) -> Result<Source> {
-        if let Some(scale) = options.depth_scale
-            && !(scale.is_finite() && scale > 0.0)
-        {
-            return Err(Error::Usage(format!("the depth scale is {scale}, it must be above 0 metres per unit")));
-        }
-        if options.background.is_some_and(f32::is_nan) {
-            return Err(Error::Usage("the background must be a number or inf".into()));
-        }
-        if content == Content::Equirect && depth_kind == DepthKind::Planar {
-            return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
-        }
-        let (width, height) = file_size;
-        if content == Content::Equirect && u64::from(width) != 2 * u64::from(height) {
-            return Err(Error::invalid(format!(
-                "an equirectangular image is twice as wide as it is high, but the size here is {width}x{height}"
-            )));
-        }
-        let delivered_size = match (content, options.face_size) {
-            (Content::Face, None) => file_size,
-            (Content::Faces(layout), None) => {
-                let side = face_size(layout, width, height)?;
-                (side, side)
-            }
-            (Content::Equirect, side) => {
-                // A quarter of the width keeps the resolution of the equator.
-                let side = side.unwrap_or((width / 4).max(1));
-                if side == 0 || side > MAX_SIDE {
-                    return Err(Error::Usage(format!("a face size is 1 to {MAX_SIDE} pixels, not {side}")));
-                }
-                check_face_size(side, width)?;
-                (side, side)
-            }
-            (_, Some(_)) => {
-                return Err(Error::Usage("a face size is only for equirectangular input".into()));
-            }
-        };
-        let cut = if content == Content::Equirect { &Face::CUBE[..] } else { &[] };
-        let maps = cut.iter().map(|&face| FaceMap::new(face, delivered_size.0, width, height));
-        let names = MaterialChannels::default();
-        Ok(Source {
-            name: String::new(),
-            fps: DEFAULT_FPS,
-            projection: Projection::Cubemap,
-            probes: Vec::new(),
-            groups: Vec::new(),
-            sequences: BTreeMap::new(),
-            normals: NormalFiles::default(),
-            manifest: None,
-            content,
-            file_size,
-            delivered_size,
-            rules: DepthRules {
-                background: options.background.unwrap_or(f32::INFINITY),
-                scale: options.depth_scale.unwrap_or(1.0),
-                invalid: options.invalid_depth,
-            },
-            scale_stated: options.depth_scale.is_some(),
-            depth_stored: DepthKind::Distance,
-            depth_in_files: depth_kind,
-            color_space: options.color_space,
-            color_channel: ChannelSelect::Auto,
-            depth_channel: options.channel.clone().into(),
-            material_channels: [names.reflection, names.refraction, names.ior],
-            invalid_color: options.invalid_color,
-            limits: options.limits,
-            maps: maps.collect::<Result<_>>()?,
-        })
-    }
-
-    fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], sequence: Sequence) {
-        let (width, height) = self.delivered_size;
-        let frames = sequence.frames;
-        self.groups.push(SourceGroup { kind, probe, faces: faces.to_vec(), frames, width, height });
-        self.sequences.insert((kind, probe, faces[0]), sequence);
-    }
-
     /// Name of the dataset; for a single sequence, that of its files.
     pub fn name(&self) -> &str {
         &self.name
@@ -598,13 +370,4 @@ impl Source {
             }
         }
     }
-}
-
-/// What a single sequence is called: its file name up to the frame number, or its folder.
-fn sequence_name(spec: &str) -> String {
-    let path = Path::new(spec);
-    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let name = if path.is_dir() { name } else { name.split(['%', '#', '@', '.']).next().unwrap_or_default() };
-    let name = name.trim_end_matches(['.', '_', '-', ' ']);
-    if name.is_empty() { "sequence".into() } else { name.into() }
 }
