@@ -13,7 +13,7 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
-use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
+use crate::decode::{self, Decoder, Destination, FileCoding, OnCpu, OnDamage, Selection, StreamInfo};
 use crate::encode::{EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::files::OutputFolder;
@@ -172,7 +172,7 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let chosen = Selection::default().choose(decoder)?;
     let progress = Progress::start(global, "decoding", chosen.iter().map(|part| part.frames.count()).sum())?;
     let request = decode::Request::all(&chosen);
-    let export = Export { source: &OnCpu::default(), decoder, request, format: FileFormat::Exr, progress: &progress };
+    let export = Export { source: &OnCpu::default(), decoder, request, coding: FileCoding::default(), progress: &progress };
     export.write_into(path, |folder| Destination::Dataset(folder.to_path_buf())).map(drop)
 }
 

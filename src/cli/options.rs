@@ -23,5 +23,5 @@ pub use material::MaterialArgs;
 pub use number::{parse_not_negative, parse_number_where, parse_positive};
 pub use output::{EncodeOutputArgs, MemoryArgs, OutputArgs, StoreArgs, Target, Unfinished, check_report, check_stdout};
 pub use selection::{FrameArgs, SelectionArgs, parse_face, parse_kind};
-pub use sequence::{COLOR_SPACES, ImageArgs, SequenceInputArgs};
+pub use sequence::{COLOR_SPACES, ImageArgs, LIGHT_SPACES, SequenceInputArgs};
 pub use side::SideArgs;

@@ -10,7 +10,7 @@ use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::decode::{Decoder, Selection};
 use crate::error::{Error, Result};
 use crate::image::{DepthKind, Pattern, Projection, StreamKind};
-use crate::streams::{CodecHeader, StreamInfo};
+use crate::streams::{CodecHeader, StreamInfo, attributes};
 
 #[derive(Debug, Clone, Default)]
 pub struct SideOptions {
@@ -153,8 +153,10 @@ fn open_container(path: &str) -> Result<Side> {
         }
     };
     let streams = decoder.streams().iter().enumerate().map(stream).collect();
+    let primaries = decoder.primaries();
+    let clipped_pixels = attributes::clipped_pixels(decoder.reader().index()).map_err(|error| error.in_file(path))?;
     let content = Content::Container(Box::new(decoder));
-    Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, content })
+    Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, primaries, clipped_pixels, content })
 }
 
 fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
@@ -257,5 +259,7 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
             });
         }
     }
-    Ok(Side { path: path.to_owned(), form, streams, content: Content::Files(Box::new(source)) })
+    let primaries = source.primaries();
+    let content = Content::Files(Box::new(source));
+    Ok(Side { path: path.to_owned(), form, streams, primaries, clipped_pixels: None, content })
 }

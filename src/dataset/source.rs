@@ -18,7 +18,7 @@ use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
 use crate::image::layout::cut_faces;
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, NormalPlane, Plane, Projection, ReadLimits, Sequence, StreamKind, exr, png,
+    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, Sequence, StreamKind, exr, png,
 };
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
@@ -34,7 +34,7 @@ pub struct SourceOptions {
     pub background: Option<f32>,
     /// Default distance.
     pub depth_kind: Option<DepthKind>,
-    /// Default linear for EXR, sRGB for PNG.
+    /// Default for EXR linear light of the primaries that files state, else of Rec. 709; sRGB for PNG.
     pub color_space: Option<ColorSpace>,
     pub invalid_depth: InvalidDepth,
     pub invalid_color: InvalidColor,
@@ -160,6 +160,8 @@ pub struct Source {
     /// The declared kind of stored depth.
     pub depth_in_files: DepthKind,
     pub color_space: Option<ColorSpace>,
+    /// Of delivered colour.
+    primaries: Primaries,
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
     material_channels: [String; 3],
@@ -196,14 +198,39 @@ impl Source {
         &self.groups
     }
 
-    /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
+    /// Primaries of all colour: those of the stated color space, else of the first colour file.
+    pub fn primaries(&self) -> Primaries {
+        self.primaries
+    }
+
+    /// Colour of a file: linear light, or sRGB codes of an EXR file.
+    fn color_file(&self, path: &Path) -> Result<ColorPlane> {
+        if png::is_png(path) {
+            let plane = png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?;
+            return self.check_primaries(Primaries::REC709).map(|()| plane);
+        }
+        if self.color_space.is_some() {
+            return exr::read_color(path, &self.color_channel, &self.limits);
+        }
+        let (plane, primaries) = exr::read_color_and_primaries(path, &self.color_channel, &self.limits)?;
+        self.check_primaries(primaries).map(|()| plane)
+    }
+
+    fn check_primaries(&self, found: Primaries) -> Result<()> {
+        if self.color_space.is_some() || found.is_same(self.primaries) {
+            return Ok(());
+        }
+        let [found, others] = [found, self.primaries].map(Primaries::to_array);
+        Err(Error::invalid(format!(
+            "its chromaticities are {found:?}, those of the first colour file {others:?}: one set was expected; state \
+             `color_space` to ignore them"
+        )))
+    }
+
+    /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         self.read(StreamKind::Color, group, frame, |path| {
-            let mut plane = if png::is_png(path) {
-                png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
-            } else {
-                exr::read_color(path, &self.color_channel, &self.limits)?
-            };
+            let mut plane = self.color_file(path)?;
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
             if !png::is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
@@ -347,6 +374,7 @@ impl Source {
             ("far in the manifest", words_of(range.and_then(|depth| depth.far), "none")),
             ("whether a depth scale is stated", self.scale_stated.to_string()),
             ("the color space", words_of(self.color_space.map(ColorSpace::name), "that of the files")),
+            ("the primaries of colour", format!("{:?}", self.primaries.to_array())),
             ("the color channels", self.color_channel.words()),
             ("the depth channel", self.depth_channel.words()),
             ("the material channels", self.material_channels.join(", ")),

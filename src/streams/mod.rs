@@ -2,6 +2,7 @@
 
 #![doc(hidden)]
 
+pub mod attributes;
 pub mod convert;
 mod depth_chunk;
 mod header;

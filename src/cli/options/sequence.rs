@@ -12,8 +12,17 @@ use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::image::ColorSpace;
 
+const REC709: (&str, ColorSpace, &str) = ("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709");
+const ACESCG: (&str, ColorSpace, &str) = ("acescg", ColorSpace::AcesCg, "Scene-linear AP1");
+const ACES: (&str, ColorSpace, &str) = ("aces2065-1", ColorSpace::Aces2065, "Scene-linear AP0");
+const REC2020: (&str, ColorSpace, &str) = ("linear-rec2020", ColorSpace::LinearRec2020, "Scene-linear Rec. 2020");
+const P3: (&str, ColorSpace, &str) = ("linear-p3-d65", ColorSpace::LinearP3D65, "Scene-linear P3, white of D65");
+
 pub const COLOR_SPACES: &Choices<ColorSpace> =
-    &[("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709"), ("srgb", ColorSpace::Srgb, "sRGB codes")];
+    &[REC709, ("srgb", ColorSpace::Srgb, "sRGB codes"), ACESCG, ACES, REC2020, P3];
+
+/// Those of linear light.
+pub const LIGHT_SPACES: &Choices<ColorSpace> = &[REC709, ACESCG, ACES, REC2020, P3];
 
 /// `--layout`; single images show another face if so asked.
 const LAYOUTS: &Choices<Arrangement> = &[

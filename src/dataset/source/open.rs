@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size};
 use crate::image::layout::face_size;
 use crate::image::{
-    ChannelSelect, DepthKind, Face, FaceLayout, FrameRange, Projection, Sequence, StreamKind, exr, png,
+    ChannelSelect, DepthKind, Face, FaceLayout, FrameRange, Primaries, Projection, Sequence, StreamKind, exr, png,
 };
 
 const DEFAULT_FPS: f64 = 24.0;
@@ -100,6 +100,7 @@ impl Source {
             return Err(Error::invalid("no probe has any of the frames asked for").in_file(&file));
         }
         source.manifest = Some(manifest);
+        source.find_primaries();
         Ok(source)
     }
 
@@ -164,6 +165,7 @@ impl Source {
             intrinsics: if view { layout.intrinsics } else { None },
         });
         source.add(kind, 0, &faces, sequence);
+        source.find_primaries();
         Ok(source)
     }
 
@@ -229,6 +231,7 @@ impl Source {
             depth_stored: DepthKind::Distance,
             depth_in_files: depth_kind,
             color_space: options.color_space,
+            primaries: Primaries::REC709,
             color_channel: ChannelSelect::Auto,
             depth_channel: options.channel.clone().into(),
             material_channels: [names.reflection, names.refraction, names.ior],
@@ -236,6 +239,17 @@ impl Source {
             limits: options.limits,
             maps: maps.collect::<Result<_>>()?,
         })
+    }
+
+    /// The primaries of the stated color space, else of the first colour file. A file that cannot be read is reported when its
+    /// pixels are.
+    fn find_primaries(&mut self) {
+        let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);
+        let file = first.and_then(|group| self.file(group, group.frames.first).ok()).filter(|file| !png::is_png(file));
+        self.primaries = match self.color_space {
+            Some(space) => space.primaries(),
+            None => file.and_then(|file| exr::read_primaries(&file).ok()).unwrap_or(Primaries::REC709),
+        };
     }
 
     fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], sequence: Sequence) {
