@@ -4,26 +4,30 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ColorArgs, DepthArgs, EffortArgs, EncodeOutputArgs, FrameArgs, MaterialArgs, SequenceInputArgs, Target, Unfinished,
-    check_stdout, parse_kind,
+    COLOR_SPACES, ColorArgs, DepthArgs, EffortArgs, EncodeOutputArgs, FrameArgs, MaterialArgs, MissingArgs, PresetArgs,
+    SequenceInputArgs, Target, Unfinished, check_stdout, one_of, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, encode_advice, refuse};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::{self, EncodeReport, EncodeSettings, EncodeSummary, Kept, Resumable, Stopped};
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
-use crate::image::StreamKind;
+use crate::image::{ColorSpace, StreamKind};
 use crate::report::coding_map::counted;
+
+const SMALLER: &str = "a lower --psnr or a higher --max-error";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
     lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
     lightfold encode scene -o small.lfold --color-block bc7 --psnr-final 38 --material-block bc1\n  \
     lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'\n  \
+    lightfold encode scene -o small.lfold --preset small --clip\n  \
+    lightfold encode scene -o scene.lfold --missing hold\n  \
     lightfold encode scene -o scene.lfold --resume\n\n\
     An encode that stops early, by a signal, a full disk or an invalid frame, keeps its complete chunks beside the output. \
     The same command with --resume continues after them and writes the same bytes.")]
@@ -45,6 +49,13 @@ pub struct Args {
     /// Name of the colour layer, if unusual
     #[arg(long, value_name = "NAME")]
     pub color_channel: Option<String>,
+    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
+    #[arg(long, value_parser = one_of(COLOR_SPACES))]
+    pub color_space: Option<ColorSpace>,
+    #[command(flatten)]
+    pub missing: MissingArgs,
+    #[command(flatten)]
+    pub preset: PresetArgs,
     #[command(flatten)]
     pub frames: FrameArgs,
     #[command(flatten)]
@@ -61,6 +72,10 @@ pub trait Encodes {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
     fn open(&self, options: &SourceOptions) -> Result<Source>;
     fn target(&self) -> Target<'_>;
+    /// What makes the container smaller.
+    fn smaller(&self) -> &'static str {
+        SMALLER
+    }
 }
 
 pub trait SequenceCodec: clap::Args {
@@ -99,15 +114,20 @@ impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
 impl Encodes for Args {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-        self.depth.apply(&mut options, &mut settings)?;
-        self.color.apply(&mut options, &mut settings)?;
+        let (mut depth, mut color, mut effort) = (self.depth.clone(), self.color.clone(), self.effort);
+        let mut store = self.output.container.store.clone();
+        self.preset.fill((&mut depth, &mut color), (&mut effort, &mut store));
+        depth.apply(&mut options, &mut settings)?;
+        color.apply(&mut options, &mut settings)?;
         self.material.apply(&mut settings);
         options.frames = self.frames.frames;
         options.face_size = self.face_size;
         options.channel = self.depth_channel.clone();
         options.color_channel = self.color_channel.clone();
-        self.effort.apply(&mut settings);
-        self.output.container.store.apply(&mut settings);
+        options.color_space = self.color_space;
+        options.missing = self.missing.missing;
+        effort.apply(&mut settings);
+        store.apply(&mut settings);
         if !self.stream.is_empty() {
             settings.kinds = self.stream.clone();
         }
@@ -116,6 +136,10 @@ impl Encodes for Args {
 
     fn open(&self, options: &SourceOptions) -> Result<Source> {
         Source::open(&self.input, options)
+    }
+
+    fn smaller(&self) -> &'static str {
+        if self.preset.is_small() { SMALLER } else { "--preset small" }
     }
 
     fn target(&self) -> Target<'_> {
@@ -145,7 +169,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
     }
     encode::keep_few_planar_depths(&mut source, &settings);
-    Encode { source: &source, settings: &settings, target: args.target(), global }.run()
+    Encode { source: &source, settings: &settings, target: args.target(), smaller: Some(args.smaller()), global }.run()
 }
 
 /// Runs a command that needs no further checks.
@@ -153,13 +177,15 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     let (options, settings) = command.settings()?;
     let mut source = command.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    Encode { source: &source, settings: &settings, target: command.target(), global }.run()
+    Encode { source: &source, settings: &settings, target: command.target(), smaller: Some(command.smaller()), global }.run()
 }
 
 pub struct Encode<'a> {
     pub source: &'a Source,
     pub settings: &'a EncodeSettings,
     pub target: Target<'a>,
+    /// What makes the container smaller, if anything.
+    pub smaller: Option<&'a str>,
     pub global: &'a GlobalArgs,
 }
 
@@ -170,8 +196,12 @@ impl Encode<'_> {
         if unfinished == Unfinished::Resume && path == Path::new("-") {
             return refuse("--resume needs a file: an encode to standard output cannot be resumed");
         }
+        encode_advice::note_values(self.source, self.settings, self.global);
         let done = self.encode()?;
         note_clipping(path, &done.summary);
+        if let Some(smaller) = self.smaller {
+            encode_advice::note_size(self.source, self.settings, (done.summary.bytes, smaller), self.global);
+        }
         self.global.report(json, &done, || text(path, &done)).map(|()| ExitStatus::Passed)
     }
 
@@ -312,7 +342,7 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     format!("{how} in {}: {chunks}; the same command with --resume continues", partial.display())
 }
 
-/// Says, also with --quiet, that light is lost: the container does not tell.
+/// Says, also with --quiet, that light is lost.
 fn note_clipping(path: &Path, summary: &EncodeSummary) {
     if summary.clipped_pixels > 0 {
         output::note(format_args!(

@@ -10,7 +10,7 @@ use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::decode::{Decoder, Selection};
 use crate::error::{Error, Result};
 use crate::image::{DepthKind, Pattern, Projection, StreamKind};
-use crate::streams::{CodecHeader, StreamInfo, attributes};
+use crate::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Default)]
 pub struct SideOptions {
@@ -154,7 +154,7 @@ fn open_container(path: &str) -> Result<Side> {
     };
     let streams = decoder.streams().iter().enumerate().map(stream).collect();
     let primaries = decoder.primaries();
-    let clipped_pixels = attributes::clipped_pixels(decoder.reader().index()).map_err(|error| error.in_file(path))?;
+    let clipped_pixels = decoder.attributes().clipped_pixels;
     let content = Content::Container(Box::new(decoder));
     Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, primaries, clipped_pixels, content })
 }

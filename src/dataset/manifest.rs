@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::dataset::missing::Missing;
 use crate::error::{Error, Result};
 use crate::image::{ColorSpace, DepthKind, Face, FrameRange, Pattern, Projection, StreamKind};
 use crate::json;
@@ -42,6 +43,9 @@ pub struct Manifest {
     pub color: Option<ColorInfo>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialInfo>,
+    /// Treatment of frames whose file is missing; an error when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<Missing>,
     pub files: Files,
     pub probes: Vec<Probe>,
     /// Other data; kept, never read.

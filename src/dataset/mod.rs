@@ -3,6 +3,7 @@
 
 pub mod cameras;
 pub mod manifest;
+mod missing;
 mod normals;
 mod pixels;
 pub mod seurat;
@@ -11,6 +12,7 @@ pub mod source;
 pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
+pub use missing::Missing;
 pub(crate) use pixels::planar_to_distance;
 pub use pixels::{InvalidColor, InvalidDepth};
 pub use source::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};

@@ -7,7 +7,10 @@ mod open;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use half::f16;
+
 use super::manifest::Manifest;
+use super::missing::{FrameFiles, Missing};
 use super::normals::{self, NormalFiles};
 use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
@@ -18,7 +21,7 @@ use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
 use crate::image::layout::cut_faces;
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, Sequence, StreamKind, exr, png,
+    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StreamKind, exr, png,
 };
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
@@ -38,6 +41,8 @@ pub struct SourceOptions {
     pub color_space: Option<ColorSpace>,
     pub invalid_depth: InvalidDepth,
     pub invalid_color: InvalidColor,
+    /// Default an error.
+    pub missing: Option<Missing>,
     pub frames: Option<FrameRange>,
     /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
     /// quarter of the width.
@@ -145,7 +150,7 @@ pub struct Source {
     probes: Vec<ProbeInfo>,
     groups: Vec<SourceGroup>,
     /// Files of each group, by kind, probe and first face.
-    sequences: BTreeMap<(StreamKind, usize, Face), Sequence>,
+    sequences: BTreeMap<(StreamKind, usize, Face), FrameFiles>,
     normals: NormalFiles,
     /// Where the source was opened by one.
     pub manifest: Option<Manifest>,
@@ -166,6 +171,7 @@ pub struct Source {
     depth_channel: ChannelSelect,
     material_channels: [String; 3],
     invalid_color: InvalidColor,
+    missing: Missing,
     limits: ReadLimits,
     maps: Vec<FaceMap>,
 }
@@ -229,7 +235,7 @@ impl Source {
 
     /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
-        self.read(StreamKind::Color, group, frame, |path| {
+        self.read((StreamKind::Color, group, frame), [f16::ZERO; 3], |path| {
             let mut plane = self.color_file(path)?;
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
@@ -243,7 +249,7 @@ impl Source {
     /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
     /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
-        self.read(StreamKind::Depth, group, frame, |path| {
+        self.read((StreamKind::Depth, group, frame), f32::INFINITY, |path| {
             let mut plane = self.depth_file(path)?;
             check_depth(&mut plane, &self.rules)?;
             let mut planes = self.faces_of(plane, group, resample_nearest)?;
@@ -275,12 +281,12 @@ impl Source {
     /// anything, also NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let read = |path: &Path| self.faces_of(self.depth_file(path)?, group, resample_nearest);
-        self.read(group.kind, group, frame, read)
+        self.read((group.kind, group, frame), f32::INFINITY, read)
     }
 
     /// Material of a frame, one plane for each face of the group, every value finite.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
-        self.read(StreamKind::Material, group, frame, |path| {
+        self.read((StreamKind::Material, group, frame), [0.0, 0.0, 1.0], |path| {
             if png::is_png(path) {
                 return Err(Error::unsupported("material is read from EXR files only"));
             }
@@ -304,30 +310,40 @@ impl Source {
         read(&path).map(Some).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
-    fn read<T>(
+    /// The planes of a frame; `blank` where nothing stands in for its file.
+    fn read<T: Clone>(
         &self,
-        kind: StreamKind,
-        group: &SourceGroup,
-        frame: u32,
-        planes: impl FnOnce(&Path) -> Result<Vec<T>>,
-    ) -> Result<Vec<T>> {
-        let path = self.path(kind, group, frame)?;
+        (kind, group, frame): (StreamKind, &SourceGroup, u32),
+        blank: T,
+        planes: impl FnOnce(&Path) -> Result<Vec<Plane<T>>>,
+    ) -> Result<Vec<Plane<T>>> {
+        let Some(path) = self.path(kind, group, frame)? else {
+            return Ok(vec![Plane::filled(group.width, group.height, blank); group.faces.len()]);
+        };
         planes(&path).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
     /// The image files of all frames, of every kind.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
-        self.sequences.values().flat_map(Sequence::files).chain(self.normals.files())
+        self.sequences.values().flat_map(FrameFiles::files).chain(self.normals.files())
     }
 
-    pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
+    /// The file of a frame, or of that in its place; `None` where it is missing and black stands in its place.
+    pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
         self.path(group.kind, group, frame)
     }
 
-    fn path(&self, kind: StreamKind, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
+    /// Frames of a group whose file is missing, and the frame in their place; `None` for black.
+    pub fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
+        let face = group.faces.first();
+        let files = face.and_then(|face| self.sequences.get(&(group.kind, group.probe, *face)));
+        files.into_iter().flat_map(FrameFiles::stand_ins).collect()
+    }
+
+    fn path(&self, kind: StreamKind, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
         let found = group.faces.first().and_then(|face| self.sequences.get(&(kind, group.probe, *face)));
         match found {
-            Some(sequence) if group.kind == kind && sequence.frames.contains(frame) => Ok(sequence.path(frame)),
+            Some(files) if group.kind == kind && files.frames().contains(frame) => Ok(files.path(frame)),
             _ => Err(Error::Usage(format!("there is no {} of probe {} at frame {frame}", kind.name(), group.probe))),
         }
     }
@@ -369,6 +385,7 @@ impl Source {
             ("the depth scale", self.rules.scale.to_string()),
             ("`invalid_depth`", self.rules.invalid.name().to_owned()),
             ("`invalid_color`", self.invalid_color.name().to_owned()),
+            ("`missing`", self.missing.name().to_owned()),
             ("the kind of depth", format!("{} as {}", self.depth_in_files.name(), self.depth_stored.name())),
             ("near in the manifest", words_of(range.and_then(|depth| depth.near), "none")),
             ("far in the manifest", words_of(range.and_then(|depth| depth.far), "none")),

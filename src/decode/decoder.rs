@@ -7,7 +7,7 @@ use crate::decode::face::FaceDecoder;
 use crate::decode::unit::UnitDecoder;
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries};
-use crate::streams::{self, StreamInfo, StreamKind};
+use crate::streams::{self, Attributes, StreamInfo, StreamKind};
 
 /// An open container (formats/container.md).
 ///
@@ -34,7 +34,7 @@ use crate::streams::{self, StreamInfo, StreamKind};
 pub struct Decoder {
     reader: Reader,
     streams: Vec<StreamInfo>,
-    primaries: Primaries,
+    attributes: Attributes,
 }
 
 impl Decoder {
@@ -101,8 +101,8 @@ impl Decoder {
         let named = |error: Error| error.in_file(reader.path());
         let streams = streams::streams(reader.index()).map_err(named)?;
         streams::check_memory(&streams, reader.index(), reader.file_bytes, reader.limits).map_err(named)?;
-        let primaries = streams::attributes::primaries(reader.index()).map_err(named)?;
-        Ok(Decoder { reader, streams, primaries })
+        let attributes = Attributes::read(reader.index()).map_err(named)?;
+        Ok(Decoder { reader, streams, attributes })
     }
 
     /// All streams, in the order of the stream table.
@@ -112,7 +112,13 @@ impl Decoder {
 
     /// Primaries and white of decoded colour, which is linear light of them (container.md, "Attributes").
     pub fn primaries(&self) -> Primaries {
-        self.primaries
+        self.attributes.primaries
+    }
+
+    /// How the footage was made.
+    #[doc(hidden)]
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
     }
 
     /// The stream of a kind, probe and face.

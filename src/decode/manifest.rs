@@ -168,6 +168,7 @@ pub(super) fn manifest_of(
         depth,
         color,
         material,
+        missing: None,
         files,
         probes,
         extra: Some(json!({ "lightfold": coding })),

@@ -71,7 +71,7 @@ impl Reference {
     pub fn files(&self, frame: u32) -> Vec<PathBuf> {
         let Images::Dataset(source) = &self.files else { return Vec::new() };
         let groups = source.groups().iter().filter(|group| group.frames.contains(frame));
-        groups.filter_map(|group| source.file(group, frame).ok()).collect()
+        groups.filter_map(|group| source.file(group, frame).ok()?).collect()
     }
 
     /// The image files of all frames, of every kind; none of a container.

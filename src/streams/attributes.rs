@@ -4,12 +4,12 @@ use crate::container::Index;
 use crate::error::{Error, Result};
 use crate::image::Primaries;
 
-/// Chromaticities of colour: red, green, blue and white, x and y of each, 32-bit floats. Without it they are those of Rec. 709.
-pub const CHROMATICITIES: &str = "color.chromaticities";
-/// Colour pixels that did not fit 8 bits: a 64-bit number. Without it nothing is known of any.
-pub const CLIPPED_PIXELS: &str = "color.clipped_pixels";
-/// Frames whose file was missing: stream, frame, and the frame in its place or [`BLACK`], 32-bit numbers each.
-pub const MISSING_FRAMES: &str = "frames.missing";
+/// Red, green, blue and white, x and y of each, as 32-bit floats.
+const CHROMATICITIES: &str = "color.chromaticities";
+/// A 64-bit number.
+const CLIPPED_PIXELS: &str = "color.clipped_pixels";
+/// For each frame three 32-bit numbers: stream, frame, and the frame in its place or [`BLACK`].
+const MISSING_FRAMES: &str = "frames.missing";
 /// In place of a frame: black light and background.
 const BLACK: u32 = u32::MAX;
 
@@ -19,55 +19,112 @@ pub struct MissingFrame {
     /// Index in the stream table.
     pub stream: u32,
     pub frame: u32,
-    /// The frame that stands in its place; none for black light and background.
+    /// The frame in its place; none for black light and background.
     pub held: Option<u32>,
 }
 
-fn bytes_of<'a>(index: &'a Index, name: &str) -> Option<&'a [u8]> {
-    let _ = (index, name);
-    None // STUB until merge
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attributes {
+    /// Of colour. Those of Rec. 709 have no attribute.
+    pub primaries: Primaries,
+    /// Colour pixels that did not fit 8 bits when they were encoded; `None` where there were none, or nothing is known.
+    pub clipped_pixels: Option<u64>,
+    /// By stream and frame.
+    pub missing_frames: Vec<MissingFrame>,
+}
+
+impl Default for Attributes {
+    fn default() -> Self {
+        Attributes { primaries: Primaries::REC709, clipped_pixels: None, missing_frames: Vec::new() }
+    }
+}
+
+impl Attributes {
+    /// # Errors
+    /// A value that its attribute cannot have.
+    pub fn read(index: &Index) -> Result<Attributes> {
+        let _ = index;
+        Attributes::from_values(|_| None) // STUB
+    }
+
+    fn from_values<'a>(value: impl Fn(&str) -> Option<&'a [u8]>) -> Result<Attributes> {
+        let mut read = Attributes::default();
+        if let Some(bytes) = value(CHROMATICITIES) {
+            let values = numbers::<8>(bytes).ok_or_else(|| wrong(CHROMATICITIES, bytes))?;
+            read.primaries = Primaries::from_array(values.map(f32::from_bits))
+                .map_err(|error| error.context(format!("attribute {CHROMATICITIES}")))?;
+        }
+        if let Some(bytes) = value(CLIPPED_PIXELS) {
+            let count = bytes.try_into().map_err(|_| wrong(CLIPPED_PIXELS, bytes))?;
+            read.clipped_pixels = Some(u64::from_le_bytes(count));
+        }
+        if let Some(bytes) = value(MISSING_FRAMES) {
+            let (records, []) = bytes.as_chunks::<12>() else { return Err(wrong(MISSING_FRAMES, bytes)) };
+            let frames = records.iter().filter_map(|record| numbers(record));
+            read.missing_frames = frames
+                .map(|[stream, frame, held]| MissingFrame { stream, frame, held: Some(held).filter(|at| *at != BLACK) })
+                .collect();
+        }
+        Ok(read)
+    }
+
+    /// Names and values; none of what is as usual.
+    pub fn to_values(&self) -> Vec<(&'static str, Vec<u8>)> {
+        let bytes = |numbers: &mut dyn Iterator<Item = u32>| numbers.flat_map(u32::to_le_bytes).collect::<Vec<u8>>();
+        let mut values = Vec::new();
+        if !self.primaries.is_rec709() {
+            values.push((CHROMATICITIES, bytes(&mut self.primaries.to_array().into_iter().map(f32::to_bits))));
+        }
+        if let Some(count) = self.clipped_pixels {
+            values.push((CLIPPED_PIXELS, count.to_le_bytes().to_vec()));
+        }
+        if !self.missing_frames.is_empty() {
+            let numbers = |missing: &MissingFrame| [missing.stream, missing.frame, missing.held.unwrap_or(BLACK)];
+            values.push((MISSING_FRAMES, bytes(&mut self.missing_frames.iter().flat_map(numbers))));
+        }
+        values
+    }
+}
+
+/// 32-bit numbers, if these are so many.
+fn numbers<const N: usize>(bytes: &[u8]) -> Option<[u32; N]> {
+    let (words, []) = bytes.as_chunks::<4>() else { return None };
+    let numbers: Vec<u32> = words.iter().copied().map(u32::from_le_bytes).collect();
+    numbers.try_into().ok()
 }
 
 fn wrong(name: &str, bytes: &[u8]) -> Error {
-    Error::invalid(format!("the attribute {name} has {} bytes, which no value of it has", bytes.len()))
+    Error::invalid(format!("attribute {name} has {} bytes, which no value of it has", bytes.len()))
 }
 
-/// The primaries of a container's colour.
-pub fn primaries(index: &Index) -> Result<Primaries> {
-    let Some(bytes) = bytes_of(index, CHROMATICITIES) else { return Ok(Primaries::REC709) };
-    let (values, []) = bytes.as_chunks() else { return Err(wrong(CHROMATICITIES, bytes)) };
-    let values: Vec<f32> = values.iter().copied().map(f32::from_le_bytes).collect();
-    let values = values.try_into().map_err(|_| wrong(CHROMATICITIES, bytes))?;
-    Primaries::from_array(values).map_err(|error| error.context(format!("the attribute {CHROMATICITIES}")))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The attribute of primaries; none for those of Rec. 709.
-pub fn of_primaries(primaries: Primaries) -> Option<Vec<u8>> {
-    (!primaries.is_rec709()).then(|| primaries.to_array().into_iter().flat_map(f32::to_le_bytes).collect())
-}
+    fn read(values: &[(&'static str, Vec<u8>)]) -> Result<Attributes> {
+        Attributes::from_values(|name| values.iter().find(|(other, _)| *other == name).map(|(_, value)| value.as_slice()))
+    }
 
-/// Colour pixels that encoding clipped, where that is known.
-pub fn clipped_pixels(index: &Index) -> Result<Option<u64>> {
-    let Some(bytes) = bytes_of(index, CLIPPED_PIXELS) else { return Ok(None) };
-    let count = bytes.try_into().map_err(|_| wrong(CLIPPED_PIXELS, bytes))?;
-    Ok(Some(u64::from_le_bytes(count)))
-}
+    #[test]
+    fn attributes_come_back_and_usual_ones_take_no_bytes() {
+        assert!(Attributes::default().to_values().is_empty());
+        assert_eq!(read(&[]).unwrap(), Attributes::default());
+        let missing = |frame, held| MissingFrame { stream: 2, frame, held };
+        let all = Attributes {
+            primaries: Primaries::ACESCG,
+            clipped_pixels: Some(1 << 40),
+            missing_frames: vec![missing(3, Some(2)), missing(4, None)],
+        };
+        assert_eq!(read(&all.to_values()).unwrap(), all);
+    }
 
-/// The frames whose files were missing, by stream and frame.
-pub fn missing_frames(index: &Index) -> Result<Vec<MissingFrame>> {
-    let Some(bytes) = bytes_of(index, MISSING_FRAMES) else { return Ok(Vec::new()) };
-    let (records, []) = bytes.as_chunks::<12>() else { return Err(wrong(MISSING_FRAMES, bytes)) };
-    let number = |record: &[u8; 12], at: usize| u32::from_le_bytes(std::array::from_fn(|byte| record[4 * at + byte]));
-    let frame = |record: &[u8; 12]| MissingFrame {
-        stream: number(record, 0),
-        frame: number(record, 1),
-        held: Some(number(record, 2)).filter(|held| *held != BLACK),
-    };
-    Ok(records.iter().map(frame).collect())
-}
-
-/// The attribute of missing frames; none without any.
-pub fn of_missing_frames(frames: &[MissingFrame]) -> Option<Vec<u8>> {
-    let numbers = |missing: &MissingFrame| [missing.stream, missing.frame, missing.held.unwrap_or(BLACK)];
-    (!frames.is_empty()).then(|| frames.iter().flat_map(numbers).flat_map(u32::to_le_bytes).collect())
+    #[test]
+    fn values_of_another_length_are_refused() {
+        for (name, value) in
+            [(CHROMATICITIES, vec![0; 31]), (CHROMATICITIES, vec![0; 32]), (CLIPPED_PIXELS, vec![0; 4]), (MISSING_FRAMES, vec![0; 11])]
+        {
+            let words = read(&[(name, value)]).unwrap_err().to_string();
+            assert!(words.contains(name), "{words}");
+        }
+    }
 }

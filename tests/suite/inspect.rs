@@ -89,6 +89,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         depth: None,
         color: Some(ColorInfo { space: ColorSpace::LinearRec709 }),
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
+        missing: None,
         files,
         probes: vec![Probe {
             name: "00".into(),

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use super::{EffortArgs, FrameArgs, parse_face};
+use super::{EffortArgs, FrameArgs, MissingArgs, parse_face};
 use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
@@ -42,6 +42,8 @@ pub struct SequenceInputArgs {
     pub more: Vec<String>,
     #[command(flatten)]
     pub frames: FrameArgs,
+    #[command(flatten)]
+    pub missing: MissingArgs,
     /// Name of the probe
     #[arg(long, value_name = "NAME", default_value = "00", help_heading = "Sequence")]
     pub probe: String,
@@ -75,6 +77,7 @@ impl SequenceInputArgs {
     /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         source.frames = self.frames.frames;
+        source.missing = self.missing.missing;
         source.channel = self.images.channel.clone();
         source.face_size = self.images.face_size;
         self.effort.apply(settings);

@@ -7,13 +7,14 @@ use super::{Arrangement, Content, ProbeInfo, SequenceLayout, Source, SourceGroup
 use crate::dataset::manifest::{
     DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
 };
+use crate::dataset::missing::FrameFiles;
 use crate::dataset::normals::NormalFiles;
 use crate::dataset::pixels::DepthRules;
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size};
 use crate::image::layout::face_size;
 use crate::image::{
-    ChannelSelect, DepthKind, Face, FaceLayout, FrameRange, Primaries, Projection, Sequence, StreamKind, exr, png,
+    ChannelSelect, DepthKind, Face, FaceLayout, FrameRange, Primaries, Projection, StreamKind, exr, png,
 };
 
 const DEFAULT_FPS: f64 = 24.0;
@@ -44,6 +45,7 @@ impl Source {
         source.scale_stated = scale.is_some();
         source.rules.background = options.background.unwrap_or(depth.background.value());
         source.color_space = space;
+        source.missing = options.missing.or(manifest.missing).unwrap_or_default();
         source.color_channel = options.color_channel.clone().into();
         source.material_channels = [names.reflection, names.refraction, names.ior];
         if manifest.projection == Projection::Perspective {
@@ -88,8 +90,8 @@ impl Source {
                 for faces in &together {
                     let name = source.probes[probe].name.clone();
                     let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
-                    let sequence = Sequence::known(pattern.below(folder), frames)?;
-                    source.add(kind, probe, faces, sequence);
+                    let files = FrameFiles::known(pattern.below(folder), frames, source.missing)?;
+                    source.add(kind, probe, faces, files);
                 }
             }
         }
@@ -119,8 +121,9 @@ impl Source {
         if let Some(intrinsics) = layout.intrinsics {
             check_intrinsics(intrinsics).map_err(|error| Error::Usage(error.to_string()))?;
         }
-        let sequence = Sequence::find(spec, options.frames)?;
-        let first = sequence.path(sequence.frames.first);
+        let files = FrameFiles::find(spec, options.frames, options.missing.unwrap_or_default())?;
+        let none = || Error::invalid("none of its frames is there").in_file(spec);
+        let first = files.files().next().ok_or_else(none)?;
         let size = if png::is_png(&first) {
             png::read_size(&first, &options.limits)
         } else {
@@ -161,10 +164,10 @@ impl Source {
             name: layout.probe.clone(),
             position: [0.0; 3],
             orientation: [0.0, 0.0, 0.0, 1.0],
-            frames: sequence.frames,
+            frames: files.frames(),
             intrinsics: if view { layout.intrinsics } else { None },
         });
-        source.add(kind, 0, &faces, sequence);
+        source.add(kind, 0, &faces, files);
         source.find_primaries();
         Ok(source)
     }
@@ -236,6 +239,7 @@ impl Source {
             depth_channel: options.channel.clone().into(),
             material_channels: [names.reflection, names.refraction, names.ior],
             invalid_color: options.invalid_color,
+            missing: options.missing.unwrap_or_default(),
             limits: options.limits,
             maps: maps.collect::<Result<_>>()?,
         })
@@ -245,18 +249,19 @@ impl Source {
     /// pixels are.
     fn find_primaries(&mut self) {
         let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);
-        let file = first.and_then(|group| self.file(group, group.frames.first).ok()).filter(|file| !png::is_png(file));
+        let mut files = first.into_iter().flat_map(|group| group.frames.iter().map(move |frame| (group, frame)));
+        let file = files.find_map(|(group, frame)| self.file(group, frame).ok()?).filter(|file| !png::is_png(file));
         self.primaries = match self.color_space {
             Some(space) => space.primaries(),
             None => file.and_then(|file| exr::read_primaries(&file).ok()).unwrap_or(Primaries::REC709),
         };
     }
 
-    fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], sequence: Sequence) {
+    fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], files: FrameFiles) {
         let (width, height) = self.delivered_size;
-        let frames = sequence.frames;
+        let frames = files.frames();
         self.groups.push(SourceGroup { kind, probe, faces: faces.to_vec(), frames, width, height });
-        self.sequences.insert((kind, probe, faces[0]), sequence);
+        self.sequences.insert((kind, probe, faces[0]), files);
     }
 }
 

@@ -112,6 +112,9 @@ impl Input {
         if !compressed && !options.iter().any(says) {
             words.push("--no-compression".into());
         }
+        if stream == StreamKind::Color && !options.iter().any(|option| CHOOSES_CLIPPING.contains(&name_of(option))) {
+            words.push("--clip".into());
+        }
         words.extend(options.iter().map(OsString::from));
         words
     }
@@ -130,6 +133,8 @@ impl Input {
         words.push(format!("--stream={}", stream_of(point).name()).into());
         if stream_of(point) != StreamKind::Color {
             words.push("--ssim=none".into());
+        } else {
+            words.push("--allow-clipping".into());
         }
         words.extend(self.diff.iter().map(OsString::from));
         words.push("--json".into());
@@ -145,6 +150,13 @@ pub fn pack(container: &Path, output: &Path) -> Vec<OsString> {
 pub fn into_file(mut words: Vec<OsString>, output: &Path) -> Vec<OsString> {
     words.extend(["-o".into(), output.into(), "--json".into()]);
     words
+}
+
+/// Options of colour that say what becomes of light that 8 bits do not hold.
+const CHOOSES_CLIPPING: [&str; 4] = ["--clip", "--hdr", "--transfer", "--exposure"];
+
+fn name_of(option: &str) -> &str {
+    option.split('=').next().unwrap_or(option)
 }
 
 fn stream_of(point: &Point) -> StreamKind {
@@ -239,14 +251,14 @@ mod tests {
             assert_eq!(
                 line,
                 format!(
-                    "lightfold encode scene --stream=color --color-cell=8 --color-codec=cells --psnr={psnr} --no-compression"
+                    "lightfold encode scene --stream=color --color-cell=8 --color-codec=cells --psnr={psnr} --no-compression --clip"
                 )
             );
         }
         let plain = point(Color, &[("psnr", "40")]);
         assert_eq!(scene.temporal(&plain), scene.encode(&plain));
         let line = shell_line(&scene.temporal(&point(Color, &[("color-block", "none")])));
-        assert_eq!(line, "lightfold encode scene --stream=color --no-compression");
+        assert_eq!(line, "lightfold encode scene --stream=color --no-compression --clip");
     }
 
     #[test]
