@@ -78,7 +78,7 @@ pub struct ColorArgs {
     #[arg(long, value_name = "EV", allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: Option<f32>,
     /// Accept that 8 bits clip light. Without it, --hdr, --transfer and --exposure, footage whose first frames have such light is refused
-    #[arg(long, conflicts_with = "hdr")]
+    #[arg(long)]
     pub clip: bool,
     /// Half floats instead of 8 bits, which clip light above 1 of EXR files. PSNR is then that of the PU21 encoding, with its peak
     /// at 100 cd/m². Infinite light becomes 65504

@@ -63,7 +63,7 @@ impl PresetArgs {
         if color.color_qp.is_none() && !has_blocks {
             color.psnr = color.psnr.or(psnr_db);
         }
-        let says_8_bits = color.clip || color.transfer.is_some() || color.exposure.is_some();
+        let says_8_bits = color.transfer.is_some() || color.exposure.is_some();
         color.hdr |= hdr && !says_8_bits && !has_blocks;
         let has_bound = matches!(depth.depth_codec, DepthCodec::Predictive | DepthCodec::Quadtree);
         if depth.max_error_relative.is_none() && has_bound {

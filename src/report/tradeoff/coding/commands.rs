@@ -112,7 +112,7 @@ impl Input {
         if !compressed && !options.iter().any(says) {
             words.push("--no-compression".into());
         }
-        if stream == StreamKind::Color && !options.iter().any(|option| CHOOSES_CLIPPING.contains(&name_of(option))) {
+        if stream == StreamKind::Color && !options.iter().any(|option| option == "--clip") {
             words.push("--clip".into());
         }
         words.extend(options.iter().map(OsString::from));
@@ -150,13 +150,6 @@ pub fn pack(container: &Path, output: &Path) -> Vec<OsString> {
 pub fn into_file(mut words: Vec<OsString>, output: &Path) -> Vec<OsString> {
     words.extend(["-o".into(), output.into(), "--json".into()]);
     words
-}
-
-/// Options of colour that say what becomes of light that 8 bits do not hold.
-const CHOOSES_CLIPPING: [&str; 4] = ["--clip", "--hdr", "--transfer", "--exposure"];
-
-fn name_of(option: &str) -> &str {
-    option.split('=').next().unwrap_or(option)
 }
 
 fn stream_of(point: &Point) -> StreamKind {
