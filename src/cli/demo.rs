@@ -68,11 +68,11 @@ impl Places {
         let word = |path: &PathBuf| shell_word(&path.display().to_string());
         let [scene, container, decoded] = [&self.scene, &self.container, &self.decoded].map(word);
         [
-            format!("lightfold encode {scene} -o {container}"),
+            format!("lightfold encode {scene} --clip -o {container}"),
             format!("lightfold inspect {container}"),
             format!("lightfold decode {container} -o {decoded}"),
             format!(
-                "lightfold diff {scene} {decoded} --max-error {} --min-cell-psnr {}",
+                "lightfold diff {scene} {decoded} --max-error {} --min-cell-psnr {} --allow-clipping",
                 depth_bound(settings),
                 settings.search.min_psnr_db
             ),
@@ -179,7 +179,8 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
 fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
     let paths = [&places.scene, &places.decoded].map(|path| path.to_string_lossy());
     let sides = compare::open_both([&paths[0], &paths[1]], &SideOptions::default())?;
-    let settings = CompareSettings { ssim: SsimFrames::None, ..CompareSettings::default() };
+    // Its bright lamps are clipped, as by the commands that it prints.
+    let settings = CompareSettings { ssim: SsimFrames::None, allow_clipping: true, ..CompareSettings::default() };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
     compare::compare(&pairing, &settings, &progress)
