@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ColorArgs, DatasetArgs, DepthArgs, EffortArgs, EncodeOutputArgs, MaterialArgs, SequenceInputArgs, ShardArgs,
-    Target, Unfinished, check_stdout, parse_kind,
+    COLOR_SPACES, ColorArgs, DatasetArgs, DepthArgs, EffortArgs, EncodeOutputArgs, MaterialArgs, PresetArgs,
+    SequenceInputArgs, ShardArgs, Target, Unfinished, check_stdout, one_of, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, encode_advice, refuse};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
@@ -18,14 +18,18 @@ use crate::encode::{
 };
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
-use crate::image::StreamKind;
+use crate::image::{ColorSpace, StreamKind};
 use crate::report::coding_map::counted;
+
+const SMALLER: &str = "a lower --psnr or a higher --max-error";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
     lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
     lightfold encode scene -o small.lfold --color-block bc7 --psnr-final 38 --material-block bc1\n  \
     lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'\n  \
+    lightfold encode scene -o small.lfold --preset small --clip\n  \
+    lightfold encode scene -o scene.lfold --missing hold\n  \
     lightfold encode scene -o scene.lfold --resume\n  \
     lightfold encode scene --shard 3/8 -o scene-3.lfold\n\n\
     An encode that stops early, by a signal, a full disk or an invalid frame, keeps its complete chunks beside the output. \
@@ -39,6 +43,11 @@ pub struct Args {
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
+    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
+    #[arg(long, value_parser = one_of(COLOR_SPACES))]
+    pub color_space: Option<ColorSpace>,
+    #[command(flatten)]
+    pub preset: PresetArgs,
     #[command(flatten)]
     pub dataset: DatasetArgs,
     #[command(flatten)]
@@ -57,6 +66,10 @@ pub trait Encodes {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
     fn open(&self, options: &SourceOptions) -> Result<Source>;
     fn target(&self) -> Target<'_>;
+    /// What makes the container smaller.
+    fn smaller(&self) -> &'static str {
+        SMALLER
+    }
 }
 
 pub trait SequenceCodec: clap::Args {
@@ -95,12 +108,16 @@ impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
 impl Encodes for Args {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-        self.depth.apply(&mut options, &mut settings)?;
-        self.color.apply(&mut options, &mut settings)?;
+        let (mut depth, mut color, mut effort) = (self.depth.clone(), self.color.clone(), self.effort);
+        let mut store = self.output.container.store.clone();
+        self.preset.fill((&mut depth, &mut color), (&mut effort, &mut store));
+        depth.apply(&mut options, &mut settings)?;
+        color.apply(&mut options, &mut settings)?;
         self.material.apply(&mut settings);
         self.dataset.apply(&mut options);
-        self.effort.apply(&mut settings);
-        self.output.container.store.apply(&mut settings);
+        options.color_space = self.color_space;
+        effort.apply(&mut settings);
+        store.apply(&mut settings);
         if !self.stream.is_empty() {
             settings.kinds = self.stream.clone();
         }
@@ -109,6 +126,10 @@ impl Encodes for Args {
 
     fn open(&self, options: &SourceOptions) -> Result<Source> {
         self.dataset.open(&self.input, options)
+    }
+
+    fn smaller(&self) -> &'static str {
+        if self.preset.is_small() { SMALLER } else { "--preset small" }
     }
 
     fn target(&self) -> Target<'_> {
@@ -127,7 +148,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     encode::keep_few_planar_depths(&mut source, &settings);
     note_poses(&source);
     let part = part(&args.shards, &source, &settings, global)?;
-    Encode { source: &source, part, settings: &settings, target: args.target(), global }.run()
+    let smaller = Some(args.smaller());
+    Encode { source: &source, part, settings: &settings, target: args.target(), smaller, global }.run()
 }
 
 /// Says, also with --quiet, that motion is lost: containers hold one pose of each probe.
@@ -144,7 +166,8 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     let (options, settings) = command.settings()?;
     let mut source = command.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    Encode { source: &source, part: None, settings: &settings, target: command.target(), global }.run()
+    let smaller = Some(command.smaller());
+    Encode { source: &source, part: None, settings: &settings, target: command.target(), smaller, global }.run()
 }
 
 /// What is encoded of the source, where that is a shard, or where scans were made before.
@@ -168,16 +191,8 @@ fn part<'a>(
     let scans = match known {
         Some(scans) => scans,
         None => {
-            let groups = encode::selected_groups(&part, settings);
-            let mut probes: Vec<usize> = groups
-                .iter()
-                .map(|group| group.group)
-                .filter(|group| group.kind == StreamKind::Depth)
-                .map(|group| group.probe)
-                .collect();
-            probes.dedup();
             let progress = Progress::start(global, "scanning", 1)?;
-            encode::scan_probes(source, settings, &probes, &progress)?
+            encode::scan_probes(source, settings, &part.probes_of_depth(), &progress)?
         }
     };
     Ok(Some(part.with_scans(scans)))
@@ -189,6 +204,8 @@ pub struct Encode<'a> {
     pub part: Option<Part<'a>>,
     pub settings: &'a EncodeSettings,
     pub target: Target<'a>,
+    /// What makes the container smaller, if anything.
+    pub smaller: Option<&'a str>,
     pub global: &'a GlobalArgs,
 }
 
@@ -199,8 +216,12 @@ impl Encode<'_> {
         if unfinished == Unfinished::Resume && path == Path::new("-") {
             return refuse("--resume needs a file: an encode to standard output cannot be resumed");
         }
+        encode_advice::note_values(self.source, self.settings, self.global);
         let done = self.encode()?;
         note_clipping(path, &done.summary);
+        if let Some(smaller) = self.smaller {
+            encode_advice::note_size(self.source, self.settings, (done.summary.bytes, smaller), self.global);
+        }
         self.global.report(json, &done, || text(path, &done)).map(|()| ExitStatus::Passed)
     }
 
@@ -352,7 +373,7 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     format!("{how} in {}: {chunks}", partial.display())
 }
 
-/// Says, also with --quiet, that light is lost: the container does not tell.
+/// Says, also with --quiet, that light is lost.
 fn note_clipping(path: &Path, summary: &EncodeSummary) {
     if summary.clipped_pixels > 0 {
         output::note(format_args!(

@@ -6,7 +6,7 @@ use crate::dataset::source::SourceOptions;
 use crate::encode::EncodeSettings;
 use crate::error::Result;
 use crate::image::StreamKind;
-use crate::image::png::ColorSpace;
+use crate::image::ColorSpace;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \

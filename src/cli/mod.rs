@@ -11,6 +11,7 @@ pub mod device;
 mod diff;
 mod diff_text;
 mod encode;
+mod encode_advice;
 mod encode_color;
 mod encode_depth;
 mod failure;

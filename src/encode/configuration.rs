@@ -75,6 +75,8 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         color_blocks,
         compression,
         kinds,
+        // Refused before anything is written.
+        clipping: _,
         // Batches are smaller with less of it; the order of chunks and their bytes are the same.
         memory: _,
     } = settings;

@@ -23,13 +23,13 @@ use crate::encode::order::Order;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
-use crate::encode::{EncodeSettings, configuration};
+use crate::encode::{EncodeSettings, configuration, first_frames};
 use crate::error::{Error, Result};
 use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
-use crate::streams::{self, CodecHeader, DepthHeader};
+use crate::streams::{self, Attributes, CodecHeader, DepthHeader, MissingFrame};
 
 /// Units whose last chunks are made together; a killed process loses no more.
 const FINISH_UNITS: usize = 64;
@@ -163,9 +163,14 @@ pub fn encode_resumable<W: Write>(
     })?;
     let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
     let writer = open(source, settings, resumable).map_err(|error| Stopped { error, kept: kept(before) })?;
-    let mut job = Job { source, settings, writer, monitor, completed, summary };
+    let mut job = Job { source, settings, writer, monitor, completed, summary, missing_frames: Vec::new() };
     let ran = job.run(&selected_groups(source, settings));
-    let Job { writer, mut summary, .. } = job;
+    let Job { mut writer, mut summary, missing_frames, .. } = job;
+    let clipped_pixels = Some(summary.clipped_pixels).filter(|count| *count > 0);
+    let attributes = Attributes { primaries: source.primaries(), clipped_pixels, missing_frames };
+    for (name, value) in attributes.to_values() {
+        let _ = (name, value, &mut writer); // STUB
+    }
     let written = kept(writer.safe());
     match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
         Ok((out, bytes)) => {
@@ -187,6 +192,7 @@ fn prepare(
     monitor: &dyn Monitor,
 ) -> Result<Completed> {
     check(source, settings)?;
+    first_frames::check(source, settings, monitor)?;
     let Some(recovered) = recovered else { return Ok(Completed::default()) };
     let mut completed = Completed::of(recovered, &configuration::of(source, settings), order, settings)?;
     completed.check_files(source, settings, order, monitor)?;
@@ -230,6 +236,7 @@ struct Job<'a, W: Write> {
     monitor: &'a dyn Monitor,
     completed: Completed,
     summary: EncodeSummary,
+    missing_frames: Vec<MissingFrame>,
 }
 
 /// The streams of a group, and where they are continued.
@@ -454,7 +461,10 @@ impl<W: Write> Job<'_, W> {
             self.summary.raw_bytes += pixels * header.raw_pixel_bytes();
             self.summary.color_pixels += if group.kind == StreamKind::Color { pixels } else { 0 };
             self.summary.streams += 1;
-            streams.push((self.writer.add_stream(entry.clone()), entry));
+            let stream = self.writer.add_stream(entry.clone());
+            let missing = self.source.missing_frames(group).into_iter();
+            self.missing_frames.extend(missing.map(|(frame, held)| MissingFrame { stream, frame, held }));
+            streams.push((stream, entry));
         }
         Ok(streams)
     }

@@ -11,7 +11,7 @@ use crate::encode::source::FrameSource;
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::Result;
 use crate::fingerprint::{digest, digest_bytes};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Projection};
+use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Projection, StreamKind};
 use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
 
 /// Groups of a source, or some frames of these.
@@ -55,6 +55,14 @@ impl<'a> Part<'a> {
         let Shard { number, count } = shard;
         let entry = ShardEntry { job, number, count, streams: streams.collect() };
         Ok(Part { source, groups, scans: Scans::default(), shard: Some(entry) })
+    }
+
+    /// Numbers of the probes of which it has depth, ascending.
+    pub fn probes_of_depth(&self) -> Vec<usize> {
+        let of_depth = self.groups.iter().filter(|group| group.kind == StreamKind::Depth);
+        let mut probes: Vec<usize> = of_depth.map(|group| group.probe).collect();
+        probes.dedup();
+        probes
     }
 
     /// The same with scans of its probes.

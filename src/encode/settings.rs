@@ -180,6 +180,16 @@ impl TileSize {
     }
 }
 
+/// Treatment of light that 8 bits do not hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Clipping {
+    /// An error before anything is coded, if the first frame of a stream has any.
+    Refuse,
+    /// Clipped pixels are counted, and the container remembers their number.
+    #[default]
+    Allow,
+}
+
 /// Settings of an encode; the default is that of `lightfold encode`.
 #[derive(Debug, Clone)]
 pub struct EncodeSettings {
@@ -198,6 +208,8 @@ pub struct EncodeSettings {
     pub cell: u32,
     /// 8 bits or half floats.
     pub color: ColorFormat,
+    /// Of 8 bits.
+    pub clipping: Clipping,
     pub color_codec: ColorCodec,
     /// Frames of a chunk of the transform codec, 1 to 96.
     pub color_chunk: u32,
@@ -228,6 +240,7 @@ impl Default for EncodeSettings {
             far_m: None,
             cell: 64,
             color: ColorFormat::EightBit(ToneMap::default()),
+            clipping: Clipping::default(),
             color_codec: ColorCodec::default(),
             color_chunk: 24,
             color_tables: None,

@@ -2,6 +2,7 @@
 
 #![doc(hidden)]
 
+mod attributes;
 pub mod convert;
 mod depth_chunk;
 mod header;
@@ -12,6 +13,7 @@ pub mod shard;
 mod stream_chunk;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
+pub use attributes::{Attributes, MissingFrame};
 pub use depth_chunk::DepthChunk;
 pub use header::{
     COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, COLOR_TRANSFORM_8,

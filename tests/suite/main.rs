@@ -6,6 +6,7 @@ mod capture_footage;
 mod capture_scenes;
 mod cli;
 mod coding_map;
+mod color_spaces;
 mod commands;
 mod convention;
 mod convention_footage;

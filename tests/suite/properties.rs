@@ -173,6 +173,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 depth: Some(depth),
                 color: None,
                 material: Some(MaterialInfo { channels: MaterialChannels { reflection, refraction, ior } }),
+                missing: None,
                 files: Files {
                     color: None,
                     depth: Some("{probe}/{face}.%04d.exr".into()),

@@ -14,11 +14,11 @@ use crate::depth::predictive::PredictiveHeader;
 use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
-use crate::image::StreamKind;
+use crate::image::{ColorSpace, StreamKind};
 use crate::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
 use crate::report::Table;
 use crate::report::coding_map::counted;
-use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, NodeHeader};
+use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
@@ -66,8 +66,35 @@ fn heading(report: &Report<'_>) -> String {
     if report.inspection.unreferenced_bytes > 0 {
         let _ = writeln!(out, "{} outside of chunks", human_bytes(report.inspection.unreferenced_bytes));
     }
+    out += &attributes(report);
     if reader.minor_version > VERSION_MINOR {
         let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version);
+    }
+    out
+}
+
+/// Lines about primaries, clipped pixels and missing frames, where these are not as usual.
+fn attributes(report: &Report<'_>) -> String {
+    let decoder = report.decoder;
+    let (primaries, attributes) = (decoder.primaries(), decoder.attributes());
+    let mut out = String::new();
+    if !primaries.is_rec709() {
+        let _ = match ColorSpace::of_light(primaries) {
+            Some(space) => writeln!(out, "colour is light of {}", space.name()),
+            None => writeln!(out, "colour is light of the chromaticities {:?}", primaries.to_array()),
+        };
+    }
+    if let Some(count) = attributes.clipped_pixels {
+        let _ = writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
+    }
+    // One line for each stream and what stands in place of its frames.
+    let same = |one: &MissingFrame, next: &MissingFrame| (one.stream, one.held) == (next.stream, next.held);
+    for frames in attributes.missing_frames.chunk_by(same) {
+        let Some(stream) = decoder.streams().get(frames[0].stream as usize) else { continue };
+        let numbers: Vec<String> = frames.iter().map(|missing| missing.frame.to_string()).collect();
+        let held = frames[0].held.map_or_else(|| "black".to_owned(), |frame| format!("frame {frame}"));
+        let (kind, probe, face) = (stream.kind.name(), &decoder.probe(stream).name, stream.face.name());
+        let _ = writeln!(out, "missing in {kind} {probe}/{face}: {}; {held} stands in their place", numbers.join(", "));
     }
     out
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::{ChannelArgs, FrameArgs};
+use super::{ChannelArgs, FrameArgs, MissingArgs};
 use crate::cli::refuse;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
@@ -18,6 +18,8 @@ pub struct DatasetArgs {
     #[command(flatten)]
     pub channels: ChannelArgs,
     #[command(flatten)]
+    pub missing: MissingArgs,
+    #[command(flatten)]
     pub frames: FrameArgs,
 }
 
@@ -25,6 +27,7 @@ impl DatasetArgs {
     pub fn apply(&self, options: &mut SourceOptions) {
         options.frames = self.frames.frames;
         options.face_size = self.face_size;
+        options.missing = self.missing.missing;
         self.channels.apply(options);
     }
 

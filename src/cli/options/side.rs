@@ -12,7 +12,7 @@ use crate::dataset::{InvalidColor, InvalidDepth};
 use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
-use crate::image::png::ColorSpace;
+use crate::image::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {

@@ -19,6 +19,7 @@ use crate::march::{
     Acceleration, ActiveViews, Counters, Pyramids, Refinements, RenderSettings, Rendered, SpecularMode, Steps,
 };
 use crate::math::Camera;
+use crate::image::Primaries;
 use crate::memory::Budget;
 use crate::monitor::Monitor;
 use crate::views::player::{Player, ShowCounts, UnitRequest};
@@ -193,6 +194,8 @@ pub struct Playback<'a> {
     summary: PlaybackSummary,
     update_ms: Vec<f64>,
     render_ms: Vec<f64>,
+    /// Of the container's light.
+    primaries: Primaries,
 }
 
 impl<'a> Playback<'a> {
@@ -206,6 +209,7 @@ impl<'a> Playback<'a> {
             summary: PlaybackSummary::default(),
             update_ms: Vec::new(),
             render_ms: Vec::new(),
+            primaries: decoder.primaries(),
         })
     }
 
@@ -243,11 +247,12 @@ impl<'a> Playback<'a> {
         renderer.update(&stage, &changes)?;
         let update_ms = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
-        let pictures = request
+        let mut pictures = request
             .cameras
             .iter()
             .map(|camera| renderer.render(&stage, camera, monitor))
             .collect::<Result<Vec<_>>>()?;
+        pictures.iter_mut().for_each(|picture| picture.image.primaries = self.primaries);
         let render_ms = start.elapsed().as_secs_f64() * 1e3;
         self.selector.measured(update_ms + render_ms, views.len());
         let (active, culled) = trace::name(&selection, &self.player.field);
