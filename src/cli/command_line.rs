@@ -6,7 +6,7 @@ use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
-    bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
+    bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
     pack, place, quadtree, quilt, render, selftest, simplify, train,
 };
 
@@ -62,6 +62,8 @@ pub enum Command {
     Decode(decode::Args),
     /// Render light fields and simplified scenes, and compare pictures with references
     Render(Box<render::Args>),
+    /// Convert files of cameras between programs, and export the probes of a light field
+    Cameras(cameras::Args),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),
     /// Interpolate many views side by side, for light-field displays

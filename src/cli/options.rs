@@ -11,6 +11,7 @@ mod output;
 mod selection;
 mod sequence;
 mod side;
+mod stream;
 
 pub use camera::{CameraArgs, parse_aspect, parse_point};
 pub use choice::{Choices, one_of, word_of};
@@ -25,3 +26,4 @@ pub use output::{EncodeOutputArgs, MemoryArgs, OutputArgs, StoreArgs, Target, Un
 pub use selection::{FrameArgs, SelectionArgs, parse_face, parse_kind};
 pub use sequence::{COLOR_SPACES, ImageArgs, SequenceInputArgs};
 pub use side::SideArgs;
+pub use stream::StreamArgs;

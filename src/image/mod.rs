@@ -12,6 +12,8 @@ pub mod layout;
 pub mod limits;
 pub mod plane;
 #[cfg(feature = "encode")]
+pub mod picture_stream;
+#[cfg(feature = "encode")]
 pub mod png;
 pub mod projection;
 #[cfg(feature = "encode")]
