@@ -6,8 +6,8 @@ use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
-    bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate, man,
-    pack, place, quadtree, quilt, render, selftest, simplify, train,
+    bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, interpolate,
+    man, pack, place, quadtree, quilt, render, selftest, simplify, train,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.

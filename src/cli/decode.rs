@@ -50,8 +50,9 @@ const LOAD_ANY_BYTES: u64 = 64 << 20;
     A name that ends in .ply is a point cloud of a frame: binary, x y z in metres of the world and sRGB codes, a point for each pixel of\n\
     the selected probes and faces that has a surface.\n\n\
     With cameras, only the tiles and cells that they see are decoded; in image files all others are black, or at distance 0.\n\
-    CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
-    A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
+    A file of cameras holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
+    A camera may also have \"up\", \"aspect\", \"off_axis\" (middle of the picture at distance 1, to the right and down),\n\
+    \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
     \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]
 pub struct Args {
     /// The container, - for standard input

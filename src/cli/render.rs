@@ -208,11 +208,7 @@ impl Args {
 }
 
 /// The size of a picture, and its camera; with an aspect that is not the camera's where there is one.
-fn sized(
-    camera: Option<Camera>,
-    asked: Option<(u32, Option<u32>)>,
-    aspect: Option<f64>,
-) -> Result<([u32; 2], Camera)> {
+fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Option<f64>) -> Result<([u32; 2], Camera)> {
     let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
     if aspect.is_some() && camera.has_range() {
         return refuse("near_m and far_m of a camera clip perspective pictures: leave them out, or --projection");

@@ -10,9 +10,9 @@ pub mod kind;
 pub mod ktx2;
 pub mod layout;
 pub mod limits;
-pub mod plane;
 #[cfg(feature = "encode")]
 pub mod picture_stream;
+pub mod plane;
 #[cfg(feature = "encode")]
 pub mod png;
 pub mod projection;

@@ -88,7 +88,8 @@ mod tests {
                 let (metres, _) = room(column.eye(), direction, half, 0.0).unwrap();
                 (f64::from(rendered.image.aovs[0].plane.get(x, y)) / metres).ln().abs()
             };
-            let errors: Vec<f64> = (0..16).flat_map(|y| (0..32).map(move |x| (x, y))).map(|(x, y)| error(x, y)).collect();
+            let errors: Vec<f64> =
+                (0..16).flat_map(|y| (0..32).map(move |x| (x, y))).map(|(x, y)| error(x, y)).collect();
             let mean = errors.iter().sum::<f64>() / errors.len() as f64;
             assert!(mean < 0.02, "{offset_m}: {mean}");
             rendered.image.color

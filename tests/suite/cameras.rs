@@ -53,7 +53,8 @@ fn a_path_renders_the_same_pictures_from_every_format() {
     fine("encode captured -o a.lfold", at);
     std::fs::write(at.join("path.json"), PATH).unwrap();
     fine("render a.lfold --camera path.json --size 24 -o own/%04d.png", at);
-    let picture = |name: &str, frame: u32| image::open(at.join(name).join(format!("{frame:04}.png"))).unwrap().to_rgb8();
+    let picture =
+        |name: &str, frame: u32| image::open(at.join(name).join(format!("{frame:04}.png"))).unwrap().to_rgb8();
     for (name, options) in [
         ("again.json", ""),
         ("transforms.json", ""),
@@ -94,7 +95,10 @@ fn probes_become_cameras_whose_pictures_are_their_images() {
         let text = std::fs::read_to_string(at.join("transforms.json")).unwrap();
         let transforms: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(transforms["frames"].as_array().unwrap().len(), 12);
-        assert_eq!((&transforms["w"], &transforms["fl_x"], &transforms["cy"]), (&32.into(), &16.0.into(), &16.0.into()));
+        assert_eq!(
+            (&transforms["w"], &transforms["fl_x"], &transforms["cy"]),
+            (&32.into(), &16.0.into(), &16.0.into())
+        );
     }
     fine("render a.lfold --camera transforms.json --size 32 --frames 1 -o images/view.%04d.png", at);
     fine("decode a.lfold --stream color --frames 1 --format png -o decoded", at);

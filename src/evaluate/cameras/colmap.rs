@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::document::{Content, FileCamera, Written, WriteSettings, of_camera};
+use super::document::{Content, FileCamera, WriteSettings, Written, of_camera};
 use super::poses::{picture_names, poses};
 use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
@@ -77,8 +77,12 @@ fn image(line: &str, lenses: &HashMap<u64, Intrinsics>) -> Result<FileCamera> {
     }
     let to_world = DMat3::from_quat(quaternion.normalize()).transpose();
     let eye = -(to_world * DVec3::from_slice(&numbers[4..7]));
-    let camera =
-        Camera::pinhole(eye, [to_world.z_axis, to_world.x_axis, to_world.y_axis], lens.size.map(f64::from), lens.pinhole);
+    let camera = Camera::pinhole(
+        eye,
+        [to_world.z_axis, to_world.x_axis, to_world.y_axis],
+        lens.size.map(f64::from),
+        lens.pinhole,
+    );
     let timed = TimedCamera { camera: camera.map_err(of_camera(id))?, frames: None };
     Ok(FileCamera { name, size: Some(lens.size), timed })
 }

@@ -6,6 +6,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
+use crate::evaluate::camera_path::MAX_PATH_FRAMES;
 
 /// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,9 +31,8 @@ pub struct Content<'a> {
 
 impl<'a> Content<'a> {
     pub fn text(&self) -> Result<&'a str> {
-        std::str::from_utf8(self.bytes).map_err(|error| {
-            Error::invalid(format!("it is no text: byte {} is not UTF-8", error.valid_up_to()))
-        })
+        std::str::from_utf8(self.bytes)
+            .map_err(|error| Error::invalid(format!("it is no text: byte {} is not UTF-8", error.valid_up_to())))
     }
 }
 
@@ -87,6 +87,14 @@ pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
 /// The matrix of [`axes_of`].
 pub fn matrix_of(eye: DVec3, [forward, right, down]: [DVec3; 3]) -> DMat4 {
     DMat4::from_cols(right.extend(0.0), (-down).extend(0.0), (-forward).extend(0.0), eye.extend(1.0))
+}
+
+/// Refuses a file of too many poses: cameras that move have one in each frame.
+pub fn check_count(read: usize, more: f64) -> Result<()> {
+    match read as f64 + more > f64::from(MAX_PATH_FRAMES) {
+        true => Err(Error::unsupported(format!("the cameras have more than {MAX_PATH_FRAMES} frames"))),
+        false => Ok(()),
+    }
 }
 
 /// Names the camera in an error.

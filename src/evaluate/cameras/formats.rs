@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::document::{Content, FileCamera, Written, WriteSettings};
+use super::document::{Content, FileCamera, WriteSettings, Written};
 use super::{colmap, gltf, own, transforms, usd};
 use crate::error::{Error, Result};
 use crate::mesh::gltf::document::is_glb;
@@ -81,15 +81,21 @@ pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
             None => (path.to_path_buf(), false),
         };
         let bytes = bytes(&path)?;
-        let format = if folder { CameraFormat::Colmap } else { CameraFormat::of_content(&bytes) };
-        let (read, _) = format.functions();
-        let cameras = read(&Content { path: &path, bytes: &bytes, fps }).map_err(|error| error.in_file(&path))?;
+        let content = Content { path: &path, bytes: &bytes, fps };
+        let cameras = if folder { colmap::read(&content) } else { parse(&content) };
+        let cameras = cameras.map_err(|error| error.in_file(&path))?;
         if cameras.is_empty() {
             return Err(Error::invalid("it has no cameras, where at least one was expected").in_file(&path));
         }
         Ok(cameras)
     };
     read().map_err(|error: Error| error.in_file(path))
+}
+
+/// The cameras of a file that is not of COLMAP, by its content.
+pub fn parse(content: &Content<'_>) -> Result<Vec<FileCamera>> {
+    let (read, _) = CameraFormat::of_content(content.bytes).functions();
+    read(content)
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {

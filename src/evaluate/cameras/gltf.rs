@@ -7,11 +7,10 @@ use glam::{DMat4, DQuat};
 use gltf::camera::Projection;
 use serde_json::{Value, json};
 
-use super::document::{Content, FileCamera, Written, WriteSettings, axes_of, of_camera};
+use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, of_camera};
 use super::poses::{Track, poses, tracks};
 use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
-use crate::evaluate::camera_path::MAX_PATH_FRAMES;
 use crate::image::FrameRange;
 use crate::math::Camera;
 use crate::mesh::budget::Budget;
@@ -51,30 +50,31 @@ pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
         let mut chain = nodes.with_ancestors(node.index());
         chain.reverse();
         let moves = |channel: &&Channel| chain.contains(&channel.node);
-        let of_animation = |animation: &Animation| -> Vec<Channel> { animation.channels.iter().filter(moves).cloned().collect() };
+        let of_animation =
+            |animation: &Animation| -> Vec<Channel> { animation.channels.iter().filter(moves).cloned().collect() };
         let channels = animations.iter().map(of_animation).find(|channels| !channels.is_empty()).unwrap_or_default();
         let at = |time_s: f64| -> Result<Camera> {
             let (eye, axes) = axes_of(&to_world(&nodes, &chain, &channels, time_s))?;
             Camera::with_window(eye, axes, half, [0.0; 2])
         };
-        let mut add = |camera: Result<Camera>, frame: Option<u32>| -> Result<()> {
+        let of = |time_s: f64, frame: Option<u32>| -> Result<FileCamera> {
             let frames = frame.map(|at| FrameRange { first: at, last: at });
-            let timed = TimedCamera { camera: camera.map_err(&named)?, frames };
-            cameras.push(FileCamera { name: name.clone(), size: None, timed });
-            Ok(())
+            let timed = TimedCamera { camera: at(time_s).map_err(&named)?, frames };
+            Ok(FileCamera { name: name.clone(), size: None, timed })
         };
         let ends = channels.iter().map(Channel::ends_s).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         let Some([first_s, last_s]) = ends else {
-            add(at(0.0), None)?;
+            cameras.push(of(0.0, None)?);
             continue;
         };
         let first = (first_s * content.fps - NEAR_FRAME).ceil().max(0.0);
         let last = (last_s * content.fps + NEAR_FRAME).floor().max(first);
-        if last - first >= f64::from(MAX_PATH_FRAMES) || last > f64::from(u32::MAX) {
-            return Err(named(Error::unsupported(format!("its animation has more than {MAX_PATH_FRAMES} frames"))));
+        if last > f64::from(u32::MAX) {
+            return Err(named(Error::unsupported(format!("its animation ends after {last_s} seconds"))));
         }
+        check_count(cameras.len(), last - first + 1.0)?;
         for frame in first as u32..=last as u32 {
-            add(at(f64::from(frame) / content.fps), Some(frame))?;
+            cameras.push(of(f64::from(frame) / content.fps, Some(frame))?);
         }
     }
     Ok(cameras)
@@ -137,9 +137,8 @@ impl Parts {
             ));
         }
         let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b;
-        let changes = |(_, camera): &(Option<u32>, Camera)| {
-            (0..2).any(|axis| !is_same(camera.half()[axis], first.half()[axis]))
-        };
+        let changes =
+            |(_, camera): &(Option<u32>, Camera)| (0..2).any(|axis| !is_same(camera.half()[axis], first.half()[axis]));
         if keys.iter().any(changes) {
             return Err(Error::unsupported("glTF holds no field of view that changes, as its does; usd files do"));
         }

@@ -17,8 +17,8 @@ mod transforms;
 mod usd;
 mod usda;
 
-pub use document::{Content, FileCamera, Written, WriteSettings};
-pub use formats::{CameraFormat, read, write};
+pub use document::{Content, FileCamera, WriteSettings, Written};
+pub use formats::{CameraFormat, parse, read, write};
 pub use probes::of_probes;
 
 #[cfg(test)]

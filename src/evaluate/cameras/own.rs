@@ -1,6 +1,6 @@
 //! The camera files of this program ([`crate::evaluate::camera_file`]).
 
-use super::document::{Content, FileCamera, Written, WriteSettings};
+use super::document::{Content, FileCamera, WriteSettings, Written};
 use crate::error::{Error, Result};
 use crate::evaluate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
 

@@ -53,7 +53,8 @@ pub fn tracks(poses: &[Pose<'_>]) -> Vec<Track> {
     let mut tracks: Vec<Track> = Vec::new();
     for pose in poses {
         let key = (pose.frame, pose.of.timed.camera);
-        let is_free = |track: &&mut Track| track.keys.last().is_some_and(|(last, _)| last.is_some() && *last < pose.frame);
+        let is_free =
+            |track: &&mut Track| track.keys.last().is_some_and(|(last, _)| last.is_some() && *last < pose.frame);
         match tracks.iter_mut().find(is_free) {
             Some(track) => track.keys.push(key),
             None => {

@@ -59,7 +59,8 @@ fn check(cameras: &[FileCamera], format: CameraFormat, tolerance: f64) {
 
 #[test]
 fn still_cameras_come_back() {
-    let cameras: Vec<FileCamera> = (0..5).map(|at| still(camera(f64::from(at), 40.0 + f64::from(at), [0.0; 2]))).collect();
+    let cameras: Vec<FileCamera> =
+        (0..5).map(|at| still(camera(f64::from(at), 40.0 + f64::from(at), [0.0; 2]))).collect();
     for (format, tolerance) in [
         (CameraFormat::Lightfold, 1e-12),
         (CameraFormat::Transforms, 1e-12),
@@ -144,7 +145,12 @@ fn said(text: &str, cameras: Option<&str>) -> String {
 fn transforms_that_are_no_pinholes_are_refused() {
     let matrix = "[[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]";
     let with = |keys: &str, matrix: &str| {
-        said(&format!(r#"{{ "w": 8, "h": 4{keys}, "frames": [{{ "file_path": "a.png", "transform_matrix": {matrix} }}] }}"#), None)
+        said(
+            &format!(
+                r#"{{ "w": 8, "h": 4{keys}, "frames": [{{ "file_path": "a.png", "transform_matrix": {matrix} }}] }}"#
+            ),
+            None,
+        )
     };
     assert_eq!(with(r#", "fl_x": 5, "k1": 0.0, "p2": 0, "camera_model": "OPENCV""#, matrix), "1 cameras");
     assert_eq!(with(r#", "camera_angle_x": 1.2"#, matrix), "1 cameras");
@@ -192,7 +198,7 @@ fn usd_files_that_are_not_clear_are_refused() {
         (place(""), "has no value"),
         (place("double3 xformOp:translate = (1, 2)"), "three numbers"),
         (place("double3 xformOp:translate.timeSamples = { -3: (1, 2, 3), 5: (2, 2, 2) }"), "from 0 on"),
-        (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1e9: (2, 2, 2) }"), "more than"),
+        (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1e9: (2, 2, 2) }"), "more than 100000 frames"),
         (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1: \"x\" }"), "three numbers"),
         (said("PXR-USDC binary", None), "usdcat"),
         (said("#usda 1.0\ndef Xform \"a\" {}", None), "no cameras"),

@@ -8,7 +8,7 @@ use glam::{DMat4, DVec4};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::document::{Content, FileCamera, Written, WriteSettings, axes_of, matrix_of, of_camera};
+use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, matrix_of, of_camera};
 use super::poses::{picture_names, poses};
 use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;

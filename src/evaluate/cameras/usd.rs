@@ -8,12 +8,11 @@ use std::fmt::Write as _;
 
 use glam::{DMat4, DQuat, DVec3};
 
-use super::document::{Content, FileCamera, Written, WriteSettings, axes_of, matrix_of, of_camera};
+use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, matrix_of, of_camera};
 use super::poses::{Track, poses, tracks};
 use super::usda::{Prim, Value, parse};
 use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
-use crate::evaluate::camera_path::MAX_PATH_FRAMES;
 use crate::image::FrameRange;
 use crate::math::Camera;
 
@@ -59,13 +58,8 @@ fn find<'a>(prim: &'a Prim, chain: &mut Vec<&'a Prim>, to_world: &DMat4, cameras
 }
 
 /// Attributes that say what a camera sees.
-const LENS: [&str; 5] = [
-    "focalLength",
-    "horizontalAperture",
-    "verticalAperture",
-    "horizontalApertureOffset",
-    "verticalApertureOffset",
-];
+const LENS: [&str; 5] =
+    ["focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "verticalApertureOffset"];
 
 fn add(prim: &Prim, chain: &[&Prim], to_world: &DMat4, cameras: &mut Vec<FileCamera>) -> Result<()> {
     if matches!(prim.attribute("projection"), Some(Value::Text(kind)) if kind == "orthographic") {
@@ -87,11 +81,13 @@ fn add(prim: &Prim, chain: &[&Prim], to_world: &DMat4, cameras: &mut Vec<FileCam
         let [focal, width, height, right, up] = lens;
         Camera::with_window(eye, axes, [width, height].map(|size| size / 2.0 / focal), [right / focal, -up / focal])
     };
-    let mut push = |camera: Camera, frames: Option<FrameRange>| {
-        cameras.push(FileCamera { name: prim.name.clone(), size: None, timed: TimedCamera { camera, frames } });
+    let of = |camera: Camera, frames: Option<FrameRange>| FileCamera {
+        name: prim.name.clone(),
+        size: None,
+        timed: TimedCamera { camera, frames },
     };
     let Some([first, last]) = sampled(prim, chain) else {
-        push(at(0.0)?, None);
+        cameras.push(of(at(0.0)?, None));
         return Ok(());
     };
     let [first, last] = [(first - 1e-6).ceil(), (last + 1e-6).floor()];
@@ -100,11 +96,9 @@ fn add(prim: &Prim, chain: &[&Prim], to_world: &DMat4, cameras: &mut Vec<FileCam
             "its time samples are between {first} and {last}: time codes that are frames, from 0 on, were expected"
         )));
     }
-    if last - first >= f64::from(MAX_PATH_FRAMES) {
-        return Err(Error::unsupported(format!("its time samples span more than {MAX_PATH_FRAMES} frames")));
-    }
+    check_count(cameras.len(), last - first + 1.0)?;
     for frame in first as u32..=last as u32 {
-        push(at(f64::from(frame))?, Some(FrameRange { first: frame, last: frame }));
+        cameras.push(of(at(f64::from(frame))?, Some(FrameRange { first: frame, last: frame })));
     }
     Ok(())
 }
@@ -158,7 +152,8 @@ fn transform(name: &str, value: &Value) -> Result<DMat4> {
     match kind {
         "transform" => {
             let rows = numbers(value)?;
-            let rows = <[f64; 16]>::try_from(rows).map_err(|_| Error::invalid("a matrix of 4 by 4 numbers was expected"))?;
+            let rows =
+                <[f64; 16]>::try_from(rows).map_err(|_| Error::invalid("a matrix of 4 by 4 numbers was expected"))?;
             // Vectors are rows.
             Ok(DMat4::from_cols_array(&rows))
         }

@@ -120,7 +120,9 @@ impl<'a> Parser<'a> {
     /// A string, a path, or the name of a file.
     fn quoted(&mut self) -> Result<Option<&'a str>> {
         self.skip_space();
-        for (open, close) in [("\"\"\"", "\"\"\""), ("'''", "'''"), ("\"", "\""), ("'", "'"), ("@@@", "@@@"), ("@", "@"), ("<", ">")] {
+        for (open, close) in
+            [("\"\"\"", "\"\"\""), ("'''", "'''"), ("\"", "\""), ("'", "'"), ("@@@", "@@@"), ("@", "@"), ("<", ">")]
+        {
             if self.rest().starts_with(open) {
                 self.at += open.len();
                 return self.until(close).map(Some);
@@ -344,7 +346,9 @@ def Xform "World" (
         assert_eq!(root.attribute("upAxis"), Some(&Value::Text("Z".into())));
         let world = &root.children[0];
         assert_eq!((world.kind.as_str(), world.name.as_str(), world.is_defined), ("Xform", "World", true));
-        let Some(Value::Samples(samples)) = world.attribute("xformOp:translate.timeSamples") else { panic!("{world:?}") };
+        let Some(Value::Samples(samples)) = world.attribute("xformOp:translate.timeSamples") else {
+            panic!("{world:?}")
+        };
         assert_eq!(samples.iter().map(|(time, _)| *time).collect::<Vec<_>>(), [-1.5, 4.0]);
         let order = ["xformOp:translate", "!invert!xformOp:scale"].map(|op| Value::Text(op.into()));
         assert_eq!(world.attribute("xformOpOrder"), Some(&Value::List(order.to_vec())));
@@ -368,6 +372,8 @@ def Xform "World" (
             assert!(said.contains(words), "{text}: {said}");
         }
         assert!(parse(&"def \"a\" {".repeat(1000)).unwrap_err().to_string().contains("nesting"));
-        assert!(parse(&format!("def \"a\" {{ int b = {}", "[".repeat(1000))).unwrap_err().to_string().contains("nesting"));
+        assert!(
+            parse(&format!("def \"a\" {{ int b = {}", "[".repeat(1000))).unwrap_err().to_string().contains("nesting")
+        );
     }
 }
