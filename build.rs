@@ -1,5 +1,5 @@
-//! Tells the tests whether the measured footage is at hand, so that those which need it say "ignored" where it is not; tells
-//! the encoder by a hash from which sources it is built; turns the kernel table into Rust; and tells the linker of the C++
+//! Tells the tests whether the measured footage and ffmpeg are at hand, so that those which need them say "ignored" where they are not;
+//! tells the encoder by a hash from which sources it is built; turns the kernel table into Rust; and tells the linker of the C++
 //! library that the encoder of blocks wants.
 
 use std::fs;
@@ -170,6 +170,11 @@ fn main() {
     println!("cargo::rustc-env=LIGHTFOLD_SOURCES=#{:016x}", hash_of_sources(Path::new(env!("CARGO_MANIFEST_DIR"))));
     println!("cargo::rustc-check-cfg=cfg(footage_at_hand)");
     println!("cargo::rustc-check-cfg=cfg(seurat_at_hand)");
+    println!("cargo::rustc-check-cfg=cfg(ffmpeg_at_hand)");
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    if std::env::split_paths(&folders).any(|folder| folder.join("ffmpeg").is_file()) {
+        println!("cargo::rustc-cfg=ffmpeg_at_hand");
+    }
     println!("cargo::rerun-if-env-changed=LIGHTFOLD_DATA");
     println!("cargo::rerun-if-changed=build.rs");
     let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");

@@ -8,8 +8,8 @@ use crate::cli::encode::{EncodeSequence, Encodes};
 use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
-    bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect, interpolate,
-    man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train,
+    bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect,
+    interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -70,6 +70,8 @@ pub enum Command {
     Decode(decode::Args),
     /// Render light fields and simplified scenes, and compare pictures with references
     Render(Box<render::Args>),
+    /// Convert files of cameras between programs, and export the probes of a light field
+    Cameras(cameras::Args),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),
     /// Interpolate many views side by side, for light-field displays

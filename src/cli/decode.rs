@@ -1,5 +1,8 @@
-//! `lightfold decode IN -o OUT`: decodes a container into image files, or measures decoding time.
+//! `lightfold decode IN -o OUT`: decodes a container into image files, a stream of pictures or point clouds, or measures decoding time.
 
+mod point_cloud;
+
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -7,7 +10,9 @@ use serde::Serialize;
 
 use crate::cli::damage;
 use crate::cli::device::{self, DEVICES, GpuArgs};
-use crate::cli::options::{CameraArgs, Choices, FrameArgs, LIGHT_SPACES, MemoryArgs, SelectionArgs, one_of};
+use crate::cli::options::{
+    CameraArgs, Choices, FrameArgs, LIGHT_SPACES, MemoryArgs, SelectionArgs, StreamArgs, one_of,
+};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
@@ -37,21 +42,27 @@ const LOAD_ANY_BYTES: u64 = 64 << 20;
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
     lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
+    lightfold decode film.lfold --probe 00 --face px --stream color --stream-format y4m -o - | ffmpeg -i - px.mp4\n  \
+    lightfold decode film.lfold --frames 12 -o frame.ply\n  \
     lightfold decode film.lfold --null --repeat 9 --json\n  \
     lightfold decode film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats\n  \
     lightfold decode film.lfold --camera cam.json -o seen\n  \
     lightfold decode film.lfold --device gpu --null\n  \
     lightfold decode film.lfold --verify\n  \
     lightfold decode damaged.lfold --keep-going -o rescued\n\n\
+    A name that ends in .ply is a point cloud of a frame: binary, x y z in metres of the world and sRGB codes, a point for each pixel of\n\
+    the selected probes and faces that has a surface.\n\n\
     With cameras, only the tiles and cells that they see are decoded; in image files all others are black, or at distance 0.\n\
-    CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
-    A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
+    A file of cameras holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
+    A camera may also have \"up\", \"aspect\", \"off_axis\" (middle of the picture at distance 1, to the right and down),\n\
+    \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
     \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]
 pub struct Args {
     /// The container, - for standard input
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
-    /// Folder to write a dataset into, or a pattern such as depth.%04d.exr for a single stream
+    /// Folder to write a dataset into; a pattern such as depth.%04d.exr, or - for standard output, for a single stream; a point cloud
+    /// of a frame, or a pattern of them, that ends in .ply
     #[arg(long, short, value_name = "DIR", required_unless_present_any = ["null", "verify", "list_devices"])]
     pub output: Option<PathBuf>,
     /// Decode without writing, to measure decoding time
@@ -86,6 +97,8 @@ pub struct Args {
     /// converted to the primaries of sRGB
     #[arg(long, value_parser = one_of(LIGHT_SPACES))]
     pub color_space: Option<ColorSpace>,
+    #[command(flatten)]
+    pub stream: StreamArgs,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -100,6 +113,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return device::list(args.json);
     }
     let Some(input) = &args.input else { return refuse("name a container to decode") };
+    if let Some(output) = args.output.as_deref().filter(|output| point_cloud::is_named(output)) {
+        return point_cloud::run(args, input, output, global);
+    }
     let gpu = open_device(args, global)?;
     let mut decoder = Decoder::open(input)?;
     let selection = args.selection.with(args.frames.frames);
@@ -111,6 +127,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let in_memory = args.output.is_none() && decoder.load(limit)?;
     let reading = start.elapsed();
     let chosen = selection.choose(&decoder)?;
+    let pipe = args.stream.open(args.output.as_deref(), args.json, decoder.reader().index().fps)?.map(RefCell::new);
+    if pipe.is_some() && args.keep_going {
+        return refuse("--keep-going leaves out images, and a stream of pictures has all: name a folder");
+    }
     let view = args.cameras.view(&decoder, &chosen)?;
     let images: u64 = chosen.iter().map(|part| part.frames.count()).sum();
     let passes = args.repeat.map_or(1, |count| u64::from(count) + 1);
@@ -118,8 +138,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut runs = Vec::new();
     let request = Request { streams: &chosen, filter: view.filter(), memory };
     let coding = FileCoding { format: args.format, space: args.color_space };
-    let write = |source: &dyn ImageSource, output: &Path| {
-        Export { source, decoder: &decoder, request, coding, progress: &progress }.write(output)
+    let write = |source: &dyn ImageSource, output: &Path| match &pipe {
+        Some(pipe) => decode::decode_to_stream(source, &decoder, request, &mut *pipe.borrow_mut(), &progress),
+        None => Export { source, decoder: &decoder, request, coding, progress: &progress }.write(output),
     };
     let on_gpu = |gpu: &Gpu| {
         if let Some(output) = &args.output {
@@ -252,9 +273,6 @@ pub struct Export<'a> {
 impl Export<'_> {
     /// Writes a dataset into a folder, or the images of a pattern.
     fn write(&self, output: &Path) -> Result<Decoded> {
-        if output == Path::new("-") {
-            return refuse("standard output cannot hold image files: name a folder");
-        }
         let Some(pattern) = file_pattern(output)? else {
             if output.join(MANIFEST_NAME).exists() {
                 check_replaced(output)?;

@@ -1,6 +1,7 @@
 //! The program: one file for each command. Only this module prints, reads arguments and chooses exit codes.
 
 mod bc4w;
+mod cameras;
 mod capture;
 mod command_line;
 mod completions;
@@ -124,6 +125,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Render(args) => render::run(&args, global),
+        Command::Cameras(args) => cameras::run(&args, global),
         Command::Quilt(args) => quilt::run(&args, global),
         Command::Simplify(args) => simplify::run(&args, global),
         Command::Interpolate(args) => interpolate::run(&args, global),

@@ -16,6 +16,7 @@ mod selection;
 mod sequence;
 mod shard;
 mod side;
+mod stream;
 
 pub use camera::{CameraArgs, parse_aspect, parse_point};
 pub use channels::ChannelArgs;
@@ -35,3 +36,4 @@ pub use selection::{FrameArgs, MissingArgs, SelectionArgs, parse_face, parse_kin
 pub use sequence::{COLOR_SPACES, ImageArgs, LIGHT_SPACES, SequenceInputArgs};
 pub use shard::{ShardArgs, parse_shard};
 pub use side::SideArgs;
+pub use stream::StreamArgs;

@@ -27,6 +27,7 @@ use crate::report::coding_map::counted;
 
 pub use args::Args;
 use light_field::LightFieldSubject;
+use options::PictureProjection;
 use pictures::{Job, PictureName, Pictures, pixels};
 use quads::QuadSubject;
 use report::Report;
@@ -69,7 +70,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         None => args.jobs(subject.as_ref(), global)?,
     };
     subject.check(&jobs, global)?;
-    let mut pictures = Pictures::open(args, &jobs, subject.tone())?;
+    let mut pictures = Pictures::open(args, &jobs, subject.as_ref())?;
     args.check_outputs(&jobs, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
@@ -85,8 +86,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             let pictures = rendered.compared.as_ref().unwrap_or(&rendered.images);
             truth.compare(job, (pictures, &rendered.near_silhouettes), tone)?;
         }
-        let eyes = rendered.images.len() / job.names.len().max(1);
-        for (name, pictures_of) in job.names.iter().zip(rendered.images.chunks(eyes.max(1))) {
+        let parts = rendered.images.len() / job.names.len().max(1);
+        for (name, pictures_of) in job.names.iter().zip(rendered.images.chunks(parts.max(1))) {
             pictures.put(name, job, pictures_of)?;
         }
         if let (Some(file), Some(frame)) = (&mut trace, &rendered.trace) {
@@ -126,6 +127,15 @@ impl Args {
         if let (Some(_), Some((_, Some(_)))) = (self.cameras.aspect, self.size) {
             return refuse("--size WxH and --aspect contradict each other: leave out one of them");
         }
+        if self.projection.projection == PictureProjection::Cubemap
+            && let Some((width, Some(height))) = self.size
+            && width != height
+        {
+            return refuse("--size of a cube map is that of a face: one number was expected");
+        }
+        if self.projection.is_panorama() && self.is_on_device() {
+            return refuse("equirect and vr180 are rendered by the CPU: leave out --device");
+        }
         if self.is_on_device() && self.memory.memory.is_some() {
             return refuse("--memory limits the CPU renderer only, not graphics devices: leave out one of them");
         }
@@ -164,7 +174,7 @@ impl Args {
 
     /// What the cameras see, in these frames; of a still scene in all that they ask for.
     fn jobs(&self, subject: &dyn Subject, global: &GlobalArgs) -> Result<Vec<Job>> {
-        let (frames, mut cameras) = (subject.frames(), self.cameras.cameras()?);
+        let (frames, mut cameras) = (subject.frames(), self.cameras.cameras(subject.fps())?);
         if cameras.is_empty() {
             let (camera, words) = subject.own_camera()?;
             global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
@@ -188,11 +198,8 @@ impl Args {
         let by_frame = frames.len() == requests.len();
         let job = |(at, request): (u32, FrameRequest)| {
             let camera = request.cameras.first().copied();
-            let (size, camera) = sized(camera, self.size)?;
-            let cameras = match self.stereo {
-                None => vec![camera],
-                Some(apart) => [-0.5, 0.5].map(|side| camera.moved_right(side * apart)).to_vec(),
-            };
+            let (size, camera) = sized(camera, self.size, self.projection.aspect())?;
+            let cameras = self.projection.cameras(&camera);
             let number = if by_frame { request.frame } else { at };
             let names = vec![PictureName { number, subject: "view".to_owned() }];
             Ok(Job { request: FrameRequest { cameras, ..request }, names, size, references: Vec::new() })
@@ -201,12 +208,16 @@ impl Args {
     }
 }
 
-fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>) -> Result<([u32; 2], Camera)> {
+/// The size of a picture, and its camera; with an aspect that is not the camera's where there is one.
+fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Option<f64>) -> Result<([u32; 2], Camera)> {
     let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
+    if aspect.is_some() && camera.has_range() {
+        return refuse("near_m and far_m of a camera clip perspective pictures: leave them out, or --projection");
+    }
     match asked.unwrap_or((DEFAULT_SIZE, None)) {
         (width, Some(height)) => Ok(([width, height], camera.with_aspect(f64::from(width) / f64::from(height)))),
         (height, None) => {
-            let width = (f64::from(height) * camera.aspect()).round();
+            let width = (f64::from(height) * aspect.unwrap_or(camera.aspect())).round();
             if !(1.0..=65_536.0).contains(&width) {
                 return refuse(format!(
                     "an image of {width}x{height} pixels: up to 65536 were expected; set --size WxH"

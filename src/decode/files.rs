@@ -1,6 +1,8 @@
-//! Writes decoded images into EXR or PNG files, and the manifest that makes a folder of them a dataset again.
+//! Writes decoded images into EXR or PNG files, and the manifest that makes a folder of them a dataset again; or those of one stream
+//! into a pipe.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -17,9 +19,12 @@ use crate::decode::selection::{Request, StreamFrames};
 use crate::decode::units::{DecodeSummary, Decoded, DecodedPart, jobs_at_once};
 use crate::depth::CodeTable;
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
+use crate::image::exr;
+use crate::image::picture_stream::{CodePicture, PictureStream, StreamFormat};
 use crate::image::sequence::Pattern;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
-use crate::image::{ColorPlane, LightMatrix, Primaries, exr, png};
+use crate::image::{ColorPlane, LightMatrix, Primaries};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
@@ -125,6 +130,64 @@ pub fn decode_to_files(
     Ok(decoded)
 }
 
+/// Decodes the only stream of a request into a pipe, frame by frame: codes as in PNG files.
+///
+/// # Errors
+/// [`Error::Usage`] where the request has several streams, or one that the format cannot hold.
+pub fn decode_to_stream<W: Write>(
+    source: &dyn ImageSource,
+    decoder: &Decoder,
+    Request { streams, filter, memory }: Request<'_>,
+    out: &mut PictureStream<W>,
+    monitor: &dyn Monitor,
+) -> Result<Decoded> {
+    let [StreamFrames { stream, frames }] = streams else { return Err(several_streams(decoder, streams)) };
+    if out.format() == StreamFormat::Y4m && stream.kind != StreamKind::Color {
+        return Err(Error::Usage(format!(
+            "Y4M holds colour, and this stream has {}: `stream_format` png or raw keeps its codes",
+            stream.kind.name()
+        )));
+    }
+    jobs_at_once(decoder, memory, || Some(memory::stream_bytes(decoder, stream) + memory::file_bytes(stream)))?;
+    let coding = FileCoding { format: FileFormat::Png, space: None };
+    let writer = ImageWriter::new(stream, coding, decoder.attributes().primaries);
+    let mut face = source.open(decoder, stream)?;
+    let mut clipped_pixels = 0;
+    for frame in frames.iter() {
+        monitor.check()?;
+        let (codes, clipped) = writer.codes(face.decode_filtered(frame, filter)?)?;
+        clipped_pixels += clipped;
+        out.put(&codes)?;
+        monitor.advance(1);
+    }
+    let summary = DecodeSummary {
+        frames: frames.count(),
+        pixels: face.selected_pixels(),
+        bytes_out: out.bytes,
+        cost: face.cost(),
+    };
+    Ok(Decoded { summary, clipped_pixels, ..Decoded::default() })
+}
+
+/// Streams that an error lists at most.
+const MOST_LISTED: usize = 24;
+
+fn several_streams(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> Error {
+    let name = |StreamFrames { stream, .. }: &StreamFrames<'_>| {
+        format!("{} of {} {}", stream.kind.name(), decoder.probe(stream).name, stream.face.name())
+    };
+    let mut names: Vec<String> = streams.iter().take(MOST_LISTED).map(name).collect();
+    if streams.len() > MOST_LISTED {
+        names.push(format!("{} more", streams.len() - MOST_LISTED));
+    }
+    Error::Usage(format!(
+        "standard output takes the pictures of one stream, and {} are selected ({}): choose one by `probe`, `face` and `stream`, or name \
+         a folder",
+        streams.len(),
+        names.join(", ")
+    ))
+}
+
 #[derive(Default)]
 struct Written {
     bytes: AtomicU64,
@@ -186,32 +249,21 @@ impl ImageWriter {
 
     /// Returns the number of clipped pixels.
     fn write(&self, path: &Path, picture: Picture) -> Result<u64> {
-        let converted = |light: ColorPlane| match self.matrix {
-            Some(matrix) => matrix.convert_plane(&light),
-            None => light,
-        };
-        let light_in_codes = |light: ColorPlane, table: &EncodeTable| {
-            let (codes, clipped) = convert::color_codes(&converted(light), table);
-            png::write_color8(path, &codes).map(|()| clipped)
-        };
         match (self.format, picture, &self.table) {
-            (FileFormat::Png, Picture::Color8(codes), Table::Anew(light, table)) => {
-                return light_in_codes(convert::color_light(&codes, light), table);
-            }
-            (FileFormat::Png, Picture::Depth(codes), _) => png::write_depth16(path, &codes),
-            (FileFormat::Png, Picture::Color8(codes) | Picture::Material(codes), _) => png::write_color8(path, &codes),
-            (FileFormat::Png, Picture::ColorHalf(light), Table::Codes(table)) => {
-                return light_in_codes(light, table);
+            (FileFormat::Png, picture, _) => {
+                let (codes, clipped) = self.codes(picture)?;
+                let file = File::create(path).map_err(|error| Error::io(path, error))?;
+                return codes.encode_png(&mut BufWriter::new(file)).map(|()| clipped);
             }
             (FileFormat::Exr, Picture::Depth(codes), Table::Metres(table)) => {
                 exr::write_depth(path, &codes.map(|&code| table.metres(code)))
             }
             (FileFormat::Exr, Picture::Color8(codes), Table::Light(table)) => {
-                let light = converted(convert::color_light(&codes, table));
+                let light = self.converted(convert::color_light(&codes, table));
                 exr::write_color_of(path, &light, self.primaries)
             }
             (FileFormat::Exr, Picture::ColorHalf(light), _) => {
-                exr::write_color_of(path, &converted(light), self.primaries)
+                exr::write_color_of(path, &self.converted(light), self.primaries)
             }
             (FileFormat::Exr, Picture::Material(codes), _) => {
                 exr::write_material(path, &convert::material_values(&codes), MATERIAL_CHANNELS)
@@ -220,5 +272,29 @@ impl ImageWriter {
             _ => Err(Error::invalid("a picture of another kind than its stream")),
         }
         .map(|()| 0)
+    }
+
+    fn converted(&self, light: ColorPlane) -> ColorPlane {
+        match self.matrix {
+            Some(matrix) => matrix.convert_plane(&light),
+            None => light,
+        }
+    }
+
+    /// A picture in codes, and the number of clipped pixels.
+    fn codes(&self, picture: Picture) -> Result<(CodePicture, u64)> {
+        let of_light = |light: ColorPlane, table: &EncodeTable| {
+            let (codes, clipped) = convert::color_codes(&self.converted(light), table);
+            (CodePicture::Rgb8(codes), clipped)
+        };
+        match (picture, &self.table) {
+            (Picture::Color8(codes), Table::Anew(light, table)) => {
+                Ok(of_light(convert::color_light(&codes, light), table))
+            }
+            (Picture::Depth(codes), _) => Ok((CodePicture::Gray16(codes), 0)),
+            (Picture::Color8(codes) | Picture::Material(codes), _) => Ok((CodePicture::Rgb8(codes), 0)),
+            (Picture::ColorHalf(light), Table::Codes(table)) => Ok(of_light(light, table)),
+            _ => Err(Error::invalid("a picture of another kind than its stream")),
+        }
     }
 }

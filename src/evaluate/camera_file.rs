@@ -1,9 +1,5 @@
 //! `cam.json`: cameras, and the frames in which they look.
 
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
-
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +10,7 @@ use crate::evaluate::camera_path::{self, KeyPose};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 
+/// Bytes of a file at most.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
 
 /// The whole file. Unknown keys are errors.
@@ -28,48 +25,47 @@ pub struct CameraFile {
 pub struct CameraEntry {
     pub eye: [f64; 3],
     /// A point that it looks at; this or `orientation`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f64; 3]>,
     /// Unit quaternion x, y, z, w that turns a camera that looks along −Z with +Y up; this or `look_at`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
     /// Up direction, with `look_at`; +Y when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees, above 0 and below 180.
     pub fov_y_deg: f64,
     /// Width of its picture over the height; 1 when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
+    /// The middle of its picture at distance 1, to the right and down: an off-axis window; 0, 0 when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub off_axis: Option<[f64; 2]>,
     /// Near plane in metres along its axis; 0 when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub near_m: Option<f64>,
     /// Far plane in metres along its axis; none when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub far_m: Option<f64>,
     /// First and last frame in which it looks; all when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
     /// Key frame of a moving camera, instead of `frames`: all entries have one, in increasing order. Between them position is
     /// interpolated linearly, orientation by slerp.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
 }
 
 impl CameraFile {
-    /// The cameras of a file, `-` for standard input.
-    pub fn read(path: &Path) -> Result<Vec<TimedCamera>> {
-        let source: Box<dyn Read> = match path == Path::new("-") {
-            true => Box::new(std::io::stdin().lock()),
-            false => Box::new(File::open(path).map_err(|error| Error::io(path, error))?),
-        };
-        let mut text = Vec::new();
-        source.take(MAX_CAMERA_FILE_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
-        if text.len() as u64 > MAX_CAMERA_FILE_BYTES {
-            let message = format!("a camera file has at most {MAX_CAMERA_FILE_BYTES} bytes");
-            return Err(Error::invalid(message).in_file(path));
-        }
-        Self::parse(&text).map_err(|error| error.in_file(path))
-    }
-
     /// The cameras of a file's bytes as perspective probes, to capture their reference images; and their common aspect, if any
     /// states one. Near and far are ignored.
     pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
         let (cameras, file) = (Self::parse(text)?, Self::entries(text)?);
         if file.cameras.iter().any(|entry| entry.frame.is_some()) {
             return Err(Error::invalid("key poses (\"frame\") describe a moving camera, and a probe stands still"));
+        }
+        if file.cameras.iter().any(|entry| entry.off_axis.is_some()) {
+            return Err(Error::unsupported("\"off_axis\": probes are captured around their axes; leave it out"));
         }
         let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
             orientation: timed.camera.orientation(),
@@ -153,7 +149,25 @@ impl CameraEntry {
             }
             frames => frames.map(|[first, last]| FrameRange { first, last }),
         };
-        Ok(TimedCamera { camera, frames })
+        Ok(TimedCamera { camera: camera.off_axis(self.off_axis.unwrap_or_default())?, frames })
+    }
+
+    /// The entry of a perspective camera.
+    pub fn of(TimedCamera { camera, frames }: &TimedCamera) -> CameraEntry {
+        let Lens { fov_y_deg, aspect, near_m, far_m } = camera.lens();
+        CameraEntry {
+            eye: camera.eye().to_array(),
+            look_at: None,
+            orientation: Some(camera.orientation().unwrap_or([0.0, 0.0, 0.0, 1.0])),
+            up: None,
+            fov_y_deg,
+            aspect: Some(aspect),
+            off_axis: Some(camera.middle()).filter(|middle| *middle != [0.0; 2]),
+            near_m: Some(near_m).filter(|metres| *metres > 0.0),
+            far_m: Some(far_m).filter(|metres| metres.is_finite()),
+            frames: frames.map(|FrameRange { first, last }| [first, last]),
+            frame: None,
+        }
     }
 }
 

@@ -22,8 +22,8 @@ pub struct KeyPose {
     pub lens: Lens,
 }
 
-/// A camera for each frame from the first pose to the last: position, field of view and aspect are interpolated linearly,
-/// orientation by slerp. Near and far are those of the pose before.
+/// A camera for each frame from the first pose to the last: position, field of view, aspect and off-axis window are interpolated
+/// linearly, orientation by slerp. Near and far are those of the pose before.
 pub fn interpolate(poses: &[KeyPose]) -> Result<Vec<TimedCamera>> {
     let timed =
         |frame: u32, camera: Camera| TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) };
@@ -60,7 +60,8 @@ fn between(a: &KeyPose, b: &KeyPose, part: f64) -> Result<Camera> {
         ..a.lens
     };
     let orientation = turn(a).slerp(turn(b), part).normalize();
-    Camera::oriented(a.camera.eye().lerp(b.camera.eye(), part), orientation.to_array(), lens)
+    let middle = [0, 1].map(|axis| mix(a.camera.middle()[axis], b.camera.middle()[axis]));
+    Camera::oriented(a.camera.eye().lerp(b.camera.eye(), part), orientation.to_array(), lens)?.off_axis(middle)
 }
 
 #[cfg(test)]

@@ -1,9 +1,13 @@
-//! Compares rendered pictures with reference images, for every renderer: cameras, rendered images, similarity.
+//! Compares rendered pictures with reference images, for every renderer: cameras, rendered images, similarity. Files of cameras, and
+//! point clouds.
 
 pub mod camera_file;
 pub mod camera_path;
+#[cfg(feature = "scene")]
+pub mod cameras;
 pub mod decoded_images;
 pub mod frame_requests;
+pub mod point_cloud;
 pub mod reference;
 pub mod rendered_image;
 pub mod similarity;

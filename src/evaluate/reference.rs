@@ -102,7 +102,8 @@ impl Reference {
         Reference::of(Images::Dataset(Box::new(source)), images)
     }
 
-    fn of_container(decoder: Decoder) -> Result<Reference> {
+    /// The images of an open container.
+    pub fn of_container(decoder: Decoder) -> Result<Reference> {
         let files = DecodedImages::new(decoder);
         let streams = || files.streams().iter().enumerate();
         let mut images = Vec::new();
@@ -222,13 +223,10 @@ fn camera(projection: Projection, probe: &ProbeInfo, face: Face, [width, height]
     let Some([fx, fy, cx, cy]) = probe.intrinsics else {
         return Err(named(Error::invalid("it has neither \"fov_y_deg\" nor \"intrinsics\", so its camera is unknown")));
     };
-    let (width, height) = (f64::from(width), f64::from(height));
-    let beside = [width / 2.0 - cx, height / 2.0 - cy];
-    let is_centred = beside.iter().all(|pixels| pixels.abs() <= CENTRE_TOLERANCE);
-    let middle = if is_centred { [0.0; 2] } else { [beside[0] / fx, beside[1] / fy] };
-    let fov_y_deg = 2.0 * (height / 2.0 / fy).atan().to_degrees();
-    let lens = Lens { aspect: (width / fx) / (height / fy), ..Lens::new(fov_y_deg) };
-    Camera::with_axes(eye, axes, lens).and_then(|camera| camera.off_axis(middle)).map_err(named)
+    let size @ [width, height] = [width, height].map(f64::from);
+    let is_centred = [width / 2.0 - cx, height / 2.0 - cy].iter().all(|beside| beside.abs() <= CENTRE_TOLERANCE);
+    let [cx, cy] = if is_centred { [width / 2.0, height / 2.0] } else { [cx, cy] };
+    Camera::pinhole(eye, axes, size, [fx, fy, cx, cy]).map_err(named)
 }
 
 /// One face of a group in a frame, read unless it was read last.

@@ -12,6 +12,8 @@ pub mod kind;
 pub mod ktx2;
 pub mod layout;
 pub mod limits;
+#[cfg(feature = "encode")]
+pub mod picture_stream;
 pub mod plane;
 #[cfg(feature = "encode")]
 pub mod png;

@@ -105,9 +105,17 @@ pub fn write_rgba8(path: &Path, plane: &Plane<[u8; 4]>) -> Result<()> {
 
 /// Writes 16-bit gray, the codes as they are. The bytes depend on the pixels alone.
 pub fn write_depth16(path: &Path, plane: &Plane<u16>) -> Result<()> {
-    // The encoder takes native-endian samples and swaps them itself.
-    let bytes: Vec<u8> = plane.data().iter().flat_map(|code| code.to_ne_bytes()).collect();
-    write(path, plane, &bytes, ExtendedColorType::L16)
+    write(path, plane, &native_bytes(plane), ExtendedColorType::L16)
+}
+
+/// The bytes of a file of 16-bit gray, into anything that takes bytes.
+pub fn encode_depth16(writer: &mut dyn Write, plane: &Plane<u16>) -> Result<()> {
+    encode(writer, [plane.width(), plane.height()], &native_bytes(plane), ExtendedColorType::L16)
+}
+
+/// The encoder takes native-endian samples and swaps them itself.
+fn native_bytes(plane: &Plane<u16>) -> Vec<u8> {
+    plane.data().iter().flat_map(|code| code.to_ne_bytes()).collect()
 }
 
 fn write<T>(path: &Path, plane: &Plane<T>, bytes: &[u8], color: ExtendedColorType) -> Result<()> {

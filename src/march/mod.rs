@@ -4,6 +4,7 @@ pub mod active_views;
 pub mod aov;
 pub mod baseline;
 pub mod clip;
+mod columns;
 pub mod counters;
 pub mod interpolate;
 pub mod intersect;

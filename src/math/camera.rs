@@ -1,4 +1,6 @@
-//! A perspective camera in the world: right-handed, +Y up, metres.
+//! A camera in the world: right-handed, +Y up, metres. Perspective, or a panorama: equirectangular longitude and latitude.
+
+use std::f64::consts::PI;
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -29,7 +31,19 @@ impl Lens {
     }
 }
 
-/// A valid perspective camera.
+/// An equirectangular image. With an offset the eye moves on a circle as the longitude grows, so that each direction is seen from beside
+/// it: one eye of omnidirectional stereo.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Panorama {
+    /// Of the left and the right edge in radians: 0 is forward, and it grows to the right. Latitudes are all.
+    longitudes: [f64; 2],
+    /// Metres from the axis to the eye, to the right of the direction of view.
+    offset_m: f64,
+    /// Whether latitude runs along the rows of the image, from up to down, and longitude along its columns.
+    is_transposed: bool,
+}
+
+/// A valid camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -40,6 +54,7 @@ pub struct Camera {
     /// The middle of the image at distance 1, to the right and down: 0 unless the window is off-axis.
     middle: [f64; 2],
     depth_m: [f64; 2],
+    panorama: Option<Panorama>,
 }
 
 impl Camera {
@@ -87,6 +102,39 @@ impl Camera {
         Self::new(eye, axes, lens)
     }
 
+    /// A pinhole camera with axes as of [`Self::with_axes`], an image of this width and height, and fx, fy, cx, cy, all in pixels.
+    pub fn pinhole(eye: DVec3, axes: [DVec3; 3], size: [f64; 2], [fx, fy, cx, cy]: [f64; 4]) -> Result<Camera> {
+        let [width, height] = size;
+        let half = [width / 2.0 / fx, height / 2.0 / fy];
+        let middle = [(width / 2.0 - cx) / fx, (height / 2.0 - cy) / fy];
+        Camera::with_window(eye, axes, half, middle)
+    }
+
+    /// A camera with axes as of [`Self::with_axes`], half the width and half the height of its image at distance 1, and the middle of it, to
+    /// the right and down.
+    pub fn with_window(eye: DVec3, axes: [DVec3; 3], half: [f64; 2], middle: [f64; 2]) -> Result<Camera> {
+        let lens = Lens { aspect: half[0] / half[1], ..Lens::new(2.0 * half[1].atan().to_degrees()) };
+        Camera::with_axes(eye, axes, lens)?.off_axis(middle)
+    }
+
+    /// fx, fy, cx, cy in pixels of an image of this width and height.
+    pub fn intrinsics(&self, [width, height]: [f64; 2]) -> [f64; 4] {
+        let [fx, fy] = [width / 2.0 / self.half[0], height / 2.0 / self.half[1]];
+        [fx, fy, width / 2.0 - self.middle[0] * fx, height / 2.0 - self.middle[1] * fy]
+    }
+
+    /// Field of view, aspect and clip planes. They leave out an off-axis window.
+    pub fn lens(&self) -> Lens {
+        let [near_m, far_m] = self.depth_m;
+        let fov_y_deg = 2.0 * self.half[1].atan().to_degrees();
+        Lens { fov_y_deg, aspect: self.half[0] / self.half[1], near_m, far_m }
+    }
+
+    /// The middle of its image at distance 1, to the right and down.
+    pub fn middle(&self) -> [f64; 2] {
+        self.middle
+    }
+
     fn new(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         let Lens { fov_y_deg, aspect, near_m, far_m } = lens;
         if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
@@ -104,7 +152,7 @@ impl Camera {
                 "a camera that sees from {near_m} m to {far_m} m: 0 <= near < far was expected"
             )));
         }
-        Ok(Camera { eye, axes, half, middle: [0.0; 2], depth_m: [near_m, far_m] })
+        Ok(Camera { eye, axes, half, middle: [0.0; 2], depth_m: [near_m, far_m], panorama: None })
     }
 
     pub fn eye(&self) -> DVec3 {
@@ -140,14 +188,66 @@ impl Camera {
         (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
+    /// The panorama of so many degrees of longitude, above 0 and up to 360, around the direction of view, and of all latitudes; as an
+    /// eye sees it that is `offset_m` to the right of each direction.
+    #[must_use]
+    pub fn as_panorama(self, longitudes_deg: f64, offset_m: f64) -> Camera {
+        let half = longitudes_deg.to_radians() / 2.0;
+        Camera { panorama: Some(Panorama { longitudes: [-half, half], offset_m, is_transposed: false }), ..self }
+    }
+
+    pub fn is_panorama(&self) -> bool {
+        self.panorama.is_some()
+    }
+
+    /// Whether the columns of its image are seen from different eyes.
+    pub fn has_moving_eye(&self) -> bool {
+        self.panorama.is_some_and(|panorama| panorama.offset_m != 0.0)
+    }
+
+    /// A column of so many of a panorama's image, from the eye that sees its middle. Its image is a row: from up to down is from left
+    /// to right. Other cameras are as they were.
+    #[must_use]
+    pub fn column(&self, at: u32, of: u32) -> Camera {
+        let Some(Panorama { longitudes: [left, right], offset_m, .. }) = self.panorama else { return *self };
+        let edge = |at: f64| left + (right - left) * at / f64::from(of);
+        let (sine, cosine) = edge(f64::from(at) + 0.5).sin_cos();
+        let beside = cosine * self.axes[1] - sine * self.axes[0];
+        let longitudes = [f64::from(at), f64::from(at) + 1.0].map(edge);
+        let panorama = Some(Panorama { longitudes, offset_m: 0.0, is_transposed: true });
+        Camera { eye: self.eye + offset_m * beside, panorama, ..*self }
+    }
+
+    /// Six cameras of 90 degrees at its eye: right, left, up, down, front and back of it. The lower edge of up and the upper edge of down
+    /// meet front.
+    pub fn cube(&self) -> [Camera; 6] {
+        let [forward, right, down] = self.axes;
+        let sides = [
+            [right, -forward, down],
+            [-right, forward, down],
+            [-down, right, forward],
+            [down, right, -forward],
+            [forward, right, down],
+            [-forward, -right, down],
+        ];
+        sides.map(|axes| Camera { axes, half: [1.0; 2], middle: [0.0; 2], panorama: None, ..*self })
+    }
+
     /// Direction, of length 1, of a position in its image: 0 to 1 from left to right, and from top to bottom.
     pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
         let [forward, right, down] = self.axes;
+        if let Some(Panorama { longitudes: [first, last], is_transposed, .. }) = self.panorama {
+            let [x, y] = if is_transposed { [y, x] } else { [x, y] };
+            let (sine, cosine) = (first + (last - first) * x).sin_cos();
+            let (up, level) = ((0.5 - y) * PI).sin_cos();
+            return level * (cosine * forward + sine * right) - up * down;
+        }
         let at = |axis: usize, share: f64| self.middle[axis] + (2.0 * share - 1.0) * self.half[axis];
         (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
-    /// Position in its image, in the same shares, and planar depth of a point relative to the eye; `None` behind it.
+    /// Position in its image, in the same shares, and planar depth of a point relative to the eye; `None` behind it. Of perspective
+    /// cameras.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
         let plane = [right / deep, down / deep];
@@ -170,8 +270,12 @@ impl Camera {
         self.depth_m != [0.0, f64::INFINITY]
     }
 
+    /// Width over height of its image; of a panorama with pixels of as many degrees each way.
     pub fn aspect(&self) -> f64 {
-        self.half[0] / self.half[1]
+        match self.panorama {
+            Some(Panorama { longitudes: [left, right], .. }) => (right - left) / PI,
+            None => self.half[0] / self.half[1],
+        }
     }
 
     /// The same camera with an image of another width; `aspect`, above 0, is width over height.
@@ -207,8 +311,10 @@ impl Camera {
         Camera { axes: [forward, -right, down], middle: [-self.middle[0], self.middle[1]], ..self }
     }
 
+    /// That of a panorama is unsound: every test takes it for intersected.
     pub fn frustum(&self) -> Frustum {
-        Frustum::new(self.eye, self.axes, self.window(), self.depth_m)
+        let depth_m = if self.is_panorama() { [f64::NAN; 2] } else { self.depth_m };
+        Frustum::new(self.eye, self.axes, self.window(), depth_m)
     }
 }
 
@@ -303,5 +409,50 @@ mod tests {
             let said = Camera::oriented(eye, orientation, lens).unwrap_err().to_string();
             assert!(said.contains("quaternion of length 1"), "{said}");
         }
+    }
+
+    #[test]
+    fn panoramas_see_longitude_and_latitude() {
+        let eye = DVec3::new(1.0, 2.0, 3.0);
+        let camera = Camera::oriented(eye, [0.0, 0.0, 0.0, 1.0], Lens::new(60.0)).unwrap();
+        let all = camera.as_panorama(360.0, 0.0);
+        assert_eq!((all.aspect(), camera.as_panorama(180.0, 0.03).aspect()), (2.0, 1.0));
+        assert!(all.is_panorama() && !all.has_moving_eye() && !camera.is_panorama());
+        for (column, row) in [(0, 0), (31, 7), (63, 31), (40, 16)] {
+            let at = [(f64::from(column) + 0.5) / 64.0, (f64::from(row) + 0.5) / 32.0];
+            let (lon, lat) = ((2.0 * at[0] - 1.0) * PI, (0.5 - at[1]) * PI);
+            let expected = DVec3::new(lon.sin() * lat.cos(), lat.sin(), -lon.cos() * lat.cos());
+            assert!((all.direction(at) - expected).length() < 1e-12);
+            // The eye is beside the direction, at right angles to it and to the axis.
+            let strip = camera.as_panorama(360.0, 0.03).column(column, 64);
+            assert!((strip.direction([at[1], 0.5]) - expected).length() < 1e-12);
+            let beside = (strip.eye() - eye) / 0.03;
+            assert!((beside.length() - 1.0).abs() < 1e-9 && beside.y == 0.0 && beside.dot(expected).abs() < 1e-9);
+            assert!(expected.cross(DVec3::Y).dot(beside) > 0.0, "to the right");
+        }
+        // Everything is in sight of it.
+        assert!(!all.frustum().is_sound());
+    }
+
+    #[test]
+    fn six_cameras_see_all_around() {
+        let lens = Lens::new(50.0);
+        let camera = Camera::look_at(DVec3::ONE, DVec3::new(3.0, 2.0, -1.0), DVec3::Y, lens).unwrap();
+        let [forward, right, down] = camera.axes();
+        let cube = camera.cube();
+        let middles = cube.map(|face| face.direction([0.5; 2]));
+        assert_eq!(middles, [right, -right, -down, down, forward, -forward]);
+        let meets = |a: usize, at: [f64; 2], b: usize, there: [f64; 2]| {
+            let apart = cube[a].direction(at) - cube[b].direction(there);
+            assert!(apart.length() < 1e-12, "{a} {b}: {apart}");
+        };
+        for share in [0.0, 0.3, 1.0] {
+            meets(4, [1.0, share], 0, [0.0, share]);
+            meets(4, [0.0, share], 1, [1.0, share]);
+            meets(4, [share, 0.0], 2, [share, 1.0]);
+            meets(4, [share, 1.0], 3, [share, 0.0]);
+            meets(5, [0.0, share], 0, [1.0, share]);
+        }
+        assert!(cube.iter().all(|face| face.orientation().is_some() && face.eye() == DVec3::ONE));
     }
 }

@@ -50,6 +50,7 @@ impl Inputs {
             "manifest" => (Kind::Json, seeds::manifests()),
             "seurat" => (Kind::Json, seeds::seurat_manifests()),
             "cameras" => (Kind::Json, seeds::cameras()),
+            "usda" => (Kind::Bytes, vec![include_bytes!("../data/cameras/shot.usda").to_vec()]),
             "sweep" => (Kind::Bytes, seeds::sweeps()),
             "patterns" => (Kind::Bytes, seeds::patterns()),
             "color-tables" => (Kind::Bytes, vec![include_bytes!("../../formats/color-tables.txt").to_vec()]),

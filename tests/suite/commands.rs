@@ -71,7 +71,7 @@ fn a_single_image_can_be_named() {
     assert!(folder.path().join("one.exr").is_file());
     fine("diff one.exr probe_00/face_px/depth.0002.exr --kind depth --max-error 65535", folder.path());
     assert!(refused("decode a.lfold --face px -o one.exr", folder.path()).contains("one file for 4 images"));
-    assert!(refused("decode a.lfold -o -", folder.path()).contains("name a folder"));
+    assert!(refused("decode a.lfold -o -", folder.path()).contains("or name a folder"));
     assert!(refused("decode a.lfold --face px -o a%04d%04d.exr", folder.path()).contains("a%04d%04d.exr"));
 }
 

@@ -1,6 +1,7 @@
 //! One test binary for everything that is tested from outside the crate.
 
 mod blocks;
+mod cameras;
 mod capture;
 mod capture_footage;
 mod capture_scenes;
@@ -17,6 +18,7 @@ mod docs;
 mod docs_of_transforms;
 mod documents;
 mod effects;
+mod exports;
 mod exr_files;
 mod footage;
 mod hard_cases;
@@ -37,6 +39,7 @@ mod model_files;
 mod models;
 mod models_broken;
 mod models_paint;
+mod panoramas;
 mod place;
 mod properties;
 mod quadtree;

@@ -143,7 +143,10 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     let eye = "--eye 0.1,1,2 --look-at 1,1,2 --fov 60 --steps 8";
     for (line, output) in [
         (format!("render r.lfold {eye} --frames 0-3 --size 384 -o view.%04d.png"), "view.0003.png"),
-        (format!("render r.lfold {eye} --frames 1 --size 768 --stereo 0.06 --effects none -o two.exr"), "two.exr"),
+        (
+            format!("render r.lfold {eye} --frames 1 --size 768 --stereo side-by-side --effects none -o two.exr"),
+            "two.exr",
+        ),
         (format!("render r.lfold {eye} --frames 1 --size 768 --method splat -o points.png"), "points.png"),
         (
             "render r.lfold --reference . --reference-probe 00 --frames 0 --steps 8 --effects none -o again.png"

@@ -347,6 +347,7 @@ proptest! {
             up: None,
             fov_y_deg: fov,
             aspect: None,
+            off_axis: None,
             near_m: Some(0.1),
             far_m: None,
             frames: Some([first, first + 3]),

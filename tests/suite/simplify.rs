@@ -195,7 +195,7 @@ fn a_scene_takes_the_cameras_and_outputs_of_a_container() {
     assert_eq!(fs::read_dir(at.join("path")).unwrap().count(), 3);
     fine(&format!("render quads.glb {eye} -o a.png"), at);
     fine(&format!("render quads.glb {eye} -o a.exr"), at);
-    fine(&format!("render quads.glb {eye} --stereo 0.06 -o %V.png"), at);
+    fine(&format!("render quads.glb {eye} --stereo side-by-side -o %V.png"), at);
     let open = |name: &str| image::open(at.join(name)).unwrap().to_rgba8();
     let picture = open("a.png");
     assert_eq!((picture.dimensions(), open("left.png").dimensions()), ((40, 30), (40, 30)));

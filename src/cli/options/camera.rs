@@ -8,8 +8,8 @@ use glam::DVec3;
 use crate::cli::output::{self, human_bytes};
 use crate::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
 use crate::error::Result;
-use crate::evaluate::camera_file::CameraFile;
 use crate::evaluate::camera_path::TimedCamera;
+use crate::evaluate::cameras;
 use crate::math::{Camera, Lens};
 use crate::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 
@@ -36,8 +36,9 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// File of cameras, - for standard input; repeatable
-    #[arg(long, value_name = "CAM.json")]
+    /// File of cameras, - for standard input; repeatable. Also transforms.json of nerfstudio, glTF, USD in text (.usda), or a folder with
+    /// cameras.txt and images.txt of COLMAP; see lightfold cameras
+    #[arg(long, value_name = "FILE")]
     pub camera: Vec<PathBuf>,
     /// Position of a camera in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
@@ -61,10 +62,11 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
-    pub fn cameras(&self) -> Result<Vec<TimedCamera>> {
+    /// All cameras; `fps` are frames per second, of files that have seconds.
+    pub fn cameras(&self, fps: f64) -> Result<Vec<TimedCamera>> {
         let mut cameras = Vec::new();
         for path in &self.camera {
-            cameras.extend(CameraFile::read(path)?);
+            cameras.extend(cameras::read(path, fps)?.into_iter().map(|camera| camera.timed));
         }
         if let (Some(eye), Some(target)) = (self.eye, self.look_at) {
             let lens = Lens { aspect: self.aspect.unwrap_or(1.0), ..Lens::new(self.fov.unwrap_or(60.0)) };
@@ -76,7 +78,7 @@ impl CameraArgs {
 
     /// The units of the selection that the cameras see.
     pub fn view(&self, decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<View> {
-        let cameras = self.cameras()?;
+        let cameras = self.cameras(decoder.reader().index().fps)?;
         let seen = (!cameras.is_empty()).then(|| CameraUnits::find(decoder, chosen, &cameras));
         let units = chosen.iter().map(|part| u64::from(part.stream.entry.unit_count())).sum();
         let counts = match &seen {

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::options::{Given, MarchArgs, TruthArgs, ViewArgs, parse_size};
+use super::options::{Given, MarchArgs, ProjectionArgs, TruthArgs, ViewArgs, parse_size};
 use crate::cli::device::{DEVICES, GpuArgs};
-use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, one_of, parse_positive};
+use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of};
 use crate::gpu::device::DeviceChoice;
 
 #[derive(Debug, clap::Args)]
@@ -15,7 +15,10 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
     lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
     lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
-    lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
+    lightfold render film.lfold --camera path.json --stereo side-by-side -o view.%V.%04d.png\n  \
+    lightfold render film.lfold --camera transforms.json --frames 0-95 -o - | ffmpeg -i - film.mp4\n  \
+    lightfold render film.lfold --projection vr180 --stereo side-by-side --size 2048 -o vr.png\n  \
+    lightfold render film.lfold --projection equirect --stereo over-under --aov depth -o all.exr\n  \
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
     lightfold render film.lfold --camera path.json --aov depth,normal,holes -o view.%04d.exr\n  \
@@ -60,7 +63,7 @@ pub struct Args {
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
     /// An image ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder for PNG
-    /// files, or - for a PNG on standard output
+    /// files, or - for a stream of pictures on standard output
     #[arg(long, short, value_name = "OUT",
         required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
     pub output: Option<PathBuf>,
@@ -72,9 +75,10 @@ pub struct Args {
     pub size: Option<(u32, Option<u32>)>,
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Stereo pairs with this distance of the eyes in metres, side by side unless OUT has %V
-    #[arg(long, value_name = "M", value_parser = parse_positive, conflicts_with = "reference")]
-    pub stereo: Option<f64>,
+    #[command(flatten)]
+    pub projection: ProjectionArgs,
+    #[command(flatten)]
+    pub stream: StreamArgs,
     /// Rendering device [default: cpu]
     #[arg(long, value_parser = one_of(DEVICES))]
     pub device: Option<DeviceChoice>,

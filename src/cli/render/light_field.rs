@@ -91,6 +91,10 @@ impl Subject for LightFieldSubject<'_> {
         Some(self.playback.player.frames())
     }
 
+    fn fps(&self) -> f64 {
+        self.decoder.reader().index().fps
+    }
+
     /// That of the first probe's face nz, or of its perspective image.
     fn own_camera(&self) -> Result<(Camera, String)> {
         let probe = self.playback.player.field.views.first().map(|view| view.probe);
@@ -242,6 +246,9 @@ impl Args {
         }
         if !method.marches() && self.is_on_device() {
             return refuse(format!("--method {word} runs on the CPU: leave out --device"));
+        }
+        if !method.marches() && self.projection.is_panorama() {
+            return refuse(format!("--method {word} draws perspective pictures: march and calf draw panoramas"));
         }
         if !method.marches() && !self.march.aov.is_empty() {
             return refuse(format!("--method {word} has no --aov: march and calf do"));

@@ -12,6 +12,7 @@ use crate::march::aov::AovKind;
 use crate::march::playback::frames::DecodeScope;
 use crate::march::playback::selection::ViewPriority;
 use crate::march::settings::{Acceleration, Refinements, SpecularMode};
+use crate::math::Camera;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -46,6 +47,86 @@ pub const METHODS: &Choices<Method> = &[
         "Simplified scenes: the nearest triangle at each sample; alpha covers a part of the samples of a pixel",
     ),
 ];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureProjection {
+    Perspective,
+    Equirect,
+    Vr180,
+    Cubemap,
+}
+
+const PROJECTIONS: &Choices<PictureProjection> = &[
+    ("perspective", PictureProjection::Perspective, "What the camera sees"),
+    ("equirect", PictureProjection::Equirect, "All around: longitude and latitude, forward in the middle"),
+    ("vr180", PictureProjection::Vr180, "The half before the camera: longitude and latitude"),
+    (
+        "cubemap",
+        PictureProjection::Cubemap,
+        "Six faces in two rows: right, left, up; down, front, back. --size is that of a face",
+    ),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StereoLayout {
+    OverUnder,
+    SideBySide,
+}
+
+const STEREO_LAYOUTS: &Choices<StereoLayout> = &[
+    ("over-under", StereoLayout::OverUnder, "The left eye above the right"),
+    ("side-by-side", StereoLayout::SideBySide, "The left eye left of the right"),
+];
+
+#[derive(Debug, Clone, Args)]
+pub struct ProjectionArgs {
+    /// Projection of pictures; the camera names the eye and the direction of the middle
+    #[arg(long, value_parser = one_of(PROJECTIONS), default_value = "perspective", conflicts_with = "reference")]
+    pub projection: PictureProjection,
+    /// Two eyes in a picture; in files of their own where OUT has %V. Of equirect and vr180 they turn with longitude
+    /// (omnidirectional stereo)
+    #[arg(long, value_name = "LAYOUT", value_parser = one_of(STEREO_LAYOUTS), conflicts_with = "reference")]
+    pub stereo: Option<StereoLayout>,
+    /// Distance of the eyes in metres [default: 0.063]
+    #[arg(long, value_name = "M", value_parser = parse_positive, requires = "stereo")]
+    pub eye_distance: Option<f64>,
+}
+
+/// Of the pupils of a grown-up, about the mean.
+const EYE_DISTANCE_M: f64 = 0.063;
+
+impl ProjectionArgs {
+    pub fn is_panorama(&self) -> bool {
+        matches!(self.projection, PictureProjection::Equirect | PictureProjection::Vr180)
+    }
+
+    /// Pictures of an eye that are joined.
+    pub fn faces(&self) -> usize {
+        if self.projection == PictureProjection::Cubemap { 6 } else { 1 }
+    }
+
+    /// The cameras of a picture: by eye, then by face.
+    pub fn cameras(&self, camera: &Camera) -> Vec<Camera> {
+        let half_m = self.eye_distance.unwrap_or(EYE_DISTANCE_M) / 2.0;
+        let eyes = if self.stereo.is_some() { vec![-half_m, half_m] } else { vec![0.0] };
+        let of_eye = |offset_m: f64| match self.projection {
+            PictureProjection::Perspective => vec![camera.moved_right(offset_m)],
+            PictureProjection::Equirect => vec![camera.as_panorama(360.0, offset_m)],
+            PictureProjection::Vr180 => vec![camera.as_panorama(180.0, offset_m)],
+            PictureProjection::Cubemap => camera.moved_right(offset_m).cube().to_vec(),
+        };
+        eyes.into_iter().flat_map(of_eye).collect()
+    }
+
+    /// The aspect of a picture of one eye, or of a face; none where the camera has it.
+    pub fn aspect(&self) -> Option<f64> {
+        match self.projection {
+            PictureProjection::Perspective => None,
+            PictureProjection::Equirect => Some(2.0),
+            PictureProjection::Vr180 | PictureProjection::Cubemap => Some(1.0),
+        }
+    }
+}
 
 /// Options without a meaning for simplified scenes.
 pub const OF_LIGHT_FIELDS: &[&str] = &[

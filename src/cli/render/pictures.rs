@@ -1,12 +1,14 @@
 //! Writes rendered images to files, a folder or standard output, and draws the contact sheet.
 
 use std::collections::BTreeSet;
-use std::io::Write;
+use std::io::Stdout;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::args::Args;
+use super::options::{ProjectionArgs, StereoLayout};
+use super::subject::Subject;
 use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::refuse;
 use crate::decode::FileFormat;
@@ -14,12 +16,16 @@ use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::rendered_image::{Aov, HoleFill, RenderedImage};
 use crate::files::OutputFile;
+use crate::image::picture_stream::{CodePicture, PictureStream};
 use crate::image::plane::Plane;
 use crate::image::png;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::math::Camera;
 use crate::report::picture::contact_sheet::ContactSheet;
+
+/// Faces of a cube map that lie beside each other.
+const CUBE_COLUMNS: u32 = 3;
 
 const EYES: [&str; 2] = ["left", "right"];
 
@@ -40,7 +46,7 @@ impl PictureName {
 /// Images to render at once, for one frame.
 pub struct Job {
     pub request: FrameRequest,
-    /// Name of each image; stereo pairs have one.
+    /// Name of each picture: both eyes, and all faces of a cube map, have one.
     pub names: Vec<PictureName>,
     pub size: [u32; 2],
     /// Indices of reference images, in the order of the cameras.
@@ -50,10 +56,10 @@ pub struct Job {
 impl Job {
     /// What a picture shows, in which frame and from where in metres.
     fn caption(&self, name: &PictureName) -> String {
-        let eyes = self.request.cameras.len() / self.names.len().max(1);
-        let at = self.names.iter().position(|other| other == name).unwrap_or(0) * eyes;
-        let cameras = &self.request.cameras[at..at + eyes];
-        let [x, y, z] = (cameras.iter().map(Camera::eye).sum::<DVec3>() / eyes.max(1) as f64).to_array();
+        let parts = self.request.cameras.len() / self.names.len().max(1);
+        let at = self.names.iter().position(|other| other == name).unwrap_or(0) * parts;
+        let cameras = &self.request.cameras[at..at + parts];
+        let [x, y, z] = (cameras.iter().map(Camera::eye).sum::<DVec3>() / parts.max(1) as f64).to_array();
         let frame = self.request.frame;
         let number = if name.number == frame { String::new() } else { format!(" {}", name.number) };
         format!("{}{number}, frame {frame}, eye {x:.2},{y:.2},{z:.2}", name.subject)
@@ -62,7 +68,7 @@ impl Job {
 
 enum Destination {
     Nowhere,
-    StandardOutput,
+    StandardOutput(PictureStream<Stdout>),
     /// The word in their names is the eye.
     Files(PictureFiles),
     /// The word is what pictures show.
@@ -71,6 +77,7 @@ enum Destination {
 
 pub struct Pictures {
     destination: Destination,
+    projection: ProjectionArgs,
     tone: ToneMap,
     holes: HoleFill,
     sheet: Option<(PathBuf, ContactSheet)>,
@@ -78,20 +85,21 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    pub fn open(args: &Args, jobs: &[Job], tone: ToneMap) -> Result<Pictures> {
+    pub fn open(args: &Args, jobs: &[Job], subject: &dyn Subject) -> Result<Pictures> {
+        let stream = args.stream.open(args.output.as_deref(), args.json, subject.fps())?;
         let numbers: Vec<u32> = jobs.iter().flat_map(|job| &job.names).map(|name| name.number).collect();
-        let destination = match &args.output {
-            None => Destination::Nowhere,
-            Some(path) if path == Path::new("-") => match numbers.len() {
-                1 => Destination::StandardOutput,
-                count => {
+        let destination = match (&args.output, stream) {
+            (None, _) => Destination::Nowhere,
+            (_, Some(stream)) => {
+                if let Some(job) = jobs.iter().find(|job| job.size != jobs[0].size) {
+                    let [[a, b], [c, d]] = [jobs[0].size, job.size];
                     return refuse(format!(
-                        "-o -: standard output takes one picture, and {count} are rendered; name a pattern such as \
-                         view.%04d.png"
+                        "-o -: a stream holds pictures of one size, and these have {a}x{b} and {c}x{d} pixels; name a folder"
                     ));
                 }
-            },
-            Some(path) => Self::files(path, &numbers, args.stereo.is_some())?,
+                Destination::StandardOutput(stream)
+            }
+            (Some(path), None) => Self::files(path, &numbers, args.projection.stereo.is_some())?,
         };
         if let Some(sheet) = &args.contact_sheet
             && sheet != Path::new("-")
@@ -100,7 +108,8 @@ impl Pictures {
             return refuse(format!("{}: a contact sheet is a file ending in .png", sheet.display()));
         }
         let sheet = args.contact_sheet.clone().map(|path| (path, ContactSheet::default()));
-        Ok(Pictures { destination, tone, holes: args.march.holes, sheet, bytes: 0 })
+        let (projection, tone) = (args.projection.clone(), subject.tone());
+        Ok(Pictures { destination, projection, tone, holes: args.march.holes, sheet, bytes: 0 })
     }
 
     fn files(path: &Path, numbers: &[u32], is_stereo: bool) -> Result<Destination> {
@@ -145,7 +154,7 @@ impl Pictures {
     /// The files of a picture, by their words: one, or one for each eye.
     fn words<'a>(&'a self, name: &'a PictureName) -> (Option<&'a PictureFiles>, Vec<&'a str>) {
         match &self.destination {
-            Destination::Nowhere | Destination::StandardOutput => (None, Vec::new()),
+            Destination::Nowhere | Destination::StandardOutput(_) => (None, Vec::new()),
             Destination::Folder(files) => (Some(files), vec![&name.subject]),
             Destination::Files(files) => (Some(files), if files.has_word() { EYES.to_vec() } else { vec![""] }),
         }
@@ -157,17 +166,22 @@ impl Pictures {
         files.map_or(Ok(Vec::new()), |files| words.iter().map(|word| files.path(word, name.number)).collect())
     }
 
-    /// Writes one image, or those of both eyes: side by side unless the pattern has a field for the eye.
-    pub fn put(&mut self, name: &PictureName, job: &Job, eyes: &[RenderedImage]) -> Result<()> {
-        let joined = beside(eyes)?;
+    /// Writes a picture of these images, by eye and then by face: both eyes in one unless the pattern has a field for the eye.
+    pub fn put(&mut self, name: &PictureName, job: &Job, images: &[RenderedImage]) -> Result<()> {
+        let eyes: Vec<RenderedImage> =
+            images.chunks(self.projection.faces()).map(|faces| tiled(faces, CUBE_COLUMNS)).collect::<Result<_>>()?;
+        let in_row = if self.projection.stereo == Some(StereoLayout::OverUnder) { 1 } else { 2 };
+        let joined = tiled(&eyes, in_row)?;
         if let Some((_, sheet)) = &mut self.sheet {
             sheet.add(job.caption(name), &joined.rgba_codes(self.tone));
         }
-        if matches!(self.destination, Destination::StandardOutput) {
-            return self.print(&joined);
+        if let Destination::StandardOutput(stream) = &mut self.destination {
+            stream.put(&CodePicture::Rgba8(joined.rgba_codes(self.tone)))?;
+            self.bytes = stream.bytes;
+            return Ok(());
         }
         let (Some(files), words) = self.words(name) else { return Ok(()) };
-        let pictures = if words.len() > 1 { eyes } else { std::slice::from_ref(&joined) };
+        let pictures = if words.len() > 1 { &eyes[..] } else { std::slice::from_ref(&joined) };
         let coding = PictureCoding { tone: self.tone, holes: self.holes };
         let mut bytes = 0;
         for (word, picture) in words.iter().zip(pictures) {
@@ -177,17 +191,9 @@ impl Pictures {
         Ok(())
     }
 
-    fn print(&mut self, picture: &RenderedImage) -> Result<()> {
-        let mut bytes = Vec::new();
-        png::encode_rgba8(&mut bytes, &picture.rgba_codes(self.tone))?;
-        self.bytes += bytes.len() as u64;
-        let mut out = std::io::stdout().lock();
-        out.write_all(&bytes).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
-    }
-
     pub fn commit(self) -> Result<()> {
         match self.destination {
-            Destination::Nowhere | Destination::StandardOutput => {}
+            Destination::Nowhere | Destination::StandardOutput(_) => {}
             Destination::Files(files) | Destination::Folder(files) => files.commit()?,
         }
         let Some((path, sheet)) = self.sheet.filter(|(_, sheet)| !sheet.is_empty()) else { return Ok(()) };
@@ -197,21 +203,35 @@ impl Pictures {
     }
 }
 
-fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {
-    let [first, rest @ ..] = eyes else { return Err(Error::invalid("a picture of no eye")) };
+/// Images of one size as one, row by row.
+fn tiled(images: &[RenderedImage], in_row: u32) -> Result<RenderedImage> {
+    let [first, rest @ ..] = images else { return Err(Error::invalid("a picture of no eye")) };
     if rest.is_empty() {
         return Ok(first.clone());
     }
     let (width, height) = (first.color.width(), first.color.height());
-    let at = |x: u32| (&eyes[(x / width) as usize], x % width);
-    let all = width * eyes.len() as u32;
+    let in_row = in_row.min(images.len() as u32);
+    let all = [width * in_row, height * (images.len() as u32).div_ceil(in_row)];
+    let of = |x: u32, y: u32| (&images[(y / height * in_row + x / width) as usize], x % width, y % height);
+    fn plane<T: Copy>([width, height]: [u32; 2], value: impl Fn(u32, u32) -> T) -> Plane<T> {
+        Plane::from_fn(width, height, value)
+    }
     let aov = |number: usize| Aov {
         channel: first.aovs[number].channel,
-        plane: Plane::from_fn(all, height, |x, y| at(x).0.aovs[number].plane.get(at(x).1, y)),
+        plane: plane(all, |x, y| {
+            let (image, x, y) = of(x, y);
+            image.aovs[number].plane.get(x, y)
+        }),
     };
     Ok(RenderedImage {
-        color: Plane::from_fn(all, height, |x, y| at(x).0.color.get(at(x).1, y)),
-        alpha: Plane::from_fn(all, height, |x, y| at(x).0.alpha.get(at(x).1, y)),
+        color: plane(all, |x, y| {
+            let (image, x, y) = of(x, y);
+            image.color.get(x, y)
+        }),
+        alpha: plane(all, |x, y| {
+            let (image, x, y) = of(x, y);
+            image.alpha.get(x, y)
+        }),
         primaries: first.primaries,
         aovs: (0..first.aovs.len()).map(aov).collect(),
     })

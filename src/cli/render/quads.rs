@@ -29,6 +29,9 @@ use crate::simplify::read_glb::{QuadScene, read_glb};
 /// Samples in each row and column of a pixel of a z-buffer, where they are not given: four steps of alpha.
 const Z_BUFFER_SAMPLES: u32 = 2;
 
+/// Frames per second of a scene, which is the same in all.
+const STILL_FPS: f64 = 24.0;
+
 /// Whether a file is a mesh, by its name or its first bytes.
 pub fn is_scene(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -51,6 +54,12 @@ impl<'a> QuadSubject<'a> {
         {
             return refuse(format!(
                 "--{option} is about light fields, and {} is a mesh: leave it out",
+                input.display()
+            ));
+        }
+        if args.projection.is_panorama() {
+            return refuse(format!(
+                "{}: simplified scenes are drawn in perspective, or as --projection cubemap",
                 input.display()
             ));
         }
@@ -85,6 +94,10 @@ impl Subject for QuadSubject<'_> {
 
     fn frames(&self) -> Option<FrameRange> {
         None
+    }
+
+    fn fps(&self) -> f64 {
+        STILL_FPS
     }
 
     fn reference_frames(&self, asked: Option<FrameRange>) -> Option<FrameRange> {

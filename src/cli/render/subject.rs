@@ -21,6 +21,9 @@ pub trait Subject {
     /// Its frames; none for a still scene.
     fn frames(&self) -> Option<FrameRange>;
 
+    /// Frames per second, of a stream of pictures.
+    fn fps(&self) -> f64;
+
     /// Frames of a reference that are compared, where these are asked for.
     fn reference_frames(&self, asked: Option<FrameRange>) -> Option<FrameRange> {
         asked

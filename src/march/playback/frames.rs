@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::march::aov::{AovKind, aovs};
+use crate::march::columns::render_columns;
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
 use crate::march::playback::trace::{self, FrameTrace};
@@ -157,13 +158,24 @@ impl Renderer for CpuRenderer {
     }
 
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
-        let views = ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, camera.eye());
+        let views_from = |eye| ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, eye);
+        let picture = |views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings, monitor: &dyn Monitor| {
+            let mut rendered = render(views, camera, settings, monitor)?;
+            if !self.options.aovs.is_empty() {
+                rendered.image.aovs = aovs(views, camera, settings, &self.options.aovs, monitor)?;
+            }
+            Ok(rendered)
+        };
+        let views = views_from(camera.eye());
         let settings = self.options.settings(&views);
-        let mut rendered = render(&views, camera, &settings, monitor)?;
-        if !self.options.aovs.is_empty() {
-            rendered.image.aovs = aovs(&views, camera, &settings, &self.options.aovs, monitor)?;
+        if !camera.has_moving_eye() {
+            return picture(&views, camera, &settings, monitor);
         }
-        Ok(rendered)
+        // Steps of all columns are those from the middle of the eyes.
+        let settings = RenderSettings { size: [settings.size[1], 1], ..settings };
+        render_columns(self.options.size, camera, monitor, |camera, monitor| {
+            picture(&views_from(camera.eye()), camera, &settings, monitor)
+        })
     }
 }
 

@@ -108,6 +108,9 @@ pub fn has_specular_in_frustum(views: &ActiveViews<'_>, camera: &Camera) -> bool
     let window = camera.window();
     let edges = [window.u, window.v].map(|edges| edges.map(|edge| (edge, (1.0 + edge * edge).sqrt())));
     let is_near_frustum = |point: DVec3, margin_m: f64| {
+        if camera.is_panorama() {
+            return true;
+        }
         let depth_m = point.dot(forward);
         let beside_m = [point.dot(right), point.dot(down)];
         depth_m >= -margin_m

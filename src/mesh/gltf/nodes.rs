@@ -108,6 +108,11 @@ impl Nodes {
         world
     }
 
+    /// A node and its ancestors.
+    pub fn with_ancestors(&self, node: usize) -> Vec<usize> {
+        std::iter::successors(Some(node), |&node| self.parents.get(node).copied().flatten()).collect()
+    }
+
     /// Sets the flags of all descendants of flagged nodes.
     pub fn spread(&self, marked: &mut [bool]) {
         for &node in &self.order {

@@ -63,17 +63,22 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], additions: &Additions, out: 
     for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
         root[name] = list.into();
     }
-    if !document.bytes.is_empty() {
-        root["buffers"] = json!([{ "byteLength": document.bytes.len() }]);
+    binary_file(root, &document.bytes, out)
+}
+
+/// Writes a document, and the bytes of its only buffer, as a `.glb` file.
+pub fn binary_file(mut root: Value, buffer: &[u8], out: &mut dyn Write) -> Result<()> {
+    if !buffer.is_empty() {
+        root["buffers"] = json!([{ "byteLength": buffer.len() }]);
     }
     let mut text = root.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
-    let total = u32::try_from(28 + text.len() + document.bytes.len());
+    let total = u32::try_from(28 + text.len() + buffer.len());
     let total = total.map_err(|_| Error::unsupported("the meshes take more than the 4 GiB of a GLB file"))?;
     let chunk = |kind: &[u8; 4], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], kind, bytes].concat();
     let head = [&b"glTF"[..], &2_u32.to_le_bytes(), &total.to_le_bytes()].concat();
     let failed = |error: std::io::Error| Error::io("the GLB file", error);
-    for bytes in [head, chunk(b"JSON", &text), chunk(b"BIN\0", &document.bytes)] {
+    for bytes in [head, chunk(b"JSON", &text), chunk(b"BIN\0", buffer)] {
         out.write_all(&bytes).map_err(failed)?;
     }
     Ok(())

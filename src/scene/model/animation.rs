@@ -59,6 +59,11 @@ impl Animation {
 }
 
 impl Channel {
+    /// Times of the first and the last key, seconds.
+    pub fn ends_s(&self) -> [f64; 2] {
+        [self.curve.times.first(), self.curve.times.last()].map(|time| time.map_or(0.0, |&time| f64::from(time)))
+    }
+
     pub fn is_constant(&self) -> bool {
         let Curve { values, width, interpolation, .. } = &self.curve;
         let keys = values.chunks_exact(self.curve.stride());

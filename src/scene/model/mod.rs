@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::mesh::gltf::document;
 use crate::mesh::{Mesh, folder};
 
-mod animation;
+pub(crate) mod animation;
 mod deform;
 mod gltf;
 mod lights;

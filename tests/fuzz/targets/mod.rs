@@ -80,6 +80,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "manifest", execs: 4000, run: texts::run_manifest, bound: texts::bound },
     Target { name: "seurat", execs: 4000, run: texts::run_seurat, bound: texts::bound },
     Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
+    Target { name: "usda", execs: 4000, run: texts::run_usda, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },
     Target { name: "color-tables", execs: 2000, run: texts::run_tables::<Transform>, bound: texts::bound },

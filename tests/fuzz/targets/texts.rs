@@ -8,6 +8,7 @@ use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::entropy::{Model, table_text};
 use lightfold::evaluate::camera_file::CameraFile;
+use lightfold::evaluate::cameras::{self, Content};
 use lightfold::image::StreamKind;
 use lightfold::image::{Face, FrameRange, Pattern, ReadLimits};
 use lightfold::report::tradeoff::coding::CODING;
@@ -105,6 +106,11 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
     } else {
         Ok(Verdict::Accepted)
     }
+}
+
+/// Cameras of a USD file are parsed.
+pub fn run_usda(bytes: &[u8]) -> Judged {
+    judge(&cameras::parse(&Content { path: Path::new("a.usda"), bytes, fps: 24.0 }))
 }
 
 /// Entropy tables of a model are parsed, written and parsed again.

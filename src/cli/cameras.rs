@@ -1,0 +1,134 @@
+//! `lightfold cameras IN -o OUT`: converts files of cameras, and exports the probes of a light field.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::cli::capture::parse_size;
+use crate::cli::options::{Choices, check_report, one_of, parse_positive, word_of};
+use crate::cli::output;
+use crate::cli::{ExitStatus, GlobalArgs, outputs, refuse};
+use crate::container::header::is_container;
+use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
+use crate::decode::Decoder;
+use crate::error::{Error, Result};
+use crate::evaluate::cameras::{self, CameraFormat, FileCamera, WriteSettings, Written};
+use crate::files::{OutputFile, OutputFolder};
+use crate::report::coding_map::counted;
+
+const FPS: f64 = 24.0;
+const HEIGHT: u32 = 1080;
+
+const FORMATS: &Choices<CameraFormat> = &[
+    ("lightfold", CameraFormat::Lightfold, "The camera files of decode and render"),
+    ("transforms", CameraFormat::Transforms, "transforms.json of nerfstudio"),
+    ("colmap", CameraFormat::Colmap, "A folder with cameras.txt and images.txt of COLMAP; without frames"),
+    ("gltf", CameraFormat::Gltf, "Binary glTF; in single precision, without off-axis windows"),
+    ("usd", CameraFormat::Usd, "USD in text"),
+];
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold cameras film.lfold -o transforms.json\n  \
+    lightfold cameras shot.usda -o path.json\n  \
+    lightfold cameras shot.glb --fps 25 -o transforms.json\n  \
+    lightfold cameras path.json --size 1920x1080 -o colmap --format colmap\n\n\
+    IN is recognised by its content: a container, a dataset, or a file of cameras in any of the formats. Without --format OUT is one \
+    by its name: transforms*.json, other .json files are lightfold's, .glb, .usda, and a folder is COLMAP's.\n\n\
+    A perspective probe is one camera, a cube map six of 90 degrees, which see its faces the right way round; in datasets they are \
+    stored mirrored. Pictures in transforms.json and images.txt have the names that render gives them: lightfold render film.lfold \
+    --camera transforms.json -o images/view.%04d.png.\n\n\
+    World coordinates stay as they are, in metres; USD files may state another unit, or that Z is up. Cameras with distortion and \
+    orthographic ones are refused. Clip planes are written and not read. Times of glTF become frames by --fps, time codes of USD are \
+    frames.")]
+pub struct Args {
+    /// A container, a dataset, or a file of cameras
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// The file or folder to write, - for standard output
+    #[arg(long, short, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Format of OUT [default: by its name]
+    #[arg(long, value_parser = one_of(FORMATS))]
+    pub format: Option<CameraFormat>,
+    /// Frames per second of glTF and USD [default: those of a container or dataset, else 24]
+    #[arg(long, value_name = "FPS", value_parser = parse_positive)]
+    pub fps: Option<f64>,
+    /// Height, or width and height, of pictures in pixels, for transforms.json and COLMAP, of cameras that state none [default: 1080]
+    #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
+    pub size: Option<(u32, Option<u32>)>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    cameras: usize,
+    format: &'static str,
+}
+
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let Args { input, output, .. } = args;
+    let Some(format) = args.format.or_else(|| CameraFormat::of_name(output)) else {
+        return refuse(format!(
+            "{}: its name tells no format; name one with --format, or a file ending in .json, .glb or .usda",
+            output.display()
+        ));
+    };
+    let to_stdout = output == Path::new("-");
+    if to_stdout && (args.format.is_none() || format == CameraFormat::Colmap) {
+        return refuse("-o -: standard output takes a file of the format that --format names, other than colmap");
+    }
+    check_report(output, args.json)?;
+    outputs::check(&[("-o", output.clone())], &[input])?;
+    let (cameras, fps) = read(args)?;
+    let settings = WriteSettings { size: args.size.unwrap_or((HEIGHT, None)), fps };
+    let count = cameras.len();
+    match cameras::write(&cameras, format, &settings).map_err(|error| error.in_file(output))? {
+        Written::File(bytes) => {
+            let mut file = OutputFile::create(output)?;
+            file.write_all(&bytes).map_err(|error| Error::io(output, error))?;
+            file.commit()?;
+        }
+        Written::Folder(files) => {
+            let folder = OutputFolder::create(output)?;
+            for (name, text) in files {
+                let path = folder.work_path().join(name);
+                std::fs::write(&path, text).map_err(|error| folder.present(Error::io(&path, error)))?;
+            }
+            folder.commit()?;
+        }
+    }
+    if args.json {
+        output::print_json(&Report { cameras: count, format: word_of(FORMATS, &format) })?;
+    } else {
+        global.note(format_args!("{}: {}", output.display(), counted(count as u64, "camera")));
+    }
+    Ok(ExitStatus::Passed)
+}
+
+/// The cameras of the input, and frames per second.
+fn read(args: &Args) -> Result<(Vec<FileCamera>, f64)> {
+    let input = &args.input;
+    let fps_of_field = match input.is_dir() {
+        false if input != Path::new("-") && is_container(input)? => Some(Decoder::open(input)?.reader().index().fps),
+        _ => dataset_fps(input)?,
+    };
+    let fps = args.fps.or(fps_of_field).unwrap_or(FPS);
+    let cameras = match fps_of_field {
+        Some(_) => cameras::of_probes(input)?,
+        None => cameras::read(input, fps)?,
+    };
+    Ok((cameras, fps))
+}
+
+/// The frames per second of a dataset; none of what is no dataset.
+fn dataset_fps(input: &Path) -> Result<Option<f64>> {
+    let is_manifest = input.file_name().is_some_and(|name| name == MANIFEST_NAME);
+    if is_manifest || input.join(MANIFEST_NAME).is_file() {
+        return Ok(Some(Manifest::read(input)?.fps));
+    }
+    let may_be_one = input.is_file() && input.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+    Ok(if may_be_one { Manifest::read(input).ok().map(|manifest| manifest.fps) } else { None })
+}

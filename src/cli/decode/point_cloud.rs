@@ -1,0 +1,108 @@
+//! `decode -o NAME.ply`: frames as point clouds.
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::Args;
+use crate::cli::options::check_report;
+use crate::cli::output::{self, human_bytes};
+use crate::cli::progress::Progress;
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::decode::Decoder;
+use crate::error::Result;
+use crate::evaluate::point_cloud::{POINT_BYTES, write_ply};
+use crate::evaluate::reference::Reference;
+use crate::files::OutputFile;
+use crate::image::FrameRange;
+use crate::image::sequence::Pattern;
+use crate::memory::Need;
+use crate::report::coding_map::counted;
+
+#[derive(Serialize)]
+struct Report {
+    frames: u64,
+    points: u64,
+    bytes_out: u64,
+    seconds: f64,
+}
+
+/// Whether an output is a point cloud, by its ending.
+pub fn is_named(output: &Path) -> bool {
+    output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"))
+}
+
+pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Result<ExitStatus> {
+    let others = [
+        ("--keep-going", args.keep_going),
+        ("--device", args.gpu.index.is_on_device(args.device)),
+        ("--stream", !args.selection.stream.is_empty()),
+        ("--stream-format", args.stream.stream_format.is_some()),
+        ("--camera and --eye", !args.cameras.camera.is_empty() || args.cameras.eye.is_some()),
+    ];
+    if let Some((option, _)) = others.iter().find(|(_, is_given)| *is_given) {
+        return refuse(format!("{}: {option} has no meaning for a point cloud: leave it out", output.display()));
+    }
+    check_report(output, args.json)?;
+    let start = Instant::now();
+    let decoder = Decoder::open(input)?;
+    let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
+    let Some(frames) = chosen.iter().map(|part| part.frames).reduce(FrameRange::hull) else {
+        return refuse(format!("{}: has no frames", input.display()));
+    };
+    let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let pattern = Pattern::parse(&name).map_err(|error| error.in_file(output))?;
+    if !pattern.has_field() && frames.count() != 1 {
+        return refuse(format!(
+            "{}: one file for {} frames; choose one with --frames, or name a pattern such as frame.%04d.ply",
+            output.display(),
+            frames.count()
+        ));
+    }
+    let mut reference = Reference::of_container(decoder).map_err(|error| error.in_file(input))?;
+    let is_selected = |list: &[String], name: &String| list.is_empty() || list.contains(name);
+    let selection = &args.selection;
+    let images: Vec<usize> = (0..reference.images.len())
+        .filter(|&at| {
+            let image = &reference.images[at];
+            is_selected(&selection.probe, &image.probe)
+                && (selection.face.is_empty() || selection.face.contains(&image.face))
+        })
+        .collect();
+    let pixels: u64 = images.iter().map(|&at| reference.images[at].size.map(u64::from).iter().product::<u64>()).sum();
+    // While the points grow they may be copied.
+    let fixed = pixels.saturating_mul(2 * POINT_BYTES);
+    let need = Need { what: "a point cloud", fixed, each: 0, instead: "fewer probes" };
+    args.memory.get().at_once(&need, 1)?;
+    let in_frame = |reference: &Reference, frame: u32| -> Vec<usize> {
+        images.iter().copied().filter(|&at| reference.images[at].frames.contains(frame)).collect()
+    };
+    let steps = frames.iter().map(|frame| in_frame(&reference, frame).len() as u64).sum();
+    let progress = Progress::start(global, "decoding", steps)?;
+    let mut report = Report { frames: frames.count(), points: 0, bytes_out: 0, seconds: 0.0 };
+    for frame in frames.iter() {
+        let path = output.with_file_name(pattern.path(frame));
+        let mut file = OutputFile::create(&path)?;
+        let images = in_frame(&reference, frame);
+        report.points += write_ply(&mut reference, &images, frame, &mut file, &progress)
+            .map_err(|error| output::name_output(error, &path).in_file(input))?;
+        file.commit()?;
+        report.bytes_out += std::fs::metadata(&path).map_or(0, |about| about.len());
+    }
+    drop(progress);
+    report.seconds = start.elapsed().as_secs_f64();
+    if args.json {
+        output::print_json(&output::with_memory(report))?;
+    } else {
+        let Report { points, bytes_out, seconds, .. } = report;
+        global.note(format_args!(
+            "{}: {} of {}, {}, {seconds:.3} s",
+            output.display(),
+            counted(points, "point"),
+            counted(frames.count(), "frame"),
+            human_bytes(bytes_out)
+        ));
+    }
+    Ok(ExitStatus::Passed)
+}

@@ -1,0 +1,42 @@
+//! Pictures on standard output, for other programs.
+
+use std::io::Stdout;
+use std::path::Path;
+
+use clap::Args;
+
+use super::{Choices, check_stdout, one_of};
+use crate::cli::refuse;
+use crate::error::Result;
+use crate::image::picture_stream::{FrameRate, PictureStream, StreamFormat};
+
+const STREAM_FORMATS: &Choices<StreamFormat> = &[
+    ("png", StreamFormat::Png, "PNG files, one behind the other"),
+    ("y4m", StreamFormat::Y4m, "YUV4MPEG2, 4:4:4, 8 bits, BT.709 limited range; colour only"),
+    ("raw", StreamFormat::Raw, "A line of text, then codes"),
+];
+
+#[derive(Debug, Clone, Copy, Args)]
+pub struct StreamArgs {
+    /// Format of pictures on standard output (-o -). y4m has the frame rate of the container as a fraction. png has none: ffmpeg takes
+    /// 25 unless it is given -framerate. raw starts with a line of text, such as "width=640 height=480 pixel_format=rgb24 fps=24/1";
+    /// codes follow, row by row: red, green and blue of 8 bits, or depth of 16 (gray16le). y4m and raw have no alpha, but colour over
+    /// black [default: png]
+    #[arg(long, value_name = "FORMAT", value_parser = one_of(STREAM_FORMATS))]
+    pub stream_format: Option<StreamFormat>,
+}
+
+impl StreamArgs {
+    /// The stream on standard output; none where the output is another.
+    pub fn open(self, output: Option<&Path>, has_report: bool, fps: f64) -> Result<Option<PictureStream<Stdout>>> {
+        if output != Some(Path::new("-")) {
+            return match self.stream_format {
+                Some(_) => refuse("--stream-format is about standard output: add -o -"),
+                None => Ok(None),
+            };
+        }
+        check_stdout(Path::new("-"), has_report)?;
+        let format = self.stream_format.unwrap_or(StreamFormat::Png);
+        Ok(Some(PictureStream::new(std::io::stdout(), format, FrameRate::of(fps))))
+    }
+}

@@ -1,0 +1,118 @@
+//! The table of formats.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::document::{Content, FileCamera, WriteSettings, Written};
+use super::{colmap, gltf, own, transforms, usd};
+use crate::error::{Error, Result};
+use crate::mesh::gltf::document::is_glb;
+
+/// Bytes of a file at most.
+const MAX_BYTES: u64 = 256 << 20;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraFormat {
+    /// The camera files of this program.
+    Lightfold,
+    /// `transforms.json` of nerfstudio.
+    Transforms,
+    /// `cameras.txt` and `images.txt`.
+    Colmap,
+    Gltf,
+    /// USD in text.
+    Usd,
+}
+
+type ReadCameras = fn(&Content<'_>) -> Result<Vec<FileCamera>>;
+type WriteCameras = fn(&[FileCamera], &WriteSettings) -> Result<Written>;
+
+const FORMATS: &[(CameraFormat, ReadCameras, WriteCameras)] = &[
+    (CameraFormat::Lightfold, own::read, own::write),
+    (CameraFormat::Transforms, transforms::read, transforms::write),
+    (CameraFormat::Colmap, colmap::read, colmap::write),
+    (CameraFormat::Gltf, gltf::read, gltf::write),
+    (CameraFormat::Usd, usd::read, usd::write),
+];
+
+impl CameraFormat {
+    fn functions(self) -> (ReadCameras, WriteCameras) {
+        let found = FORMATS.iter().find(|(format, ..)| *format == self);
+        found.map_or((own::read as ReadCameras, own::write as WriteCameras), |(_, read, write)| (*read, *write))
+    }
+
+    /// That of a file's content.
+    pub fn of_content(bytes: &[u8]) -> CameraFormat {
+        if usd::is_of(bytes) {
+            return CameraFormat::Usd;
+        }
+        if is_glb(bytes) {
+            return CameraFormat::Gltf;
+        }
+        match serde_json::from_slice::<Value>(bytes) {
+            Ok(document) if document.get("asset").is_some() => CameraFormat::Gltf,
+            Ok(document) if transforms::is_of(&document) => CameraFormat::Transforms,
+            _ => CameraFormat::Lightfold,
+        }
+    }
+
+    /// That of a name of a file or folder to write; none where it says nothing.
+    pub fn of_name(path: &Path) -> Option<CameraFormat> {
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        match name.rsplit_once('.').map(|(_, ending)| ending) {
+            Some("json") if name.starts_with("transforms") => Some(CameraFormat::Transforms),
+            Some("json") => Some(CameraFormat::Lightfold),
+            Some("glb") => Some(CameraFormat::Gltf),
+            Some("usda") => Some(CameraFormat::Usd),
+            None => Some(CameraFormat::Colmap),
+            Some(_) => None,
+        }
+    }
+}
+
+/// The cameras of a file, at least one; `-` for standard input. `fps` are frames per second, of formats that have seconds.
+pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
+    let read = || {
+        let (path, folder) = match colmap::folder(path) {
+            Some(folder) => (folder.join(colmap::IMAGES), true),
+            None => (path.to_path_buf(), false),
+        };
+        let bytes = bytes(&path)?;
+        let content = Content { path: &path, bytes: &bytes, fps };
+        let cameras = if folder { colmap::read(&content) } else { parse(&content) };
+        let cameras = cameras.map_err(|error| error.in_file(&path))?;
+        if cameras.is_empty() {
+            return Err(Error::invalid("it has no cameras, where at least one was expected").in_file(&path));
+        }
+        Ok(cameras)
+    };
+    read().map_err(|error: Error| error.in_file(path))
+}
+
+/// The cameras of a file that is not of COLMAP, by its content.
+pub fn parse(content: &Content<'_>) -> Result<Vec<FileCamera>> {
+    let (read, _) = CameraFormat::of_content(content.bytes).functions();
+    read(content)
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let source: Box<dyn Read> = match path == Path::new("-") {
+        true => Box::new(std::io::stdin().lock()),
+        false => Box::new(File::open(path).map_err(|error| Error::io(path, error))?),
+    };
+    let mut bytes = Vec::new();
+    source.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|error| Error::io(path, error))?;
+    match bytes.len() as u64 > MAX_BYTES {
+        true => Err(Error::invalid(format!("a file of cameras has at most {MAX_BYTES} bytes")).in_file(path)),
+        false => Ok(bytes),
+    }
+}
+
+/// What a file of perspective cameras holds.
+pub fn write(cameras: &[FileCamera], format: CameraFormat, settings: &WriteSettings) -> Result<Written> {
+    let (_, write) = format.functions();
+    write(cameras, settings)
+}

@@ -1,0 +1,206 @@
+//! Cameras of glTF 2.0 (sections 3.10 and 3.11): still nodes, and nodes that an animation moves, or moves an ancestor of. They look along −Z
+//! with +Y up.
+//!
+//! A time of `frame / fps` seconds is a frame. Files hold single precision. There are no off-axis windows, and no fields of view that change.
+
+use glam::{DMat4, DQuat};
+use gltf::camera::Projection;
+use serde_json::{Value, json};
+
+use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, of_camera};
+use super::poses::{Track, poses, tracks};
+use crate::error::{Error, Result};
+use crate::evaluate::TimedCamera;
+use crate::image::FrameRange;
+use crate::math::Camera;
+use crate::mesh::budget::Budget;
+use crate::mesh::folder::Folder;
+use crate::mesh::gltf::buffers::Buffers;
+use crate::mesh::gltf::document::{self, Parsed};
+use crate::mesh::gltf::nodes::{Local, Nodes};
+use crate::mesh::gltf::write::binary_file;
+use crate::scene::model::animation::{Animation, Channel};
+
+/// Part of a frame that a key may lie beside it.
+const NEAR_FRAME: f64 = 1e-3;
+/// Metres; a near plane must be beyond 0.
+const LEAST_NEAR_M: f64 = 0.01;
+
+pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
+    let Parsed { document, blob } = document::parse(content.bytes)?;
+    let root = document.as_json();
+    let budget = Budget::new(content.bytes.len() as u64);
+    let mut buffers = Buffers::new(root, blob, Folder::of(content.path), budget);
+    let nodes = Nodes::read(&document)?;
+    let mut animations = Vec::new();
+    let mut cameras = Vec::new();
+    for node in document.nodes().filter(|node| nodes.shown[node.index()]) {
+        let Some(lens) = node.camera() else { continue };
+        let name = node.name().unwrap_or_default().to_owned();
+        let named = of_camera(if name.is_empty() { node.index().to_string() } else { name.clone() });
+        let Projection::Perspective(lens) = lens.projection() else {
+            return Err(named(Error::unsupported("it is orthographic, and not perspective")));
+        };
+        if animations.is_empty() {
+            let read = |animation| Animation::read(animation, root.nodes.len(), &mut buffers);
+            animations = root.animations.iter().map(read).collect::<Result<Vec<_>>>()?;
+        }
+        let (half_v, aspect) = ((f64::from(lens.yfov()) / 2.0).tan(), f64::from(lens.aspect_ratio().unwrap_or(1.0)));
+        let half = [half_v * aspect, half_v];
+        let mut chain = nodes.with_ancestors(node.index());
+        chain.reverse();
+        let moves = |channel: &&Channel| chain.contains(&channel.node);
+        let of_animation =
+            |animation: &Animation| -> Vec<Channel> { animation.channels.iter().filter(moves).cloned().collect() };
+        let channels = animations.iter().map(of_animation).find(|channels| !channels.is_empty()).unwrap_or_default();
+        let at = |time_s: f64| -> Result<Camera> {
+            let (eye, axes) = axes_of(&to_world(&nodes, &chain, &channels, time_s))?;
+            Camera::with_window(eye, axes, half, [0.0; 2])
+        };
+        let of = |time_s: f64, frame: Option<u32>| -> Result<FileCamera> {
+            let frames = frame.map(|at| FrameRange { first: at, last: at });
+            let timed = TimedCamera { camera: at(time_s).map_err(&named)?, frames };
+            Ok(FileCamera { name: name.clone(), size: None, timed })
+        };
+        let ends = channels.iter().map(Channel::ends_s).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        let Some([first_s, last_s]) = ends else {
+            cameras.push(of(0.0, None)?);
+            continue;
+        };
+        let first = (first_s * content.fps - NEAR_FRAME).ceil().max(0.0);
+        let last = (last_s * content.fps + NEAR_FRAME).floor().max(first);
+        if last > f64::from(u32::MAX) {
+            return Err(named(Error::unsupported(format!("its animation ends after {last_s} seconds"))));
+        }
+        check_count(cameras.len(), last - first + 1.0)?;
+        for frame in first as u32..=last as u32 {
+            cameras.push(of(f64::from(frame) / content.fps, Some(frame))?);
+        }
+    }
+    Ok(cameras)
+}
+
+/// The matrix of the last of these nodes, each the child of the one before, at a time.
+fn to_world(nodes: &Nodes, chain: &[usize], channels: &[Channel], time_s: f64) -> DMat4 {
+    let local = |&node: &usize| {
+        let mut own = channels.iter().filter(|channel| channel.node == node).peekable();
+        if own.peek().is_none() {
+            return nodes.locals[node].matrix();
+        }
+        let mut pose = nodes.locals[node].pose();
+        own.for_each(|channel| channel.move_pose(time_s, &mut pose));
+        Local::Pose(pose).matrix()
+    };
+    chain.iter().map(local).fold(DMat4::IDENTITY, |world, local| world * local)
+}
+
+/// Writes a `.glb` file.
+pub fn write(cameras: &[FileCamera], settings: &WriteSettings) -> Result<Written> {
+    let mut file = Parts::default();
+    for track in tracks(&poses(cameras)?) {
+        file.add(&track, settings.fps).map_err(of_camera(&track.name))?;
+    }
+    let mut root = json!({
+        "asset": { "version": "2.0", "generator": "lightfold" },
+        "scene": 0,
+        "scenes": [{ "nodes": (0..file.nodes.len()).collect::<Vec<usize>>() }],
+        "nodes": file.nodes,
+        "cameras": file.cameras,
+    });
+    if !file.channels.is_empty() {
+        root["animations"] = json!([{ "channels": file.channels, "samplers": file.samplers }]);
+        root["accessors"] = file.accessors.into();
+        root["bufferViews"] = file.views.into();
+    }
+    let mut bytes = Vec::new();
+    binary_file(root, &file.bytes, &mut bytes)?;
+    Ok(Written::File(bytes))
+}
+
+#[derive(Default)]
+struct Parts {
+    nodes: Vec<Value>,
+    cameras: Vec<Value>,
+    channels: Vec<Value>,
+    samplers: Vec<Value>,
+    accessors: Vec<Value>,
+    views: Vec<Value>,
+    bytes: Vec<u8>,
+}
+
+impl Parts {
+    fn add(&mut self, Track { name, keys }: &Track, fps: f64) -> Result<()> {
+        let Some((_, first)) = keys.first() else { return Ok(()) };
+        if keys.iter().any(|(_, camera)| camera.middle() != [0.0; 2]) {
+            return Err(Error::unsupported(
+                "glTF holds no off-axis window, which it has; transforms, colmap and usd files do",
+            ));
+        }
+        let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b;
+        let changes =
+            |(_, camera): &(Option<u32>, Camera)| (0..2).any(|axis| !is_same(camera.half()[axis], first.half()[axis]));
+        if keys.iter().any(changes) {
+            return Err(Error::unsupported("glTF holds no field of view that changes, as its does; usd files do"));
+        }
+        let lens = first.lens();
+        let mut perspective = json!({
+            "yfov": lens.fov_y_deg.to_radians(),
+            "aspectRatio": lens.aspect,
+            "znear": if lens.near_m > 0.0 { lens.near_m } else { LEAST_NEAR_M },
+        });
+        if lens.far_m.is_finite() {
+            perspective["zfar"] = lens.far_m.into();
+        }
+        let node = self.nodes.len();
+        let turn = first.orientation().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let [camera, translation] = [json!(self.cameras.len()), json!(first.eye().to_array())];
+        self.nodes.push(json!({ "name": name, "camera": camera, "translation": translation, "rotation": turn }));
+        self.cameras.push(json!({ "name": name, "type": "perspective", "perspective": perspective }));
+        let frames: Option<Vec<u32>> = keys.iter().map(|(frame, _)| *frame).collect();
+        let Some(frames) = frames else { return Ok(()) };
+        let times: Vec<f32> = frames.iter().map(|&frame| (f64::from(frame) / fps) as f32).collect();
+        if !times.is_sorted_by(|a, b| a < b) {
+            return Err(Error::unsupported("its frames are too near to each other for times in single precision"));
+        }
+        let input = self.accessor("SCALAR", &times);
+        let eyes: Vec<f32> =
+            keys.iter().flat_map(|(_, camera)| camera.eye().to_array()).map(|part| part as f32).collect();
+        let mut turns: Vec<f32> = Vec::new();
+        let mut before = DQuat::IDENTITY;
+        for (_, camera) in keys {
+            let turn = camera.orientation().map_or(DQuat::IDENTITY, DQuat::from_array);
+            // Of two quaternions that mean the same the one that is nearer to the last.
+            let turn = if turn.dot(before) < 0.0 { -turn } else { turn };
+            turns.extend(turn.to_array().map(|part| part as f32));
+            before = turn;
+        }
+        for (path, kind, values) in [("translation", "VEC3", eyes), ("rotation", "VEC4", turns)] {
+            let output = self.accessor(kind, &values);
+            let sampler = self.samplers.len();
+            self.samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
+            self.channels.push(json!({ "sampler": sampler, "target": { "node": node, "path": path } }));
+        }
+        Ok(())
+    }
+
+    /// Adds numbers, and answers the index of their accessor.
+    fn accessor(&mut self, kind: &str, values: &[f32]) -> usize {
+        let width = match kind {
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 1,
+        };
+        let length = 4 * values.len();
+        self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": length }));
+        self.bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        let view = self.views.len() - 1;
+        let mut accessor =
+            json!({ "bufferView": view, "componentType": 5126, "count": values.len() / width, "type": kind });
+        if let ("SCALAR", Some(first), Some(last)) = (kind, values.first(), values.last()) {
+            accessor["min"] = json!([first]);
+            accessor["max"] = json!([last]);
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}

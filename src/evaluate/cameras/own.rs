@@ -1,0 +1,19 @@
+//! The camera files of this program ([`crate::evaluate::camera_file`]).
+
+use super::document::{Content, FileCamera, WriteSettings, Written};
+use crate::error::{Error, Result};
+use crate::evaluate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
+
+pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
+    if content.bytes.len() as u64 > MAX_CAMERA_FILE_BYTES {
+        return Err(Error::invalid(format!("a camera file has at most {MAX_CAMERA_FILE_BYTES} bytes")));
+    }
+    let cameras = CameraFile::parse(content.bytes)?;
+    Ok(cameras.into_iter().map(|timed| FileCamera { name: String::new(), size: None, timed }).collect())
+}
+
+pub fn write(cameras: &[FileCamera], _settings: &WriteSettings) -> Result<Written> {
+    let cameras = cameras.iter().map(|camera| CameraEntry::of(&camera.timed)).collect();
+    let text = crate::json::pretty(&CameraFile { cameras })?;
+    Ok(Written::File(text.into_bytes()))
+}

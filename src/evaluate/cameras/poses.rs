@@ -1,0 +1,82 @@
+//! Cameras with frames as poses of cameras that move.
+
+use super::document::FileCamera;
+use crate::error::{Error, Result};
+use crate::evaluate::camera_path::MAX_PATH_FRAMES;
+use crate::math::Camera;
+
+/// A camera at one time.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose<'a> {
+    pub of: &'a FileCamera,
+    /// None of a camera that stands still.
+    pub frame: Option<u32>,
+}
+
+/// A camera that stands still, or one that moves.
+#[derive(Debug)]
+pub struct Track {
+    /// Unlike those of all others; of letters, digits and underscores.
+    pub name: String,
+    /// With increasing frames; one without a frame stands still.
+    pub keys: Vec<(Option<u32>, Camera)>,
+}
+
+/// The pose of each camera in each of its frames, in order.
+pub fn poses(cameras: &[FileCamera]) -> Result<Vec<Pose<'_>>> {
+    let count: u64 = cameras.iter().map(|camera| camera.timed.frames.map_or(1, |frames| frames.count())).sum();
+    if count > u64::from(MAX_PATH_FRAMES) {
+        return Err(Error::Usage(format!("{count} poses of cameras, where {MAX_PATH_FRAMES} are the most")));
+    }
+    let of = |camera| {
+        let frames: &FileCamera = camera;
+        match frames.timed.frames {
+            None => vec![Pose { of: camera, frame: None }],
+            Some(frames) => frames.iter().map(|frame| Pose { of: camera, frame: Some(frame) }).collect(),
+        }
+    };
+    Ok(cameras.iter().flat_map(of).collect())
+}
+
+/// Names of the pictures of poses, as `render` numbers them: by frame, or in order where poses share a frame or have none.
+pub fn picture_names(poses: &[Pose<'_>]) -> Vec<String> {
+    let mut frames: Vec<Option<u32>> = poses.iter().map(|pose| pose.frame).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    let by_frame = frames.len() == poses.len();
+    let number = |(at, pose): (usize, &Pose<'_>)| pose.frame.filter(|_| by_frame).unwrap_or(at as u32);
+    poses.iter().enumerate().map(|pose| format!("images/view.{:04}.png", number(pose))).collect()
+}
+
+/// Each pose belongs to the first camera that is free in its frame.
+pub fn tracks(poses: &[Pose<'_>]) -> Vec<Track> {
+    let mut tracks: Vec<Track> = Vec::new();
+    for pose in poses {
+        let key = (pose.frame, pose.of.timed.camera);
+        let is_free =
+            |track: &&mut Track| track.keys.last().is_some_and(|(last, _)| last.is_some() && *last < pose.frame);
+        match tracks.iter_mut().find(is_free) {
+            Some(track) => track.keys.push(key),
+            None => {
+                let name = unique(&pose.of.name, &tracks);
+                tracks.push(Track { name, keys: vec![key] });
+            }
+        }
+    }
+    tracks
+}
+
+fn unique(name: &str, tracks: &[Track]) -> String {
+    let mut plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if plain.is_empty() {
+        plain = "camera".to_owned();
+    }
+    if plain.starts_with(|c: char| c.is_ascii_digit()) {
+        plain.insert_str(0, "camera_");
+    }
+    let is_taken = |name: &str| tracks.iter().any(|track| track.name == name);
+    if !is_taken(&plain) {
+        return plain;
+    }
+    (2u32..).map(|number| format!("{plain}_{number}")).find(|name| !is_taken(name)).unwrap_or(plain)
+}

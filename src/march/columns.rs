@@ -1,0 +1,104 @@
+//! Pictures whose eye moves from column to column: omnidirectional stereo.
+//!
+//! Enters: a camera, and what renders a picture from one eye. Leaves: the picture, joined of its columns. Each is rendered as a row, so that
+//! four rays march at once.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::evaluate::{Aov, RenderedImage};
+use crate::image::Plane;
+use crate::march::{Counters, Rendered};
+use crate::math::Camera;
+use crate::monitor::Monitor;
+
+/// Rows of a picture are not those of its columns.
+struct Unmoved<'a>(&'a dyn Monitor);
+
+impl Monitor for Unmoved<'_> {
+    fn advance(&self, _steps: u64) {}
+
+    fn interrupted(&self) -> bool {
+        self.0.interrupted()
+    }
+}
+
+/// Renders the columns of a picture of this width and height: `row` renders a picture of `height` by 1 pixels. The monitor advances by one
+/// for each row of the picture.
+pub fn render_columns(
+    [width, height]: [u32; 2],
+    camera: &Camera,
+    monitor: &dyn Monitor,
+    row: impl Fn(&Camera, &dyn Monitor) -> Result<Rendered> + Sync,
+) -> Result<Rendered> {
+    let rows_by = |column: u32| u64::from(column) * u64::from(height) / u64::from(width);
+    let column = |at: u32| {
+        monitor.check()?;
+        let rendered = row(&camera.column(at, width), &Unmoved(monitor))?;
+        monitor.advance(rows_by(at + 1) - rows_by(at));
+        Ok(rendered)
+    };
+    let columns: Vec<Rendered> = (0..width).into_par_iter().map(column).collect::<Result<_>>()?;
+    let of = |x: u32| &columns[x as usize].image;
+    let aovs = columns.first().map_or(&[][..], |first| &first.image.aovs);
+    let aov = |(number, aov): (usize, &Aov)| Aov {
+        channel: aov.channel,
+        plane: Plane::from_fn(width, height, |x, y| of(x).aovs[number].plane.get(y, 0)),
+    };
+    let image = RenderedImage {
+        color: Plane::from_fn(width, height, |x, y| of(x).color.get(y, 0)),
+        alpha: Plane::from_fn(width, height, |x, y| of(x).alpha.get(y, 0)),
+        aovs: aovs.iter().enumerate().map(aov).collect(),
+    };
+    let counters = columns.iter().fold(Counters::default(), |sum, column| sum + column.counters);
+    Ok(Rendered { image, counters })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::image::ToneMap;
+    use crate::march::aov::AovKind;
+    use crate::march::playback::frames::{CpuRenderer, PictureOptions, Renderer, Stage};
+    use crate::march::synthetic::{SyntheticProbe, room};
+    use crate::march::tests::field;
+    use crate::math::{Camera, Lens};
+    use crate::monitor::Silent;
+    use crate::views::ColorCoding;
+
+    #[test]
+    fn each_column_is_seen_from_its_eye() {
+        let coding = ColorCoding::Codes(ToneMap::default());
+        let half = DVec3::new(3.0, 1.5, 2.0);
+        let places = [[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]].map(|[x, z]| DVec3::new(x, 0.0, z));
+        let view = |&at: &DVec3| SyntheticProbe::new(at, 64).cube(coding, &|to| room(at, to, half, 0.0));
+        let light_field = field(places.iter().map(view).collect(), coding);
+        let options = PictureOptions { size: [32, 16], aovs: vec![AovKind::Depth], ..PictureOptions::default() };
+        let mut renderer = CpuRenderer::new(options);
+        let stage = Stage { field: &light_field, views: &[0, 1, 2, 3, 4] };
+        let middle = Camera::oriented(DVec3::ZERO, [0.0, 0.0, 0.0, 1.0], Lens::new(60.0)).unwrap();
+        let mut seen = [0.4, 0.0].map(|offset_m| {
+            let camera = middle.as_panorama(360.0, offset_m);
+            let rendered = renderer.render(&stage, &camera, &Silent).unwrap();
+            assert_eq!(rendered.counters.primary_rays, 32 * 16);
+            let error = |x: u32, y: u32| {
+                let column = camera.column(x, 32);
+                let direction = column.direction([(f64::from(y) + 0.5) / 16.0, 0.5]);
+                let (metres, _) = room(column.eye(), direction, half, 0.0).unwrap();
+                (f64::from(rendered.image.aovs[0].plane.get(x, y)) / metres).ln().abs()
+            };
+            let errors: Vec<f64> =
+                (0..16).flat_map(|y| (0..32).map(move |x| (x, y))).map(|(x, y)| error(x, y)).collect();
+            let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+            assert!(mean < 0.02, "{offset_m}: {mean}");
+            rendered.image.color
+        });
+        assert!(seen[0] != seen[1]);
+        // A picture does not depend on threads.
+        let camera = middle.as_panorama(360.0, 0.4);
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        seen[1] = one.install(|| renderer.render(&stage, &camera, &Silent)).unwrap().image.color;
+        assert!(seen[0] == seen[1]);
+    }
+}
