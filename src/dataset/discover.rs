@@ -164,6 +164,7 @@ impl Draft<'_> {
             stereo: None,
             depth,
             color,
+            missing: None,
             material: None,
             files: Files {
                 color: file(StreamKind::Color),

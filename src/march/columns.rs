@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::evaluate::{Aov, RenderedImage};
-use crate::image::Plane;
+use crate::image::{Plane, Primaries};
 use crate::march::{Counters, Rendered};
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -48,6 +48,7 @@ pub fn render_columns(
     let image = RenderedImage {
         color: Plane::from_fn(width, height, |x, y| of(x).color.get(y, 0)),
         alpha: Plane::from_fn(width, height, |x, y| of(x).alpha.get(y, 0)),
+        primaries: columns.first().map_or(Primaries::REC709, |first| first.image.primaries),
         aovs: aovs.iter().enumerate().map(aov).collect(),
     };
     let counters = columns.iter().fold(Counters::default(), |sum, column| sum + column.counters);

@@ -1,7 +1,8 @@
 //! How far a decoded image is from its source (GDC figure 1c): the error of each pixel, and for colour the PSNR of each cell.
 
 use super::keyframes::{CellMark, draw_cells};
-use super::subject::{Subject, counted, percent};
+use super::subject::{Subject, percent};
+use crate::error::counted;
 use crate::color::quality::PU_STEPS;
 use crate::compare::{CellPsnr, Coding, ErrorMap, LargestError};
 use crate::error::Result;

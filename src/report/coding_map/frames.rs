@@ -1,6 +1,7 @@
 //! What a frame of depth or material writes: its image in grey, and over it the nodes, boxes or blocks (GDC figure 1b).
 
-use super::subject::{Subject, What, counted, percent};
+use super::subject::{Subject, What, percent};
+use crate::error::counted;
 use super::tints;
 use crate::decode::Picture;
 use crate::depth::nodes::Function;
