@@ -291,7 +291,7 @@ fn the_schema_and_the_document_name_the_keys_of_the_types() {
     for key in of_types {
         let last = key.rsplit('.').next().unwrap();
         assert!(
-            document.contains(&format!("`{last}`")) || document.contains(&format!("`{key}`")),
+            document.contains(&format!("`{last}`")) || document.contains(&format!("`{key}")),
             "manifest.md lacks {key}"
         );
     }
