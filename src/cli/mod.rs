@@ -28,6 +28,7 @@ mod progress;
 mod quadtree;
 mod quilt;
 mod render;
+mod scan;
 mod selftest;
 mod simplify;
 mod tradeoff;
@@ -84,6 +85,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Place(args) => place::run(&args, global),
         Command::Capture(args) => capture::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
+        Command::Scan(args) => scan::run(&args, global),
         Command::EncodeColor(args) => encode::run_on(&args, global),
         Command::EncodeDepth(args) => encode::run_on(&args, global),
         Command::Quadtree(args) => encode::run_on(&args, global),

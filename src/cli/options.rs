@@ -3,6 +3,7 @@
 mod camera;
 mod choice;
 mod color;
+mod dataset;
 mod depth;
 mod effort;
 mod material;
@@ -11,11 +12,13 @@ mod output;
 mod preset;
 mod selection;
 mod sequence;
+mod shard;
 mod side;
 
 pub use camera::{CameraArgs, parse_aspect, parse_point};
 pub use choice::{Choices, one_of, word_of};
 pub use color::ColorArgs;
+pub use dataset::DatasetArgs;
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,
 };
@@ -26,4 +29,5 @@ pub use output::{EncodeOutputArgs, MemoryArgs, OutputArgs, StoreArgs, Target, Un
 pub use preset::PresetArgs;
 pub use selection::{FrameArgs, MissingArgs, SelectionArgs, parse_face, parse_kind};
 pub use sequence::{COLOR_SPACES, ImageArgs, LIGHT_SPACES, SequenceInputArgs};
+pub use shard::{ShardArgs, parse_shard};
 pub use side::SideArgs;

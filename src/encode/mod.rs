@@ -18,8 +18,12 @@ mod first_frames;
 mod group;
 mod job;
 mod order;
+mod part;
 mod resume;
+mod scan;
+mod scan_file;
 mod settings;
+mod shard;
 mod source;
 pub mod tile_quality;
 mod unit;
@@ -30,7 +34,10 @@ pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
     encode_resumable,
 };
+pub use part::Part;
+pub use scan_file::{ScanFile, scan_probes};
 pub use settings::{
     Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
+pub use shard::{Shard, ShardBy};
 pub use source::{FrameSource, GroupRef, selected_groups};

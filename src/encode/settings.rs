@@ -28,6 +28,11 @@ const TILE_ALIGN: u32 = 8;
 /// Side of the tiles of predictive depth unless another is asked for.
 const PREDICTIVE_TILE: u32 = 128;
 
+/// Chunks of the transform codec after which its search begins anew.
+const SEGMENT_CHUNKS: u32 = 4;
+/// Frames after which cells begin anew; a keyframe more for each.
+const CELL_SEGMENT_FRAMES: u32 = 96;
+
 /// Depth codecs (depth.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthCodec {
@@ -313,6 +318,21 @@ impl EncodeSettings {
     pub(super) fn material_header(&self) -> MaterialHeader {
         let MaterialSettings { epsilon, in_blocks } = self.material;
         MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
+    }
+
+    /// Whether bytes depend on the instruction sets of the processor: those of texture blocks do.
+    pub fn depends_on_processor(&self) -> bool {
+        self.color_blocks.is_some() || self.material.in_blocks || self.depth.codec == DepthCodec::BoxesInBlocks
+    }
+
+    /// Frames after which all encoders of a kind begin anew, counted from the first frame of a stream: no chunk reaches over
+    /// such a frame, and nothing before it has an influence on what follows. Shards begin there.
+    pub(super) fn segment_frames(&self, kind: StreamKind) -> u32 {
+        match (kind, self.color_codec) {
+            (StreamKind::Depth | StreamKind::Material, _) => self.temporal.keyframe_interval,
+            (StreamKind::Color, ColorCodec::Transform) => SEGMENT_CHUNKS * self.color_chunk,
+            (StreamKind::Color, ColorCodec::Cells) => CELL_SEGMENT_FRAMES,
+        }
     }
 
     pub(super) fn unit_size(&self, kind: StreamKind, size: [u32; 2]) -> [u32; 2] {

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::container::Attributes;
 use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
+use crate::encode::scan::Scans;
 use crate::error::Result;
 use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection};
 
@@ -74,6 +76,16 @@ pub trait FrameSource: Sync {
     /// The group has no such frame.
     fn file(&self, _group: &SourceGroup, _frame: u32) -> Result<Option<PathBuf>> {
         Ok(None)
+    }
+
+    /// Scans of its depth that were made before; `None` where the encoder is to scan.
+    fn scans(&self) -> Option<&Scans> {
+        None
+    }
+
+    /// What a container says of it beside its index (container.md 6.4).
+    fn attributes(&self) -> Attributes {
+        Attributes::default()
     }
 
     /// Settings that pixels depend on, by name and value; an interrupted encode continues only with equal ones.

@@ -49,6 +49,8 @@ mod roundtrip;
 mod samples;
 mod sensor;
 mod seurat;
+mod shards;
+mod shards_of_a_farm;
 mod simplify;
 mod simplify_export;
 mod simplify_quality;

@@ -212,7 +212,7 @@ proptest! {
         }
         let bytes = index.write().unwrap();
         index.chunks.sort_by_key(|chunk| chunk.key);
-        prop_assert_eq!(compact::read(&bytes, offset).unwrap(), index);
+        prop_assert_eq!(compact::read(&bytes, offset, index.form()).unwrap(), index);
     }
 
     #[test]
