@@ -450,7 +450,7 @@ class Lightfold(Codec):
         self.file = pathlib.Path(given.work) / (re.sub(r"\W+", "-", f"{kind}-{label}") + ".lfold")
 
     def encode(self):
-        command = [self.given.binary, "encode", self.given.manifest, "--stream", self.kind, *self.options,
+        command = [self.given.binary, "encode", self.given.manifest, "--stream", self.kind, "--clip", *self.options,
                    "--threads", self.given.threads, "-o", self.file, "--json"]
         return lf.run_json(*command)["seconds"]
 
@@ -479,7 +479,7 @@ class OneThread(Lightfold):
         self.file = pathlib.Path(tempfile.mkdtemp(dir=given.work)) / "ours.lfold"
 
     def encode(self):
-        return seconds_of([self.given.binary, "encode", self.given.manifest, "--stream", self.kind, *self.options,
+        return seconds_of([self.given.binary, "encode", self.given.manifest, "--stream", self.kind, "--clip", *self.options,
                            "--threads", "1", "-o", self.file, "-q"], self.clock)
 
     def played(self, times):

@@ -61,7 +61,7 @@ class Source:
 
     def __init__(self, given):
         self.given, self.container, folder = given, given.work / "source.lfold", given.work / "source"
-        lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", *CELLS, "--psnr", "200", "-o", self.container,
+        lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", "--clip", *CELLS, "--psnr", "200", "-o", self.container,
                     "--json")
         streams, width, height = pf.streams_of(lf.run_json(given.binary, "inspect", self.container, "--json"))
         lf.run_json(given.binary, "decode", self.container, "--format", "png", "-o", folder, "--json")
@@ -70,7 +70,8 @@ class Source:
         self.film = pf.Film("color", width, height, "rgb24", 3, streams, payloads)
 
     def differences(self, other, ssim="none"):
-        return lf.run_json(self.given.binary, "diff", self.container, other, "--ssim", ssim, "--json", may_differ=True)
+        return lf.run_json(self.given.binary, "diff", self.container, other, "--allow-clipping", "--ssim", ssim, "--json",
+                           may_differ=True)
 
     def quality(self, codec):
         """Fields of a row."""
@@ -89,7 +90,8 @@ class Source:
     def encoded(self, options):
         """A container by these options, for a search."""
         container = self.given.work / "search.lfold"
-        lf.run_json(self.given.binary, "encode", self.given.manifest, "--stream", "color", *options, "-o", container, "--json")
+        lf.run_json(self.given.binary, "encode", self.given.manifest, "--stream", "color", "--clip", *options,
+                    "-o", container, "--json")
         return container
 
     def mean_psnr(self, container):

@@ -43,7 +43,7 @@ ABOUT = (
     f"pose and of those that overlap none taken before; {CROPS} in all. Pictures of errors show the largest difference of a "
     f"pixel's codes, white at {WHITE_CODES} of 255 and more; crops are framed there.")
 # Without loss, so that pictures are those that `render` compares with.
-LOSSLESS = ["--color-codec", "cells", "--psnr", "100", "--max-error", "0"]
+LOSSLESS = ["--color-codec", "cells", "--psnr", "100", "--max-error", "0", "--clip"]
 
 STYLE = """
 :root{color-scheme:light dark}

@@ -250,7 +250,7 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
         raise Refused(f"{manifest}: it has one probe; one to leave out and one to render from were expected")
     left_out = held_out(probes, wanted)
     container = work / "field.lfold"
-    lamps = KEEP_LAMPS if "material" in json.loads(manifest_path(manifest).read_text()) else []
+    lamps = KEEP_LAMPS if "material" in json.loads(manifest_path(manifest).read_text()) else ["--clip"]
     lf.run_json(binary, "encode", manifest, "--frames", frames, *lamps, "-o", container, "--json")
     rows = []
     for probe in left_out:
@@ -313,7 +313,7 @@ def measure_scene(binary, renderer, scene, work, settings):
     for name in ("probes", "poses"):
         lf.run_json(binary, "capture", scene, "--cameras", work / f"{name}.json", *options, "-o", work / name, "--json")
     container = work / "field.lfold"
-    lamps = KEEP_LAMPS if str(scene) in SCENES_WITH_MIRRORS else []
+    lamps = KEEP_LAMPS if str(scene) in SCENES_WITH_MIRRORS else ["--clip"]
     lf.run_json(binary, "encode", work / "probes", *lamps, "-o", container, "--json")
     rows = []
     for title, reference, name in shown_of_scene(named, list(free)):

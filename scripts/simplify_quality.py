@@ -47,7 +47,7 @@ def measure(binary, name, sets, work, options):
     simplified = lf.run_json(binary, "simplify", others, "--held-out", held_out, *options, "-o", work / "scene.glb", "--json")
     container = work / "field.lfold"
     frame = str(json.loads(rq.manifest_path(others).read_text())["frames"][0])
-    lf.run_json(binary, "encode", others, "--frames", frame, "-o", container, "--json")
+    lf.run_json(binary, "encode", others, "--frames", frame, "--clip", "-o", container, "--json")
     render = [binary, "render", container, "--reference", held_out, "--frames", frame, "--null", "--json"]
     rendered = {method: lf.run_json(*render, "--method", method)["reference"] for method in METHODS}
     return Measured(name, simplified, rendered)

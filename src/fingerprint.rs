@@ -40,13 +40,18 @@ pub fn file_state(path: &Path) -> (PathBuf, u64, Option<SystemTime>) {
 }
 
 pub fn digest(bytes: &[u8]) -> String {
+    format!("#{:032x}", u128::from_be_bytes(digest_bytes(bytes)))
+}
+
+/// 128 bits of hash.
+pub fn digest_bytes(bytes: &[u8]) -> [u8; 16] {
     let hash = |part: u8| {
         let mut hasher = DefaultHasher::new();
         hasher.write_u8(part);
         hasher.write(bytes);
         hasher.finish()
     };
-    format!("#{:016x}{:016x}", hash(1), hash(2))
+    (u128::from(hash(1)) << 64 | u128::from(hash(2))).to_be_bytes()
 }
 
 #[cfg(test)]

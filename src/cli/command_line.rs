@@ -7,7 +7,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect, interpolate,
-    man, pack, place, quadtree, quilt, render, schema, selftest, simplify, train,
+    man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -42,6 +42,8 @@ pub enum Command {
     Init(init::Args),
     /// Encode a dataset into one container
     Encode(encode::Args),
+    /// Find the depth ranges of a dataset, for encodes in shards
+    Scan(scan::Args),
     /// Encode one colour sequence
     EncodeColor(EncodeSequence<encode_color::Args>),
     /// Encode one depth sequence

@@ -7,20 +7,21 @@ use serde::Serialize;
 
 use crate::cli::damage;
 use crate::cli::device::{self, DEVICES, GpuArgs};
-use crate::cli::options::{CameraArgs, Choices, FrameArgs, MemoryArgs, SelectionArgs, one_of};
+use crate::cli::options::{CameraArgs, Choices, FrameArgs, LIGHT_SPACES, MemoryArgs, SelectionArgs, one_of};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::decode::{
-    self, DecodeReport, DecodeSummary, DecodeTimes, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu,
-    OnDamage, Request,
+    self, DecodeReport, DecodeSummary, DecodeTimes, Decoded, Decoder, Destination, FileCoding, FileFormat, ImageSource,
+    OnCpu, OnDamage, Request,
 };
 use crate::error::{Error, Result};
 use crate::files::{OutputFolder, parent_of};
 use crate::gpu::Gpu;
 use crate::gpu::device::DeviceChoice;
 use crate::gpu::verify::{self, Verification};
+use crate::image::ColorSpace;
 use crate::image::sequence::Pattern;
 use crate::memory::Budget;
 use crate::report::coding_map::counted;
@@ -81,6 +82,10 @@ pub struct Args {
     /// 8-bit sRGB. Its depth codes are not part of lightfield.json; lightfold inspect prints the range that turns them into metres
     #[arg(long, value_parser = one_of(FORMATS), default_value = "exr")]
     pub format: FileFormat,
+    /// Convert colour of EXR files to linear light of this space [default: that of the container, which is the source's]. PNG is always
+    /// converted to the primaries of sRGB
+    #[arg(long, value_parser = one_of(LIGHT_SPACES))]
+    pub color_space: Option<ColorSpace>,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -112,8 +117,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let progress = Progress::start(global, "decoding", images * passes)?;
     let mut runs = Vec::new();
     let request = Request { streams: &chosen, filter: view.filter(), memory };
+    let coding = FileCoding { format: args.format, space: args.color_space };
     let write = |source: &dyn ImageSource, output: &Path| {
-        Export { source, decoder: &decoder, request, format: args.format, progress: &progress }.write(output)
+        Export { source, decoder: &decoder, request, coding, progress: &progress }.write(output)
     };
     let on_gpu = |gpu: &Gpu| {
         if let Some(output) = &args.output {
@@ -239,7 +245,7 @@ pub struct Export<'a> {
     pub source: &'a dyn ImageSource,
     pub decoder: &'a Decoder,
     pub request: Request<'a>,
-    pub format: FileFormat,
+    pub coding: FileCoding,
     pub progress: &'a Progress,
 }
 
@@ -279,7 +285,8 @@ impl Export<'_> {
             return refuse(format!("{}: file names ending in .exr or .png were expected", output.display()));
         };
         let files = |folder: &Path| Destination::Files(pattern.clone().below(folder));
-        Export { format, ..*self }.write_into(parent_of(output), files)
+        let coding = FileCoding { format, ..self.coding };
+        Export { coding, ..*self }.write_into(parent_of(output), files)
     }
 
     /// Writes into a folder, which appears once it has files; `destination` names the files below a folder.
@@ -287,10 +294,10 @@ impl Export<'_> {
         let folder = OutputFolder::create(path)?;
         let work = destination(folder.work_path());
         let decoded =
-            decode::decode_to_files(self.source, self.decoder, self.request, &work, self.format, self.progress)
+            decode::decode_to_files(self.source, self.decoder, self.request, &work, self.coding, self.progress)
                 .map_err(|error| folder.present(error))?;
         if decoded.summary.frames > 0 {
-            let removed = destination(path).remove_missing(self.decoder, &decoded.missing, self.format)?;
+            let removed = destination(path).remove_missing(self.decoder, &decoded.missing, self.coding.format)?;
             if removed > 0 {
                 output::note(format_args!(
                     "{}: removed {removed} older files of images that are missing now",

@@ -13,7 +13,7 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
-use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
+use crate::decode::{self, Decoder, Destination, FileCoding, OnCpu, OnDamage, Selection, StreamInfo};
 use crate::encode::{EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::files::OutputFolder;
@@ -68,11 +68,11 @@ impl Places {
         let word = |path: &PathBuf| shell_word(&path.display().to_string());
         let [scene, container, decoded] = [&self.scene, &self.container, &self.decoded].map(word);
         [
-            format!("lightfold encode {scene} -o {container}"),
+            format!("lightfold encode {scene} --clip -o {container}"),
             format!("lightfold inspect {container}"),
             format!("lightfold decode {container} -o {decoded}"),
             format!(
-                "lightfold diff {scene} {decoded} --max-error {} --min-cell-psnr {}",
+                "lightfold diff {scene} {decoded} --max-error {} --min-cell-psnr {} --allow-clipping",
                 depth_bound(settings),
                 settings.search.min_psnr_db
             ),
@@ -131,7 +131,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let captured = start.elapsed();
     let source = Source::open(&places.scene, &SourceOptions::default())?;
     let target = Target { path: &places.container, unfinished: Unfinished::Discard, json: false };
-    Encode { source: &source, settings: &settings, target, global }.encode()?;
+    Encode { source: &source, part: None, settings: &settings, target, smaller: None, global }.encode()?;
     let encoded = start.elapsed();
     let decoder = Decoder::open(&places.container)?;
     decode(&decoder, &places.decoded, global)?;
@@ -172,14 +172,16 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let chosen = Selection::default().choose(decoder)?;
     let progress = Progress::start(global, "decoding", chosen.iter().map(|part| part.frames.count()).sum())?;
     let request = decode::Request::all(&chosen);
-    let export = Export { source: &OnCpu::default(), decoder, request, format: FileFormat::Exr, progress: &progress };
+    let export =
+        Export { source: &OnCpu::default(), decoder, request, coding: FileCoding::default(), progress: &progress };
     export.write_into(path, |folder| Destination::Dataset(folder.to_path_buf())).map(drop)
 }
 
 fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
     let paths = [&places.scene, &places.decoded].map(|path| path.to_string_lossy());
     let sides = compare::open_both([&paths[0], &paths[1]], &SideOptions::default())?;
-    let settings = CompareSettings { ssim: SsimFrames::None, ..CompareSettings::default() };
+    // Its bright lamps are clipped, as by the commands that it prints.
+    let settings = CompareSettings { ssim: SsimFrames::None, allow_clipping: true, ..CompareSettings::default() };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
     compare::compare(&pairing, &settings, &progress)

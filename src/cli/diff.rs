@@ -22,10 +22,12 @@ use crate::report::coding_map::counted;
     image. Streams are matched by kind, probe and face; single streams of a kind are matched regardless of their names.\n\n\
     Depth is compared in 16-bit log codes from near to far, colour in 8-bit codes after the transfer function, half floats \
     in the PU21 encoding. Range and encoding are those of A if it is a container, else of B, else of the manifest of a \
-    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB, which clips light above 1; --hdr \
+    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB, whose codes go on beyond 255; --hdr \
     compares half floats. Errors in metres are computed \
     from the files, not from codes. Background against a surface, and a depth outside the range, count as 65535 codes.\n\n\
-    Exit codes: 0 all bounds hold; 1 a bound is exceeded, bits differ (--exact), or streams or frames are missing although \
+    Light that a container's 8 bits clipped is a difference: it is compared unclipped, and the exit code is 1, unless \
+    --allow-clipping is given. Colours of other primaries are converted to those of the side whose encoding is used.\n\n\
+    Exit codes: 0 all bounds hold; 1 a bound is exceeded, colour is clipped, bits differ (--exact), or streams or frames are missing although \
     a bound or --exact was given; 2 bad input."
 )]
 pub struct Args {
@@ -50,6 +52,9 @@ pub struct Args {
     /// Luminance of the value 1.0 for --hdr, in cd/m² [default: that of the container or its manifest, else 100]
     #[arg(long, value_name = "CD_M2", requires = "hdr")]
     pub white: Option<f64>,
+    /// Accept light that did not fit 8 bits, and compare clipped codes
+    #[arg(long)]
+    pub allow_clipping: bool,
     /// Require every bit to be equal, of depth and colour as stored in the files
     #[arg(long)]
     pub exact: bool,
@@ -106,6 +111,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         measure: if args.exact { Measure::Bits } else { Measure::Codes },
         color: if args.hdr { ColorDomain::Half { white_cd_m2: args.white } } else { ColorDomain::AsCoded },
         ssim: args.ssim,
+        allow_clipping: args.allow_clipping,
         memory: args.memory.get(),
     };
     let pairing = Pairing::new(&sides, settings.coverage)?;
@@ -117,11 +123,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         min_psnr_db: args.min_psnr,
         min_cell_psnr_db: args.min_cell_psnr,
         exact: args.exact,
+        allow_clipping: args.allow_clipping,
     };
     let judgement = bounds.judge(&comparison);
     let rows = if args.streams { usize::MAX } else { diff_text::FEW_ROWS };
     let text = || diff_text::report(&sides, &comparison, &judgement, rows);
-    if let Some(total) = comparison.color().filter(|total| total.clipped_pixels > 0) {
+    if let Some(total) = comparison.color().filter(|total| args.allow_clipping && total.clipped_pixels > 0) {
         output::note(format_args!(
             "{} of both sides did not fit 8 bits and were clipped: --hdr compares half floats",
             counted(total.clipped_pixels, "colour pixel")

@@ -223,7 +223,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     let counts = [
         ("background on one side only:", of_depth(|errors| errors.background_mismatches), "depth pixel"),
         ("outside the range of the codes:", of_depth(|errors| errors.outside_pixels), "depth pixel"),
-        ("clipped to 8 bits before comparison:", of_color(|total| total.clipped_pixels), "colour pixel"),
+        ("beyond 8 bits:", of_color(|total| total.clipped_pixels), "colour pixel"),
         ("SSIM is the mean of", of_color(|total| total.ssim_frames), "image"),
     ];
     let counts = counts.into_iter().filter(|(_, count, _)| *count > 0);
@@ -271,6 +271,13 @@ fn violation_text(comparison: &Comparison, violation: &Violation) -> String {
         Bound::MaxError => {
             ("--max-error", codes(*measured), codes(*limit), format!("{} too many", codes(measured - limit)))
         }
+        Bound::Clipping => {
+            return format!(
+                "{} did not fit 8 bits, most in {}: encode with --hdr, or accept it with --allow-clipping",
+                counted(*measured as u64, "colour pixel"),
+                comparison.streams[*stream].id
+            );
+        }
         Bound::MinPsnr | Bound::MinCellPsnr => {
             let option = if *bound == Bound::MinPsnr { "--min-psnr" } else { "--min-cell-psnr" };
             (option, db(*measured), db(*limit), format!("{} too low", db(limit - measured)))
@@ -280,7 +287,7 @@ fn violation_text(comparison: &Comparison, violation: &Violation) -> String {
         (Bound::MinPsnr, Some(spot)) => format!(", frame {}", spot.frame),
         (Bound::MinCellPsnr, Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
         (Bound::MaxError, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
-        (_, None) => String::new(),
+        (Bound::Clipping, _) | (_, None) => String::new(),
     };
     format!("{option} {most} is exceeded: {is} at {}{place}, {by}", comparison.streams[*stream].id)
 }

@@ -4,27 +4,34 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ChannelArgs, ColorArgs, DepthArgs, EffortArgs, EncodeOutputArgs, FrameArgs, MaterialArgs, SequenceInputArgs,
-    Target, Unfinished, check_stdout, parse_kind,
+    ColorArgs, DatasetArgs, DepthArgs, EffortArgs, EncodeOutputArgs, MaterialArgs, PresetArgs, SequenceInputArgs,
+    ShardArgs, Target, Unfinished, check_stdout, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, encode_advice, refuse};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
-use crate::encode::{self, EncodeReport, EncodeSettings, EncodeSummary, Kept, Resumable, Stopped};
+use crate::encode::{
+    self, EncodeReport, EncodeSettings, EncodeSummary, FrameSource, Kept, Part, Resumable, ScanFile, Stopped,
+};
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::image::StreamKind;
 use crate::report::coding_map::counted;
+
+const SMALLER: &str = "a lower --psnr or a higher --max-error";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
     lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
     lightfold encode scene -o small.lfold --color-block bc7 --psnr-final 38 --material-block bc1\n  \
     lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'\n  \
-    lightfold encode scene -o scene.lfold --resume\n\n\
+    lightfold encode scene -o small.lfold --preset small --clip\n  \
+    lightfold encode scene -o scene.lfold --missing hold\n  \
+    lightfold encode scene -o scene.lfold --resume\n  \
+    lightfold encode scene --shard 3/8 -o scene-3.lfold\n\n\
     An encode that stops early, by a signal, a full disk or an invalid frame, keeps its complete chunks beside the output. \
     The same command with --resume continues after them and writes the same bytes.")]
 pub struct Args {
@@ -36,13 +43,10 @@ pub struct Args {
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
-    /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
-    #[arg(long, value_name = "PIXELS")]
-    pub face_size: Option<u32>,
     #[command(flatten)]
-    pub channels: ChannelArgs,
+    pub preset: PresetArgs,
     #[command(flatten)]
-    pub frames: FrameArgs,
+    pub dataset: DatasetArgs,
     #[command(flatten)]
     pub depth: DepthArgs,
     #[command(flatten)]
@@ -51,12 +55,18 @@ pub struct Args {
     pub material: MaterialArgs,
     #[command(flatten)]
     pub effort: EffortArgs,
+    #[command(flatten)]
+    pub shards: ShardArgs,
 }
 
 pub trait Encodes {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
     fn open(&self, options: &SourceOptions) -> Result<Source>;
     fn target(&self) -> Target<'_>;
+    /// What makes the container smaller.
+    fn smaller(&self) -> &'static str {
+        SMALLER
+    }
 }
 
 pub trait SequenceCodec: clap::Args {
@@ -95,14 +105,15 @@ impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
 impl Encodes for Args {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-        self.depth.apply(&mut options, &mut settings)?;
-        self.color.apply(&mut options, &mut settings)?;
+        let (mut depth, mut color, mut effort) = (self.depth.clone(), self.color.clone(), self.effort);
+        let mut store = self.output.container.store.clone();
+        self.preset.fill((&mut depth, &mut color), (&mut effort, &mut store));
+        depth.apply(&mut options, &mut settings)?;
+        color.apply(&mut options, &mut settings)?;
         self.material.apply(&mut settings);
-        options.frames = self.frames.frames;
-        options.face_size = self.face_size;
-        self.channels.apply(&mut options);
-        self.effort.apply(&mut settings);
-        self.output.container.store.apply(&mut settings);
+        self.dataset.apply(&mut options);
+        effort.apply(&mut settings);
+        store.apply(&mut settings);
         if !self.stream.is_empty() {
             settings.kinds = self.stream.clone();
         }
@@ -110,7 +121,11 @@ impl Encodes for Args {
     }
 
     fn open(&self, options: &SourceOptions) -> Result<Source> {
-        Source::open(&self.input, options)
+        self.dataset.open(&self.input, options)
+    }
+
+    fn smaller(&self) -> &'static str {
+        if self.preset.is_small() { SMALLER } else { "--preset small" }
     }
 
     fn target(&self) -> Target<'_> {
@@ -120,28 +135,17 @@ impl Encodes for Args {
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = args.settings()?;
-    if !manifest::is_dataset(&args.input) {
-        return refuse(format!(
-            "{}: neither a lightfield.json nor a folder that holds one; encode an image sequence with encode-depth or \
-             encode-color",
-            args.input.display()
-        ));
-    }
     if args.output.container.path.exists()
         && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.container.path.canonicalize().ok()
     {
         return refuse(format!("{}: the input manifest would be overwritten", args.output.container.path.display()));
     }
     let mut source = args.open(&options)?;
-    let (asked, there) = (args.frames.frames, source.manifest.as_ref().map(|manifest| manifest.frame_range()));
-    if let (Some(asked), Some(there)) = (asked, there)
-        && (asked.first < there.first || asked.last > there.last)
-    {
-        return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
-    }
     encode::keep_few_planar_depths(&mut source, &settings);
     note_poses(&source);
-    Encode { source: &source, settings: &settings, target: args.target(), global }.run()
+    let part = part(&args.shards, &source, &settings, global)?;
+    let smaller = Some(args.smaller());
+    Encode { source: &source, part, settings: &settings, target: args.target(), smaller, global }.run()
 }
 
 /// Says, also with --quiet, that motion is lost: containers hold one pose of each probe.
@@ -158,13 +162,54 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     let (options, settings) = command.settings()?;
     let mut source = command.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    Encode { source: &source, settings: &settings, target: command.target(), global }.run()
+    let smaller = Some(command.smaller());
+    Encode { source: &source, part: None, settings: &settings, target: command.target(), smaller, global }.run()
+}
+
+/// What is encoded of the source, where that is a shard, or where scans were made before.
+fn part<'a>(
+    shards: &ShardArgs,
+    source: &'a Source,
+    settings: &EncodeSettings,
+    global: &GlobalArgs,
+) -> Result<Option<Part<'a>>> {
+    let known = match &shards.scan {
+        Some(path) => Some(ScanFile::read(path)?.scans(source, settings).map_err(|error| error.in_file(path))?),
+        None => None,
+    };
+    let Some(shard) = shards.shard else { return Ok(known.map(|scans| Part::whole(source, scans))) };
+    let part = Part::shard(source, settings, shard, shards.shard_by)?;
+    if settings.depends_on_processor() {
+        global.note(
+            "texture blocks depend on the processor: use machines with the same instruction sets, or pack refuses",
+        );
+    }
+    let scans = match known {
+        Some(scans) => scans,
+        None => {
+            let groups = encode::selected_groups(&part, settings);
+            let mut probes: Vec<usize> = groups
+                .iter()
+                .map(|group| group.group)
+                .filter(|group| group.kind == StreamKind::Depth)
+                .map(|group| group.probe)
+                .collect();
+            probes.dedup();
+            let progress = Progress::start(global, "scanning", 1)?;
+            encode::scan_probes(source, settings, &probes, &progress)?
+        }
+    };
+    Ok(Some(part.with_scans(scans)))
 }
 
 pub struct Encode<'a> {
     pub source: &'a Source,
+    /// What is encoded of it; `None` for all.
+    pub part: Option<Part<'a>>,
     pub settings: &'a EncodeSettings,
     pub target: Target<'a>,
+    /// What makes the container smaller, if anything.
+    pub smaller: Option<&'a str>,
     pub global: &'a GlobalArgs,
 }
 
@@ -175,8 +220,12 @@ impl Encode<'_> {
         if unfinished == Unfinished::Resume && path == Path::new("-") {
             return refuse("--resume needs a file: an encode to standard output cannot be resumed");
         }
+        encode_advice::note_values(self.source, self.settings, self.global);
         let done = self.encode()?;
         note_clipping(path, &done.summary);
+        if let Some(smaller) = self.smaller {
+            encode_advice::note_size(self.frames(), self.settings, (done.summary.bytes, smaller), self.global);
+        }
         self.global.report(json, &done, || text(path, &done)).map(|()| ExitStatus::Passed)
     }
 
@@ -187,9 +236,9 @@ impl Encode<'_> {
         }
         self.note_block_bound();
         // Checked before an earlier encode is replaced.
-        encode::check(self.source, self.settings)?;
+        encode::check(self.frames(), self.settings)?;
         let start = Instant::now();
-        let images = encode::selected_groups(self.source, self.settings).iter().map(encode::GroupRef::images).sum();
+        let images = encode::selected_groups(self.frames(), self.settings).iter().map(encode::GroupRef::images).sum();
         let progress = Progress::start(self.global, "encoding", images)?;
         let summary = if unfinished == Unfinished::Discard {
             self.encode_whole(OutputFile::create(path)?, &progress)?
@@ -207,6 +256,13 @@ impl Encode<'_> {
         Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
     }
 
+    fn frames(&self) -> &dyn FrameSource {
+        match &self.part {
+            Some(part) => part,
+            None => self.source,
+        }
+    }
+
     fn is_input(&self, path: &Path) -> bool {
         let Ok(output) = path.canonicalize() else { return false };
         let same = |file: PathBuf| file.canonicalize().is_ok_and(|file| file == output);
@@ -217,7 +273,7 @@ impl Encode<'_> {
     fn note_block_bound(&self) {
         let searched_db = self.settings.search.min_psnr_db;
         let has_color =
-            encode::selected_groups(self.source, self.settings).iter().any(|of| of.group.kind == StreamKind::Color);
+            encode::selected_groups(self.frames(), self.settings).iter().any(|of| of.group.kind == StreamKind::Color);
         if let Some(blocks) =
             self.settings.color_blocks.filter(|blocks| has_color && blocks.final_psnr_db < searched_db)
         {
@@ -234,7 +290,7 @@ impl Encode<'_> {
 
     /// Encodes, and leaves nothing on failure.
     fn encode_whole(&self, file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
-        let done = encode::encode(self.source, self.settings, file, progress);
+        let done = encode::encode(self.frames(), self.settings, file, progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.target.path))?;
         file.commit().map(|()| summary)
     }
@@ -249,16 +305,16 @@ impl Encode<'_> {
             .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, self.target.unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
-                encode::check_recovered(self.source, self.settings, &begun)
+                encode::check_recovered(self.frames(), self.settings, &begun)
                     .map_err(|error| error.context(self.target.path.display()))?;
-                let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
+                let words = encode::describe_recovered(self.frames(), self.settings, &begun).unwrap_or_default();
                 self.say(&format!("resuming after {words}"));
                 Some(begun)
             }
             (begun, Unfinished::Resume) => {
                 self.say("nothing to resume; starting anew");
                 // What a scan found may still serve.
-                begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
+                begun.filter(|begun| encode::check_recovered(self.frames(), self.settings, begun).is_ok())
             }
             (begun, _) => {
                 let chunks = begun.map_or(0, |begun| begun.chunks.len());
@@ -273,7 +329,7 @@ impl Encode<'_> {
             recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal: Some(journal), recovered };
-        let done = encode::encode_resumable(self.source, self.settings, resumable, progress);
+        let done = encode::encode_resumable(self.frames(), self.settings, resumable, progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,
             Ok(summary) => match file.commit() {
@@ -317,7 +373,7 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     format!("{how} in {}: {chunks}; the same command with --resume continues", partial.display())
 }
 
-/// Says, also with --quiet, that light is lost: the container does not tell.
+/// Says, also with --quiet, that light is lost.
 fn note_clipping(path: &Path, summary: &EncodeSummary) {
     if summary.clipped_pixels > 0 {
         output::note(format_args!(

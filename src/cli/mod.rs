@@ -11,6 +11,7 @@ pub mod device;
 mod diff;
 mod diff_text;
 mod encode;
+mod encode_advice;
 mod encode_color;
 mod encode_depth;
 mod global;
@@ -28,6 +29,7 @@ mod progress;
 mod quadtree;
 mod quilt;
 mod render;
+mod scan;
 mod schema;
 mod selftest;
 mod simplify;
@@ -86,6 +88,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Capture(args) => capture::run(&args, global),
         Command::Init(args) => init::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
+        Command::Scan(args) => scan::run(&args, global),
         Command::EncodeColor(args) => encode::run_on(&args, global),
         Command::EncodeDepth(args) => encode::run_on(&args, global),
         Command::Quadtree(args) => encode::run_on(&args, global),

@@ -52,7 +52,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         window: args.steps.depth_window,
         epsilon: args.steps.update_threshold.unwrap_or(0),
         decide: args.model.optimize,
-        effort: args.effort.effort,
+        effort: args.effort.effort.unwrap_or_default(),
         min_children: args.model.min_children,
     });
     let settings = PackSettings { repack, flatten, memory: args.output.store.memory.get() };

@@ -122,7 +122,7 @@ impl PictureFiles {
             FileFormat::Png => png::write_rgba8(path, &picture.rgba_codes(coding.tone)),
             FileFormat::Exr => {
                 let aovs = picture.aovs.iter().map(|aov| (aov.channel, &aov.plane));
-                exr::write_rgba_and(path, &picture.rgba_light(coding.holes), aovs)
+                exr::write_rgba_and(path, &picture.rgba_light(coding.holes), aovs, picture.primaries)
             }
         })
     }

@@ -17,7 +17,7 @@ use crate::files::OutputFile;
 use crate::image::plane::Plane;
 use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
 use crate::image::sequence::{FrameRange, Sequence};
-use crate::image::{ReadLimits, exr, png};
+use crate::image::{Primaries, ReadLimits, exr, png};
 use crate::memory::Need;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
@@ -102,8 +102,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         }
         FileFormat::Exr => {
             let quilt = Quilt::new(layout, view_size, [f16::ZERO, f16::ZERO, f16::ZERO, f16::ONE])?;
-            let picture = views.join(quilt, at_once, |path| exr::read_rgba(path, &limits), &progress)?;
-            exr::rgba_bytes(&picture)?
+            let primaries = views.paths.first().map_or(Ok(Primaries::REC709), |path| exr::read_primaries(path))?;
+            let read = |path: &Path| {
+                let plane = exr::read_rgba(path, &limits)?;
+                let matrix = exr::read_primaries(path)?.conversion_to(primaries);
+                let Some(matrix) = matrix else { return Ok(plane) };
+                Ok(plane.map(|&[r, g, b, alpha]| {
+                    let [r, g, b] = matrix.convert_half([r, g, b]);
+                    [r, g, b, alpha]
+                }))
+            };
+            exr::rgba_bytes(&views.join(quilt, at_once, read, &progress)?, primaries)?
         }
     };
     progress.check()?;

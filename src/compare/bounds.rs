@@ -15,6 +15,8 @@ pub struct Bounds {
     /// Lowest PSNR of a frame of a colour cell, in dB.
     pub min_cell_psnr_db: Option<f64>,
     pub exact: bool,
+    /// Accepts light that 8 bits clipped.
+    pub allow_clipping: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -23,13 +25,15 @@ pub enum Bound {
     MaxError,
     MinPsnr,
     MinCellPsnr,
+    /// None of the pixels may be clipped.
+    Clipping,
 }
 
 /// An exceeded bound, where it is exceeded most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
     pub bound: Bound,
-    /// Its value: codes or dB.
+    /// Its value: codes, dB or pixels.
     pub limit: f64,
     pub measured: f64,
     pub stream: usize,
@@ -53,6 +57,14 @@ impl Bounds {
     pub fn judge(&self, comparison: &Comparison) -> Judgement {
         let mut violations = self.errors_beyond(comparison);
         violations.extend(self.psnr_below(comparison));
+        let clipped = comparison.clipped().filter(|_| !self.allow_clipping);
+        violations.extend(clipped.map(|(stream, pixels)| Violation {
+            bound: Bound::Clipping,
+            limit: 0.0,
+            measured: pixels as f64,
+            stream,
+            spot: None,
+        }));
         let bounded = self.max_error.is_some() || self.min_psnr_db.is_some() || self.min_cell_psnr_db.is_some();
         let (equal, complete) = (comparison.equal(), comparison.missing.is_empty());
         Judgement {

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
-use crate::compare::domain::Domain;
+use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::StreamId;
 use crate::image::FrameRange;
 use crate::metrics::depth_error::{DepthErrors, Spot};
@@ -91,6 +91,8 @@ impl StreamReport {
 pub struct Comparison {
     pub streams: Vec<StreamReport>,
     pub missing: Vec<Missing>,
+    /// Colour pixels of each side that encoding clipped, in all of its streams and frames, as far as its container knows.
+    pub clipped_in_containers: [u64; 2],
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -188,6 +190,18 @@ impl Comparison {
             differing_pixels: sum(|errors| errors.differing_pixels),
             clipped_pixels: sum(|errors| errors.clipped_pixels),
         })
+    }
+
+    /// The colour stream with the most pixels that codes of a container, or of what was decoded from one, do not hold, and their
+    /// number in all streams; else those that encoding of a side clipped.
+    pub fn clipped(&self) -> Option<(usize, u64)> {
+        let colors = self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream, stream.color()?)));
+        let coded = colors.clone().filter(|(_, stream, _)| stream.domain.origin != Origin::Default);
+        let pixels = coded.clone().map(|(_, _, errors)| errors.clipped_pixels).sum::<u64>();
+        let most = coded.max_by_key(|(at, _, errors)| (errors.clipped_pixels, std::cmp::Reverse(*at)));
+        let known = self.clipped_in_containers.into_iter().max().unwrap_or(0);
+        let (at, ..) = most.filter(|_| pixels > 0).or_else(|| colors.clone().next().filter(|_| known > 0))?;
+        Some((at, if pixels > 0 { pixels } else { known }))
     }
 
     /// The pixel with the largest error relative to its metric's peak, with the index of its stream.

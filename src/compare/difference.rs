@@ -20,6 +20,13 @@ impl Level for u8 {
     }
 }
 
+/// Codes that go on beyond 8 bits.
+impl Level for i32 {
+    fn steps(self) -> i32 {
+        self
+    }
+}
+
 /// A half float and its PU21 encoding; equal encodings may differ in bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HalfLevel {

@@ -7,7 +7,9 @@ use crate::decode::Picture;
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DecodeTable, DepthPlane, EncodeTable, Plane, StreamKind, ToneMap};
+use crate::image::{
+    ColorPlane, DecodeTable, DepthPlane, EncodeTable, LightMatrix, Plane, Primaries, StreamKind, ToneMap,
+};
 use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::streams::{ColorFormat, convert};
@@ -42,6 +44,14 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// Primaries in which colours of two sides are compared: those of the side that is coded, else of the first.
+    pub fn primaries(&self, sides: &[Side; 2]) -> Primaries {
+        match self.origin {
+            Origin::Container(at) | Origin::Manifest(at) => sides[at].primaries,
+            Origin::Default => sides[0].primaries,
+        }
+    }
+
     /// The domain of a pair of streams; `None` where the range of depth must be found first.
     pub fn of_pair(sides: &[Side; 2], streams: [&SideStream; 2], color: ColorDomain) -> Option<Domain> {
         Domain::of_codings(sides, streams).map(|domain| domain.with_color(color))
@@ -89,6 +99,15 @@ pub enum Converted {
 pub struct ConvertedImage {
     pub image: Converted,
     pub clipped_pixels: u64,
+    /// Codes that go on beyond 8 bits, where pixels are clipped and that is not allowed.
+    pub unclipped: Option<Plane<[i32; 3]>>,
+}
+
+/// How colours of both sides are compared.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparedColor {
+    pub primaries: Primaries,
+    pub allows_clipping: bool,
 }
 
 pub struct Converter {
@@ -98,12 +117,25 @@ pub struct Converter {
     metres: Option<CodeTable>,
     codes: Option<EncodeTable>,
     light: Option<DecodeTable>,
+    /// To the primaries in which both sides are compared.
+    matrix: Option<LightMatrix>,
+    allows_clipping: bool,
 }
 
 impl Converter {
-    pub fn new(domain: Coding, side: &Side, stream: &SideStream) -> Converter {
+    /// Of a stream of `side`; colour is compared in `primaries`.
+    pub fn new(domain: Coding, (side, stream): (&Side, &SideStream), color: ComparedColor) -> Converter {
         let own = if side.form == SideForm::Container { stream.coding } else { None };
-        let mut converter = Converter { domain, own, quantiser: None, metres: None, codes: None, light: None };
+        let mut converter = Converter {
+            domain,
+            own,
+            quantiser: None,
+            metres: None,
+            codes: None,
+            light: None,
+            matrix: side.primaries.conversion_to(color.primaries),
+            allows_clipping: color.allows_clipping,
+        };
         let same = converter.keeps_codes();
         match domain {
             Coding::Depth(range) if !same => converter.quantiser = Some(Quantiser::new(range)),
@@ -122,6 +154,7 @@ impl Converter {
     fn keeps_codes(&self) -> bool {
         match (self.own, self.domain) {
             (Some(Coding::Color(own, _)), Coding::Color(domain, _)) => match (own, domain) {
+                _ if self.matrix.is_some() => false,
                 (ColorFormat::Half { .. }, ColorFormat::Half { .. }) => true,
                 _ => own == domain,
             },
@@ -130,7 +163,7 @@ impl Converter {
     }
 
     pub fn convert(&self, image: Image) -> Result<ConvertedImage> {
-        let unclipped = |image| Ok(ConvertedImage { image, clipped_pixels: 0 });
+        let unclipped = |image| Ok(ConvertedImage { image, clipped_pixels: 0, unclipped: None });
         match (image, self.domain) {
             (Image::Coded(Picture::Depth(codes)), Coding::Depth(_)) if self.keeps_codes() => {
                 let (width, metres) = (codes.width(), self.metres_of(&codes).into_data());
@@ -155,19 +188,26 @@ impl Converter {
             }
             (image, Coding::Color(..)) => {
                 let Values::Light(light) = self.values(&image) else { return Err(wrong_kind()) };
-                Ok(match &self.codes {
-                    Some(table) => {
-                        let (codes, clipped_pixels) = convert::color_codes(&light, table);
-                        ConvertedImage { image: Converted::Bytes(codes), clipped_pixels }
-                    }
-                    None => ConvertedImage { image: Converted::Half(light), clipped_pixels: 0 },
-                })
+                let Some(table) = &self.codes else { return unclipped(Converted::Half(light)) };
+                let (codes, clipped_pixels) = convert::color_codes(&light, table);
+                let goes_on = clipped_pixels > 0 && !self.allows_clipping;
+                let beyond = || light.map(|pixel| pixel.map(|value| table.unclipped_code(value)));
+                let unclipped = goes_on.then(beyond);
+                Ok(ConvertedImage { image: Converted::Bytes(codes), clipped_pixels, unclipped })
             }
             _ => Err(wrong_kind()),
         }
     }
 
+    /// Metres, weights, or light of the primaries in which both sides are compared.
     pub fn values(&self, image: &Image) -> Values {
+        match (self.own_values(image), self.matrix) {
+            (Values::Light(light), Some(matrix)) => Values::Light(matrix.convert_plane(&light)),
+            (values, _) => values,
+        }
+    }
+
+    fn own_values(&self, image: &Image) -> Values {
         match image {
             Image::Coded(Picture::Depth(codes)) => Values::Metres(self.metres_of(codes)),
             Image::Coded(Picture::Color8(codes)) => {

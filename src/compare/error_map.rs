@@ -2,7 +2,7 @@
 
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::difference::{self, Level, half_levels, sample_error};
-use crate::compare::domain::{ColorDomain, Converted, Converter, Domain};
+use crate::compare::domain::{ColorDomain, ComparedColor, Converted, Converter, Domain};
 use crate::compare::pairing::Pair;
 use crate::compare::side::{Coding, Side, SideReader};
 use crate::error::{Error, Result};
@@ -62,7 +62,8 @@ pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<Error
         .ok_or_else(|| named(Error::invalid("neither side has the range of its depth codes")))?;
     let convert = |at: usize, frame: u32| {
         let image = SideReader::new(&sides[at], vec![streams[at]]).image(0, frame)?;
-        Ok(Converter::new(domain.coding, &sides[at], streams[at]).convert(image)?.image)
+        let color = ComparedColor { primaries: domain.primaries(sides), allows_clipping: true };
+        Ok(Converter::new(domain.coding, (&sides[at], streams[at]), color).convert(image)?.image)
     };
     let images = [convert(0, frame).map_err(named)?, convert(1, pair.other_frame(frame)).map_err(named)?];
     let (pixels, cells) = match (&images, domain.coding) {

@@ -7,7 +7,7 @@
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
 use crate::compare::difference::{BitErrors, SampleErrors, half_levels};
-use crate::compare::domain::{ColorDomain, Converted, Converter, Domain, Origin};
+use crate::compare::domain::{ColorDomain, ComparedColor, Converted, Converter, Domain, Origin};
 use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideReader, Values};
 use crate::depth::DepthRange;
@@ -47,6 +47,9 @@ pub struct CompareSettings {
     pub measure: Measure,
     pub color: ColorDomain,
     pub ssim: SsimFrames,
+    /// Compares clipped codes of light that does not fit 8 bits. Otherwise codes go on beyond 255 and below 0; SSIM and PSNR-HVS-M
+    /// are always of clipped codes.
+    pub allow_clipping: bool,
     pub memory: Budget,
 }
 
@@ -59,7 +62,7 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
     let reports = try_map_at_once(jobs, at_once, |pairs| {
         let mut work = pairs
             .iter()
-            .map(|(pair, domain)| PairComparison::new(pairing.sides, pair, *domain, settings.measure))
+            .map(|(pair, domain)| PairComparison::new(pairing.sides, pair, *domain, settings))
             .collect::<Result<Vec<_>>>()?;
         let alone: Vec<Pair<'_>> = pairs.iter().map(|(pair, _)| *pair).collect();
         visit(pairing.sides, &alone, monitor, |at, frame, images| {
@@ -69,7 +72,11 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
         })?;
         Ok(work.into_iter().map(|work| work.report).collect::<Vec<_>>())
     })?;
-    Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
+    Ok(Comparison {
+        streams: reports.into_iter().flatten().collect(),
+        missing: pairing.missing.clone(),
+        clipped_in_containers: [0, 1].map(|at| pairing.sides[at].clipped_pixels.unwrap_or(0)),
+    })
 }
 
 fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
@@ -151,7 +158,7 @@ struct PairComparison {
 }
 
 impl PairComparison {
-    fn new(sides: &[Side; 2], pair: &Pair<'_>, domain: Domain, measure: Measure) -> Result<PairComparison> {
+    fn new(sides: &[Side; 2], pair: &Pair<'_>, domain: Domain, settings: &CompareSettings) -> Result<PairComparison> {
         let [a, b] = pair.streams;
         let metric = match domain.coding {
             Coding::Color(ColorFormat::Half { white_cd_m2 }, _) => Some(Pu21::new(white_cd_m2)?),
@@ -170,9 +177,10 @@ impl PairComparison {
                 }
                 Coding::Material => Measured::Material(SampleErrors::empty(U8_PEAK)),
             },
-            bits: (measure == Measure::Bits).then(BitErrors::default),
+            bits: (settings.measure == Measure::Bits).then(BitErrors::default),
         };
-        let converters = [0, 1].map(|at| Converter::new(domain.coding, &sides[at], pair.streams[at]));
+        let color = ComparedColor { primaries: domain.primaries(sides), allows_clipping: settings.allow_clipping };
+        let converters = [0, 1].map(|at| Converter::new(domain.coding, (&sides[at], pair.streams[at]), color));
         Ok(PairComparison { report, converters, metric })
     }
 
@@ -190,7 +198,15 @@ impl PairComparison {
         match (&mut self.report.measured, &a.image, &b.image) {
             (Measured::Depth(errors), Converted::Depth(a), Converted::Depth(b)) => errors.add(frame, a, b),
             (Measured::Color(errors), Converted::Bytes(plane), Converted::Bytes(other)) => {
-                errors.add(frame, plane, other, cell);
+                match (&a.unclipped, &b.unclipped) {
+                    (None, None) => errors.add(frame, plane, other, cell),
+                    (a, b) => {
+                        let wide = |beyond: &Option<Plane<[i32; 3]>>, codes: &Plane<[u8; 3]>| {
+                            beyond.clone().unwrap_or_else(|| codes.map(|pixel| pixel.map(i32::from)))
+                        };
+                        errors.add(frame, &wide(a, plane), &wide(b, other), cell);
+                    }
+                }
                 errors.clipped_pixels += a.clipped_pixels + b.clipped_pixels;
                 if wants_ssim(wanted, frame, self.report.frames) {
                     if let Some(ssim) = ssim(plane, other)? {

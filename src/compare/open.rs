@@ -155,8 +155,10 @@ fn open_container(path: &str) -> Result<Side> {
         }
     };
     let streams = decoder.streams().iter().enumerate().map(stream).collect();
+    let primaries = decoder.primaries();
+    let clipped_pixels = decoder.footage().clipped_pixels;
     let content = Content::Container(Box::new(decoder));
-    Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, content })
+    Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, primaries, clipped_pixels, content })
 }
 
 fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
@@ -262,5 +264,7 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
             });
         }
     }
-    Ok(Side { path: path.to_owned(), form, streams, content: Content::Files(Box::new(source)) })
+    let primaries = source.primaries();
+    let content = Content::Files(Box::new(source));
+    Ok(Side { path: path.to_owned(), form, streams, primaries, clipped_pixels: None, content })
 }

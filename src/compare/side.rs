@@ -9,7 +9,7 @@ use crate::dataset::Source;
 use crate::decode::{Decoder, FaceDecoder, Picture, memory};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, FrameRange, MaterialPlane, StreamKind};
+use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, FrameRange, MaterialPlane, Primaries, StreamKind};
 use crate::streams::ColorFormat;
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -110,6 +110,12 @@ pub struct Side {
     pub form: SideForm,
     #[serde(skip)]
     pub streams: Vec<SideStream>,
+    /// Of its light.
+    #[serde(skip)]
+    pub primaries: Primaries,
+    /// Colour pixels that encoding clipped, of a container that knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clipped_pixels: Option<u64>,
     #[serde(skip)]
     pub(super) content: Content,
 }

@@ -5,9 +5,10 @@
 
 use std::sync::Arc;
 
+use crate::container::attributes::Attributes;
 use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
 use crate::container::fields::Fields;
-use crate::container::header::HEAD_BYTES;
+use crate::container::header::{HEAD_BYTES, IndexForm};
 use crate::container::index::{Index, ProbeEntry, StreamEntry, check_count};
 use crate::error::Result;
 
@@ -83,7 +84,15 @@ pub fn before_first() -> (ProbeEntry, StreamRow) {
 }
 
 /// Reads an index that starts at `offset` of its file, which is also where the chunks end.
-pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
+pub fn read(bytes: &[u8], offset: u64, form: IndexForm) -> Result<Index> {
+    let mut index = read_as_written(bytes, offset, form)?;
+    index.chunks.sort_unstable_by_key(|chunk| chunk.key);
+    index.check()?;
+    Ok(index)
+}
+
+/// As [`read`], with the chunks in the order of their rows, which is that of their stored bytes.
+pub fn read_as_written(bytes: &[u8], offset: u64, form: IndexForm) -> Result<Index> {
     let mut fields = Fields::new(bytes, offset, SECTION);
     let [probe_count, stream_count, chunk_count] = varints(&mut fields)?;
     let order = match fields.u8()? {
@@ -111,9 +120,11 @@ pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
     }
     check_count(&fields, "chunks", chunk_count, 1)?;
     index.chunks = ChunkTable::new(&fields, &streams, chunk_count)?.read(&mut fields, order, offset)?;
+    if form == IndexForm::Attributed {
+        index.attributes = Attributes::read(&mut fields)?;
+    }
     fields.finish()?;
     index.streams = streams.into_iter().map(|row| row.entry).collect();
-    index.check()?;
     Ok(index)
 }
 
@@ -222,7 +233,7 @@ impl<'a> ChunkTable<'a> {
         Ok(ChunkTable { streams, first_unit, next_frame, chunks: Vec::with_capacity(count as usize), count })
     }
 
-    /// Reads the rows, in the order of the file; gives them in the order of form 0.
+    /// Reads the rows, in the order of the file.
     fn read(mut self, fields: &mut Fields<'_>, order: ChunkOrder, end: u64) -> Result<Vec<ChunkEntry>> {
         let units = self.next_frame.len() as u64;
         let (mut predicted, mut offset) = (0u64, HEAD_BYTES as u64);
@@ -251,7 +262,6 @@ impl<'a> ChunkTable<'a> {
         if offset != end {
             return Err(fields.error(format!("the chunks end at byte {offset}, and the index starts at {end}")));
         }
-        self.chunks.sort_unstable_by_key(|chunk| chunk.key);
         Ok(self.chunks)
     }
 

@@ -10,8 +10,8 @@ pub const MAGIC: [u8; 8] = [0x89, b'L', b'F', b'L', b'D', 0x0d, 0x0a, 0x1a];
 pub const FOOT_MAGIC: [u8; 4] = *b"LFND";
 /// Major version: readers refuse any other.
 pub const VERSION_MAJOR: u16 = 1;
-/// Minor version: 1 has the compact index (container.md 3).
-pub const VERSION_MINOR: u16 = 1;
+/// Minor version: 1 has the compact index, 2 attributes (container.md 3).
+pub const VERSION_MINOR: u16 = 2;
 pub const HEAD_BYTES: usize = 16;
 pub const FOOT_BYTES: usize = 40;
 
@@ -55,6 +55,8 @@ pub enum IndexForm {
     Rows = 0,
     /// container.md 6.3.
     Compact = 1,
+    /// The same with attributes, container.md 6.4.
+    Attributed = 2,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,6 +88,7 @@ impl Foot {
         let index_form = match form {
             0 => IndexForm::Rows,
             1 => IndexForm::Compact,
+            2 => IndexForm::Attributed,
             other => return wrong(start + 20, format!("the index has form {other}, which is unknown")),
         };
         let foot = Foot { index_offset, index_bytes, index_crc32, index_form };

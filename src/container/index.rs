@@ -5,6 +5,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use crate::container::attributes::Attributes;
 use crate::container::chunk::{self, ChunkEntry, ChunkPlace, Storage};
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
@@ -84,6 +85,7 @@ pub struct Index {
     pub streams: Vec<StreamEntry>,
     /// Chunks, ordered by stream, unit and first frame.
     pub chunks: Vec<ChunkEntry>,
+    pub attributes: Attributes,
 }
 
 impl Index {
@@ -326,7 +328,7 @@ mod tests {
                 intrinsics: [0.0; 4],
             }],
             streams: vec![stream(0, 0), stream(1, 0)],
-            chunks: vec![],
+            ..Index::default()
         };
         for stream in 0..2 {
             for unit in 0..2 {

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::container::attributes::{Attributes, is_name};
 use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
 use crate::container::compact::{ChunkOrder, StreamRow, before_first, chunk_flags, probe_flags, stream_flags};
-use crate::container::header::HEAD_BYTES;
+use crate::container::header::{HEAD_BYTES, IndexForm};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
 use crate::container::serialize::PutFields;
 use crate::error::{Error, Result};
@@ -44,7 +45,15 @@ impl Index {
             stream = next;
         }
         out.extend_from_slice(&chunks);
+        if self.form() == IndexForm::Attributed {
+            self.attributes.write(&mut out)?;
+        }
         Ok(out)
+    }
+
+    /// The form that [`Self::write`] writes.
+    pub fn form(&self) -> IndexForm {
+        if self.attributes.is_empty() { IndexForm::Compact } else { IndexForm::Attributed }
     }
 
     /// What stands between the counts and the probe table, in both forms.
@@ -214,6 +223,25 @@ fn write_stream(out: &mut Vec<u8>, before: &StreamRow, row: &StreamRow, back: Op
     Ok(())
 }
 
+impl Attributes {
+    pub(super) fn write(&self, out: &mut Vec<u8>) -> Result<()> {
+        match self.iter().find(|(name, _)| !is_name(name)) {
+            Some((name, _)) => Err(Error::invalid(format!("{name:?} is no name of an attribute"))),
+            None => self.write_rows(out),
+        }
+    }
+
+    pub(super) fn write_rows(&self, out: &mut Vec<u8>) -> Result<()> {
+        out.put_varint(count("attributes", self.iter().count())?.into());
+        for (name, value) in self.iter() {
+            out.put_string("an attribute's name", name)?;
+            out.put_varint(count("bytes of an attribute", value.len())?.into());
+            out.extend_from_slice(value);
+        }
+        Ok(())
+    }
+}
+
 fn flags_of(fields: &[(u8, bool)]) -> u8 {
     fields.iter().filter(|(_, present)| *present).fold(0, |flags, (flag, _)| flags | flag)
 }
@@ -298,7 +326,7 @@ mod tests {
         let bytes = index.write().unwrap();
         let rows = 6 * index.chunks.len();
         assert!((rows + 3000..rows + 3100).contains(&bytes.len()), "{} bytes", bytes.len());
-        let read = compact::read(&bytes, offset).unwrap();
+        let read = compact::read(&bytes, offset, IndexForm::Compact).unwrap();
         assert!(read.streams.iter().all(|stream| Arc::ptr_eq(&stream.codec_header, &read.streams[0].codec_header)));
         index.chunks.sort_by_key(|chunk| chunk.key);
         assert_eq!(read, index);

@@ -5,6 +5,7 @@
 
 #![doc(hidden)]
 
+pub mod attributes;
 pub mod chunk;
 pub mod compact;
 #[cfg(feature = "encode")]
@@ -30,6 +31,7 @@ pub mod zstd;
 #[cfg(feature = "encode")]
 pub mod zstd_independent;
 
+pub use attributes::Attributes;
 pub use chunk::{ChunkEntry, ChunkKey, ChunkPlace, EncodedChunk, Storage};
 #[cfg(feature = "encode")]
 pub use compression::{Compression, PayloadKind};

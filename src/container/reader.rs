@@ -89,26 +89,41 @@ impl Reader {
         if self.file_bytes < (HEAD_BYTES + FOOT_BYTES) as u64 {
             return Err(Error::invalid_at("container.md 7", self.file_bytes, "the container ends after its head"));
         }
-        let foot = self.read_foot()?;
-        let bytes = self.read_at(foot.index_offset, foot.index_bytes, Vec::new())?;
-        if crc32fast::hash(&bytes) != foot.index_crc32 {
-            return Err(Error::invalid_at(
-                "container.md 4",
-                foot.index_offset,
-                "the index's CRC-32 does not match: the file is damaged",
-            ));
-        }
+        let (foot, bytes) = self.read_index_bytes()?;
         let read = match foot.index_form {
-            IndexForm::Rows => Index::read,
-            IndexForm::Compact => compact::read,
+            IndexForm::Rows => Index::read(&bytes, foot.index_offset),
+            form => compact::read(&bytes, foot.index_offset, form),
         };
-        let index = read(&bytes, foot.index_offset).map_err(|error| match self.minor_version {
+        let index = read.map_err(|error| match self.minor_version {
             ..=header::VERSION_MINOR => error,
             later => error.context(format!("format version {}.{later}, later than known", header::VERSION_MAJOR)),
         })?;
         limits::check(&index, self.file_bytes, self.limits)?;
         (self.index, self.index_bytes) = (index, foot.index_bytes);
         Ok(())
+    }
+
+    fn read_index_bytes(&self) -> Result<(Foot, Payload)> {
+        let foot = self.read_foot()?;
+        let bytes = self.read_at(foot.index_offset, foot.index_bytes, Vec::new())?;
+        if crc32fast::hash(&bytes) != foot.index_crc32 {
+            let message = "the index's CRC-32 does not match: the file is damaged";
+            return Err(Error::invalid_at("container.md 4", foot.index_offset, message));
+        }
+        Ok((foot, bytes))
+    }
+
+    /// The chunks in the order in which they were written, read anew from the index.
+    pub fn chunks_as_written(&self) -> Result<Vec<ChunkEntry>> {
+        let (foot, bytes) = self.read_index_bytes()?;
+        match foot.index_form {
+            IndexForm::Rows => {
+                let mut chunks = self.index.chunks.clone();
+                chunks.sort_by_key(|chunk| chunk.offset);
+                Ok(chunks)
+            }
+            form => Ok(compact::read_as_written(&bytes, foot.index_offset, form)?.chunks),
+        }
     }
 
     /// The foot, which is the last bytes of the file. Where it ends before, the error says how many bytes follow it.

@@ -6,7 +6,7 @@ use std::io::Write;
 use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES};
 use crate::container::compact;
 use crate::container::compression::{Compression, PayloadKind};
-use crate::container::header::{FOOT_BYTES, Foot, IndexForm};
+use crate::container::header::{FOOT_BYTES, Foot};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
 use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks, identity};
 use crate::container::limits::{self, OpenLimits};
@@ -108,6 +108,11 @@ impl<W: Write> Writer<W> {
         self.index.streams.len() as u32 - 1
     }
 
+    /// Sets an attribute (container.md 6.4); at any time before the end.
+    pub fn set_attribute(&mut self, name: &str, value: Vec<u8>) {
+        self.index.attributes.set(name, value);
+    }
+
     pub fn push(&mut self, chunk: &PackedChunk) -> Result<()> {
         self.push_after(chunk, chunk.key().last_frame())
     }
@@ -160,7 +165,7 @@ impl<W: Write> Writer<W> {
         let checked = || {
             let index = self.index.write()?;
             let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
-            let read = compact::read(&index, self.position)?;
+            let read = compact::read(&index, self.position, self.index.form())?;
             limits::check(&read, bytes, OpenLimits::default())?;
             check(&read, bytes)?;
             Ok((index, bytes))
@@ -171,7 +176,7 @@ impl<W: Write> Writer<W> {
             index_offset: self.position,
             index_bytes: index.len() as u64,
             index_crc32: crc32fast::hash(&index),
-            index_form: IndexForm::Compact,
+            index_form: self.index.form(),
         };
         let foot = foot.write();
         let written =

@@ -3,7 +3,7 @@
 use half::f16;
 
 use super::finding::{Finding, Verdict, percent};
-use crate::image::{ColorPlane, ColorSpace};
+use crate::image::{ColorPlane, ColorSpace, Transfer};
 
 /// Fewer pixels are inconclusive.
 const MIN_PIXELS: u64 = 1000;
@@ -63,18 +63,17 @@ pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
     let above = values.above_one as f64 / values.values.max(1) as f64;
     let codes = values.codes as f64 / values.dim.max(1) as f64;
     let told = values.pixels >= MIN_PIXELS;
-    let (verdict, says) = match space {
-        ColorSpace::LinearRec709 if files == Files::Integers => {
-            (Verdict::CannotTell, "PNG files rarely hold linear light".to_owned())
-        }
-        ColorSpace::LinearRec709 if told && above >= ABOVE_SHARE => {
+    let is_light = space.transfer() == Transfer::Linear;
+    let (verdict, says) = match files {
+        Files::Integers if is_light => (Verdict::CannotTell, "PNG files rarely hold linear light".to_owned()),
+        _ if is_light && told && above >= ABOVE_SHARE => {
             (Verdict::Fine, format!("{} of the values are above 1, as only light is", percent(above)))
         }
-        ColorSpace::LinearRec709 if told && values.dim >= MIN_PIXELS && codes >= CODES_SHARE => {
+        _ if is_light && told && values.dim >= MIN_PIXELS && codes >= CODES_SHARE => {
             (Verdict::Suspect, "all values are 255ths: they look like sRGB codes, not like linear light".to_owned())
         }
         // Codes end at 1, and so does the light that was made of them.
-        ColorSpace::Srgb if told && above >= ABOVE_SHARE => {
+        _ if !is_light && told && above >= ABOVE_SHARE => {
             (Verdict::Suspect, format!("{} of the values are above 1, where sRGB codes end", percent(above)))
         }
         _ => (Verdict::CannotTell, "no value is above 1, as in light and in codes".to_owned()),

@@ -66,14 +66,38 @@ pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
     Ok(read::jobs(source, choice)?.len() as u64)
 }
 
-/// Runs all checks. The result does not depend on the number of threads.
-pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Report> {
-    let manifest = source.manifest.as_ref();
-    let depth = manifest.and_then(|manifest| manifest.depth.as_ref());
+/// Runs the checks of values alone: those of depth, and whether colour is light.
+pub fn check_values(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
+    let stated = stated(source);
+    let footage = read::read(source, choice, &stated, monitor)?;
+    let mut findings = footage.depth.map_or_else(Vec::new, |values| values::check(&values, &stated));
+    findings.extend(footage.color.map(|values| check_light(source, &values)));
+    Ok(findings)
+}
+
+/// What manifest and options state of depth values.
+fn stated(source: &Source) -> values::Stated {
+    let depth = source.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
     let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
     let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
     let (background, scale, invalid) = (source.rules.background, source.rules.scale, source.rules.invalid);
-    let stated = values::Stated { background, scale, range_m: [near, far], invalid };
+    values::Stated { background, scale, range_m: [near, far], invalid }
+}
+
+fn check_light(source: &Source, values: &light::ColorValues) -> Finding {
+    let pattern = source.manifest.as_ref().and_then(|manifest| manifest.files.get(StreamKind::Color));
+    let png = pattern.is_some_and(|pattern| pattern.to_ascii_lowercase().ends_with(".png"));
+    let (files, usual) = match png {
+        true => (light::Files::Integers, ColorSpace::Srgb),
+        false => (light::Files::Floats, ColorSpace::LinearRec709),
+    };
+    light::check(values, source.color_space.unwrap_or(usual), files)
+}
+
+/// Runs all checks. The result does not depend on the number of threads.
+pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Report> {
+    let manifest = source.manifest.as_ref();
+    let stated = stated(source);
     let footage = read::read(source, choice, &stated, monitor)?;
     let projection = manifest.map_or(Projection::Cubemap, |manifest| manifest.projection);
     let mut findings = Vec::new();
@@ -105,15 +129,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         }
         findings.extend(values::check(values, &stated));
     }
-    if let Some(values) = &footage.color {
-        let pattern = manifest.and_then(|manifest| manifest.files.get(StreamKind::Color));
-        let png = pattern.is_some_and(|pattern| pattern.to_ascii_lowercase().ends_with(".png"));
-        let (files, usual) = match png {
-            true => (light::Files::Integers, ColorSpace::Srgb),
-            false => (light::Files::Floats, ColorSpace::LinearRec709),
-        };
-        findings.push(light::check(values, source.color_space.unwrap_or(usual), files));
-    }
+    findings.extend(footage.color.as_ref().map(|values| check_light(source, values)));
     findings.extend(duplicate_images::check(&footage, source.depth_in_files));
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })

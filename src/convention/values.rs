@@ -31,6 +31,8 @@ const USUAL_BACKGROUNDS: [f32; 18] = [
 ];
 const MAX_F16: f32 = 65_504.0;
 const MAX_U32: f32 = u32::MAX as f32;
+/// No surface is so far away, in metres.
+const ABSURD_METRES: f64 = 1e7;
 /// A smaller share of invalid pixels is taken for single flaws, not for a background value.
 const INVALID_SHARE: f64 = 1e-4;
 /// Share of surfaces outside near and far that is no accident.
@@ -206,7 +208,10 @@ fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
     let figures = [("nearest_m", min), ("farthest_m", max), ("outside", outside)];
     let seen = format!("surfaces lie {min:.4} m to {max:.4} m away");
     let whole = values.whole == values.surfaces && values.surfaces > 100 && nearest < values.max;
-    let (verdict, says) = if whole && max >= WHOLE_METRES {
+    let (verdict, says) = if max >= ABSURD_METRES {
+        let like = "farther than anything that is seen: if nothing is there, name that value in \"background\"";
+        (Verdict::Suspect, format!("surfaces lie {min:.4} m to {max:.1e} m away, {like}"))
+    } else if whole && max >= WHOLE_METRES {
         let like = "all of them whole numbers: they look like millimetres or another small unit";
         (Verdict::Suspect, format!("{seen}, {like}"))
     } else if near == 0.0 && far.is_infinite() {
@@ -303,6 +308,9 @@ mod tests {
         let millimetres = metres.map(|value| value * 1000.0);
         let found = check(&DepthValues::count(&millimetres, &stated), &stated).pop().unwrap();
         assert!(found.says.contains("0.001 times"), "{}", found.says);
+        let sky = plane(|at| if at == 9 { 1e30 } else { 1.25 + at as f32 * 0.001 });
+        let found = check(&DepthValues::count(&sky, &stated), &stated).pop().unwrap();
+        assert!(found.verdict == Verdict::Suspect && found.says.contains("1.0e30 m"), "{}", found.says);
         let whole = plane(|at| 400.0 + (at / 2) as f32);
         let found = verdicts(&whole, &Stated { range_m: [0.0, f64::INFINITY], ..stated });
         assert_eq!(found[2], Verdict::Suspect);

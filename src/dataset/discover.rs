@@ -162,6 +162,7 @@ impl Draft<'_> {
             depth,
             color,
             material: None,
+            missing: None,
             files: Files {
                 color: file(StreamKind::Color),
                 depth: file(StreamKind::Depth),
@@ -257,7 +258,8 @@ impl Draft<'_> {
                     ));
                 }
                 if let Some(missing) = (first..=last).find(|frame| !of.frames.contains(frame)) {
-                    self.unsure.push(format!("{} lacks frame {missing}", of.text));
+                    self.unsure
+                        .push(format!("{} lacks frame {missing}: \"missing\" chooses what takes its place", of.text));
                 }
             }
             frames.insert(name.clone(), [first, last]);

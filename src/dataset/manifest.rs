@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::dataset::missing::Missing;
 use crate::error::{Error, Result};
 use crate::image::layout::eye_size;
 use crate::image::{ColorSpace, DepthKind, Eye, Face, FrameRange, Pattern, Projection, StereoLayout, StreamKind};
@@ -56,6 +57,9 @@ pub struct Manifest {
     pub color: Option<ColorInfo>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialInfo>,
+    /// Treatment of frames whose file is missing; an error when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<Missing>,
     pub files: Files,
     pub probes: Vec<Probe>,
     /// Other data; kept, never read.

@@ -4,6 +4,7 @@
 pub mod cameras;
 pub mod discover;
 pub mod manifest;
+mod missing;
 mod normals;
 mod pixels;
 pub mod seurat;
@@ -12,6 +13,7 @@ pub mod source;
 pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::{Manifest, Pose};
+pub use missing::Missing;
 pub(crate) use pixels::planar_to_distance;
 pub use pixels::{InvalidColor, InvalidDepth};
 pub use source::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};

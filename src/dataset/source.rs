@@ -7,7 +7,10 @@ mod open;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use half::f16;
+
 use super::manifest::{Manifest, Pose};
+use super::missing::{FrameFiles, Missing};
 use super::normals::{self, NormalFiles};
 use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
@@ -18,7 +21,7 @@ use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
 use crate::image::layout::{cut_eye, cut_faces};
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, NormalPlane, Plane, Projection, ReadLimits, Sequence, StereoLayout, StreamKind, exr, png,
+    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind, exr, png,
 };
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
@@ -37,10 +40,12 @@ pub struct SourceOptions {
     pub background: Option<f32>,
     /// Default distance.
     pub depth_kind: Option<DepthKind>,
-    /// Default linear for EXR, sRGB for PNG.
+    /// Default for EXR linear light of the primaries that files state, else of Rec. 709; sRGB for PNG.
     pub color_space: Option<ColorSpace>,
     pub invalid_depth: InvalidDepth,
     pub invalid_color: InvalidColor,
+    /// Default an error.
+    pub missing: Option<Missing>,
     pub frames: Option<FrameRange>,
     /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
     /// quarter of the width.
@@ -169,7 +174,7 @@ pub struct Source {
     probes: Vec<ProbeInfo>,
     groups: Vec<SourceGroup>,
     /// Files of each group, by kind, probe and first face.
-    sequences: BTreeMap<(StreamKind, usize, Face), Sequence>,
+    sequences: BTreeMap<(StreamKind, usize, Face), FrameFiles>,
     normals: NormalFiles,
     /// Where the source was opened by one.
     pub manifest: Option<Manifest>,
@@ -185,10 +190,13 @@ pub struct Source {
     /// The declared kind of stored depth.
     pub depth_in_files: DepthKind,
     pub color_space: Option<ColorSpace>,
+    /// Of delivered colour.
+    primaries: Primaries,
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
     material_channels: [String; 3],
     invalid_color: InvalidColor,
+    missing: Missing,
     limits: ReadLimits,
     maps: Vec<FaceMap>,
 }
@@ -221,14 +229,40 @@ impl Source {
         &self.groups
     }
 
-    /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
+    /// Primaries of all colour: those of the stated color space, else of the first colour file.
+    pub fn primaries(&self) -> Primaries {
+        self.primaries
+    }
+
+    /// Colour of a file: linear light, or sRGB codes of an EXR file.
+    fn color_file(&self, path: &Path, group: &SourceGroup) -> Result<ColorPlane> {
+        if png::is_png(path) {
+            let plane = png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?;
+            return self.check_primaries(Primaries::REC709).map(|()| plane);
+        }
+        let select = self.select(&self.color_channel, group);
+        if self.color_space.is_some() {
+            return exr::read_color(path, &select, &self.limits);
+        }
+        let (plane, primaries) = exr::read_color_and_primaries(path, &select, &self.limits)?;
+        self.check_primaries(primaries).map(|()| plane)
+    }
+
+    fn check_primaries(&self, found: Primaries) -> Result<()> {
+        if self.color_space.is_some() || found.is_same(self.primaries) {
+            return Ok(());
+        }
+        let [found, others] = [found, self.primaries].map(Primaries::to_array);
+        Err(Error::invalid(format!(
+            "its chromaticities are {found:?}, those of the first colour file {others:?}: one set was expected; state \
+             `color_space` to ignore them"
+        )))
+    }
+
+    /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
-        self.read(StreamKind::Color, group, frame, |path| {
-            let mut plane = if png::is_png(path) {
-                png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
-            } else {
-                exr::read_color(path, &self.select(&self.color_channel, group), &self.limits)?
-            };
+        self.read((StreamKind::Color, group, frame), [f16::ZERO; 3], |path| {
+            let mut plane = self.color_file(path, group)?;
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
             if !png::is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
@@ -241,7 +275,7 @@ impl Source {
     /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
     /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
-        self.read(StreamKind::Depth, group, frame, |path| {
+        self.read((StreamKind::Depth, group, frame), f32::INFINITY, |path| {
             let mut plane = self.depth_file(path, group)?;
             let mut planes = if let Content::Faces(_) = self.content {
                 // What lies beside the faces may be anything.
@@ -282,12 +316,12 @@ impl Source {
     /// anything, also NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let read = |path: &Path| self.faces_of(self.depth_file(path, group)?, group, resample_nearest);
-        self.read(group.kind, group, frame, read)
+        self.read((group.kind, group, frame), f32::INFINITY, read)
     }
 
     /// Material of a frame, one plane for each face of the group, every value finite.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
-        self.read(StreamKind::Material, group, frame, |path| {
+        self.read((StreamKind::Material, group, frame), [0.0, 0.0, 1.0], |path| {
             if png::is_png(path) {
                 return Err(Error::unsupported("material is read from EXR files only"));
             }
@@ -313,30 +347,40 @@ impl Source {
         read(&path).map(Some).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
-    fn read<T>(
+    /// The planes of a frame; `blank` where nothing stands in for its file.
+    fn read<T: Clone>(
         &self,
-        kind: StreamKind,
-        group: &SourceGroup,
-        frame: u32,
-        planes: impl FnOnce(&Path) -> Result<Vec<T>>,
-    ) -> Result<Vec<T>> {
-        let path = self.path(kind, group, frame)?;
+        (kind, group, frame): (StreamKind, &SourceGroup, u32),
+        blank: T,
+        planes: impl FnOnce(&Path) -> Result<Vec<Plane<T>>>,
+    ) -> Result<Vec<Plane<T>>> {
+        let Some(path) = self.path(kind, group, frame)? else {
+            return Ok(vec![Plane::filled(group.width, group.height, blank); group.faces.len()]);
+        };
         planes(&path).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
     /// The image files of all frames, of every kind.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
-        self.sequences.values().flat_map(Sequence::files).chain(self.normals.files())
+        self.sequences.values().flat_map(FrameFiles::files).chain(self.normals.files())
     }
 
-    pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
+    /// The file of a frame, or of that in its place; `None` where it is missing and black stands in its place.
+    pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
         self.path(group.kind, group, frame)
     }
 
-    fn path(&self, kind: StreamKind, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
+    /// Frames of a group whose file is missing, and the frame in their place; `None` for black.
+    pub fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
+        let face = group.faces.first();
+        let files = face.and_then(|face| self.sequences.get(&(group.kind, group.probe, *face)));
+        files.into_iter().flat_map(FrameFiles::stand_ins).collect()
+    }
+
+    fn path(&self, kind: StreamKind, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
         let found = group.faces.first().and_then(|face| self.sequences.get(&(kind, group.probe, *face)));
         match found {
-            Some(sequence) if group.kind == kind && sequence.frames.contains(frame) => Ok(sequence.path(frame)),
+            Some(files) if group.kind == kind && files.frames().contains(frame) => Ok(files.path(frame)),
             _ => Err(Error::Usage(format!("there is no {} of probe {} at frame {frame}", kind.name(), group.probe))),
         }
     }
@@ -391,11 +435,13 @@ impl Source {
             ("the depth scale", self.rules.scale.to_string()),
             ("`invalid_depth`", self.rules.invalid.name().to_owned()),
             ("`invalid_color`", self.invalid_color.name().to_owned()),
+            ("`missing`", self.missing.name().to_owned()),
             ("the kind of depth", format!("{} as {}", self.depth_in_files.name(), self.depth_stored.name())),
             ("near in the manifest", words_of(range.and_then(|depth| depth.near), "none")),
             ("far in the manifest", words_of(range.and_then(|depth| depth.far), "none")),
             ("whether a depth scale is stated", self.scale_stated.to_string()),
             ("the color space", words_of(self.color_space.map(ColorSpace::name), "that of the files")),
+            ("the primaries of colour", format!("{:?}", self.primaries.to_array())),
             ("the color channels", self.color_channel.words()),
             ("the depth channel", self.depth_channel.words()),
             ("the material channels", self.material_channels.join(", ")),

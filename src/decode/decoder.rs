@@ -6,8 +6,8 @@ use crate::container::{ByteSource, OpenLimits, ProbeEntry, Reader};
 use crate::decode::face::FaceDecoder;
 use crate::decode::unit::UnitDecoder;
 use crate::error::{Error, Result};
-use crate::image::Face;
-use crate::streams::{self, StreamInfo, StreamKind};
+use crate::image::{Face, Primaries};
+use crate::streams::{self, FootageInfo, StreamInfo, StreamKind};
 
 /// An open container (formats/container.md).
 ///
@@ -34,6 +34,7 @@ use crate::streams::{self, StreamInfo, StreamKind};
 pub struct Decoder {
     reader: Reader,
     streams: Vec<StreamInfo>,
+    footage: FootageInfo,
 }
 
 impl Decoder {
@@ -100,12 +101,24 @@ impl Decoder {
         let named = |error: Error| error.in_file(reader.path());
         let streams = streams::streams(reader.index()).map_err(named)?;
         streams::check_memory(&streams, reader.index(), reader.file_bytes, reader.limits).map_err(named)?;
-        Ok(Decoder { reader, streams })
+        let footage = FootageInfo::read(reader.index()).map_err(named)?;
+        Ok(Decoder { reader, streams, footage })
     }
 
     /// All streams, in the order of the stream table.
     pub fn streams(&self) -> &[StreamInfo] {
         &self.streams
+    }
+
+    /// Primaries and white of decoded colour, which is linear light of them (container.md 6.6).
+    pub fn primaries(&self) -> Primaries {
+        self.footage.primaries
+    }
+
+    /// How the footage was made.
+    #[doc(hidden)]
+    pub fn footage(&self) -> &FootageInfo {
+        &self.footage
     }
 
     /// The stream of a kind, probe and face.

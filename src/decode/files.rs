@@ -11,7 +11,7 @@ use crate::decode::damage::{FrameRanges, MissingImages};
 use crate::decode::decoder::Decoder;
 use crate::decode::face::Picture;
 use crate::decode::images::ImageSource;
-use crate::decode::manifest::{FileFormat, file_pattern, manifest_of};
+use crate::decode::manifest::{FileCoding, FileFormat, file_pattern, manifest_of};
 use crate::decode::memory;
 use crate::decode::selection::{Request, StreamFrames};
 use crate::decode::units::{DecodeSummary, Decoded, DecodedPart, jobs_at_once};
@@ -19,7 +19,7 @@ use crate::depth::CodeTable;
 use crate::error::{Error, Result};
 use crate::image::sequence::Pattern;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
-use crate::image::{exr, png};
+use crate::image::{ColorPlane, LightMatrix, Primaries, exr, png};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
@@ -74,14 +74,15 @@ pub fn decode_to_files(
     decoder: &Decoder,
     Request { streams, filter, memory }: Request<'_>,
     destination: &Destination,
-    format: FileFormat,
+    coding: FileCoding,
     monitor: &dyn Monitor,
 ) -> Result<Decoded> {
+    let format = coding.format;
     let written = Written::default();
     let each = |part: &StreamFrames<'_>| memory::stream_bytes(decoder, part.stream) + memory::file_bytes(part.stream);
     let at_once = jobs_at_once(decoder, memory, || streams.iter().map(each).max())?;
     let parts = try_map_at_once(streams.to_vec(), at_once, |StreamFrames { stream, frames }| {
-        let writer = ImageWriter::new(stream, format);
+        let writer = ImageWriter::new(stream, coding, decoder.primaries());
         let pattern = destination.pattern(decoder, stream, format)?;
         let mut face = source.open(decoder, stream)?;
         let mut missing = FrameRanges::default();
@@ -107,7 +108,7 @@ pub fn decode_to_files(
     if let Destination::Dataset(folder) = destination
         && decoded.summary.frames > 0
     {
-        let mut manifest = match manifest_of(decoder, streams, format) {
+        let mut manifest = match manifest_of(decoder, streams, coding) {
             Ok(manifest) => manifest,
             Err(why) => {
                 decoded.no_manifest = Some(why);
@@ -141,25 +142,36 @@ enum Table {
     Light(Box<DecodeTable>),
     /// Of half floats in PNG.
     Codes(EncodeTable),
+    /// Of 8-bit codes in PNG that are of other primaries.
+    Anew(Box<DecodeTable>, EncodeTable),
     None,
 }
 
 struct ImageWriter {
     format: FileFormat,
     table: Table,
+    /// Of light in files.
+    primaries: Primaries,
+    /// To them.
+    matrix: Option<LightMatrix>,
 }
 
 impl ImageWriter {
-    fn new(stream: &StreamInfo, format: FileFormat) -> ImageWriter {
+    fn new(stream: &StreamInfo, coding: FileCoding, own: Primaries) -> ImageWriter {
+        let (format, primaries) = (coding.format, coding.primaries(own));
+        let matrix = own.conversion_to(primaries);
         let table = match &stream.header {
             CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
             CodecHeader::Color(header) => match header.format {
+                ColorFormat::EightBit(tone) if format == FileFormat::Png && matrix.is_some() => {
+                    Table::Anew(Box::new(DecodeTable::new(&tone)), EncodeTable::new(&tone))
+                }
                 ColorFormat::EightBit(tone) => Table::Light(Box::new(DecodeTable::new(&tone))),
                 ColorFormat::Half { .. } => Table::Codes(EncodeTable::new(&ToneMap::default())),
             },
             CodecHeader::Material(_) => Table::None,
         };
-        ImageWriter { format, table }
+        ImageWriter { format, table, primaries, matrix }
     }
 
     /// Writes a file, and its folder where there is none.
@@ -174,20 +186,33 @@ impl ImageWriter {
 
     /// Returns the number of clipped pixels.
     fn write(&self, path: &Path, picture: Picture) -> Result<u64> {
+        let converted = |light: ColorPlane| match self.matrix {
+            Some(matrix) => matrix.convert_plane(&light),
+            None => light,
+        };
+        let light_in_codes = |light: ColorPlane, table: &EncodeTable| {
+            let (codes, clipped) = convert::color_codes(&converted(light), table);
+            png::write_color8(path, &codes).map(|()| clipped)
+        };
         match (self.format, picture, &self.table) {
+            (FileFormat::Png, Picture::Color8(codes), Table::Anew(light, table)) => {
+                return light_in_codes(convert::color_light(&codes, light), table);
+            }
             (FileFormat::Png, Picture::Depth(codes), _) => png::write_depth16(path, &codes),
             (FileFormat::Png, Picture::Color8(codes) | Picture::Material(codes), _) => png::write_color8(path, &codes),
             (FileFormat::Png, Picture::ColorHalf(light), Table::Codes(table)) => {
-                let (codes, clipped) = convert::color_codes(&light, table);
-                return png::write_color8(path, &codes).map(|()| clipped);
+                return light_in_codes(light, table);
             }
             (FileFormat::Exr, Picture::Depth(codes), Table::Metres(table)) => {
                 exr::write_depth(path, &codes.map(|&code| table.metres(code)))
             }
             (FileFormat::Exr, Picture::Color8(codes), Table::Light(table)) => {
-                exr::write_color(path, &convert::color_light(&codes, table))
+                let light = converted(convert::color_light(&codes, table));
+                exr::write_color_of(path, &light, self.primaries)
             }
-            (FileFormat::Exr, Picture::ColorHalf(light), _) => exr::write_color(path, &light),
+            (FileFormat::Exr, Picture::ColorHalf(light), _) => {
+                exr::write_color_of(path, &converted(light), self.primaries)
+            }
             (FileFormat::Exr, Picture::Material(codes), _) => {
                 exr::write_material(path, &convert::material_values(&codes), MATERIAL_CHANNELS)
             }

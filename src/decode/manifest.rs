@@ -9,7 +9,7 @@ use crate::decode::decoder::Decoder;
 use crate::decode::selection::StreamFrames;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::ToneMap;
-use crate::image::{ColorSpace, Face};
+use crate::image::{ColorSpace, Face, Primaries};
 use crate::streams::{CodecHeader, ColorFormat, Projection, StreamKind};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,6 +36,24 @@ impl FileFormat {
     }
 }
 
+/// How images become files.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FileCoding {
+    pub format: FileFormat,
+    /// Space of linear light in EXR files; `None` keeps the container's. PNG files have the primaries of Rec. 709.
+    pub space: Option<ColorSpace>,
+}
+
+impl FileCoding {
+    /// Primaries of files, of a container with its `own`.
+    pub(super) fn primaries(self, own: Primaries) -> Primaries {
+        match (self.format, self.space) {
+            (FileFormat::Png, _) => Primaries::REC709,
+            (FileFormat::Exr, space) => space.map_or(own, ColorSpace::primaries),
+        }
+    }
+}
+
 pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileFormat) -> String {
     let face = if decoder.reader().index().projection == 0 { "/face_{face}" } else { "" };
     format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
@@ -51,9 +69,10 @@ pub fn has_decoded(manifest: &Manifest) -> bool {
 pub(super) fn manifest_of(
     decoder: &Decoder,
     streams: &[StreamFrames<'_>],
-    format: FileFormat,
+    files_coding: FileCoding,
 ) -> Result<Manifest, &'static str> {
     const NO_STREAM: &str = "no stream was decoded";
+    let format = files_coding.format;
     let index = decoder.reader().index();
     let size = streams.first().ok_or(NO_STREAM)?.stream.size();
     let cube = index.projection == 0;
@@ -91,12 +110,13 @@ pub(super) fn manifest_of(
                 };
                 coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
                 let space = match format {
-                    FileFormat::Exr => ColorSpace::LinearRec709,
-                    FileFormat::Png if srgb => ColorSpace::Srgb,
+                    // Where it has no name, the files' chromaticities tell.
+                    FileFormat::Exr => ColorSpace::of_light(files_coding.primaries(decoder.primaries())),
+                    FileFormat::Png if srgb => Some(ColorSpace::Srgb),
                     FileFormat::Png => continue,
                 };
                 files.color = pattern;
-                color = Some(manifest::ColorInfo { space: Some(space), layer: None });
+                color = space.map(|space| manifest::ColorInfo { space: Some(space), layer: None });
             }
             (CodecHeader::Material(_), FileFormat::Exr) => {
                 files.material = pattern;
@@ -150,6 +170,7 @@ pub(super) fn manifest_of(
         depth,
         color,
         material,
+        missing: None,
         files,
         probes,
         extra: Some(json!({ "lightfold": coding })),

@@ -35,7 +35,7 @@ pub use face::{FaceDecoder, Picture};
 pub use files::{Destination, decode_to_files};
 pub use images::{ImageSource, Images, OnCpu};
 #[cfg(feature = "encode")]
-pub use manifest::{FileFormat, has_decoded};
+pub use manifest::{FileCoding, FileFormat, has_decoded};
 pub use pixels::{PixelsMut, UnitPixels};
 #[cfg(feature = "encode")]
 pub use report::{DamagedChunkReport, DecodeReport, DecodeTimes};

@@ -51,6 +51,7 @@ impl Default for ScanLimits {
     }
 }
 
+#[derive(Clone, Copy)]
 /// Limits of a group's cells of keyframes and weights. They follow from footage and settings alone, because the file depends on them.
 pub(super) struct ColorMemory {
     /// With a shorter lookahead where more pictures would be pending.

@@ -55,6 +55,8 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         color_blocks,
         compression,
         kinds,
+        // Refused before anything is written.
+        clipping: _,
         // Batches are smaller with less of it; the order of chunks and their bytes are the same.
         memory: _,
     } = settings;
@@ -162,9 +164,7 @@ fn words_of_color(format: ColorFormat) -> String {
 
 /// What rounding depends on: the system's sines where images are resampled, and for encoders of blocks the processor's instruction sets.
 fn machine(settings: &EncodeSettings) -> String {
-    let in_blocks = settings.color_blocks.is_some()
-        || settings.material.in_blocks
-        || settings.depth.codec == DepthCodec::BoxesInBlocks;
+    let in_blocks = settings.depends_on_processor();
     let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
     if in_blocks { format!("{system}{}", instruction_sets()) } else { system }
 }

@@ -1,27 +1,21 @@
 //! Near and far of a probe: as given, or found in its images, which are kept for the encoder where memory allows.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::depth::predictive::Levels;
-use crate::depth::predictive::levels::MAX_LEVELS;
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
+use crate::encode::scan::{Distances, FoundDepth, Scan};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::error::{Error, Result};
 use crate::image::{DepthPlane, StreamKind};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::convert::DepthExtent;
-
-/// Pixels with a surface for each level, at least: few levels of few pixels are chance.
-const LEAST_OCCURRENCES: u64 = 64;
 
 /// Near and far of a probe, and the scan of its images, if one was made now.
 #[derive(Debug)]
@@ -30,36 +24,6 @@ pub(super) struct ProbeDepth {
     /// Codes that occur, where the images were scanned and hold few.
     pub levels: Levels,
     pub scanned: Option<ScannedProbe>,
-}
-
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Scan {
-    /// `None` without a surface.
-    pub extent: Option<DepthExtent>,
-    /// Whether there are invalid depths that become near.
-    pub has_invalid: bool,
-    /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur; `None` where the codec has no levels.
-    pub distances_m: Option<Vec<f32>>,
-}
-
-impl Scan {
-    /// All that near and far follow from.
-    pub fn limits(&self) -> (Option<DepthExtent>, bool) {
-        (self.extent, self.has_invalid)
-    }
-
-    /// The codes that occur; empty if there are too many, or none.
-    fn levels(&self, range: DepthRange) -> Levels {
-        let near = self.has_invalid.then_some(0);
-        let mut codes: Vec<u16> =
-            self.distances_m.iter().flatten().map(|&distance_m| range.code(distance_m)).chain(near).collect();
-        codes.sort_unstable();
-        codes.dedup();
-        match &self.distances_m {
-            Some(_) => Levels::new(codes).unwrap_or_default(),
-            None => Levels::default(),
-        }
-    }
 }
 
 /// Near and far of the settings, else of the source.
@@ -86,8 +50,9 @@ pub(super) fn depth_of_probe(
         return Ok(ProbeDepth { range, levels: known.levels(range), scanned: None });
     }
     let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
-    let range = found_range(probe, given, &scanned.scan)?;
-    Ok(ProbeDepth { range, levels: scanned.scan.levels(range), scanned: Some(scanned) })
+    let scan = scanned.found.scan();
+    let range = found_range(probe, given, &scan)?;
+    Ok(ProbeDepth { range, levels: scan.levels(range), scanned: Some(scanned) })
 }
 
 /// Delivers planar depth of views as it is, where a sensor gave few depths: distances along their rays would be many, and no
@@ -103,7 +68,7 @@ pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
         let planes = source.read_depth_as_stored(group, group.frames.first).unwrap_or_default();
         let distances = Distances::new(true);
         distances.add(planes.iter().flat_map(|plane| plane.data().iter().copied()));
-        distances.few().is_some_and(|found| !found.is_empty())
+        distances.into_found().scan().distances_m.is_some_and(|found| !found.is_empty())
     };
     if depths.peek().is_some() && depths.all(has_few) {
         source.keep_kind_of_views();
@@ -133,7 +98,7 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<Dep
 
 #[derive(Debug)]
 pub(super) struct ScannedProbe {
-    pub scan: Scan,
+    pub found: FoundDepth,
     /// By index of the group and frame.
     pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
     /// Time that threads spent reading these.
@@ -177,53 +142,9 @@ pub(super) fn scan_probe(
         DepthRange::new(extent.near_m, extent.far_m)?;
     }
     let has_invalid = frames.iter().any(|frame| frame.has_invalid);
-    let scan = Scan { extent, has_invalid, distances_m: distances.few() };
+    let found = FoundDepth { extent, has_invalid, ..distances.into_found() };
     let kept = frames.into_iter().filter_map(|frame| frame.kept).collect();
-    Ok(ScannedProbe { scan, kept, reading, scanning })
-}
-
-/// The distances of surfaces that occur, as long as they are few. Threads add to it in any order.
-struct Distances {
-    /// Their bits; `None` where there are more than [`MAX_LEVELS`], or nobody asks.
-    found: Mutex<Option<HashSet<u32>>>,
-    surfaces: AtomicU64,
-}
-
-impl Distances {
-    fn new(are_wanted: bool) -> Distances {
-        Distances { found: Mutex::new(are_wanted.then(HashSet::new)), surfaces: AtomicU64::new(0) }
-    }
-
-    fn add(&self, metres: impl Iterator<Item = f32>) {
-        if self.found.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
-            return;
-        }
-        let (mut found, mut last, mut surfaces) = (HashSet::new(), f32::INFINITY, 0);
-        for metres in metres.filter(|&metres| metres > 0.0 && metres < f32::INFINITY) {
-            surfaces += 1;
-            if metres != last && found.insert(metres.to_bits()) && found.len() > MAX_LEVELS {
-                break;
-            }
-            last = metres;
-        }
-        self.surfaces.fetch_add(surfaces, Ordering::Relaxed);
-        let mut all = self.found.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = all.as_mut() {
-            known.extend(found);
-            if known.len() > MAX_LEVELS {
-                *all = None;
-            }
-        }
-    }
-
-    /// The distances, ascending, if they are few and recur.
-    fn few(self) -> Option<Vec<f32>> {
-        let found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner)?;
-        let recur = found.len() as u64 * LEAST_OCCURRENCES <= self.surfaces.into_inner();
-        let mut distances: Vec<f32> = found.into_iter().map(f32::from_bits).collect();
-        distances.sort_unstable_by(f32::total_cmp);
-        recur.then_some(distances)
-    }
+    Ok(ScannedProbe { found, kept, reading, scanning })
 }
 
 #[cfg(test)]
@@ -253,38 +174,6 @@ mod tests {
         }
     }
 
-    fn scan_of(distances: impl IntoIterator<Item = f32>, has_invalid: bool) -> Scan {
-        let distances: Vec<f32> = distances.into_iter().collect();
-        let extent = DepthExtent { near_m: distances[0], far_m: distances[distances.len() - 1] };
-        Scan { extent: Some(extent), has_invalid, distances_m: Some(distances) }
-    }
-
-    #[test]
-    fn invalid_depth_is_a_level_of_its_own_where_nothing_lies_at_near() {
-        let scan = |has_invalid| scan_of([1.0, 2.5, 4.0], has_invalid);
-        let at = |near, scan: Scan| scan.levels(DepthRange::new(near, 4.0).unwrap()).codes().to_vec();
-        assert_eq!(at(1.0, scan(true)), at(1.0, scan(false)));
-        let (without, with) = (at(0.5, scan(false)), at(0.5, scan(true)));
-        assert!(without[0] > 0);
-        assert_eq!(with, [&[0][..], &without].concat());
-    }
-
-    #[test]
-    fn one_level_more_than_the_most_means_none() {
-        let range = DepthRange::new(0.5, 5000.0).unwrap();
-        let distances = (0..MAX_LEVELS).map(|at| 1.0 + at as f32);
-        assert_eq!(scan_of(distances.clone(), false).levels(range).codes().len(), MAX_LEVELS);
-        assert!(scan_of(distances, true).levels(range).is_empty());
-    }
-
-    #[test]
-    fn a_scan_comes_back_from_a_journal_as_it_was() {
-        let distances = [1e-45, 0.1, 1.0 / 3.0, 0.7 + 0.37, 16_777_217.0, f32::MAX];
-        let scan = scan_of(distances, true);
-        let back: Scan = serde_json::from_slice(&serde_json::to_vec(&scan).unwrap()).unwrap();
-        assert_eq!(back, scan);
-    }
-
     #[test]
     fn distances_are_looked_for_only_where_levels_are_of_use() {
         let folder = tempfile::tempdir().unwrap();
@@ -297,31 +186,10 @@ mod tests {
             let mut settings = EncodeSettings::default();
             (settings.depth.codec, settings.temporal.epsilon) = (codec, epsilon);
             let limits = budget::scan_limits(&source, &settings, &groups).unwrap();
-            scan_probe(&source, &groups, limits, &Silent).unwrap().scan.distances_m
+            scan_probe(&source, &groups, limits, &Silent).unwrap().found.scan().distances_m
         };
         assert_eq!(found(DepthCodec::Predictive, 0), Some(vec![2.0]));
         assert_eq!(found(DepthCodec::Predictive, 1), None);
         assert_eq!(found(DepthCodec::Quadtree, 0), None);
-    }
-
-    #[test]
-    fn few_distances_that_recur_are_found_in_any_order() {
-        let repeated = |values: u64, times: u64| {
-            let distances = Distances::new(true);
-            for frame in 0..times {
-                distances
-                    .add((0..values).map(|at| 1.0 + ((at * 7 + frame) % values) as f32).chain([f32::INFINITY, 0.0]));
-            }
-            distances.few()
-        };
-        let ascending = |values: u64| Some((0..values).map(|at| 1.0 + at as f32).collect::<Vec<_>>());
-        assert_eq!(repeated(5, 64), ascending(5));
-        assert_eq!(repeated(4096, 64), ascending(4096));
-        assert_eq!(repeated(5, 63), None);
-        assert_eq!(repeated(4097, 64), None);
-        // Few in every frame, many in all.
-        let distances = Distances::new(true);
-        (0..100).for_each(|frame| distances.add((0..10_000).map(|at| (1 + frame * 50 + at % 50) as f32)));
-        assert_eq!(distances.few(), None);
     }
 }

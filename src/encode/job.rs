@@ -23,13 +23,13 @@ use crate::encode::order::Order;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
-use crate::encode::{EncodeSettings, configuration};
+use crate::encode::{EncodeSettings, configuration, first_frames};
 use crate::error::{Error, Result};
 use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
-use crate::streams::{self, CodecHeader, DepthHeader};
+use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, MissingFrame};
 
 /// Units whose last chunks are made together; a killed process loses no more.
 const FINISH_UNITS: usize = 64;
@@ -163,9 +163,13 @@ pub fn encode_resumable<W: Write>(
     })?;
     let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
     let writer = open(source, settings, resumable).map_err(|error| Stopped { error, kept: kept(before) })?;
-    let mut job = Job { source, settings, writer, monitor, completed, summary };
+    let mut job = Job { source, settings, writer, monitor, completed, summary, footage: FootageInfo::default() };
     let ran = job.run(&selected_groups(source, settings));
-    let Job { writer, mut summary, .. } = job;
+    let Job { mut writer, mut summary, mut footage, .. } = job;
+    footage.clipped_pixels = Some(summary.clipped_pixels).filter(|count| *count > 0);
+    for (name, value) in footage.to_values() {
+        writer.set_attribute(name, value);
+    }
     let written = kept(writer.safe());
     match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
         Ok((out, bytes)) => {
@@ -187,6 +191,7 @@ fn prepare(
     monitor: &dyn Monitor,
 ) -> Result<Completed> {
     check(source, settings)?;
+    first_frames::check(source, settings, monitor)?;
     let Some(recovered) = recovered else { return Ok(Completed::default()) };
     let mut completed = Completed::of(recovered, &configuration::of(source, settings), order, settings)?;
     completed.check_files(source, settings, order, monitor)?;
@@ -208,6 +213,9 @@ fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, to: Resum
         }
         (None, _) => Writer::new(to.out, name, fps, projection)?,
     };
+    for (name, value) in source.attributes().iter() {
+        writer.set_attribute(name, value.to_vec());
+    }
     for probe in source.probes() {
         writer.add_probe(ProbeEntry {
             name: probe.name.clone(),
@@ -227,6 +235,7 @@ struct Job<'a, W: Write> {
     monitor: &'a dyn Monitor,
     completed: Completed,
     summary: EncodeSummary,
+    footage: FootageInfo,
 }
 
 /// The streams of a group, and where they are continued.
@@ -276,7 +285,8 @@ impl<W: Write> Job<'_, W> {
     fn encode_depth(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
         let Some(first) = groups.first() else { return Ok(()) };
         let probe = first.group.probe;
-        let known = self.completed.scans.get(&probe).map(|note| note.scan.clone());
+        let noted = || self.completed.scans.get(&probe).map(|note| note.scan.clone());
+        let known = self.source.scans().and_then(|scans| scans.get(&probe).cloned()).or_else(noted);
         // Files as they are before they are read.
         let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
         let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
@@ -284,7 +294,7 @@ impl<W: Write> Job<'_, W> {
             depth_of_probe(self.source, self.settings, groups, known.as_ref(), self.monitor)?;
         let (mut kept, mut note) = (HashMap::new(), None);
         if let Some(scanned) = scanned {
-            let scan_note = ScanNote { scan: scanned.scan, files };
+            let scan_note = ScanNote { scan: scanned.found.scan(), files };
             self.writer.note(&scan_note.to_bytes(probe)?);
             self.writer.checkpoint()?;
             self.summary.reading += scanned.reading;
@@ -413,7 +423,7 @@ impl<W: Write> Job<'_, W> {
             .zip(&part.starts)
             .map(|((face, stream, unit, rect), &start)| {
                 let search = self.completed.search(stream, unit);
-                UnitJob::new(coder, &memory, UnitPlace { face, stream, unit, rect, start, search })
+                UnitJob::new(coder, memory, UnitPlace { face, stream, unit, rect, start, search })
             })
             .collect()
     }
@@ -452,7 +462,19 @@ impl<W: Write> Job<'_, W> {
             self.summary.streams += 1;
             streams.push((self.writer.add_stream(entry.clone()), entry));
         }
+        self.note_footage(group);
         Ok(streams)
+    }
+
+    fn note_footage(&mut self, group: &SourceGroup) {
+        if group.kind == StreamKind::Color {
+            self.footage.primaries = self.source.primaries();
+        }
+        let probe = &self.source.probes()[group.probe].name;
+        for (frame, held) in self.source.missing_frames(group) {
+            let missing = |&face: &Face| MissingFrame { probe: probe.clone(), kind: group.kind, face, frame, held };
+            self.footage.missing_frames.extend(group.faces.iter().map(missing));
+        }
     }
 }
 

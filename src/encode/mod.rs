@@ -2,6 +2,7 @@
 //!
 //! Enters: a [`FrameSource`]. Leaves: a container, front to back. The path of a frame:
 //!
+//! 0. `first_frames` reads the first frame of each stream, so that what is wrong with files is found before anything is coded.
 //! 1. `depth_range` finds near and far of each probe where they are not given, and keeps what fits into memory.
 //! 2. `group` reads a frame of all faces and brings it into the domain of its codec: depth codes, 8-bit codes, half-float keys.
 //! 3. `job` gives each unit's rectangle to its own encoder (`unit`), a batch of frames at a time, units in parallel.
@@ -13,11 +14,16 @@ mod budget;
 mod configuration;
 mod depth_range;
 mod encoder;
+mod first_frames;
 mod group;
 mod job;
 mod order;
+mod part;
 mod resume;
+mod scan;
+mod scan_file;
 mod settings;
+mod shard;
 mod source;
 pub mod tile_quality;
 mod unit;
@@ -28,7 +34,11 @@ pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
     encode_resumable,
 };
+pub use part::Part;
+pub use scan_file::{ScanFile, scan_probes};
 pub use settings::{
-    ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
+    Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings,
+    TileSize,
 };
+pub use shard::{Shard, ShardBy};
 pub use source::{FrameSource, GroupRef, selected_groups};

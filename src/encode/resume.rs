@@ -20,8 +20,9 @@ use serde::{Deserialize, Serialize};
 use crate::color::transform::encode::Start;
 use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
-use crate::encode::depth_range::{self, Scan, given_range};
+use crate::encode::depth_range::{self, given_range};
 use crate::encode::order::Order;
+use crate::encode::scan::Scan;
 use crate::encode::source::{FrameSource, GroupRef, name_frame};
 use crate::encode::unit::Closed;
 use crate::encode::{EncodeSettings, budget, configuration};
@@ -237,7 +238,7 @@ impl Completed {
             let before = self.scans.remove(&probe).unwrap_or_default();
             if is_used {
                 let limits = budget::scan_limits(source, settings, &groups)?;
-                let scan = depth_range::scan_probe(source, &groups, limits, monitor)?.scan;
+                let scan = depth_range::scan_probe(source, &groups, limits, monitor)?.found.scan();
                 if scan != before.scan {
                     let has_other_range = scan.limits() != before.scan.limits();
                     let changed =

@@ -28,6 +28,11 @@ const TILE_ALIGN: u32 = 8;
 /// Side of the tiles of predictive depth unless another is asked for.
 const PREDICTIVE_TILE: u32 = 128;
 
+/// Chunks of the transform codec after which its search begins anew.
+const SEGMENT_CHUNKS: u32 = 4;
+/// Frames after which cells begin anew; a keyframe more for each.
+const CELL_SEGMENT_FRAMES: u32 = 96;
+
 /// Depth codecs (depth.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthCodec {
@@ -174,6 +179,16 @@ impl TileSize {
     }
 }
 
+/// Treatment of light that 8 bits do not hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Clipping {
+    /// An error before anything is coded, if the first frame of a stream has any.
+    Refuse,
+    /// Clipped pixels are counted, and the container remembers their number.
+    #[default]
+    Allow,
+}
+
 /// Settings of an encode; the default is that of `lightfold encode`.
 #[derive(Debug, Clone)]
 pub struct EncodeSettings {
@@ -192,6 +207,8 @@ pub struct EncodeSettings {
     pub cell: u32,
     /// 8 bits or half floats.
     pub color: ColorFormat,
+    /// Of 8 bits.
+    pub clipping: Clipping,
     pub color_codec: ColorCodec,
     /// Frames of a chunk of the transform codec, 1 to 96.
     pub color_chunk: u32,
@@ -222,6 +239,7 @@ impl Default for EncodeSettings {
             far_m: None,
             cell: 64,
             color: ColorFormat::EightBit(ToneMap::default()),
+            clipping: Clipping::default(),
             color_codec: ColorCodec::default(),
             color_chunk: 24,
             color_tables: None,
@@ -300,6 +318,21 @@ impl EncodeSettings {
     pub(super) fn material_header(&self) -> MaterialHeader {
         let MaterialSettings { epsilon, in_blocks } = self.material;
         MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
+    }
+
+    /// Whether bytes depend on the instruction sets of the processor: those of texture blocks do.
+    pub fn depends_on_processor(&self) -> bool {
+        self.color_blocks.is_some() || self.material.in_blocks || self.depth.codec == DepthCodec::BoxesInBlocks
+    }
+
+    /// Frames after which all encoders of a kind begin anew, counted from the first frame of a stream: no chunk reaches over
+    /// such a frame, and nothing before it has an influence on what follows. Shards begin there.
+    pub(super) fn segment_frames(&self, kind: StreamKind) -> u32 {
+        match (kind, self.color_codec) {
+            (StreamKind::Depth | StreamKind::Material, _) => self.temporal.keyframe_interval,
+            (StreamKind::Color, ColorCodec::Transform) => SEGMENT_CHUNKS * self.color_chunk,
+            (StreamKind::Color, ColorCodec::Cells) => CELL_SEGMENT_FRAMES,
+        }
     }
 
     pub(super) fn unit_size(&self, kind: StreamKind, size: [u32; 2]) -> [u32; 2] {

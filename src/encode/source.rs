@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
+use crate::container::Attributes;
 use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
+use crate::encode::scan::Scans;
 use crate::error::Result;
-use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Projection};
+use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection};
 
 /// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
 pub trait FrameSource: Sync {
@@ -46,7 +48,17 @@ pub trait FrameSource: Sync {
     /// Names the file.
     fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>>;
 
-    /// Linear Rec. 709 colour of a frame, one plane a face.
+    /// Of colour.
+    fn primaries(&self) -> Primaries {
+        Primaries::REC709
+    }
+
+    /// Frames of a group whose file is missing, and the frame in their place; `None` for black light and background.
+    fn missing_frames(&self, _group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
+        Vec::new()
+    }
+
+    /// Linear colour of a frame, of [`Self::primaries`], one plane a face.
     ///
     /// # Errors
     /// As for [`Self::read_depth`].
@@ -58,12 +70,22 @@ pub trait FrameSource: Sync {
     /// As for [`Self::read_depth`].
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>>;
 
-    /// The file of a frame; `None` in memory.
+    /// The file of a frame, or of that in its place; `None` in memory, and for black.
     ///
     /// # Errors
     /// The group has no such frame.
     fn file(&self, _group: &SourceGroup, _frame: u32) -> Result<Option<PathBuf>> {
         Ok(None)
+    }
+
+    /// Scans of its depth that were made before; `None` where the encoder is to scan.
+    fn scans(&self) -> Option<&Scans> {
+        None
+    }
+
+    /// What a container says of it beside its index (container.md 6.4).
+    fn attributes(&self) -> Attributes {
+        Attributes::default()
     }
 
     /// Settings that pixels depend on, by name and value; an interrupted encode continues only with equal ones.
@@ -110,6 +132,14 @@ impl FrameSource for Source {
         self.file_pixels()
     }
 
+    fn primaries(&self) -> Primaries {
+        self.primaries()
+    }
+
+    fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
+        self.missing_frames(group)
+    }
+
     fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         self.read_depth(group, frame)
     }
@@ -123,7 +153,7 @@ impl FrameSource for Source {
     }
 
     fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
-        self.file(group, frame).map(Some)
+        self.file(group, frame)
     }
 
     fn configuration(&self) -> Vec<(&'static str, String)> {

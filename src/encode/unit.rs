@@ -94,26 +94,36 @@ pub(super) struct Closed {
 pub(super) struct UnitJob {
     place: UnitPlace,
     encoder: Unit,
+    memory: ColorMemory,
 }
 
 impl UnitJob {
-    pub fn new(coder: &GroupCoder<'_>, memory: &ColorMemory, place: UnitPlace) -> Result<UnitJob> {
-        let mut encoder = Unit::new(coder, place.rect, memory)?;
+    pub fn new(coder: &GroupCoder<'_>, memory: ColorMemory, place: UnitPlace) -> Result<UnitJob> {
+        let mut encoder = Unit::new(coder, place.rect, &memory)?;
         match &mut encoder {
             Unit::Transform8(encoder) => encoder.start = place.search,
             Unit::TransformHalf(encoder) => encoder.start = place.search,
             _ => {}
         }
-        Ok(UnitJob { place, encoder })
+        Ok(UnitJob { place, encoder, memory })
     }
 
     /// Codes this unit of each picture; returns the chunks that were closed.
     pub fn push(&mut self, batch: &Batch, coder: &GroupCoder<'_>, pace: &Pace<'_>) -> Result<Vec<Closed>> {
         let mut closed = Vec::new();
+        let segment_frames = coder.settings.segment_frames(coder.group.kind);
         let skipped = self.place.start.saturating_sub(batch.first) as usize;
         for (at, picture) in batch.pictures.iter().enumerate().skip(skipped) {
             pace.monitor.check()?;
-            if let Some(chunk) = self.encoder.push(&picture[self.place.face], self.place.rect, coder)? {
+            let chunk = self.encoder.push(&picture[self.place.face], self.place.rect, coder)?;
+            let frames = batch.first + at as u32 + 1;
+            if frames.is_multiple_of(segment_frames) {
+                for chunk in chunk.into_iter().chain(self.encoder.finish(coder)?) {
+                    closed.push(Closed { by: at, chunk: self.pack(chunk, coder)?, search: None });
+                }
+                self.encoder = Unit::new(coder, self.place.rect, &self.memory)?;
+                self.place.start = frames;
+            } else if let Some(chunk) = chunk {
                 closed.push(Closed { by: at, chunk: self.pack(chunk, coder)?, search: self.encoder.search() });
             }
             pace.advance(1);

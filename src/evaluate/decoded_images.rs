@@ -5,7 +5,7 @@ use crate::dataset::{ProbeInfo, planar_to_distance};
 use crate::decode::{Decoder, Picture};
 use crate::depth::CodeTable;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane};
+use crate::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane, Primaries};
 use crate::streams::convert::{color_light, material_values};
 use crate::streams::{CodecHeader, ColorFormat, StreamInfo};
 
@@ -36,6 +36,11 @@ impl DecodedImages {
         self.decoder.streams()
     }
 
+    pub fn primaries(&self) -> Primaries {
+        self.decoder.primaries()
+    }
+
+    /// Light of [`Self::primaries`].
     pub fn color(&self, stream: usize, frame: u32) -> Result<Vec<ColorPlane>> {
         let header = &self.streams()[stream].header;
         match (self.decoder.face(&self.streams()[stream]).decode(frame)?, header) {

@@ -9,7 +9,9 @@ use crate::dataset::{ProbeInfo, Source, SourceOptions};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::decoded_images::{DecodedImages, probe_info};
-use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Projection, StreamKind};
+use crate::image::{
+    ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Primaries, Projection, StreamKind,
+};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 use crate::streams::StreamInfo;
@@ -31,6 +33,7 @@ pub struct ReferenceImage {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
+    /// Light of Rec. 709.
     pub color: ColorPlane,
     /// Weights of reflection and refraction and index of refraction; none where there is no material.
     pub material: Option<MaterialPlane>,
@@ -70,7 +73,7 @@ impl Reference {
     pub fn files(&self, frame: u32) -> Vec<PathBuf> {
         let Images::Dataset(source) = &self.files else { return Vec::new() };
         let groups = source.groups().iter().filter(|group| group.frames.contains(frame));
-        groups.filter_map(|group| source.file(group, frame).ok()).collect()
+        groups.filter_map(|group| source.file(group, frame).ok()?).collect()
     }
 
     /// The image files of all frames, of every kind; none of a container.
@@ -156,8 +159,11 @@ impl Reference {
     pub fn truth(&mut self, image: usize, frame: u32) -> Result<Truth> {
         let [color, _, material] = self.groups(image)?;
         let color = cached(&mut self.color, (color, frame), |group| match &self.files {
-            Images::Dataset(source) => source.read_color(&source.groups()[group], frame),
-            Images::Container(files) => files.color(group, frame),
+            Images::Dataset(source) => {
+                let planes = source.read_color(&source.groups()[group], frame)?;
+                Ok(in_rec709(planes, source.primaries()))
+            }
+            Images::Container(files) => Ok(in_rec709(files.color(group, frame)?, files.primaries())),
         })?;
         let color = color.ok_or_else(|| Error::Usage(format!("image {image} has no colour")))?;
         let material = cached(&mut self.material, (material, frame), |group| match &self.files {
@@ -179,6 +185,13 @@ impl Reference {
     fn groups(&self, image: usize) -> Result<[Option<[usize; 2]>; 3]> {
         let found = self.images.get(image).map(|image| image.groups);
         found.ok_or_else(|| Error::Usage(format!("there is no image {image} of {}", self.images.len())))
+    }
+}
+
+fn in_rec709(planes: Vec<ColorPlane>, primaries: Primaries) -> Vec<ColorPlane> {
+    match primaries.conversion_to(Primaries::REC709) {
+        Some(matrix) => planes.iter().map(|plane| matrix.convert_plane(plane)).collect(),
+        None => planes,
     }
 }
 

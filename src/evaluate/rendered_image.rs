@@ -1,12 +1,12 @@
 //! A rendered picture as files hold it.
 //!
-//! Enters: linear light and alpha. Leaves: 8-bit codes beside alpha, or half floats that are multiplied by it.
+//! Enters: linear light and alpha. Leaves: 8-bit codes of Rec. 709 beside alpha, or half floats that are multiplied by it.
 
 use half::f16;
 
 use crate::error::Result;
 use crate::image::plane::ColorPlane;
-use crate::image::{CodeSteps, Plane, ToneMap};
+use crate::image::{CodeSteps, Plane, Primaries, ToneMap};
 
 /// What is shown of a surface that no view saw.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -37,6 +37,8 @@ pub struct RenderedImage {
     /// The part of a pixel that shows something that a view saw, or that [`HoleFill::Behind`] fills; of a background only with
     /// [`BackgroundFill::Opaque`].
     pub alpha: Plane<f32>,
+    /// Of its light.
+    pub primaries: Primaries,
     /// Planes that are stored beside these, of the same size.
     pub aovs: Vec<Aov>,
 }
@@ -50,8 +52,9 @@ pub struct Aov {
 }
 
 impl RenderedImage {
+    /// A picture of Rec. 709 light.
     pub fn new(color: Plane<[f32; 3]>, alpha: Plane<f32>) -> RenderedImage {
-        RenderedImage { color, alpha, aovs: Vec::new() }
+        RenderedImage { color, alpha, primaries: Primaries::REC709, aovs: Vec::new() }
     }
 
     /// A picture without holes.
@@ -66,9 +69,23 @@ impl RenderedImage {
         Ok(RenderedImage::new(Plane::new(width, height, color)?, Plane::new(width, height, alpha)?))
     }
 
+    /// The same picture in light of Rec. 709.
+    #[must_use]
+    pub fn into_rec709(mut self) -> RenderedImage {
+        if let Some(matrix) = self.primaries.conversion_to(Primaries::REC709) {
+            self.color = self.color.map(|&light| matrix.convert(light));
+            self.primaries = Primaries::REC709;
+        }
+        self
+    }
+
     pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
         let steps = CodeSteps::new(tone);
-        self.color.map(|light| light.map(|light| steps.code(light)))
+        let code = |light: [f32; 3]| light.map(|light| steps.code(light));
+        match self.primaries.conversion_to(Primaries::REC709) {
+            Some(matrix) => self.color.map(|&light| code(matrix.convert(light))),
+            None => self.color.map(|&light| code(light)),
+        }
     }
 
     /// 8-bit codes and alpha; colour is not multiplied by alpha.

@@ -12,7 +12,7 @@ use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::math::Vec2;
 use exr::meta::BlockDescription;
-use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::attribute::{Chromaticities, LevelMode, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
@@ -23,6 +23,7 @@ use half::f16;
 use super::channels::{ChannelName, ChannelSelect, find_alpha, find_color, find_depth, find_named, find_picture_color};
 use super::limits::ReadLimits;
 use super::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use super::primaries::Primaries;
 use crate::error::{Error, Result};
 
 /// Any file may claim this much; see [`ReadLimits`].
@@ -38,6 +39,32 @@ const MAX_SIDE: usize = 1 << 24;
 /// Colour of a file, rounded to half floats to nearest, ties to even. A single luminance channel is read as gray.
 pub fn read_color(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<ColorPlane> {
     read_planes(path, limits, f16::ZERO, |names| find_color(names, select))
+}
+
+/// As [`read_color`], with the primaries of the file's `chromaticities`; those of Rec. 709 where it has none.
+pub fn read_color_and_primaries(
+    path: &Path,
+    select: &ChannelSelect,
+    limits: &ReadLimits,
+) -> Result<(ColorPlane, Primaries)> {
+    let (reader, file_len) = open(path)?;
+    let primaries = primaries_of(reader.headers());
+    let plane = decode(reader, file_len, limits, f16::ZERO, |names| find_color(names, select));
+    plane.and_then(|plane| Ok((plane, primaries?))).map_err(|error| named(error, path))
+}
+
+/// The primaries of a file's `chromaticities`; those of Rec. 709 where it has none.
+pub fn read_primaries(path: &Path) -> Result<Primaries> {
+    let (reader, _) = open(path)?;
+    primaries_of(reader.headers()).map_err(|error| named(error, path))
+}
+
+fn primaries_of(headers: &[Header]) -> Result<Primaries> {
+    let stated = headers.first().and_then(|header| header.shared_attributes.chromaticities);
+    let Some(Chromaticities { red, green, blue, white }) = stated else { return Ok(Primaries::REC709) };
+    let values = [red, green, blue, white].map(|Vec2(x, y)| [x, y]);
+    Primaries::from_array(std::array::from_fn(|at| values[at / 2][at % 2]))
+        .map_err(|error| error.context("`color_space` takes their place"))
 }
 
 /// Colour as [`read_color`] finds it, with the alpha of its layer; alpha is 1 where the layer has none. Colour is multiplied by
@@ -111,8 +138,6 @@ pub struct FileHeader {
     pub fps: Option<f64>,
     /// `worldToCamera`, row by row, for row vectors: the camera's x is right and y is up.
     pub world_to_camera: Option<[f32; 16]>,
-    /// Whether `chromaticities` are stated.
-    pub has_chromaticities: bool,
 }
 
 pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
@@ -128,7 +153,6 @@ pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
             .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
             .filter(|fps| *fps > 0.0 && fps.is_finite()),
         world_to_camera: headers.iter().find_map(|header| header.own_attributes.world_to_camera),
-        has_chromaticities: headers[0].shared_attributes.chromaticities.is_some(),
     })
 }
 
@@ -462,28 +486,34 @@ fn fill<T, const N: usize, const B: usize>(
 
 /// Writes channels R, G, B as halves, ZIP compressed. The bytes depend on the pixels alone.
 pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
-    write_halves(path, plane, ["R", "G", "B"], |value| value)
+    write_color_of(path, plane, Primaries::REC709)
+}
+
+/// As [`write_color`], with `chromaticities` unless they are those of Rec. 709, which files without that attribute have.
+pub fn write_color_of(path: &Path, plane: &ColorPlane, primaries: Primaries) -> Result<()> {
+    write(path, plane, (halves(plane, ["R", "G", "B"], |value| value), primaries))
 }
 
 /// Writes channels R, G, B and A as halves, ZIP compressed; colour is multiplied by alpha already, as the format has it.
 pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
-    write_rgba_and(path, plane, std::iter::empty())
+    write_rgba_and(path, plane, std::iter::empty(), Primaries::REC709)
 }
 
-/// As [`write_rgba`], with more channels of the same size as floats.
+/// As [`write_rgba`], with more channels of the same size as floats, and `chromaticities` as [`write_color_of`].
 pub fn write_rgba_and<'a>(
     path: &Path,
     plane: &Plane<[f16; 4]>,
     others: impl IntoIterator<Item = (&'a str, &'a Plane<f32>)>,
+    primaries: Primaries,
 ) -> Result<()> {
     let mut channels = halves(plane, ["R", "G", "B", "A"], |value| value);
     channels.extend(others.into_iter().map(|(name, other)| (name, FlatSamples::F32(other.data().to_vec()))));
-    write(path, plane, channels)
+    write(path, plane, (channels, primaries))
 }
 
 /// Writes channel Z as 32-bit floats, ZIP compressed.
 pub fn write_depth(path: &Path, plane: &DepthPlane) -> Result<()> {
-    write(path, plane, vec![("Z", FlatSamples::F32(plane.data().to_vec()))])
+    write(path, plane, (vec![("Z", FlatSamples::F32(plane.data().to_vec()))], Primaries::REC709))
 }
 
 /// Writes three channels of the given names as halves (rounded to nearest), ZIP compressed.
@@ -492,35 +522,29 @@ pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> R
     if a == b || a == c || b == c || names.contains(&"") {
         return Err(Error::Usage(format!("material channels need three different names, not {}", names.join(", "))));
     }
-    write_halves(path, plane, names, f16::from_f32)
+    write(path, plane, (halves(plane, names, f16::from_f32), Primaries::REC709))
 }
 
-/// Bytes of a file of channels R, G, B and A as halves, ZIP compressed. They depend on the pixels alone.
-pub fn rgba_bytes(plane: &Plane<[f16; 4]>) -> Result<Vec<u8>> {
-    file_bytes(plane, halves(plane, ["R", "G", "B", "A"], |value| value))
+/// Bytes of a file of channels R, G, B and A as halves, ZIP compressed, with `chromaticities` as [`write_color_of`].
+pub fn rgba_bytes(plane: &Plane<[f16; 4]>, primaries: Primaries) -> Result<Vec<u8>> {
+    file_bytes(plane, (halves(plane, ["R", "G", "B", "A"], |value| value), primaries))
 }
 
 /// As [`rgba_bytes`], of three channels, rounded to nearest.
 pub fn triple_bytes(plane: &Plane<[f32; 3]>, names: [&str; 3]) -> Result<Vec<u8>> {
-    file_bytes(plane, halves(plane, names, f16::from_f32))
+    file_bytes(plane, (halves(plane, names, f16::from_f32), Primaries::REC709))
 }
 
-fn file_bytes<T>(plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -> Result<Vec<u8>> {
+/// Channels by name, and the primaries of their colours.
+type Channels<'a> = (Vec<(&'a str, FlatSamples)>, Primaries);
+
+fn file_bytes<T>(plane: &Plane<T>, channels: Channels<'_>) -> Result<Vec<u8>> {
     let mut file = Cursor::new(Vec::new());
     encode(&mut file, plane, channels).map_err(|error| match error {
         exr::error::Error::Io(source) => Error::io("the EXR file", source),
         other => translate(other),
     })?;
     Ok(file.into_inner())
-}
-
-fn write_halves<T: Copy, const N: usize>(
-    path: &Path,
-    plane: &Plane<[T; N]>,
-    names: [&str; N],
-    half: fn(T) -> f16,
-) -> Result<()> {
-    write(path, plane, halves(plane, names, half))
 }
 
 fn halves<'a, T: Copy, const N: usize>(
@@ -532,7 +556,7 @@ fn halves<'a, T: Copy, const N: usize>(
     names.into_iter().enumerate().map(|(at, name)| (name, samples(at))).collect()
 }
 
-fn write<T>(path: &Path, plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -> Result<()> {
+fn write<T>(path: &Path, plane: &Plane<T>, channels: Channels<'_>) -> Result<()> {
     if [plane.width(), plane.height()].contains(&0) {
         return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
     }
@@ -548,12 +572,18 @@ fn write<T>(path: &Path, plane: &Plane<T>, channels: Vec<(&str, FlatSamples)>) -
 fn encode<T>(
     writer: &mut (impl Write + Seek),
     plane: &Plane<T>,
-    channels: Vec<(&str, FlatSamples)>,
+    (channels, primaries): Channels<'_>,
 ) -> exr::error::UnitResult {
     let size = (plane.width() as usize, plane.height() as usize);
     let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
     let (blocks, line_order) = (exr::image::Blocks::ScanLines, LineOrder::Increasing);
     let encoding = Encoding { compression: Compression::ZIP16, blocks, line_order };
     let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
-    Image::from_layer(layer).write().non_parallel().to_buffered(writer)
+    let mut image = Image::from_layer(layer);
+    if !primaries.is_rec709() {
+        let [red, green, blue, white] =
+            [primaries.red, primaries.green, primaries.blue, primaries.white].map(|[x, y]| Vec2(x, y));
+        image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
+    }
+    image.write().non_parallel().to_buffered(writer)
 }

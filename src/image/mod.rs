@@ -1,6 +1,8 @@
 //! Images: planes of pixels, their files, transfer functions, and the image model.
 
 pub mod channels;
+#[cfg(feature = "encode")]
+pub mod color_space;
 pub mod cube;
 pub mod equirect;
 #[cfg(feature = "encode")]
@@ -13,6 +15,7 @@ pub mod limits;
 pub mod plane;
 #[cfg(feature = "encode")]
 pub mod png;
+pub mod primaries;
 pub mod projection;
 #[cfg(feature = "encode")]
 pub mod quilt;
@@ -21,13 +24,14 @@ pub mod texel_map;
 pub mod transfer;
 
 pub use channels::ChannelSelect;
+#[cfg(feature = "encode")]
+pub use color_space::ColorSpace;
 pub use cube::Face;
 pub use kind::{DepthKind, Projection, StreamKind};
 pub use layout::{Eye, FaceLayout, StereoLayout};
 pub use limits::ReadLimits;
 pub use plane::{ColorPlane, DepthPlane, MaterialPlane, NormalPlane, Plane};
-#[cfg(feature = "encode")]
-pub use png::ColorSpace;
+pub use primaries::{LightMatrix, Primaries};
 pub use projection::ImageProjection;
 pub use sequence::{FrameRange, Pattern, Sequence};
 pub use texel_map::TexelMap;

@@ -12,7 +12,7 @@ pub struct Plane<T> {
     data: Vec<T>,
 }
 
-/// Linear scene-referred Rec. 709 colour, `[r, g, b]` per pixel. Half floats, since renderers write them, and their 65,536
+/// Linear scene-referred colour, of Rec. 709 unless its owner says otherwise, `[r, g, b]` per pixel. Half floats, since renderers write them, and their 65,536
 /// values make every transfer function and metric a table.
 pub type ColorPlane = Plane<[f16; 3]>;
 /// Depth in metres, `f32::INFINITY` for the background.

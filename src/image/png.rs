@@ -7,8 +7,8 @@ use std::path::Path;
 use ::image::codecs::png::{PngDecoder, PngEncoder};
 use ::image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 use half::f16;
-use serde::{Deserialize, Serialize};
 
+use super::color_space::ColorSpace;
 use super::limits::ReadLimits;
 use super::plane::{ColorPlane, DepthPlane, Plane};
 use super::transfer::{DecodeTable, ToneMap, Transfer, srgb16};
@@ -17,28 +17,9 @@ use crate::error::{Error, Result};
 /// Any file may claim this much; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ColorSpace {
-    /// Linear Rec. 709 light; the largest code of a PNG is 1.0.
-    LinearRec709,
-    /// sRGB codes with the primaries of Rec. 709.
-    Srgb,
-}
-
-impl ColorSpace {
-    /// As in manifests.
-    pub fn name(self) -> &'static str {
-        if self == ColorSpace::Srgb { "srgb" } else { "linear-rec709" }
-    }
-}
-
-/// Colour as linear light. Gray is repeated in all three components; alpha is ignored.
+/// Colour as linear light of the space's primaries. Gray is repeated in all three components; alpha is ignored.
 pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result<ColorPlane> {
-    let transfer = match space {
-        ColorSpace::LinearRec709 => Transfer::Linear,
-        ColorSpace::Srgb => Transfer::Srgb,
-    };
+    let transfer = space.transfer();
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
     let deep = image.color().bytes_per_pixel() > image.color().channel_count();

@@ -278,6 +278,12 @@ impl Sequence {
     /// Finds the files of `spec`: a pattern, a folder with one sequence of .exr or .png files, or one file. The range defaults
     /// to the first and last file on disk.
     pub fn find(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
+        let sequence = Sequence::find_with_gaps(spec, frames)?;
+        if sequence.pattern.has_field() { Sequence::known(sequence.pattern, sequence.frames) } else { Ok(sequence) }
+    }
+
+    /// As [`Self::find`], where files of frames may be missing.
+    pub fn find_with_gaps(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
         let path = Path::new(spec);
         if path.is_dir() {
             return Sequence::of_pattern(only_sequence(path)?, frames);
@@ -302,6 +308,11 @@ impl Sequence {
             }
         }
         Ok(Sequence { pattern, frames })
+    }
+
+    /// The sequence of a pattern, whose files may be missing.
+    pub fn unchecked(pattern: Pattern, frames: FrameRange) -> Sequence {
+        Sequence { pattern, frames }
     }
 
     /// The files of all frames.
@@ -340,19 +351,13 @@ impl Sequence {
         let numbers: BTreeSet<u32> = names.iter().filter_map(|name| pattern.frame_of(name)).collect();
         let hint = if numbers.is_empty() { pattern.other_width(&names) } else { None };
         if let (Some(frames), None) = (frames, &hint) {
-            return Sequence::known(pattern, frames);
+            return Ok(Sequence { pattern, frames });
         }
         let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
             let hint = hint.map(|hint| format!("; {hint}")).unwrap_or_default();
             let message = format!("no file matches this pattern{hint}");
             return Err(Error::invalid(message).in_file(pattern.to_string()));
         };
-        // Ordered and distinct: the first number that is not the expected one follows the hole.
-        if let Some((missing, _)) = (first..=last).zip(&numbers).find(|(expected, found)| expected != *found) {
-            let message =
-                format!("frame {missing} is missing between frames {first} and {last}: there is no such file");
-            return Err(Error::invalid(message).in_file(pattern.path(missing)));
-        }
         Ok(Sequence { pattern, frames: FrameRange { first, last } })
     }
 

@@ -66,6 +66,7 @@ const CLIPPED: u16 = 0x100;
 #[derive(Debug, Clone)]
 pub struct EncodeTable {
     entries: Vec<u16>,
+    tone: ToneMap,
 }
 
 impl EncodeTable {
@@ -81,12 +82,21 @@ impl EncodeTable {
             let clipped = value > 1.0 + 1.0 / 2048.0 || code <= -0.5;
             code.round().clamp(0.0, 255.0) as u16 | if clipped { CLIPPED } else { 0 }
         };
-        EncodeTable { entries: (0..=u16::MAX).map(entry).collect() }
+        EncodeTable { entries: (0..=u16::MAX).map(entry).collect(), tone: *tone }
     }
 
     /// The code; 0 for what is not a number.
     pub fn code(&self, value: f16) -> u8 {
         self.entries[value.to_bits() as usize] as u8
+    }
+
+    /// The code that the curve would go on to beyond 0 and 255; 0 for what is not a number.
+    pub fn unclipped_code(&self, value: f16) -> i32 {
+        if !self.is_clipped(value) {
+            return i32::from(self.code(value));
+        }
+        // A float that does not fit becomes the nearest integer in the cast.
+        (self.tone.transfer.encode(value.to_f64() * self.tone.gain()) * 255.0).round() as i32
     }
 
     /// Whether the value is clipped, by more than rounding.
@@ -197,6 +207,8 @@ mod tests {
         assert_eq!(flags(-0.01), (0, true));
         assert_eq!(flags(f32::NAN), (0, false));
         assert_eq!(flags(0.0), (0, false));
+        let unclipped = [0.0, 0.5, 1.0, 4.0, -1.0].map(|value| table.unclipped_code(f16::from_f32(value)));
+        assert_eq!(unclipped, [0, 188, 255, 465, -255]);
         // Code 128 of the curve, from its published table.
         assert_eq!(flags(0.215_86), (128, false));
         let codes = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.215_86].map(|v| ToneMap::default().code(v));

@@ -18,7 +18,7 @@ use crate::image::{DepthKind, StreamKind, Transfer};
 use crate::inspect::chunk_counts::{PredictedShare, TransformCount};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame};
 
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {
@@ -38,7 +38,24 @@ pub struct ContainerReport<'a> {
     unreferenced_bytes: u64,
     shared_bytes_saved: u64,
     kinds: BTreeMap<&'static str, KindReport>,
+    /// Red, green, blue and white, x and y of each.
+    chromaticities: [f32; 8],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clipped_pixels: Option<u64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    missing_frames: Vec<MissingReport<'a>>,
     streams: Vec<StreamReport<'a>>,
+}
+
+/// A frame whose file was missing.
+#[derive(Debug, Serialize)]
+struct MissingReport<'a> {
+    kind: &'static str,
+    probe: &'a str,
+    face: &'static str,
+    frame: u32,
+    /// The frame in its place; none for black.
+    held: Option<u32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -245,6 +262,9 @@ impl<'a> Inspection<'a> {
             unreferenced_bytes: self.unreferenced_bytes,
             shared_bytes_saved: all.shared_bytes_saved,
             kinds: self.kinds(),
+            chromaticities: decoder.primaries().to_array(),
+            clipped_pixels: decoder.footage().clipped_pixels,
+            missing_frames: missing_frames(decoder),
             streams: self.stream_reports(decoder),
         }
     }
@@ -475,4 +495,12 @@ pub fn percent(part: u64, whole: u64) -> f64 {
 /// `cubemap` or `perspective`.
 pub fn projection_name(projection: u8) -> &'static str {
     if projection == 0 { "cubemap" } else { "perspective" }
+}
+
+fn missing_frames(decoder: &Decoder) -> Vec<MissingReport<'_>> {
+    fn of(missing: &MissingFrame) -> MissingReport<'_> {
+        let MissingFrame { probe, kind, face, frame, held } = missing;
+        MissingReport { kind: kind.name(), probe, face: face.name(), frame: *frame, held: *held }
+    }
+    decoder.footage().missing_frames.iter().map(of).collect()
 }

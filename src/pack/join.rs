@@ -5,7 +5,7 @@ use std::io::Write;
 
 use crate::container::compression::DEFAULT_LZMA2_LEVEL;
 use crate::container::{
-    ChunkEntry, ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
+    Attributes, ChunkEntry, ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
     StreamEntry, Writer,
 };
 use crate::decode::memory;
@@ -15,10 +15,13 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
 use crate::streams;
-use crate::streams::CodecHeader;
+use crate::streams::shard::SHARD;
+use crate::streams::{CodecHeader, FootageInfo, StreamKind};
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
+/// The same of chunks that are copied: no more are read than keeps a disk busy.
+const COPIED_BATCH_BYTES: u64 = 16 << 20;
 
 /// Bytes for each pixel of a tile whose tree is packed, besides its chunk: the encoder of nodes (24); known, changed and tried
 /// functions, each at most 4/3 for 16 pixels with 56 bytes, in maps that are half empty (3 times 10); codes of source and
@@ -54,6 +57,13 @@ pub struct PackSettings {
     pub memory: Budget,
 }
 
+impl PackSettings {
+    /// Whether chunks stay as they are.
+    fn copies(&self) -> bool {
+        self.repack == Repack::Keep && self.flatten.is_none()
+    }
+}
+
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PackSummary {
     pub bytes: u64,
@@ -74,9 +84,9 @@ pub struct PackReport {
     pub seconds: f64,
 }
 
-/// Writes all streams of `inputs` into `out`. Probes of one name must agree; streams of one kind, probe and face must
+/// Writes all streams of `inputs`, none of which is a shard, into `out`. Probes of one name must agree; streams of one kind, probe and face must
 /// not occur twice. Name, frame rate and projection are the first input's. The monitor advances by one for each chunk.
-pub fn pack<W: Write>(
+pub(super) fn join<W: Write>(
     inputs: &[Reader],
     settings: &PackSettings,
     out: W,
@@ -132,7 +142,7 @@ pub fn pack<W: Write>(
         }
         let mut left = index.chunks.as_slice();
         while !left.is_empty() {
-            let (batch, rest) = left.split_at(batch_length(left, batch_bytes));
+            let (batch, rest) = left.split_at(batch_length(left, batch_bytes, |chunk| chunk));
             left = rest;
             let copier = Copier { reader, repack: settings.repack, monitor };
             let packed = try_map_at_once(batch.iter().collect(), chunks_at_once, |chunk| {
@@ -153,13 +163,17 @@ pub fn pack<W: Write>(
     for probe in probes {
         writer.add_probe(probe)?;
     }
+    for (name, value) in merge_attributes(inputs)?.iter() {
+        writer.set_attribute(name, value.to_vec());
+    }
     let (out, bytes) = writer.finish_checked(streams::check_written)?;
     Ok((out, PackSummary { bytes, ..summary }))
 }
 
 /// How many chunks are worked on at once, and how many bytes of chunks make a batch.
-fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
-    let Some(bytes) = settings.memory.bytes else { return Ok((usize::MAX, BATCH_BYTES)) };
+pub(super) fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
+    let most = if settings.copies() { COPIED_BATCH_BYTES } else { BATCH_BYTES };
+    let Some(bytes) = settings.memory.bytes else { return Ok((usize::MAX, most)) };
     let of_chunk = |reader: &Reader, chunk: &ChunkEntry| {
         let stream = &reader.index().streams[chunk.key.stream as usize];
         let raw = u64::from(chunk.raw_bytes);
@@ -183,13 +197,13 @@ fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
     // The new index is built while those of the inputs are open.
     let fixed = inputs.iter().map(|reader| 2 * memory::container_bytes(reader)).sum::<u64>();
     // A batch is written when all of it is packed.
-    let batch_bytes = (bytes.saturating_sub(fixed + each) / 2).min(BATCH_BYTES);
+    let batch_bytes = (bytes.saturating_sub(fixed + each) / 2).min(most);
     let need = Need { what: "packing", fixed: fixed + batch_bytes, each, instead: "" };
     Ok((settings.memory.at_once(&need, rayon::current_num_threads())?, batch_bytes))
 }
 
 impl PackSummary {
-    fn count(&mut self, stream: &StreamEntry) {
+    pub(super) fn count(&mut self, stream: &StreamEntry) {
         let (frames, pixels) = (u64::from(stream.frame_count), u64::from(stream.width) * u64::from(stream.height));
         let raw_bytes = CodecHeader::read(stream).map_or(0, |header| header.raw_pixel_bytes());
         self.streams += 1;
@@ -209,14 +223,14 @@ fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Fla
     flatteners.collect()
 }
 
-struct Copier<'a> {
-    reader: &'a Reader,
-    repack: Repack,
-    monitor: &'a dyn Monitor,
+pub(super) struct Copier<'a> {
+    pub reader: &'a Reader,
+    pub repack: Repack,
+    pub monitor: &'a dyn Monitor,
 }
 
 impl Copier<'_> {
-    fn copy(&self, chunk: &ChunkEntry, stream: u32) -> Result<PackedChunk> {
+    pub fn copy(&self, chunk: &ChunkEntry, stream: u32) -> Result<PackedChunk> {
         let key = ChunkKey { stream, ..chunk.key };
         match self.repack {
             Repack::Keep => PackedChunk::stored(chunk, key, self.reader.fetch_stored(chunk)?),
@@ -237,6 +251,31 @@ impl Copier<'_> {
         });
         packed.collect()
     }
+}
+
+/// The attributes of all inputs, without those of shards.
+pub(super) fn merge_attributes(inputs: &[Reader]) -> Result<Attributes> {
+    let mut merged = Attributes::default();
+    let (mut footage, mut has_color) = (FootageInfo::default(), false);
+    for reader in inputs {
+        let index = reader.index();
+        let own_color = index.streams.iter().any(|stream| stream.kind == StreamKind::Color as u8);
+        let joined = FootageInfo::read(index).and_then(|own| footage.join(own, [has_color, own_color]));
+        joined.map_err(|error| error.in_file(reader.path()))?;
+        has_color |= own_color;
+        let others = index.attributes.iter().filter(|(name, _)| *name != SHARD && !FootageInfo::has(name));
+        for (name, value) in others {
+            match merged.get(name) {
+                Some(earlier) if earlier != value => {
+                    let message = format!("its attribute {name} is not that of an earlier input");
+                    return Err(Error::invalid(message).in_file(reader.path()));
+                }
+                _ => merged.set(name, value.to_vec()),
+            }
+        }
+    }
+    footage.to_values().into_iter().for_each(|(name, value)| merged.set(name, value));
+    Ok(merged)
 }
 
 /// Adds a probe, or widens the frames of the one with its name; returns its index.
@@ -260,9 +299,10 @@ fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, p
 }
 
 /// How many of the next chunks have at most `limit` bytes together; at least one.
-fn batch_length(chunks: &[ChunkEntry], limit: u64) -> usize {
+pub(super) fn batch_length<T>(chunks: &[T], limit: u64, entry: impl Fn(&T) -> &ChunkEntry) -> usize {
     let mut bytes = 0;
-    let fits = |chunk: &&ChunkEntry| {
+    let fits = |chunk: &&T| {
+        let chunk = entry(chunk);
         bytes += u64::from(chunk.raw_bytes.max(chunk.stored_bytes));
         bytes <= limit
     };
@@ -286,12 +326,12 @@ mod tests {
     #[test]
     fn probes_without_streams_are_kept_and_frame_rates_must_agree() {
         let inputs = [input(24.0, "a", [0, 4]), input(24.0, "b", [0, 1]), input(24.0, "a", [3, 9])];
-        let (file, _) = pack(&inputs, &PackSettings::default(), Vec::new(), &Silent).unwrap();
+        let (file, _) = join(&inputs, &PackSettings::default(), Vec::new(), &Silent).unwrap();
         let packed = Reader::from_memory(file).unwrap();
         let probes: Vec<_> = packed.index().probes.iter().map(|probe| (probe.name.as_str(), probe.frames)).collect();
         assert_eq!(probes, [("a", [0, 9]), ("b", [0, 1])]);
         let inputs = [input(24.0, "a", [0, 1]), input(30.0, "b", [0, 1])];
-        let error = pack(&inputs, &PackSettings::default(), Vec::new(), &Silent);
+        let error = join(&inputs, &PackSettings::default(), Vec::new(), &Silent);
         let message = error.unwrap_err().to_string();
         assert!(message.contains("its frame rate is 30") && message.ends_with("is 24"), "{message}");
     }
@@ -307,6 +347,6 @@ mod tests {
             storage: Storage::Lzma2,
         };
         let chunks = [30, 30, 50, 1].map(chunk);
-        assert_eq!([20, 30, 60, 110, 111].map(|limit| batch_length(&chunks, limit)), [1, 1, 2, 3, 4]);
+        assert_eq!([20, 30, 60, 110, 111].map(|limit| batch_length(&chunks, limit, |chunk| chunk)), [1, 1, 2, 3, 4]);
     }
 }

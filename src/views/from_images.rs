@@ -6,7 +6,7 @@ use crate::container::ProbeEntry;
 use crate::dataset::{Pose, Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, StreamKind, TexelMap};
+use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, StreamKind, TexelMap};
 use crate::streams::convert::material_codes;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
@@ -63,7 +63,7 @@ pub fn from_images(probe: usize, entry: &ProbeEntry, images: &[FaceImages], codi
     Ok(view)
 }
 
-/// The views of all probes of a dataset in a frame: their faces with both colour and depth.
+/// The views of all probes of a dataset in a frame, in light of Rec. 709: their faces with both colour and depth.
 pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<LightField> {
     let kind = source.depth_stored;
     let mut views = Vec::new();
@@ -80,8 +80,13 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
                 Some(group) => source.read_material(group, frame)?.into_iter(),
                 None => Vec::new().into_iter(),
             };
+            let matrix = source.primaries().conversion_to(Primaries::REC709);
             let planes = source.read_depth(depths, frame)?.into_iter().zip(source.read_color(colors, frame)?);
             for (&face, (depth, color)) in depths.faces.iter().zip(planes) {
+                let color = match matrix {
+                    Some(matrix) => matrix.convert_plane(&color),
+                    None => color,
+                };
                 images.push(FaceImages { face, color, depth, kind, material: materials.next() });
             }
         }

@@ -64,7 +64,7 @@ fn main() -> Result<()> {
         let path = |name: &str| folder.path().join(name).display().to_string();
         let (container, scene) = (path("a.lfold"), path("a.glb"));
         let words = |line: &[&str]| line.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
-        run(words(&["encode", &dataset, "--frames", "0", "-q", "-o", &container]))?;
+        run(words(&["encode", &dataset, "--clip", "--frames", "0", "-q", "-o", &container]))?;
         let budgets = ["--triangles", "20000", "--atlas", "2048", "--effort", "fast", "-q", "-o", &scene];
         run(words(&[&["simplify", &dataset], &budgets[..]].concat()))?;
         measure(&dataset, &container, &scene)?;

@@ -252,7 +252,7 @@ pub fn texels() -> Result<(), Failed> {
             let container = path("film.lfold");
             let manifest = path(set);
             let words: Vec<&str> = options.split_whitespace().collect();
-            let fixed = ["encode", &manifest, "--effort", "fast", "--quiet", "-o", &container];
+            let fixed = ["encode", &manifest, "--clip", "--effort", "fast", "--quiet", "-o", &container];
             lightfold(&[&fixed[..], &words].concat())?;
             let walked = compare_walk(gpu, Path::new(&container), count, how)
                 .map_err(|wrong| format!("{set} {options}: {}", wrong.message().unwrap_or_default()))?;
@@ -268,7 +268,7 @@ pub fn texels() -> Result<(), Failed> {
 
 /// Colours in half floats, and what mirrors and glass may show, are decoded by the CPU and rendered all the same.
 fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]) -> Result<(), Failed> {
-    let fixed = ["encode", manifest, "--effort", "fast", "--quiet", "-o", container];
+    let fixed = ["encode", manifest, "--clip", "--effort", "fast", "--quiet", "-o", container];
     lightfold(&[&fixed[..], options].concat())?;
     let decoder = Decoder::open(container).map_err(said)?;
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
@@ -291,7 +291,7 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
         let (set, container) = (path("set"), path("film.lfold"));
         let fixed = ["capture", "courtyard", "--samples", "1", "--size", "44", "--frames", "0-11", "--quiet"];
         lightfold(&[&fixed[..], &["--position", "0,1.5,0", "-o", &set]].concat())?;
-        let fixed = ["encode", &set, "--effort", "fast", "--quiet", "-o", &container];
+        let fixed = ["encode", &set, "--clip", "--effort", "fast", "--quiet", "-o", &container];
         lightfold(&[&fixed[..], &["--color-cell", "12", "--depth-tile", "24", "--keyframe-interval", "4"]].concat())?;
         let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
         let mut read = Vec::new();
@@ -332,7 +332,7 @@ pub fn buffers_of_any_size() -> Result<(), Failed> {
         let (cameras, set) = (path("cameras.json"), path(size));
         lightfold(&[&fixed[..], &["--size", size, "--cameras", &cameras, "-o", &set]].concat())?;
         let (container, fixed) = (path("film.lfold"), ["--depth-tile", "104", "--effort", "fast", "--quiet"]);
-        lightfold(&[&["encode", &set, "--color-cell", cell, "-o", &container], &fixed[..]].concat())?;
+        lightfold(&[&["encode", &set, "--clip", "--color-cell", cell, "-o", &container], &fixed[..]].concat())?;
         let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
         let needed = buffer_bytes(&decoder);
         let mut pictures = Vec::new();

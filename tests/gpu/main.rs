@@ -192,7 +192,7 @@ fn footage() -> Result<(), Failed> {
     ];
     for (set, options) in ["glass", "equirect"].iter().flat_map(|set| ways.iter().map(move |way| (set, way))) {
         let manifest = Path::new(data).join(set).join("lightfield.json").display().to_string();
-        let encode = ["encode", &manifest, "--effort", "fast", "--quiet", "-o", &container];
+        let encode = ["encode", &manifest, "--clip", "--effort", "fast", "--quiet", "-o", &container];
         lightfold(&[encode.as_slice(), options].concat())?;
         let report = lightfold(&["decode", &container, "--verify", "--json"])?;
         let report: serde_json::Value = serde_json::from_str(&report)?;

@@ -56,7 +56,7 @@ fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
     let folder = TempDir::new().unwrap();
     let encoded = |options: &[&str]| {
         let file = folder.path().join("a.lfold");
-        succeeded(&output(lightfold().arg("encode").arg(dataset()).args(options).arg("-o").arg(&file)));
+        succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(options).arg("-o").arg(&file)));
         fs::read(&file).unwrap()
     };
     // Faces of 32 pixels.
@@ -71,7 +71,7 @@ fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
 fn inspect_takes_the_former_switch_for_rows_of_frames() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("a.lfold");
-    succeeded(&output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file)));
+    succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("-o").arg(&file)));
     let rows = |options: &[&str]| output(lightfold().arg("inspect").arg(&file).arg("--csv").args(options));
     for (former, now) in [
         (&["--frames"][..], &["--per-frame"][..]),
@@ -164,8 +164,8 @@ fn wait(child: &mut Child) -> ExitStatus {
 fn a_container_goes_through_a_pipe_whole() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("a.lfold");
-    succeeded(&output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file)));
-    let piped = output(lightfold().arg("encode").arg(dataset()).args(["-o", "-"]));
+    succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("-o").arg(&file)));
+    let piped = output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["-o", "-"]));
     succeeded(&piped);
     assert!(piped.stdout == fs::read(&file).unwrap(), "a pipe gets other bytes than a file");
 
@@ -187,26 +187,27 @@ fn a_container_goes_through_a_pipe_whole() {
 fn results_go_to_standard_output_and_words_to_standard_error() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("a.lfold");
-    let encoded = output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file));
+    let encoded = output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("-o").arg(&file));
     assert!(encoded.stdout.is_empty() && stderr(&encoded).contains("a.lfold"), "{encoded:?}");
-    let quiet = output(lightfold().arg("encode").arg(dataset()).arg("--quiet").arg("-o").arg(&file));
+    let quiet = output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("--quiet").arg("-o").arg(&file));
     // --quiet keeps warnings about clipped pixels.
     let is_clipping = |line: &str| line.contains("were clipped to 8 bits");
     assert!(quiet.stdout.is_empty() && stderr(&quiet).lines().all(is_clipping), "{quiet:?}");
-    let json = output(lightfold().arg("encode").arg(dataset()).args(["--quiet", "--json", "-o"]).arg(&file));
+    let json =
+        output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["--quiet", "--json", "-o"]).arg(&file));
     let report: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(report["bytes"], fs::metadata(&file).unwrap().len());
     for key in ["seconds", "bytes", "raw_bytes", "frames"] {
         assert!(report[key].is_number(), "{key}");
     }
-    let both = output(lightfold().arg("encode").arg(dataset()).args(["--json", "-o", "-"]));
+    let both = output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["--json", "-o", "-"]));
     assert_eq!(both.status.code(), Some(2));
     assert!(both.stdout.is_empty());
 }
 
 #[test]
 fn a_reader_that_goes_away_is_no_error() {
-    for arguments in [vec!["encode", dataset().to_str().unwrap(), "-o", "-"], vec!["completions", "bash"]] {
+    for arguments in [vec!["encode", dataset().to_str().unwrap(), "--clip", "-o", "-"], vec!["completions", "bash"]] {
         let mut child = lightfold().args(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         assert!(wait(&mut child).success(), "{arguments:?}");
@@ -221,9 +222,10 @@ fn a_reader_that_goes_away_is_no_error() {
 fn a_full_disk_is_named() {
     let folder = TempDir::new().unwrap();
     let container = folder.path().join("a.lfold");
-    succeeded(&output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&container)));
-    for arguments in [["encode", dataset().to_str().unwrap()], ["pack", container.to_str().unwrap()]] {
-        let full = output(lightfold().args(arguments).args(["-o", "/dev/full"]));
+    succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("-o").arg(&container)));
+    for arguments in [vec!["encode", "--clip", dataset().to_str().unwrap()], vec!["pack", container.to_str().unwrap()]]
+    {
+        let full = output(lightfold().args(&arguments).args(["-o", "/dev/full"]));
         assert_eq!(full.status.code(), Some(2), "{arguments:?}");
         assert!(stderr(&full).contains("/dev/full") && stderr(&full).contains("No space left"), "{}", stderr(&full));
     }
@@ -263,7 +265,7 @@ fn encode_at_work(folder: &Path) -> Child {
     let mut child = lightfold()
         .arg("encode")
         .arg(&scene)
-        .args(["--near", "0.1", "--far", "100", "--threads", "1", "-o"])
+        .args(["--clip", "--near", "0.1", "--far", "100", "--threads", "1", "-o"])
         .arg(out.join("a.lfold"))
         .stderr(Stdio::piped())
         .spawn()
@@ -311,7 +313,7 @@ fn a_killed_encode_leaves_nothing_that_opens() {
 
 #[test]
 fn a_container_that_was_cut_off_does_not_open() {
-    let whole = output(lightfold().arg("encode").arg(dataset()).args(["-o", "-"])).stdout;
+    let whole = output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["-o", "-"])).stdout;
     assert!(Reader::from_memory(whole.clone()).is_ok());
     for length in (0..whole.len()).step_by(whole.len() / 40).chain([whole.len() - 1]) {
         assert!(Reader::from_memory(whole[..length].to_vec()).is_err(), "{length} of {} bytes open", whole.len());

@@ -86,7 +86,7 @@ fn clipped_light_and_missing_manifests_are_said_also_to_the_quiet() {
     bright(at);
     // Light of 2 to 15, in 14 of 16 columns of 4 images.
     let clipped = 14 * 16 * 4;
-    let encoded = said(&fine("encode . -o codes.lfold -q", at));
+    let encoded = said(&fine("encode . -o codes.lfold -q --clip", at));
     assert!(encoded.contains(&format!("{clipped} of 1024 colour pixels")), "{encoded}");
     assert_eq!(said(&fine("encode . -o a.lfold --hdr -q", at)), "");
     let decoded = said(&fine("decode a.lfold --stream color --format png -o out -q", at));
@@ -102,7 +102,8 @@ fn clipped_light_and_missing_manifests_are_said_also_to_the_quiet() {
     let over = said(&fine("decode a.lfold --stream depth --format png -o out -q", at));
     assert!(over.contains("the older one stays"), "{over}");
     assert_eq!(said(&fine("decode a.lfold -o exact -q", at)), "");
-    let report: serde_json::Value = serde_json::from_slice(&fine("encode . -o b.lfold --json", at).stdout).unwrap();
+    let report: serde_json::Value =
+        serde_json::from_slice(&fine("encode . -o b.lfold --json --clip", at).stdout).unwrap();
     assert_eq!((&report["images"], &report["frames"]), (&8.into(), &8.into()));
 }
 
@@ -126,14 +127,14 @@ fn what_an_option_does_not_reach_is_said() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     bright(at);
-    let blocks = said(&fine("encode . -o a.lfold --color-block bc7 --psnr 50", at));
+    let blocks = said(&fine("encode . -o a.lfold --color-block bc7 --psnr 50 --clip", at));
     assert!(blocks.contains("keep 40 dB (--psnr-final)"), "{blocks}");
-    assert!(!said(&fine("encode . -o a.lfold --color-block bc7", at)).contains("--psnr-final"));
+    assert!(!said(&fine("encode . -o a.lfold --color-block bc7 --clip", at)).contains("--psnr-final"));
     assert!(refused("encode . -o b.lfold --white 300", at).contains("--hdr"));
     let memory = "encode . -o b.lfold --stream color --memory 1k --color-chunk";
     assert!(refused(&format!("{memory} 2"), at).contains("a smaller --color-chunk"));
     assert!(!refused(&format!("{memory} 1"), at).contains("smaller"));
-    fine("encode . -o c.lfold", at);
+    fine("encode . -o c.lfold --clip", at);
     let packed = said(&fine("pack c.lfold --zstd -o d.lfold", at));
     assert!(packed.contains("no smaller"), "{packed}");
 }

@@ -92,6 +92,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         depth: None,
         color: Some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
+        missing: None,
         files,
         probes: vec![Probe { name: "00".into(), position: Some([1.0, 2.0, 3.0]), ..Probe::default() }],
         extra: None,

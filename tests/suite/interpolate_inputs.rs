@@ -150,7 +150,7 @@ fn containers_are_rendered_at_the_places_of_sources() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     fine("capture interior --position=0,1.5,0 --position=0.2,1.6,0.3 --size 48 --samples 1 --frames 0 -o room", at);
-    fine("encode room -o room.lfold -q", at);
+    fine("encode room --clip -o room.lfold -q", at);
     let line =
         "interpolate room.lfold --eye 0.1,1.55,0.1 --look-at 2,1.4,0 --size 24x32 --samples 1 --views 5 --baseline 0.1";
     let said = report(&format!("{line} -o v/%d.png --compare --json"), at);

@@ -33,7 +33,9 @@ impl Place {
     fn encode(&self, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
         command.current_dir(self.folder.path()).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command.args(["encode", "scene", "-o", "out/a.lfold", "--keyframe-interval", "2", "--threads", "1"]).args(more);
+        command
+            .args(["encode", "scene", "--clip", "-o", "out/a.lfold", "--keyframe-interval", "2", "--threads", "1"])
+            .args(more);
         command
     }
 
@@ -313,12 +315,13 @@ fn find(root: &Path, kind: &str, end: &str) -> PathBuf {
 fn resume_needs_a_file_that_can_be_gone_on_with() {
     let place = Place::new();
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
-    command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o"]);
+    command.current_dir(place.folder.path()).args(["encode", "scene", "--clip", "--resume", "-o"]);
     let pipe = command.arg("-").output().unwrap();
     assert_eq!(pipe.status.code(), Some(2));
     assert_eq!(said(&pipe), "lightfold: --resume needs a file: an encode to standard output cannot be resumed\n");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
-    let null = command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o", "/dev/null"]);
+    let null =
+        command.current_dir(place.folder.path()).args(["encode", "scene", "--clip", "--resume", "-o", "/dev/null"]);
     let null = null.output().unwrap();
     assert!(null.status.success() && said(&null).contains("nothing to resume"), "{}", said(&null));
     // What lies in the way is not written through.
@@ -334,7 +337,7 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
 #[cfg(unix)]
 fn shell(place: &Place, before: &str, more: &str) -> Output {
     let line = format!(
-        "{before} exec {} encode scene -o out/a.lfold --keyframe-interval 2 --threads 1 {more}",
+        "{before} exec {} encode scene --clip -o out/a.lfold --keyframe-interval 2 --threads 1 {more}",
         env!("CARGO_BIN_EXE_lightfold")
     );
     Command::new("sh").current_dir(place.folder.path()).args(["-c", &line]).output().unwrap()
@@ -373,7 +376,7 @@ fn a_full_disk_is_told_with_what_is_safe() {
     // What is safe is carried to a disk with more room, which is what a user would do.
     let script = format!(
         "mount -t tmpfs -o size={kilobytes}k none out && \
-         {binary} encode scene -o out/a.lfold --keyframe-interval 2 --threads 1; code=$?; \
+         {binary} encode scene --clip -o out/a.lfold --keyframe-interval 2 --threads 1; code=$?; \
          ls -A out >names; mkdir -p kept && cp -a out/. kept/; exit $code"
     );
     let mut stopped = Command::new("unshare");

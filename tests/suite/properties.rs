@@ -173,6 +173,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 depth: Some(depth),
                 color: None,
                 material: Some(MaterialInfo { channels: MaterialChannels { reflection, refraction, ior } }),
+                missing: None,
                 files: Files {
                     color: None,
                     depth: Some("{probe}/{face}.%04d.exr".into()),
@@ -213,7 +214,7 @@ proptest! {
         }
         let bytes = index.write().unwrap();
         index.chunks.sort_by_key(|chunk| chunk.key);
-        prop_assert_eq!(compact::read(&bytes, offset).unwrap(), index);
+        prop_assert_eq!(compact::read(&bytes, offset, index.form()).unwrap(), index);
     }
 
     #[test]

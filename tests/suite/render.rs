@@ -16,7 +16,7 @@ const EYE: &str = "--eye 0.05,1.52,0 --look-at -2,1.2,0.8 --fov 80 --size 40";
 /// A container of a built-in scene, `a.lfold`, beside the dataset that it was made of, `captured`.
 fn encoded(scene: &str, folder: &Path) {
     fine(&format!("capture {scene} {PROBES} --frames 0-2 --size 48 --samples 4 -o captured"), folder);
-    fine("encode captured -o a.lfold", folder);
+    fine("encode captured --clip -o a.lfold", folder);
 }
 
 fn report(line: &str, folder: &Path) -> Value {

@@ -33,7 +33,7 @@ fn courtyard(folder: &Path, options: &str) -> Decoder {
         { "position": [-0.3, 1.7, -0.5], "orientation": [0, 0.2588190451025207, 0, 0.9659258262890683] } ] }"#;
     fs::write(folder.join("cameras.json"), cameras).unwrap();
     fine("capture courtyard --cameras cameras.json --frames 0-5 --size 32 --samples 1 -q -o cap", folder);
-    fine(format!("encode cap --color-cell 8 --depth-tile 16 -o a.lfold {options}").trim_end(), folder);
+    fine(format!("encode cap --clip --color-cell 8 --depth-tile 16 -o a.lfold {options}").trim_end(), folder);
     Decoder::open(folder.join("a.lfold")).unwrap()
 }
 
@@ -208,7 +208,7 @@ fn a_view_of_90_degrees_reads_at_most_half_of_the_bytes() {
         { "position": [-0.3, 1.7, -0.3] }, { "position": [0.2, 1.6, -0.4] } ] }"#;
     fs::write(at.join("cameras.json"), cameras).unwrap();
     fine("capture courtyard --cameras cameras.json --frames 0 --size 64 --samples 1 -q -o cap", at);
-    fine("encode cap --color-cell 8 -o a.lfold", at);
+    fine("encode cap --clip --color-cell 8 -o a.lfold", at);
     let decoder = Decoder::open(at.join("a.lfold")).unwrap();
     for look_at in [[2.0, 1.5, 0.3], [-1.0, 1.4, 2.0], [0.1, 1.2, -2.0], [1.0, 0.5, 1.0]] {
         let wide = request(0, camera([0.1, 1.5, 0.1], look_at, 90.0));
@@ -251,7 +251,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     let folder = TempDir::new().unwrap();
     let capture = "capture mirrors --position 0,1.5,0 --frames 0 --size 16 --samples 1 --aov depth,material -q -o cap";
     fine(capture, folder.path());
-    fine("encode cap --color-cell 8 -o a.lfold", folder.path());
+    fine("encode cap --clip --color-cell 8 -o a.lfold", folder.path());
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let looking = request(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
     let unseen = |specular| {
@@ -270,7 +270,7 @@ fn materials_that_call_for_nothing_do_not_decode_everything() {
     let capture =
         "capture courtyard --position 0,1.5,0 --frames 0-1 --size 32 --samples 1 --aov depth,material -q -o cap";
     fine(capture, folder.path());
-    fine("encode cap --color-cell 8 --depth-tile 16 -o a.lfold", folder.path());
+    fine("encode cap --clip --color-cell 8 --depth-tile 16 -o a.lfold", folder.path());
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let looking = camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0);
     let shown = |decode, specular| {
@@ -302,7 +302,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
         { "name": "b", "position": [0.4, 1.4, 0.2], "frames": [1, 2] }, { "name": "c", "position": [0, 1.4, 0.2], "frames": [5, 5] } ] }"#;
     fs::write(folder.path().join("cameras.json"), cameras).unwrap();
     fine("capture courtyard --cameras cameras.json --frames 0-5 --size 8 --samples 1 -q -o cap", folder.path());
-    fine("encode cap --color-cell 8 -o a.lfold", folder.path());
+    fine("encode cap --clip --color-cell 8 -o a.lfold", folder.path());
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let options = PlaybackOptions { decode: DecodeScope::All, ..PlaybackOptions::default() };
     let mut playback = Playback::new(&decoder, options).unwrap();

@@ -43,7 +43,7 @@ pub fn index_bytes(file: &[u8]) -> (&[u8], u8) {
 
 /// A container of this version as version 1.0 wrote it; others are left alone.
 pub fn in_rows(file: Vec<u8>) -> Vec<u8> {
-    if file.get(10) != Some(&1) {
+    if !matches!(file.get(10), Some(1 | 2)) {
         return file;
     }
     let (index, stored) = take_apart(&file);

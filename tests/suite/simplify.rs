@@ -239,7 +239,7 @@ fn what_a_scene_cannot_be_rendered_with_is_refused() {
     assert!(refused(&format!("render cut.glb {eye}"), at).contains("cut.glb"));
     fs::write(at.join("other.gltf"), r#"{"asset": {"version": "2.0"}}"#).unwrap();
     assert!(refused(&format!("render other.gltf {eye}"), at).contains("capture"));
-    fine("encode room -o room.lfold --frames 0", at);
+    fine("encode room --clip -o room.lfold --frames 0", at);
     let said = refused(&format!("render room.lfold {eye} --method painter"), at);
     assert!(said.contains("simplified scenes"), "{said}");
 }

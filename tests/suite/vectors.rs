@@ -165,6 +165,13 @@ fn regenerate_predictive_vectors() {
     write(vectors_of_predictive::valid(), vectors_of_predictive::invalid());
 }
 
+/// Writes the vectors of attributes anew.
+#[test]
+#[ignore = "writes tests/vectors"]
+fn regenerate_attribute_vectors() {
+    write(vectors_of_indices::valid_attributes(), vectors_of_indices::invalid_attributes());
+}
+
 fn write(valid: Vec<(&str, Vec<u8>)>, invalid: Vec<(&str, Vec<u8>, &str)>) {
     for (name, bytes) in valid {
         let path = folder("valid").join(name);

@@ -69,6 +69,9 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         ("zstd", compressed_in_frames()),
         ("zstd-windowed", windowed()),
     ]
+    .into_iter()
+    .chain(valid_attributes())
+    .collect()
 }
 
 /// Smooth and noisy images of three kinds, whose frames have blocks of all kinds.
@@ -127,6 +130,7 @@ struct Parts {
     stream: Vec<u8>,
     chunks: Vec<u8>,
     rest: Vec<u8>,
+    form: u8,
 }
 
 /// The sign of `near`.
@@ -151,6 +155,7 @@ impl Parts {
             stream: row,
             chunks: [&own[..], &[3]].concat(),
             rest: vec![],
+            form: 1,
         }
     }
 
@@ -170,8 +175,36 @@ impl Parts {
             &self.rest,
         ]
         .concat();
-        samples::with_foot([&empty[..16], &self.stored].concat(), &index, 1)
+        samples::with_foot([&empty[..16], &self.stored].concat(), &index, self.form)
     }
+}
+
+/// [`Parts`] with these rows of attributes.
+fn with_attributes(count: u8, rows: &[u8]) -> Vec<u8> {
+    let mut parts = Parts::new();
+    (parts.form, parts.rest) = (2, [&[count], rows].concat());
+    parts.file()
+}
+
+pub fn valid_attributes() -> Vec<(&'static str, Vec<u8>)> {
+    let unknown = with_attributes(2, b"\x03\x00a.b\x02\x00\xff\x05\x00z_9.z\x00");
+    // A value that means nothing: no pixel depends on it.
+    let known = with_attributes(1, b"\x05\x00shard\x01\x2a");
+    vec![("attributes", unknown), ("attributes-of-a-known-name", known)]
+}
+
+pub fn invalid_attributes() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    let fit = "do not fit into the rest of the index";
+    vec![
+        ("attributes-none", with_attributes(0, b""), fit),
+        ("attributes-count", with_attributes(3, b"\x01\x00a\x00\x01\x00b\x00"), fit),
+        ("attributes-name-empty", with_attributes(1, b"\x00\x00\x00\x00"), "\"\" is no name of an attribute"),
+        ("attributes-name", with_attributes(1, b"\x01\x00A\x00"), "\"A\" is no name of an attribute"),
+        ("attributes-order", with_attributes(2, b"\x01\x00b\x00\x01\x00a\x00"), "a does not ascend by name"),
+        ("attributes-twice", with_attributes(2, b"\x01\x00b\x00\x01\x00b\x00"), "b does not ascend by name"),
+        ("attributes-cut", with_attributes(1, b"\x01\x00a\x02\x00"), "2 more bytes expected, 1 left"),
+        ("attributes-longer", with_attributes(1, b"\x01\x00a\x00\x00"), "1 bytes after the last field"),
+    ]
 }
 
 /// Name, bytes and a part of the message of every invalid vector.
@@ -262,6 +295,9 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("compact-cut", edited(&|parts| parts.chunks.truncate(6)), "1 more bytes expected, 0 left"),
         ("compact-longer", edited(&|parts| parts.rest.push(0)), "1 bytes after the last field"),
     ]
+    .into_iter()
+    .chain(invalid_attributes())
+    .collect()
 }
 
 /// A window, and no content size.

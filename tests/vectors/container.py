@@ -36,7 +36,7 @@ def read_foot(data):
     fields = Fields(foot)
     offset, size, crc, form = fields.take("QQIB")
     fields.zeros(3)
-    check(form <= 1, "the index has an unknown form")
+    check(form <= 2, "the index has an unknown form")
     file_bytes, foot_crc = fields.take("QI")
     check(fields.bytes(4) == b"LFND", "there is no foot")
     check(foot_crc == zlib.crc32(foot[:32]), "the foot's CRC-32 is other")
@@ -88,7 +88,9 @@ def read_dataset(fields):
 
 def read_index(index, end, form):
     fields = Fields(index)
-    probes, streams, rows = (read_tables, read_compact_tables)[form](fields, end)
+    probes, streams, rows = (read_tables, read_compact_tables)[min(form, 1)](fields, end)
+    if form == 2:
+        read_attributes(fields)
     fields.finish()
     check(len(set(probes)) == len(probes), "two probes of one name")
     check(len({(s.kind, s.probe, s.face) for s in streams}) == len(streams), "two streams of one face")
@@ -106,6 +108,19 @@ def read_index(index, end, form):
             stream.chunks.append(chunks)
     check(at == len(rows), "the chunk table has rows too many")
     return streams
+
+
+def read_attributes(fields):
+    count = fields.varint()
+    check(count >= 1, "an attribute table without attributes")
+    fields.fits(count, 4)
+    before = ""
+    for _ in range(count):
+        name = fields.string()
+        check(re.fullmatch("[a-z0-9_.]{1,64}", name), "an attribute's name is illegal")
+        check(name > before, "attributes do not ascend by name")
+        before = name
+        fields.bytes(fields.varint())
 
 
 def read_tables(fields, end):

@@ -14,11 +14,11 @@ use crate::depth::predictive::PredictiveHeader;
 use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
-use crate::image::StreamKind;
+use crate::image::{ColorSpace, StreamKind};
 use crate::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
 use crate::report::Table;
 use crate::report::coding_map::counted;
-use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, NodeHeader};
+use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
@@ -66,8 +66,38 @@ fn heading(report: &Report<'_>) -> String {
     if report.inspection.unreferenced_bytes > 0 {
         let _ = writeln!(out, "{} outside of chunks", human_bytes(report.inspection.unreferenced_bytes));
     }
+    out += &footage(report);
     if reader.minor_version > VERSION_MINOR {
         let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version);
+    }
+    out
+}
+
+/// Lines about primaries, clipped pixels and missing frames, where these are not as usual.
+fn footage(report: &Report<'_>) -> String {
+    let decoder = report.decoder;
+    let footage = decoder.footage();
+    let mut out = String::new();
+    if !footage.primaries.is_rec709() {
+        let _ = match ColorSpace::of_light(footage.primaries) {
+            Some(space) => writeln!(out, "colour is light of {}", space.name()),
+            None => writeln!(out, "colour is light of the chromaticities {:?}", footage.primaries.to_array()),
+        };
+    }
+    if let Some(count) = footage.clipped_pixels {
+        let _ =
+            writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
+    }
+    // One line for each stream and what stands in place of its frames.
+    let same = |one: &MissingFrame, next: &MissingFrame| {
+        (&one.probe, one.kind, one.face, one.held) == (&next.probe, next.kind, next.face, next.held)
+    };
+    for frames in footage.missing_frames.chunk_by(same) {
+        let MissingFrame { probe, kind, face, held, .. } = &frames[0];
+        let numbers: Vec<String> = frames.iter().map(|missing| missing.frame.to_string()).collect();
+        let held = held.map_or_else(|| "black".to_owned(), |frame| format!("frame {frame}"));
+        let (kind, face, frames) = (kind.name(), face.name(), numbers.join(", "));
+        let _ = writeln!(out, "missing in {kind} {probe}/{face}: {frames}; {held} stands in their place");
     }
     out
 }

@@ -115,7 +115,8 @@ impl<'a> LightField<'a> {
         let mut renderer = WithDistances { renderer: CpuRenderer::new(options), distances_m: None };
         let shown = self.playback.borrow_mut().show(&request, &mut renderer, &Checked(monitor))?;
         let picture = shown.pictures.into_iter().next();
-        let both = picture.map(|picture| picture.image).zip(renderer.distances_m);
+        // Interpolation makes pictures of Rec. 709.
+        let both = picture.map(|picture| picture.image.into_rec709()).zip(renderer.distances_m);
         both.ok_or_else(|| Error::invalid("a picture without distances"))
     }
 }

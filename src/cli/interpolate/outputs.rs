@@ -14,7 +14,7 @@ use crate::evaluate::RenderedImage;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::fingerprint::Fingerprint;
 use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
-use crate::image::{Pattern, ToneMap, exr, png};
+use crate::image::{Pattern, Primaries, ToneMap, exr, png};
 
 pub(super) struct Outputs {
     files: PictureFiles,
@@ -203,7 +203,7 @@ impl Tiles {
         match self.pixels {
             Pixels::Png(quilt) => png::write_rgba8(path, &quilt.finish()),
             Pixels::Exr(quilt) => {
-                let bytes = exr::rgba_bytes(&quilt.finish())?;
+                let bytes = exr::rgba_bytes(&quilt.finish(), Primaries::REC709)?;
                 std::fs::write(path, bytes).map_err(|error| Error::io(path, error))
             }
         }

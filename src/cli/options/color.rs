@@ -10,7 +10,7 @@ use crate::color::settings::SearchSettings;
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::tables::TableSet;
 use crate::dataset::{InvalidColor, SourceOptions};
-use crate::encode::{ColorBlockSettings, ColorCodec, EncodeSettings};
+use crate::encode::{Clipping, ColorBlockSettings, ColorCodec, EncodeSettings};
 use crate::entropy::table_text;
 use crate::error::Result;
 use crate::image::transfer::{ToneMap, Transfer};
@@ -71,12 +71,15 @@ pub struct ColorArgs {
     /// bc7 and bc6h]
     #[arg(long, value_name = "DB")]
     pub psnr_final: Option<f64>,
-    /// Transfer function to 8-bit codes
-    #[arg(long, value_parser = one_of(TRANSFERS), default_value = "srgb", conflicts_with = "hdr")]
-    pub transfer: Transfer,
-    /// Exposure in stops before conversion to 8 bits, -8 to 8
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "hdr")]
-    pub exposure: f32,
+    /// Transfer function to 8-bit codes, which then may clip light [default: srgb]
+    #[arg(long, value_parser = one_of(TRANSFERS), conflicts_with = "hdr")]
+    pub transfer: Option<Transfer>,
+    /// Exposure in stops before conversion to 8 bits, -8 to 8, which then may clip light [default: 0]
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, conflicts_with = "hdr")]
+    pub exposure: Option<f32>,
+    /// Accept that 8 bits clip light. Without it, --hdr, --transfer and --exposure, footage whose first frames have such light is refused
+    #[arg(long)]
+    pub clip: bool,
     /// Half floats instead of 8 bits, which clip light above 1 of EXR files. PSNR is then that of the PU21 encoding, with its peak
     /// at 100 cd/m². Infinite light becomes 65504
     #[arg(long)]
@@ -116,8 +119,9 @@ impl ColorArgs {
                 return refuse(format!("{option} {db}: 0 to 200 dB was expected"));
             }
         }
-        if !(-8.0..=8.0).contains(&self.exposure) {
-            return refuse(format!("--exposure {}: -8 to 8 stops were expected", self.exposure));
+        let exposure_ev = self.exposure.unwrap_or(0.0);
+        if !(-8.0..=8.0).contains(&exposure_ev) {
+            return refuse(format!("--exposure {exposure_ev}: -8 to 8 stops were expected"));
         }
         if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
             return refuse(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected"));
@@ -151,8 +155,10 @@ impl ColorArgs {
         settings.color = if self.hdr {
             ColorFormat::Half { white_cd_m2: self.white }
         } else {
-            ColorFormat::EightBit(ToneMap { transfer: self.transfer, exposure_ev: self.exposure })
+            ColorFormat::EightBit(ToneMap { transfer: self.transfer.unwrap_or_default(), exposure_ev })
         };
+        let chosen = self.clip || self.transfer.is_some() || self.exposure.is_some();
+        settings.clipping = if chosen { Clipping::Allow } else { Clipping::Refuse };
         source.invalid_color = self.invalid_color;
         Ok(())
     }

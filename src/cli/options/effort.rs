@@ -14,14 +14,14 @@ pub const EFFORTS: &Choices<Effort> = &[
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct EffortArgs {
-    /// Search effort: for partitions and steps of colour, its farthest keyframe, and for blocks of all kinds
-    #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
-    pub effort: Effort,
+    /// Search effort: for partitions and steps of colour, its farthest keyframe, and for blocks of all kinds [default: normal]
+    #[arg(long, value_parser = one_of(EFFORTS))]
+    pub effort: Option<Effort>,
 }
 
 impl EffortArgs {
     pub fn apply(self, settings: &mut EncodeSettings) {
-        settings.search.effort = self.effort;
-        settings.depth.effort = self.effort;
+        settings.search.effort = self.effort.unwrap_or_default();
+        settings.depth.effort = self.effort.unwrap_or_default();
     }
 }

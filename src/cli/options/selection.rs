@@ -2,6 +2,8 @@
 
 use clap::Args;
 
+use super::choice::{Choices, one_of};
+use crate::dataset::Missing;
 use crate::decode::Selection;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
@@ -20,6 +22,20 @@ pub struct FrameArgs {
     /// Only these frames, such as 10-99 or 12
     #[arg(long, value_name = "A-B")]
     pub frames: Option<FrameRange>,
+}
+
+const MISSING: &Choices<Missing> = &[
+    ("error", Missing::Error, "Fail with the file"),
+    ("hold", Missing::Hold, "Repeat the last frame that is there"),
+    ("skip", Missing::Skip, "Leave them out at the start and end of a stream; fail within it"),
+    ("black", Missing::Black, "Black, and background in depth"),
+];
+
+#[derive(Debug, Clone, Copy, Args)]
+pub struct MissingArgs {
+    /// Handling of frames whose file is missing; the container remembers which [default: from the manifest, or error]
+    #[arg(long, value_name = "WHAT", value_parser = one_of(MISSING))]
+    pub missing: Option<Missing>,
 }
 
 #[derive(Debug, Clone, Args)]

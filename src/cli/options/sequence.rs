@@ -3,17 +3,26 @@
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use super::{ChannelArgs, EffortArgs, FrameArgs, parse_face};
+use super::{ChannelArgs, EffortArgs, FrameArgs, MissingArgs, parse_face};
 use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
 use crate::error::Result;
+use crate::image::ColorSpace;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
-use crate::image::png::ColorSpace;
+
+const REC709: (&str, ColorSpace, &str) = ("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709");
+const ACESCG: (&str, ColorSpace, &str) = ("acescg", ColorSpace::AcesCg, "Scene-linear AP1");
+const ACES: (&str, ColorSpace, &str) = ("aces2065-1", ColorSpace::Aces2065, "Scene-linear AP0");
+const REC2020: (&str, ColorSpace, &str) = ("linear-rec2020", ColorSpace::LinearRec2020, "Scene-linear Rec. 2020");
+const P3: (&str, ColorSpace, &str) = ("linear-p3-d65", ColorSpace::LinearP3D65, "Scene-linear P3, white of D65");
 
 pub const COLOR_SPACES: &Choices<ColorSpace> =
-    &[("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709"), ("srgb", ColorSpace::Srgb, "sRGB codes")];
+    &[REC709, ("srgb", ColorSpace::Srgb, "sRGB codes"), ACESCG, ACES, REC2020, P3];
+
+/// Those of linear light.
+pub const LIGHT_SPACES: &Choices<ColorSpace> = &[REC709, ACESCG, ACES, REC2020, P3];
 
 /// `--layout`; single images show another face if so asked.
 const LAYOUTS: &Choices<Arrangement> = &[
@@ -33,6 +42,8 @@ pub struct SequenceInputArgs {
     pub more: Vec<String>,
     #[command(flatten)]
     pub frames: FrameArgs,
+    #[command(flatten)]
+    pub missing: MissingArgs,
     /// Name of the probe
     #[arg(long, value_name = "NAME", default_value = "00", help_heading = "Sequence")]
     pub probe: String,
@@ -69,6 +80,7 @@ impl SequenceInputArgs {
     /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         source.frames = self.frames.frames;
+        source.missing = self.missing.missing;
         source.face_size = self.images.face_size;
         self.effort.apply(settings);
     }

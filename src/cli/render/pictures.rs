@@ -212,6 +212,7 @@ fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {
     Ok(RenderedImage {
         color: Plane::from_fn(all, height, |x, y| at(x).0.color.get(at(x).1, y)),
         alpha: Plane::from_fn(all, height, |x, y| at(x).0.alpha.get(at(x).1, y)),
+        primaries: first.primaries,
         aovs: (0..first.aovs.len()).map(aov).collect(),
     })
 }

@@ -176,7 +176,7 @@ pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
     }
     let groups = source.groups().iter();
     let files: Vec<PathBuf> =
-        groups.flat_map(|group| group.frames.iter().filter_map(|frame| source.file(group, frame).ok())).collect();
+        groups.flat_map(|group| group.frames.iter().filter_map(|frame| source.file(group, frame).ok()?)).collect();
     for (file, crc) in files.iter().zip(try_map_ordered(files.iter().collect(), |file: &PathBuf| crc_of(file))?) {
         add(file.file_name().unwrap_or_default().as_encoded_bytes());
         add(&crc.to_le_bytes());

@@ -7,12 +7,13 @@ use super::{Arrangement, Content, ProbeInfo, SequenceLayout, Source, SourceGroup
 use crate::dataset::manifest::{
     DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, Pose, check_intrinsics, is_probe_name, manifest_path,
 };
+use crate::dataset::missing::FrameFiles;
 use crate::dataset::normals::NormalFiles;
 use crate::dataset::pixels::{DepthRules, FARTHEST_M};
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size};
 use crate::image::layout::face_size;
-use crate::image::{DepthKind, Face, FaceLayout, FrameRange, Projection, Sequence, StreamKind, exr, png};
+use crate::image::{DepthKind, Face, FaceLayout, FrameRange, Primaries, Projection, StreamKind, exr, png};
 
 const DEFAULT_FPS: f64 = 24.0;
 
@@ -47,6 +48,7 @@ impl Source {
         source.scale_stated = scale.is_some();
         source.rules.background = options.background.unwrap_or(depth.background.value());
         source.color_space = space;
+        source.missing = options.missing.or(manifest.missing).unwrap_or_default();
         source.rules.farthest_m = depth.far.map_or(FARTHEST_M, |far| far.max(FARTHEST_M));
         source.depth_channel = options.depth_channel.clone().or(depth.channel).into();
         let layer = manifest.color.as_ref().and_then(|color| color.layer.clone());
@@ -99,8 +101,8 @@ impl Source {
                 for faces in &together {
                     let name = source.probes[probe].name.clone();
                     let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
-                    let sequence = Sequence::known(pattern.below(folder), frames)?;
-                    source.add(kind, probe, faces, sequence);
+                    let files = FrameFiles::known(pattern.below(folder), frames, source.missing)?;
+                    source.add(kind, probe, faces, files);
                 }
             }
         }
@@ -111,6 +113,7 @@ impl Source {
             return Err(Error::invalid("no probe has any of the frames asked for").in_file(file));
         }
         source.manifest = Some(manifest);
+        source.find_primaries();
         Ok(source)
     }
 
@@ -129,8 +132,9 @@ impl Source {
         if let Some(intrinsics) = layout.intrinsics {
             check_intrinsics(intrinsics).map_err(|error| Error::Usage(error.to_string()))?;
         }
-        let sequence = Sequence::find(spec, options.frames)?;
-        let first = sequence.path(sequence.frames.first);
+        let files = FrameFiles::find(spec, options.frames, options.missing.unwrap_or_default())?;
+        let none = || Error::invalid("none of its frames is there").in_file(spec);
+        let first = files.files().next().ok_or_else(none)?;
         let size = if png::is_png(&first) {
             png::read_size(&first, &options.limits)
         } else {
@@ -161,10 +165,11 @@ impl Source {
             position: [0.0; 3],
             orientation: [0.0, 0.0, 0.0, 1.0],
             poses: Vec::new(),
-            frames: sequence.frames,
+            frames: files.frames(),
             intrinsics: if view { layout.intrinsics } else { None },
         });
-        source.add(kind, 0, &faces, sequence);
+        source.add(kind, 0, &faces, files);
+        source.find_primaries();
         Ok(source)
     }
 
@@ -235,20 +240,34 @@ impl Source {
             depth_stored: DepthKind::Distance,
             depth_in_files: depth_kind,
             color_space: options.color_space,
+            primaries: Primaries::REC709,
             color_channel: options.color_channel.clone().into(),
             depth_channel: options.depth_channel.clone().into(),
             material_channels,
             invalid_color: options.invalid_color,
+            missing: options.missing.unwrap_or_default(),
             limits: options.limits,
             maps: maps.collect::<Result<_>>()?,
         })
     }
 
-    fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], sequence: Sequence) {
+    /// The primaries of the stated color space, else of the first colour file. A file that cannot be read is reported when its
+    /// pixels are.
+    fn find_primaries(&mut self) {
+        let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);
+        let mut files = first.into_iter().flat_map(|group| group.frames.iter().map(move |frame| (group, frame)));
+        let file = files.find_map(|(group, frame)| self.file(group, frame).ok()?).filter(|file| !png::is_png(file));
+        self.primaries = match self.color_space {
+            Some(space) => space.primaries(),
+            None => file.and_then(|file| exr::read_primaries(&file).ok()).unwrap_or(Primaries::REC709),
+        };
+    }
+
+    fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], files: FrameFiles) {
         let (width, height) = self.delivered_size;
-        let frames = sequence.frames;
+        let frames = files.frames();
         self.groups.push(SourceGroup { kind, probe, faces: faces.to_vec(), frames, width, height });
-        self.sequences.insert((kind, probe, faces[0]), sequence);
+        self.sequences.insert((kind, probe, faces[0]), files);
     }
 }
 

@@ -10,6 +10,7 @@ use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::{BackgroundFill, HoleFill};
+use crate::image::Primaries;
 use crate::march::aov::{AovKind, aovs};
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
@@ -193,6 +194,8 @@ pub struct Playback<'a> {
     summary: PlaybackSummary,
     update_ms: Vec<f64>,
     render_ms: Vec<f64>,
+    /// Of the container's light.
+    primaries: Primaries,
 }
 
 impl<'a> Playback<'a> {
@@ -206,6 +209,7 @@ impl<'a> Playback<'a> {
             summary: PlaybackSummary::default(),
             update_ms: Vec::new(),
             render_ms: Vec::new(),
+            primaries: decoder.primaries(),
         })
     }
 
@@ -243,11 +247,12 @@ impl<'a> Playback<'a> {
         renderer.update(&stage, &changes)?;
         let update_ms = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
-        let pictures = request
+        let mut pictures = request
             .cameras
             .iter()
             .map(|camera| renderer.render(&stage, camera, monitor))
             .collect::<Result<Vec<_>>>()?;
+        pictures.iter_mut().for_each(|picture| picture.image.primaries = self.primaries);
         let render_ms = start.elapsed().as_secs_f64() * 1e3;
         self.selector.measured(update_ms + render_ms, views.len());
         let (active, culled) = trace::name(&selection, &self.player.field);

@@ -85,6 +85,7 @@ impl CapturePlan {
             depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
             color: wants(Pass::Color).then_some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
+            missing: None,
             files: Files {
                 color: files(Pass::Color),
                 depth: files(Pass::Depth),

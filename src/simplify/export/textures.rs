@@ -11,7 +11,7 @@ use crate::block::{Bc6h, Bc7, Bc7Rgba, BlockEncoder, SIDE};
 use crate::effort::Effort;
 use crate::error::Result;
 use crate::image::ktx2::{self, BlockFormat};
-use crate::image::{Plane, exr};
+use crate::image::{Plane, Primaries, exr};
 use crate::mesh::ImageTexture;
 use crate::simplify::quad_mesh::QuadMesh;
 
@@ -53,5 +53,5 @@ fn encode<E: BlockEncoder<Texel: Sync>>(encoder: &E, pixels: &[E::Texel], width:
 pub fn exr(texture: &ImageTexture, light: &[[f16; 3]]) -> Result<Vec<u8>> {
     let alpha = |pixel: &[u8; 4]| f16::from_f32(f32::from(pixel[3]) / 255.0);
     let texels = light.iter().zip(&texture.pixels).map(|(&[r, g, b], pixel)| [r, g, b, alpha(pixel)]).collect();
-    exr::rgba_bytes(&Plane::new(texture.width, texture.height, texels)?)
+    exr::rgba_bytes(&Plane::new(texture.width, texture.height, texels)?, Primaries::REC709)
 }

@@ -112,6 +112,9 @@ impl Input {
         if !compressed && !options.iter().any(says) {
             words.push("--no-compression".into());
         }
+        if stream == StreamKind::Color && !options.iter().any(|option| option == "--clip") {
+            words.push("--clip".into());
+        }
         words.extend(options.iter().map(OsString::from));
         words
     }
@@ -130,6 +133,8 @@ impl Input {
         words.push(format!("--stream={}", stream_of(point).name()).into());
         if stream_of(point) != StreamKind::Color {
             words.push("--ssim=none".into());
+        } else {
+            words.push("--allow-clipping".into());
         }
         words.extend(self.diff.iter().map(OsString::from));
         words.push("--json".into());
@@ -239,14 +244,14 @@ mod tests {
             assert_eq!(
                 line,
                 format!(
-                    "lightfold encode scene --stream=color --color-cell=8 --color-codec=cells --psnr={psnr} --no-compression"
+                    "lightfold encode scene --stream=color --color-cell=8 --color-codec=cells --psnr={psnr} --no-compression --clip"
                 )
             );
         }
         let plain = point(Color, &[("psnr", "40")]);
         assert_eq!(scene.temporal(&plain), scene.encode(&plain));
         let line = shell_line(&scene.temporal(&point(Color, &[("color-block", "none")])));
-        assert_eq!(line, "lightfold encode scene --stream=color --no-compression");
+        assert_eq!(line, "lightfold encode scene --stream=color --no-compression --clip");
     }
 
     #[test]

@@ -1,0 +1,58 @@
+//! Options of datasets: which frames and channels of their files are read.
+
+use std::path::Path;
+
+use clap::Args;
+
+use super::choice::one_of;
+use super::{COLOR_SPACES, ChannelArgs, FrameArgs, MissingArgs};
+use crate::cli::refuse;
+use crate::dataset::manifest;
+use crate::dataset::source::{Source, SourceOptions};
+use crate::error::Result;
+use crate::image::ColorSpace;
+
+#[derive(Debug, Clone, Args)]
+pub struct DatasetArgs {
+    /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
+    #[arg(long, value_name = "PIXELS")]
+    pub face_size: Option<u32>,
+    #[command(flatten)]
+    pub channels: ChannelArgs,
+    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
+    #[arg(long, value_parser = one_of(COLOR_SPACES))]
+    pub color_space: Option<ColorSpace>,
+    #[command(flatten)]
+    pub missing: MissingArgs,
+    #[command(flatten)]
+    pub frames: FrameArgs,
+}
+
+impl DatasetArgs {
+    pub fn apply(&self, options: &mut SourceOptions) {
+        options.frames = self.frames.frames;
+        options.face_size = self.face_size;
+        self.channels.apply(options);
+        options.color_space = self.color_space;
+        options.missing = self.missing.missing;
+    }
+
+    /// Opens the dataset, which has the frames that were asked for.
+    pub fn open(&self, input: &Path, options: &SourceOptions) -> Result<Source> {
+        if !manifest::is_dataset(input) {
+            return refuse(format!(
+                "{}: neither a lightfield.json nor a folder that holds one; encode an image sequence with encode-depth \
+                 or encode-color",
+                input.display()
+            ));
+        }
+        let source = Source::open(input, options)?;
+        let (asked, there) = (self.frames.frames, source.manifest.as_ref().map(|manifest| manifest.frame_range()));
+        if let (Some(asked), Some(there)) = (asked, there)
+            && (asked.first < there.first || asked.last > there.last)
+        {
+            return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
+        }
+        Ok(source)
+    }
+}

@@ -1,0 +1,77 @@
+//! Presets: settings of an encode under one name, which other options override.
+
+use clap::Args;
+
+use super::choice::one_of;
+use super::{Choices, ColorArgs, DepthArgs, EffortArgs, StoreArgs};
+use crate::effort::Effort;
+use crate::encode::DepthCodec;
+
+/// What a preset sets; all else is as by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Preset {
+    /// In place of --psnr.
+    psnr_db: Option<f64>,
+    /// In place of --max-error.
+    max_error: Option<u16>,
+    /// In place of --effort.
+    effort: Option<Effort>,
+    /// In place of --hdr.
+    hdr: bool,
+    /// In place of --lzma2.
+    lzma2: Option<u32>,
+}
+
+const NONE: Preset = Preset { psnr_db: None, max_error: None, effort: None, hdr: false, lzma2: None };
+
+const PRESETS: &Choices<Preset> = &[
+    (
+        "small",
+        Preset { psnr_db: Some(36.0), max_error: Some(400), effort: Some(Effort::Exhaustive), lzma2: Some(9), ..NONE },
+        "Fewest bytes: --psnr 36 --max-error 400 --effort exhaustive --lzma2=9",
+    ),
+    ("balanced", NONE, "The defaults: --psnr 40 --max-error 100 --effort normal"),
+    ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fewest seconds: --effort fast"),
+    (
+        "exact",
+        Preset { psnr_db: Some(60.0), max_error: Some(0), hdr: true, ..NONE },
+        "Nothing that is seen is lost: --hdr --psnr 60 --max-error 0",
+    ),
+];
+
+#[derive(Debug, Clone, Copy, Args)]
+pub struct PresetArgs {
+    /// Settings under one name; other options override them
+    #[arg(long, value_name = "NAME", value_parser = one_of(PRESETS), default_value = "balanced")]
+    pub preset: Preset,
+}
+
+impl PresetArgs {
+    /// Whether the preset is the one of the fewest bytes.
+    pub fn is_small(self) -> bool {
+        PRESETS.first().is_some_and(|(_, smallest, _)| *smallest == self.preset)
+    }
+
+    /// Fills in what is not given.
+    pub fn fill(
+        self,
+        (depth, color): (&mut DepthArgs, &mut ColorArgs),
+        (effort, store): (&mut EffortArgs, &mut StoreArgs),
+    ) {
+        let Preset { psnr_db, max_error, effort: usual_effort, hdr, lzma2 } = self.preset;
+        let has_blocks = color.color_block.flatten().is_some();
+        if color.color_qp.is_none() && !has_blocks {
+            color.psnr = color.psnr.or(psnr_db);
+        }
+        let says_8_bits = color.transfer.is_some() || color.exposure.is_some();
+        color.hdr |= hdr && !says_8_bits && !has_blocks;
+        let has_bound = matches!(depth.depth_codec, DepthCodec::Predictive | DepthCodec::Quadtree);
+        if depth.max_error_relative.is_none() && has_bound {
+            depth.max_error = depth.max_error.or(max_error);
+        }
+        effort.effort = effort.effort.or(usual_effort);
+        if store.compression().is_none() {
+            store.lzma2 = lzma2;
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Options of work that several machines share.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::choice::{Choices, one_of};
+use crate::encode::{Shard, ShardBy};
+
+const SHARD_BYS: &Choices<ShardBy> = &[
+    ("auto", ShardBy::Segment, "Streams and segments of these in time: the most even shards"),
+    ("probe", ShardBy::Probe, "Probes"),
+    ("stream", ShardBy::Stream, "Streams, each with all its frames"),
+    ("time", ShardBy::Time, "Frames of all streams"),
+];
+
+/// `3/8`.
+pub fn parse_shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
+    match numbers {
+        Some((number, count)) if (1..=count).contains(&number) => Ok(Shard { number, count }),
+        _ => Err(format!("'{text}' is no shard: write I/N with I from 1 to N, such as 3/8")),
+    }
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Shards")]
+pub struct ShardArgs {
+    /// Encode one shard, such as 3/8; pack joins all of them to the bytes of one encode
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
+    /// What shards are cut along
+    #[arg(long, value_name = "WHAT", value_parser = one_of(SHARD_BYS), default_value = "auto", requires = "shard")]
+    pub shard_by: ShardBy,
+    /// Depth ranges found by scan; without them each shard reads all depth images of its probes
+    #[arg(long, value_name = "FILE")]
+    pub scan: Option<PathBuf>,
+}

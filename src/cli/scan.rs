@@ -1,0 +1,113 @@
+//! `lightfold scan MANIFEST -o scan.json`: what encodes in shards need to know of all depth images.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::cli::options::{DatasetArgs, DepthArgs, MemoryArgs, check_report, parse_shard};
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::dataset::source::SourceOptions;
+use crate::encode::{self, EncodeSettings, ScanFile, Shard};
+use crate::error::Result;
+use crate::report::coding_map::counted;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold scan film -o scan.json\n  \
+    lightfold encode film --scan scan.json --shard 3/8 -o film-3.lfold\n  \
+    lightfold scan film --shard 3/8 -o scan-3.json\n  \
+    lightfold scan --merge scan-*.json -o scan.json\n\n\
+    Near, far and recurring distances of a probe follow from all its frames. Give scan the depth options of encode.")]
+pub struct Args {
+    /// The dataset: a lightfield.json, or the folder that holds it; with --merge, scans of shards
+    #[arg(value_name = "MANIFEST", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// The scan to write, - for standard output
+    #[arg(long, short, value_name = "SCAN.json")]
+    pub output: PathBuf,
+    /// Join scans of shards
+    #[arg(long, conflicts_with_all = ["shard", "resume"])]
+    pub merge: bool,
+    /// Scan one shard of the images, such as 3/8
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
+    /// Keep what the output has of an earlier scan, and scan the rest
+    #[arg(long)]
+    pub resume: bool,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub dataset: DatasetArgs,
+    #[command(flatten)]
+    pub depth: DepthArgs,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+#[derive(Serialize)]
+struct Report {
+    /// Images of the shard, or scans that were joined.
+    images: u64,
+    seconds: f64,
+}
+
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    check_report(&args.output, args.json)?;
+    let start = Instant::now();
+    let (count, what) =
+        if args.merge { (merge(&args.inputs, &args.output)?, "scan") } else { (scan(args, global)?, "image") };
+    let report = Report { images: count, seconds: start.elapsed().as_secs_f64() };
+    global.report(args.json, &report, || {
+        format!("{}: {}, {:.2} s", args.output.display(), counted(count, what), report.seconds)
+    })?;
+    Ok(ExitStatus::Passed)
+}
+
+fn merge(inputs: &[PathBuf], output: &Path) -> Result<u64> {
+    let mut scans = inputs.iter().map(|path| Ok((path, ScanFile::read(path)?)));
+    let Some(first) = scans.next() else { return refuse("--merge needs scans") };
+    let (_, mut merged) = first?;
+    for scan in scans {
+        let (path, scan) = scan?;
+        merged.merge(scan).map_err(|error| error.in_file(path))?;
+    }
+    save(&merged, output)?;
+    Ok(inputs.len() as u64)
+}
+
+fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
+    let [input] = args.inputs.as_slice() else {
+        return refuse("one dataset was expected; --merge joins scans of shards");
+    };
+    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+    args.depth.apply(&mut options, &mut settings)?;
+    args.dataset.apply(&mut options);
+    settings.memory = args.memory.get();
+    let mut source = args.dataset.open(input, &options)?;
+    encode::keep_few_planar_depths(&mut source, &settings);
+    let mut scan = ScanFile::new(&source, &settings);
+    let in_file = args.output != Path::new("-");
+    if args.resume && args.output.exists() {
+        let earlier = ScanFile::read(&args.output)?;
+        if !earlier.is_of(&source, &settings) {
+            return refuse(format!(
+                "{}: a scan of other footage or with other settings; repeat them, or leave out --resume to start anew",
+                args.output.display()
+            ));
+        }
+        scan = earlier;
+    }
+    let images = ScanFile::images(&source, &settings, args.shard)?;
+    let progress = Progress::start(global, "scanning", images)?;
+    let mut keep = |scan: &ScanFile| if in_file { scan.write(&args.output) } else { Ok(()) };
+    scan.scan(&source, &settings, args.shard, &progress, &mut keep)?;
+    save(&scan, &args.output)?;
+    Ok(images)
+}
+
+fn save(scan: &ScanFile, output: &Path) -> Result<()> {
+    output::write_file(output, &scan.to_json()?)
+}

@@ -1,0 +1,63 @@
+//! The first frame of every stream, read before anything is coded: a wrong channel or size is found at once, and so is light that 8
+//! bits would clip.
+
+use crate::dataset::SourceGroup;
+use crate::encode::source::{FrameSource, name_frame, selected_groups};
+use crate::encode::{Clipping, EncodeSettings};
+use crate::error::{Error, Result};
+use crate::image::{EncodeTable, StreamKind};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::streams::{ColorFormat, convert};
+
+/// Reads the first frame of each selected stream that is in a file.
+///
+/// # Errors
+/// A file that cannot be read as its stream; with [`Clipping::Refuse`] light that 8 bits would clip.
+pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<()> {
+    let mut jobs = Vec::new();
+    for group in selected_groups(source, settings) {
+        let group = group.group;
+        for frame in group.frames.iter() {
+            if source.file(group, frame)?.is_some() {
+                jobs.push((group, frame));
+                break;
+            }
+        }
+    }
+    let table = match settings.color {
+        ColorFormat::EightBit(tone) => Some(EncodeTable::new(&tone)),
+        ColorFormat::Half { .. } => None,
+    };
+    // One image after the other stays within any budget that lets the encode begin.
+    let at_once = if settings.memory.bytes.is_some() { 1 } else { usize::MAX };
+    let found = try_map_at_once(jobs, at_once, |(group, frame)| {
+        monitor.check()?;
+        let [pixels, clipped] = read(source, group, frame, table.as_ref())?;
+        Ok((group, frame, pixels, clipped))
+    })?;
+    let most = found.iter().filter(|(.., clipped)| *clipped > 0).max_by_key(|(.., clipped)| *clipped);
+    let Some(&(group, frame, ..)) = most.filter(|_| settings.clipping == Clipping::Refuse) else { return Ok(()) };
+    let [pixels, clipped] =
+        found.iter().fold([0, 0], |[all, sum], (.., pixels, clipped)| [all + pixels, sum + clipped]);
+    Err(Error::Usage(format!(
+        "{clipped} of {pixels} colour pixels of the first frames ({:.2}%) do not fit 8 bits, most in {}: `hdr` keeps them as half \
+         floats, `clip` accepts the loss, `exposure` darkens all",
+        100.0 * clipped as f64 / pixels as f64,
+        name_frame(source, group, frame)
+    )))
+}
+
+/// Colour pixels of a frame, and those that `table` clips.
+fn read(source: &dyn FrameSource, group: &SourceGroup, frame: u32, table: Option<&EncodeTable>) -> Result<[u64; 2]> {
+    match group.kind {
+        StreamKind::Depth => source.read_depth(group, frame).map(|_| [0, 0]),
+        StreamKind::Material => source.read_material(group, frame).map(|_| [0, 0]),
+        StreamKind::Color => {
+            let planes = source.read_color(group, frame)?;
+            let pixels = planes.iter().map(|plane| plane.data().len() as u64).sum();
+            let clipped = table.map(|table| planes.iter().map(|plane| convert::color_codes(plane, table).1).sum());
+            Ok([pixels, clipped.unwrap_or(0)])
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! What a probe's depth images hold: near, far, and the distances that occur where these are few. Found frame by frame, in any
+//! order and on any machine.
+
+use std::collections::{BTreeMap, HashSet};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use serde::{Deserialize, Serialize};
+
+use crate::depth::DepthRange;
+use crate::depth::predictive::Levels;
+use crate::depth::predictive::levels::MAX_LEVELS;
+use crate::streams::convert::DepthExtent;
+
+/// Pixels with a surface for each level, at least: few levels of few pixels are chance.
+const LEAST_OCCURRENCES: u64 = 64;
+
+/// Scans by number of the probe.
+pub type Scans = BTreeMap<usize, Scan>;
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Scan {
+    /// `None` without a surface.
+    pub extent: Option<DepthExtent>,
+    /// Whether there are invalid depths that become near.
+    pub has_invalid: bool,
+    /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur; `None` where the codec has no levels.
+    pub distances_m: Option<Vec<f32>>,
+}
+
+impl Scan {
+    /// All that near and far follow from.
+    pub(super) fn limits(&self) -> (Option<DepthExtent>, bool) {
+        (self.extent, self.has_invalid)
+    }
+
+    /// The codes that occur; empty if there are too many, or none.
+    pub(super) fn levels(&self, range: DepthRange) -> Levels {
+        let near = self.has_invalid.then_some(0);
+        let mut codes: Vec<u16> =
+            self.distances_m.iter().flatten().map(|&distance_m| range.code(distance_m)).chain(near).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        match &self.distances_m {
+            Some(_) => Levels::new(codes).unwrap_or_default(),
+            None => Levels::default(),
+        }
+    }
+}
+
+/// What some frames hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FoundDepth {
+    /// `None` without a surface.
+    pub extent: Option<DepthExtent>,
+    /// Whether there are invalid depths that become near.
+    pub has_invalid: bool,
+    /// The distances of surfaces, ascending; `None` where these are more than [`MAX_LEVELS`], or were not looked for.
+    pub distances_m: Option<Vec<f32>>,
+    /// Pixels with a surface, where distances are given.
+    pub surfaces: u64,
+}
+
+impl FoundDepth {
+    /// What no frames hold.
+    pub fn nothing() -> FoundDepth {
+        FoundDepth { extent: None, has_invalid: false, distances_m: Some(Vec::new()), surfaces: 0 }
+    }
+
+    pub fn union(self, other: &FoundDepth) -> FoundDepth {
+        let distances = match (self.distances_m, &other.distances_m) {
+            (Some(mut distances), Some(more)) => {
+                distances.extend(more);
+                distances = sorted(distances);
+                distances.dedup();
+                (distances.len() <= MAX_LEVELS).then_some(distances)
+            }
+            _ => None,
+        };
+        let extent = [self.extent, other.extent].into_iter().flatten().reduce(DepthExtent::union);
+        FoundDepth {
+            extent,
+            has_invalid: self.has_invalid || other.has_invalid,
+            distances_m: distances,
+            surfaces: self.surfaces + other.surfaces,
+        }
+    }
+
+    /// The scan of a probe, of which this is found in all frames.
+    pub fn scan(&self) -> Scan {
+        let recur = |distances: &&Vec<f32>| distances.len() as u64 * LEAST_OCCURRENCES <= self.surfaces;
+        let distances_m = self.distances_m.as_ref().filter(recur).cloned();
+        Scan { extent: self.extent, has_invalid: self.has_invalid, distances_m }
+    }
+}
+
+/// The distances of surfaces that occur, as long as they are few. Threads add to it in any order.
+pub(super) struct Distances {
+    /// Their bits; `None` where there are more than [`MAX_LEVELS`], or nobody asks.
+    found: Mutex<Option<HashSet<u32>>>,
+    surfaces: AtomicU64,
+}
+
+impl Distances {
+    pub fn new(are_wanted: bool) -> Distances {
+        Distances { found: Mutex::new(are_wanted.then(HashSet::new)), surfaces: AtomicU64::new(0) }
+    }
+
+    pub fn add(&self, metres: impl Iterator<Item = f32>) {
+        if self.found.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
+            return;
+        }
+        let (mut found, mut last, mut surfaces) = (HashSet::new(), f32::INFINITY, 0);
+        for metres in metres.filter(|&metres| metres > 0.0 && metres < f32::INFINITY) {
+            surfaces += 1;
+            if metres != last && found.insert(metres.to_bits()) && found.len() > MAX_LEVELS {
+                break;
+            }
+            last = metres;
+        }
+        self.surfaces.fetch_add(surfaces, Ordering::Relaxed);
+        let mut all = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = all.as_mut() {
+            known.extend(found);
+            if known.len() > MAX_LEVELS {
+                *all = None;
+            }
+        }
+    }
+
+    /// The distances, as found in frames without near and far.
+    pub fn into_found(self) -> FoundDepth {
+        let found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let distances_m = found.map(|found| sorted(found.into_iter().map(f32::from_bits).collect()));
+        FoundDepth { distances_m, surfaces: self.surfaces.into_inner(), ..FoundDepth::nothing() }
+    }
+}
+
+fn sorted(mut distances: Vec<f32>) -> Vec<f32> {
+    distances.sort_unstable_by(f32::total_cmp);
+    distances
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan_of(distances: impl IntoIterator<Item = f32>, has_invalid: bool) -> Scan {
+        let distances: Vec<f32> = distances.into_iter().collect();
+        let extent = DepthExtent { near_m: distances[0], far_m: distances[distances.len() - 1] };
+        Scan { extent: Some(extent), has_invalid, distances_m: Some(distances) }
+    }
+
+    #[test]
+    fn invalid_depth_is_a_level_of_its_own_where_nothing_lies_at_near() {
+        let scan = |has_invalid| scan_of([1.0, 2.5, 4.0], has_invalid);
+        let at = |near, scan: Scan| scan.levels(DepthRange::new(near, 4.0).unwrap()).codes().to_vec();
+        assert_eq!(at(1.0, scan(true)), at(1.0, scan(false)));
+        let (without, with) = (at(0.5, scan(false)), at(0.5, scan(true)));
+        assert!(without[0] > 0);
+        assert_eq!(with, [&[0][..], &without].concat());
+    }
+
+    #[test]
+    fn one_level_more_than_the_most_means_none() {
+        let range = DepthRange::new(0.5, 5000.0).unwrap();
+        let distances = (0..MAX_LEVELS).map(|at| 1.0 + at as f32);
+        assert_eq!(scan_of(distances.clone(), false).levels(range).codes().len(), MAX_LEVELS);
+        assert!(scan_of(distances, true).levels(range).is_empty());
+    }
+
+    #[test]
+    fn a_scan_comes_back_from_a_journal_as_it_was() {
+        let distances = [1e-45, 0.1, 1.0 / 3.0, 0.7 + 0.37, 16_777_217.0, f32::MAX];
+        let scan = scan_of(distances, true);
+        let back: Scan = serde_json::from_slice(&serde_json::to_vec(&scan).unwrap()).unwrap();
+        assert_eq!(back, scan);
+    }
+
+    #[test]
+    fn few_distances_that_recur_are_found_in_any_order() {
+        let repeated = |values: u64, times: u64| {
+            let distances = Distances::new(true);
+            for frame in 0..times {
+                distances
+                    .add((0..values).map(|at| 1.0 + ((at * 7 + frame) % values) as f32).chain([f32::INFINITY, 0.0]));
+            }
+            few(distances)
+        };
+        let ascending = |values: u64| Some((0..values).map(|at| 1.0 + at as f32).collect::<Vec<_>>());
+        assert_eq!(repeated(5, 64), ascending(5));
+        assert_eq!(repeated(4096, 64), ascending(4096));
+        assert_eq!(repeated(5, 63), None);
+        assert_eq!(repeated(4097, 64), None);
+        // Few in every frame, many in all.
+        let distances = Distances::new(true);
+        (0..100).for_each(|frame| distances.add((0..10_000).map(|at| (1 + frame * 50 + at % 50) as f32)));
+        assert_eq!(few(distances), None);
+    }
+
+    fn few(distances: Distances) -> Option<Vec<f32>> {
+        distances.into_found().scan().distances_m
+    }
+
+    #[test]
+    fn what_frames_hold_is_the_union_of_what_each_holds() {
+        let of = |values: &[f32]| {
+            let distances = Distances::new(true);
+            distances.add(values.iter().copied());
+            distances.into_found()
+        };
+        let parts = [of(&[1.0, 2.0]), of(&[]), of(&[2.0, 0.5, f32::INFINITY])];
+        let union = parts.iter().fold(FoundDepth::nothing(), FoundDepth::union);
+        assert_eq!(union, of(&[1.0, 2.0, 2.0, 0.5]));
+        let many: Vec<f32> = (0..MAX_LEVELS).map(|at| 1.0 + at as f32).collect();
+        assert_eq!(of(&many).union(&of(&[3.0])).distances_m.map(|found| found.len()), Some(MAX_LEVELS));
+        assert_eq!(of(&many).union(&of(&[3.5])).distances_m, None);
+    }
+}

@@ -1,0 +1,224 @@
+//! `scan.json`: what the depth images of a dataset hold, found before an encode, by one machine or by many.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::dataset::SourceGroup;
+use crate::encode::depth_range::{given_range, scan_probe};
+use crate::encode::order::Order;
+use crate::encode::scan::{FoundDepth, Scans};
+use crate::encode::shard::{Segment, Shard, segments_of_shard};
+use crate::encode::source::{FrameSource, GroupRef, selected_groups};
+use crate::encode::{EncodeSettings, budget};
+use crate::error::{Error, Result};
+use crate::files::{open_regular, write_whole};
+use crate::fingerprint::{Fingerprint, digest};
+use crate::image::{FrameRange, StreamKind};
+use crate::json;
+use crate::monitor::Monitor;
+
+const VERSION: u32 = 1;
+/// Frames of a part, which is scanned again where a scan was stopped.
+const PART_FRAMES: u32 = 16;
+
+/// What was found, in parts of one image sequence each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScanFile {
+    lightfold_scan: u32,
+    /// Digest of all that the parts follow from, but for the files.
+    footage: String,
+    parts: Vec<ScannedFrames>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScannedFrames {
+    probe: String,
+    /// Names of the faces, with commas.
+    faces: String,
+    /// First and last.
+    frames: [u32; 2],
+    found: FoundDepth,
+}
+
+impl ScannedFrames {
+    fn place(&self) -> (&str, &str, u32) {
+        (&self.probe, &self.faces, self.frames[0])
+    }
+}
+
+impl ScanFile {
+    /// A scan of no frames yet.
+    pub fn new(source: &dyn FrameSource, settings: &EncodeSettings) -> ScanFile {
+        ScanFile { lightfold_scan: VERSION, footage: footage(source, settings), parts: Vec::new() }
+    }
+
+    /// # Errors
+    /// Names the file.
+    pub fn read(path: &Path) -> Result<ScanFile> {
+        let file = open_regular(path)?;
+        let scan: ScanFile = serde_json::from_reader(std::io::BufReader::new(file))
+            .map_err(|error| Error::invalid(format!("this is no scan: {error}")).in_file(path))?;
+        match scan.lightfold_scan {
+            VERSION => Ok(scan),
+            other => {
+                let message = format!("a scan of version {other}, this program reads version {VERSION}");
+                Err(Error::invalid(message).in_file(path))
+            }
+        }
+    }
+
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = self.to_json()?;
+        write_whole(path, |path| std::fs::write(path, text).map_err(|error| Error::io(path, error)))
+    }
+
+    pub fn to_json(&self) -> Result<String> {
+        json::pretty(self)
+    }
+
+    /// Whether both are of the same footage, read in the same way.
+    pub fn is_of(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> bool {
+        self.footage == footage(source, settings)
+    }
+
+    /// Images that a scan of a shard has to read; `None` scans all.
+    pub fn images(source: &dyn FrameSource, settings: &EncodeSettings, shard: Option<Shard>) -> Result<u64> {
+        let settings = of_depth(settings);
+        let order = Order::of(source, &settings);
+        let faces = |segment: &Segment| order.0[segment.ordered].group.group.faces.len() as u64;
+        Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
+    }
+
+    /// Adds the parts of a shard that are not there, and calls `save` after each. The monitor advances by one for each image.
+    pub fn scan(
+        &mut self,
+        source: &dyn FrameSource,
+        settings: &EncodeSettings,
+        shard: Option<Shard>,
+        monitor: &dyn Monitor,
+        save: &mut dyn FnMut(&ScanFile) -> Result<()>,
+    ) -> Result<()> {
+        let settings = of_depth(settings);
+        let order = Order::of(source, &settings);
+        for Segment { ordered, frames, .. } in segments(&order, shard)? {
+            let GroupRef { at, group } = order.0[ordered].group;
+            let part = SourceGroup { frames, ..group.clone() };
+            let (probe, faces) = (source.probes()[group.probe].name.clone(), faces_of(group));
+            let images = frames.count() * group.faces.len() as u64;
+            let place = (probe.as_str(), faces.as_str(), frames.first);
+            let Err(behind) = self.parts.binary_search_by(|known| known.place().cmp(&place)) else {
+                monitor.advance(images);
+                continue;
+            };
+            let groups = [GroupRef { at, group: &part }];
+            let limits = budget::scan_limits(source, &settings, &groups)?;
+            let found = scan_probe(source, &groups, budget::ScanLimits { keep_bytes: 0, ..limits }, monitor)?.found;
+            self.parts.insert(behind, ScannedFrames { probe, faces, frames: [frames.first, frames.last], found });
+            monitor.advance(images);
+            save(self)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the parts of another scan of the same footage.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for other footage, and for parts of the same frames that differ.
+    pub fn merge(&mut self, other: ScanFile) -> Result<()> {
+        if self.footage != other.footage {
+            return Err(Error::invalid("a scan of other footage or with other settings than the first one"));
+        }
+        for part in other.parts {
+            match self.parts.binary_search_by(|known| known.place().cmp(&part.place())) {
+                Err(at) => self.parts.insert(at, part),
+                Ok(at) if self.parts[at] == part => {}
+                Ok(_) => {
+                    let ScannedFrames { probe, faces, frames: [first, last], .. } = part;
+                    return Err(Error::invalid(format!(
+                        "it holds another scan of frames {first}-{last} of probe {probe}, face {faces}, than an earlier \
+                         file: the images changed in between, so scan them again"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The scans of all probes.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for other footage, [`Error::Usage`] where frames are missing.
+    pub fn scans(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> Result<Scans> {
+        if !self.is_of(source, settings) {
+            return Err(Error::invalid(
+                "a scan of other footage, or made with other settings or by another version of lightfold: scan again",
+            ));
+        }
+        let mut found: BTreeMap<usize, FoundDepth> = BTreeMap::new();
+        for GroupRef { group, .. } in selected_groups(source, &of_depth(settings)) {
+            let (probe, faces) = (source.probes()[group.probe].name.as_str(), faces_of(group));
+            let mut next = u64::from(group.frames.first);
+            let parts = self.parts.iter().filter(|part| (part.probe.as_str(), &part.faces) == (probe, &faces));
+            let of_probe = found.entry(group.probe).or_insert_with(FoundDepth::nothing);
+            for part in parts {
+                if u64::from(part.frames[0]) == next {
+                    *of_probe = std::mem::replace(of_probe, FoundDepth::nothing()).union(&part.found);
+                    next = u64::from(part.frames[1]) + 1;
+                }
+            }
+            if next <= u64::from(group.frames.last) {
+                return Err(Error::invalid(format!(
+                    "the scan ends before frame {next} of probe {probe}, face {faces}: scan the missing shards, and merge them"
+                )));
+            }
+        }
+        Ok(found.into_iter().map(|(probe, found)| (probe, found.scan())).collect())
+    }
+}
+
+/// Scans probes whole, for an encode of a part of their frames; none where near and far are given.
+pub fn scan_probes(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    probes: &[usize],
+    monitor: &dyn Monitor,
+) -> Result<Scans> {
+    let mut scans = Scans::new();
+    if given_range(source, settings).iter().all(Option::is_some) {
+        return Ok(scans);
+    }
+    for &probe in probes {
+        let groups = selected_groups(source, &of_depth(settings));
+        let groups: Vec<_> = groups.into_iter().filter(|group| group.group.probe == probe).collect();
+        let limits = budget::scan_limits(source, settings, &groups)?;
+        let limits = budget::ScanLimits { keep_bytes: 0, ..limits };
+        scans.insert(probe, scan_probe(source, &groups, limits, monitor)?.found.scan());
+    }
+    Ok(scans)
+}
+
+fn of_depth(settings: &EncodeSettings) -> EncodeSettings {
+    EncodeSettings { kinds: vec![StreamKind::Depth], ..settings.clone() }
+}
+
+fn segments(order: &Order<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
+    segments_of_shard(order, |_| PART_FRAMES, shard.unwrap_or(Shard { number: 1, count: 1 }))
+}
+
+fn faces_of(group: &SourceGroup) -> String {
+    group.faces.iter().map(|face| face.name()).collect::<Vec<_>>().join(",")
+}
+
+fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {
+    let groups: Vec<(&str, String, FrameRange)> = selected_groups(source, &of_depth(settings))
+        .iter()
+        .map(|group| group.group)
+        .map(|group| (source.probes()[group.probe].name.as_str(), faces_of(group), group.frames))
+        .collect();
+    let levels = settings.finds_levels();
+    digest(format!("{:?} {:?} {groups:?} {levels}", Fingerprint::of_program(), source.configuration()).as_bytes())
+}

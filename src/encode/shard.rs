@@ -1,0 +1,169 @@
+//! Cuts work on a source into shards, between segments of its streams.
+
+use crate::dataset::SourceGroup;
+use crate::encode::order::Order;
+use crate::error::{Error, Result};
+use crate::image::{FrameRange, StreamKind};
+
+/// What shards are cut along.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ShardBy {
+    /// Streams, and segments of these in time: the most even shards.
+    #[default]
+    Segment,
+    Probe,
+    /// Streams that are read from the same files.
+    Stream,
+    /// Segments of all streams, by time.
+    Time,
+}
+
+/// Which part of an encode, of how many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1 to `count`.
+    pub number: u32,
+    pub count: u32,
+}
+
+/// Frames of a group.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Segment {
+    /// Number of the group, in the order of the encode.
+    pub ordered: usize,
+    pub frames: FrameRange,
+    pixels: u64,
+}
+
+/// Segments that stay together.
+struct Piece {
+    segments: Vec<Segment>,
+    pixels: u64,
+}
+
+/// The groups of a shard with their frames.
+///
+/// # Errors
+/// [`Error::Usage`] for a number out of range, and where the source cannot be cut into so many.
+pub(super) fn groups_of_shard(
+    order: &Order<'_>,
+    length: impl Fn(StreamKind) -> u32,
+    shard: Shard,
+    by: ShardBy,
+) -> Result<Vec<SourceGroup>> {
+    let pieces = pieces(order, length, by);
+    let mut segments: Vec<Segment> =
+        of_shard(&pieces, shard)?.iter().flat_map(|piece| &piece.segments).copied().collect();
+    segments.sort_by_key(|segment| (segment.ordered, segment.frames.first));
+    let mut groups: Vec<(usize, SourceGroup)> = Vec::new();
+    for Segment { ordered, frames, .. } in segments {
+        match groups.last_mut() {
+            Some((at, group)) if *at == ordered && group.frames.last + 1 == frames.first => {
+                group.frames.last = frames.last;
+            }
+            _ => groups.push((ordered, SourceGroup { frames, ..order.0[ordered].group.group.clone() })),
+        }
+    }
+    Ok(groups.into_iter().map(|(_, group)| group).collect())
+}
+
+/// The segments of a shard of work that needs no groups; none where there are more shards than segments.
+pub(super) fn segments_of_shard(
+    order: &Order<'_>,
+    length: impl Fn(StreamKind) -> u32,
+    Shard { number, count }: Shard,
+) -> Result<Vec<Segment>> {
+    let pieces = pieces(order, length, ShardBy::Segment);
+    if count as usize > pieces.len() && (1..=count).contains(&number) {
+        return Ok(pieces.get(number as usize - 1).map_or_else(Vec::new, |piece| piece.segments.clone()));
+    }
+    Ok(of_shard(&pieces, Shard { number, count })?.iter().flat_map(|piece| &piece.segments).copied().collect())
+}
+
+/// All segments of `length` frames, in the order in which they are dealt out.
+fn pieces(order: &Order<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) -> Vec<Piece> {
+    let mut segments: Vec<Segment> = Vec::new();
+    for (ordered, group) in order.0.iter().enumerate() {
+        let SourceGroup { kind, faces, frames, width, height, .. } = group.group.group;
+        let length = length(*kind).max(1);
+        let mut first = frames.first;
+        loop {
+            let part = FrameRange { first, last: first.saturating_add(length - 1).min(frames.last) };
+            let pixels = part.count() * u64::from(*width) * u64::from(*height) * faces.len() as u64;
+            segments.push(Segment { ordered, frames: part, pixels });
+            if part.last == frames.last {
+                break;
+            }
+            first = part.last + 1;
+        }
+    }
+    if by == ShardBy::Time {
+        segments.sort_by_key(|segment| (segment.frames.first, segment.ordered));
+    }
+    let probe = |segment: &Segment| order.0[segment.ordered].group.group.probe;
+    let together = |a: &Segment, b: &Segment| match by {
+        ShardBy::Segment | ShardBy::Time => false,
+        ShardBy::Stream => a.ordered == b.ordered,
+        ShardBy::Probe => probe(a) == probe(b),
+    };
+    let piece = |segments: &[Segment]| Piece {
+        segments: segments.to_vec(),
+        pixels: segments.iter().map(|segment| segment.pixels).sum(),
+    };
+    segments.chunk_by(together).map(piece).collect()
+}
+
+/// The pieces of a shard: neighbours, with as even a share of the pixels as whole pieces allow, and at least one.
+fn of_shard(pieces: &[Piece], Shard { number, count }: Shard) -> Result<&[Piece]> {
+    if !(1..=count).contains(&number) {
+        return Err(Error::Usage(format!("`shard` {number}/{count}: shards count from 1 to {count}")));
+    }
+    if count as usize > pieces.len() {
+        return Err(Error::Usage(format!(
+            "`shard` {number}/{count}: these streams can be cut into at most {} shards, or into more by another `shard_by`",
+            pieces.len()
+        )));
+    }
+    let total: u64 = pieces.iter().map(|piece| piece.pixels).sum();
+    let (mut start, mut done) = (0, 0);
+    for shard in 1..=count {
+        let left = (count - shard) as usize;
+        let goal = u128::from(total) * u128::from(shard);
+        let mut end = start;
+        while end < pieces.len() - left && (end == start || u128::from(done) * u128::from(count) < goal) {
+            done += pieces[end].pixels;
+            end += 1;
+        }
+        if shard == number {
+            return Ok(&pieces[start..end]);
+        }
+        start = end;
+    }
+    Ok(&[])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_hold_all_pieces_evenly_and_none_is_empty() {
+        let of = |pixels: &[u64]| -> Vec<Piece> {
+            pixels.iter().map(|&pixels| Piece { segments: Vec::new(), pixels }).collect()
+        };
+        let even = [1; 54];
+        for (pixels, count) in [(&even[..], 1), (&even, 7), (&even, 54), (&[100, 1, 1, 1], 4), (&[1, 1, 1, 100], 3)] {
+            let pieces = of(pixels);
+            let lengths: Vec<usize> =
+                (1..=count).map(|number| of_shard(&pieces, Shard { number, count }).unwrap().len()).collect();
+            assert_eq!(lengths.iter().sum::<usize>(), pieces.len());
+            assert!(lengths.iter().all(|&length| length > 0), "{lengths:?}");
+            if pixels == even {
+                assert!(lengths.iter().max().unwrap() - lengths.iter().min().unwrap() <= 1, "{lengths:?}");
+            }
+        }
+        for (number, count) in [(1, 3), (0, 2), (3, 2)] {
+            assert!(of_shard(&of(&[1, 1]), Shard { number, count }).is_err());
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Named colour spaces of image files.
+
+use serde::{Deserialize, Serialize};
+
+use crate::image::{Primaries, Transfer};
+
+/// What the values of colour files are. All but sRGB are linear light; the largest code of a PNG is 1.0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ColorSpace {
+    /// Linear light of Rec. 709.
+    #[serde(rename = "linear-rec709")]
+    LinearRec709,
+    /// sRGB codes with the primaries of Rec. 709.
+    #[serde(rename = "srgb")]
+    Srgb,
+    /// Linear light of AP1.
+    #[serde(rename = "acescg")]
+    AcesCg,
+    /// Linear light of AP0.
+    #[serde(rename = "aces2065-1")]
+    Aces2065,
+    /// Linear light of Rec. 2020.
+    #[serde(rename = "linear-rec2020")]
+    LinearRec2020,
+    /// Linear light of P3 with the white of D65.
+    #[serde(rename = "linear-p3-d65")]
+    LinearP3D65,
+}
+
+impl ColorSpace {
+    pub const ALL: [ColorSpace; 6] = [
+        ColorSpace::LinearRec709,
+        ColorSpace::Srgb,
+        ColorSpace::AcesCg,
+        ColorSpace::Aces2065,
+        ColorSpace::LinearRec2020,
+        ColorSpace::LinearP3D65,
+    ];
+
+    /// As in manifests.
+    pub fn name(self) -> &'static str {
+        match self {
+            ColorSpace::LinearRec709 => "linear-rec709",
+            ColorSpace::Srgb => "srgb",
+            ColorSpace::AcesCg => "acescg",
+            ColorSpace::Aces2065 => "aces2065-1",
+            ColorSpace::LinearRec2020 => "linear-rec2020",
+            ColorSpace::LinearP3D65 => "linear-p3-d65",
+        }
+    }
+
+    pub fn primaries(self) -> Primaries {
+        match self {
+            ColorSpace::LinearRec709 | ColorSpace::Srgb => Primaries::REC709,
+            ColorSpace::AcesCg => Primaries::ACESCG,
+            ColorSpace::Aces2065 => Primaries::ACES2065_1,
+            ColorSpace::LinearRec2020 => Primaries::REC2020,
+            ColorSpace::LinearP3D65 => Primaries::P3_D65,
+        }
+    }
+
+    pub fn transfer(self) -> Transfer {
+        if self == ColorSpace::Srgb { Transfer::Srgb } else { Transfer::Linear }
+    }
+
+    /// The space of linear light with these primaries, where it has a name.
+    pub fn of_light(primaries: Primaries) -> Option<ColorSpace> {
+        ColorSpace::ALL
+            .into_iter()
+            .find(|space| space.transfer() == Transfer::Linear && space.primaries().is_same(primaries))
+    }
+}

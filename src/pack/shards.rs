@@ -1,0 +1,258 @@
+//! Joins shards of one encode to the container that the encode would have written (container.md 6.5).
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io::Write;
+
+use crate::container::{ChunkEntry, ChunkKey, Reader, StreamEntry, Writer};
+use crate::error::{Error, Result};
+use crate::image::{Face, StreamKind};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::pack::join::{Copier, PackSettings, PackSummary, batch_length, limits, merge_attributes};
+use crate::streams;
+use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
+
+/// Streams of the whole, and where the chunks of each lie.
+pub(super) struct Joined<'a> {
+    inputs: &'a [Reader],
+    whole: Vec<WholeStream>,
+    /// One for each stream of the whole.
+    pub streams: Vec<StreamEntry>,
+    /// By group of the whole and first frame: the input, and its streams as those of the whole.
+    pieces: BTreeMap<(u32, u32), Piece>,
+}
+
+struct Piece {
+    input: usize,
+    /// Streams of the whole by those of the input.
+    streams: HashMap<u32, u32>,
+}
+
+/// What each input says of the whole; `None` where no input is a shard.
+///
+/// # Errors
+/// [`Error::Invalid`] where some inputs are no shards, or shards of other encodes.
+pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>> {
+    let value = |reader: &Reader| {
+        let value = reader.index().attributes.get(SHARD)?;
+        Some(ShardEntry::read(value).map_err(|error| error.in_file(reader.path())))
+    };
+    let entries: Vec<Option<ShardEntry>> =
+        inputs.iter().map(|reader| value(reader).transpose()).collect::<Result<_>>()?;
+    if entries.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let mut shards = Vec::new();
+    for (reader, entry) in inputs.iter().zip(entries) {
+        let Some(entry) = entry else {
+            let message = "a whole container among shards: pack the shards alone first";
+            return Err(Error::invalid(message).in_file(reader.path()));
+        };
+        shards.push(entry);
+    }
+    for (reader, shard) in inputs.iter().zip(&shards) {
+        if (shard.job, &shard.streams) != (shards[0].job, &shards[0].streams) {
+            let message = format!(
+                "a shard of another encode than {}: other footage, other settings, another version of lightfold or \
+                 another kind of processor",
+                inputs[0].path().display()
+            );
+            return Err(Error::invalid(message).in_file(reader.path()));
+        }
+        if reader.index().probes != inputs[0].index().probes {
+            let message = format!("its probes are not those of {}", inputs[0].path().display());
+            return Err(Error::invalid(message).in_file(reader.path()));
+        }
+    }
+    Ok(Some(shards))
+}
+
+/// Writes the whole into `out`.
+pub(super) fn join<W: Write>(
+    joined: &Joined<'_>,
+    settings: &PackSettings,
+    out: W,
+    monitor: &dyn Monitor,
+) -> Result<(W, PackSummary)> {
+    if settings.flatten.is_some() {
+        return Err(Error::Usage("`max_error` packs whole containers: pack the shards first, without it".into()));
+    }
+    let head = joined.inputs[0].index();
+    let mut writer = Writer::new(out, &head.name, head.fps, head.projection)?;
+    for probe in &head.probes {
+        writer.add_probe(probe.clone())?;
+    }
+    let mut summary = PackSummary::default();
+    for stream in &joined.streams {
+        writer.add_stream(stream.clone());
+        summary.count(stream);
+    }
+    let (chunks_at_once, batch_bytes) = limits(joined.inputs, settings)?;
+    let chunks = joined.chunks()?;
+    let mut left = chunks.as_slice();
+    while !left.is_empty() {
+        let (batch, rest) = left.split_at(batch_length(left, batch_bytes, |source| &source.chunk));
+        left = rest;
+        let packed = try_map_at_once(batch.iter().collect(), chunks_at_once, |source: &Source| {
+            monitor.check()?;
+            let copier = Copier { reader: &joined.inputs[source.input], repack: settings.repack, monitor };
+            copier.copy(&source.chunk, source.stream)
+        })?;
+        for chunk in &packed {
+            writer.push(chunk)?;
+            monitor.advance(1);
+        }
+        summary.chunks += packed.len() as u64;
+    }
+    for (name, value) in merge_attributes(joined.inputs)?.iter() {
+        writer.set_attribute(name, value.to_vec());
+    }
+    let (out, bytes) = writer.finish_checked(streams::check_written)?;
+    Ok((out, PackSummary { bytes, ..summary }))
+}
+
+impl Joined<'_> {
+    /// Finds the pieces of all streams of the whole.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for missing shards, and for two that differ about the same frames.
+    pub fn new<'a>(inputs: &'a [Reader], shards: &[ShardEntry]) -> Result<Joined<'a>> {
+        let whole = shards[0].streams.clone();
+        let numbers: HashMap<_, _> = (0..).zip(&whole).map(|(at, stream): (u32, _)| (key_of(stream), at)).collect();
+        let mut joined = Joined { inputs, whole, streams: Vec::new(), pieces: BTreeMap::new() };
+        let mut parts: BTreeMap<(u32, u32), (usize, u32)> = BTreeMap::new();
+        for (input, reader) in inputs.iter().enumerate() {
+            for (at, stream) in (0..).zip(&reader.index().streams) {
+                let strange = || Error::invalid(format!("stream {at} is not of its encode")).in_file(reader.path());
+                let number = *numbers.get(&(stream.kind, stream.probe, stream.face)).ok_or_else(strange)?;
+                match parts.get(&(number, stream.first_frame)) {
+                    None => {
+                        parts.insert((number, stream.first_frame), (input, at));
+                        let group = joined.whole[number as usize].group;
+                        let piece = joined.pieces.entry((group, stream.first_frame));
+                        let piece = piece.or_insert_with(|| Piece { input, streams: HashMap::new() });
+                        if piece.input != input {
+                            return Err(strange());
+                        }
+                        piece.streams.insert(at, number);
+                    }
+                    Some(&(earlier, of_earlier)) => {
+                        let earlier = &inputs[earlier];
+                        if chunks_of(earlier, of_earlier) != chunks_of(reader, at) {
+                            let message = format!(
+                                "its {} differs from that of {}: encode this shard again",
+                                name_of(reader, &joined.whole[number as usize]),
+                                earlier.path().display()
+                            );
+                            return Err(Error::invalid(message).in_file(reader.path()));
+                        }
+                    }
+                }
+            }
+        }
+        joined.join_streams(&parts, shards)?;
+        Ok(joined)
+    }
+
+    /// Puts the pieces of each stream one behind the other.
+    fn join_streams(&mut self, parts: &BTreeMap<(u32, u32), (usize, u32)>, shards: &[ShardEntry]) -> Result<()> {
+        for (number, stream) in (0..).zip(&self.whole) {
+            let mut next = stream.first_frame;
+            let mut entry: Option<StreamEntry> = None;
+            for (_, &(input, at)) in parts.range((number, 0)..=(number, u32::MAX)) {
+                let reader = &self.inputs[input];
+                let part = &reader.index().streams[at as usize];
+                let like = |first: &StreamEntry| {
+                    *first
+                        == StreamEntry {
+                            first_frame: first.first_frame,
+                            frame_count: first.frame_count,
+                            ..part.clone()
+                        }
+                };
+                if part.first_frame < next || !entry.as_ref().is_none_or(like) {
+                    let message = format!("its {} does not continue that of the other shards", name_of(reader, stream));
+                    return Err(Error::invalid(message).in_file(reader.path()));
+                }
+                if part.first_frame > next {
+                    break;
+                }
+                entry.get_or_insert_with(|| part.clone());
+                next = part.end_frame();
+            }
+            let end = stream.first_frame + stream.frame_count;
+            let Some(entry) = entry.filter(|_| next == end) else {
+                let name = name_of(&self.inputs[0], stream);
+                return Err(Error::invalid(format!("{}: frame {next} of {name} is in none of them", missing(shards))));
+            };
+            self.streams.push(StreamEntry {
+                first_frame: stream.first_frame,
+                frame_count: stream.frame_count,
+                ..entry
+            });
+        }
+        Ok(())
+    }
+
+    /// Chunks of all inputs in the order of the whole, each with its input and its stream there.
+    pub fn chunks(&self) -> Result<Vec<Source>> {
+        let mut written: HashMap<usize, Vec<ChunkEntry>> = HashMap::new();
+        let mut chunks = Vec::new();
+        for piece in self.pieces.values() {
+            if let std::collections::hash_map::Entry::Vacant(entry) = written.entry(piece.input) {
+                let reader = &self.inputs[piece.input];
+                entry.insert(reader.chunks_as_written().map_err(|error| error.in_file(reader.path()))?);
+            }
+            chunks.extend(written[&piece.input].iter().filter_map(|chunk| {
+                let stream = *piece.streams.get(&chunk.key.stream)?;
+                Some(Source { input: piece.input, chunk: *chunk, stream })
+            }));
+        }
+        Ok(chunks)
+    }
+}
+
+/// A chunk of an input, and its stream in the whole.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source {
+    pub input: usize,
+    pub chunk: ChunkEntry,
+    pub stream: u32,
+}
+
+fn key_of(stream: &WholeStream) -> (u8, u16, u8) {
+    (stream.kind, stream.probe, stream.face)
+}
+
+/// What is equal where two shards have the same bytes.
+fn chunks_of(reader: &Reader, stream: u32) -> (StreamEntry, Vec<(ChunkKey, u32, u32, u32)>) {
+    let chunks = reader.index().stream_chunks(stream).iter().map(|chunk| {
+        let ChunkEntry { key, stored_bytes, raw_bytes, crc32, .. } = *chunk;
+        (ChunkKey { stream: 0, ..key }, stored_bytes, raw_bytes, crc32)
+    });
+    (reader.index().streams[stream as usize].clone(), chunks.collect())
+}
+
+fn name_of(reader: &Reader, stream: &WholeStream) -> String {
+    let probe = reader.index().probes.get(usize::from(stream.probe)).map_or("?", |probe| probe.name.as_str());
+    let kind = StreamKind::ALL.into_iter().find(|&kind| kind as u8 == stream.kind).map_or("stream", StreamKind::name);
+    let face = Face::from_index(stream.face).map_or("?", Face::name);
+    format!("{kind} of probe {probe}, face {face}")
+}
+
+/// Which shards are missing, in words.
+fn missing(shards: &[ShardEntry]) -> String {
+    let count = shards[0].count;
+    if shards.iter().any(|shard| shard.count != count) {
+        return "shards are missing, and those that are there are of different divisions".to_owned();
+    }
+    let there: BTreeSet<u32> = shards.iter().map(|shard| shard.number).collect();
+    let missing: Vec<u32> = (1..=count).filter(|number| !there.contains(number)).collect();
+    let words: Vec<String> = missing.iter().take(12).map(u32::to_string).collect();
+    let more = if missing.len() > words.len() { ", …" } else { "" };
+    match missing.len() {
+        0 => format!("the {count} shards are not of one division: use one `shard_by` for all"),
+        1 => format!("shard {} of {count} is missing", words[0]),
+        _ => format!("shards {}{more} of {count} are missing", words.join(", ")),
+    }
+}

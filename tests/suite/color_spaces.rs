@@ -1,0 +1,215 @@
+//! Colour spaces, clipping, presets and missing frames of `encode`, and what `decode`, `diff` and `inspect` make of them.
+
+use std::path::Path;
+
+use half::f16;
+use lightfold::image::{ChannelSelect, ColorPlane, Face, Plane, Primaries, ReadLimits, exr, png};
+use tempfile::TempDir;
+
+use crate::commands::{fine, lightfold, refused};
+use crate::footage::Footage;
+
+const SIDE: u32 = 32;
+
+/// Smooth light up to `most`, of saturated colours.
+fn light(frame: u32, most: f32) -> ColorPlane {
+    Plane::from_fn(SIDE, SIDE, |x, y| {
+        let [x, y, t] = [x as f32 / SIDE as f32, y as f32 / SIDE as f32, frame as f32 / 10.0];
+        [x * x, y * (1.0 - x) + 0.01, 0.05 + 0.5 * t * y].map(|value| f16::from_f32(most * value))
+    })
+}
+
+/// A dataset of one face whose colour files state `primaries`.
+fn write(folder: &Path, most: f32, primaries: Primaries) {
+    let depth = |_: Face, _: u32| Plane::from_fn(SIDE, SIDE, |x, _| 2.0 + x as f32 * 0.1);
+    let color = |_: Face, frame: u32| light(frame, most);
+    Footage { frames: [0, 2], depth: Some(&depth), color: Some(&color), ..Footage::new(SIDE, SIDE) }.write(folder);
+    for frame in 0..3 {
+        let path = folder.join(format!("probe_00/face_px/color.{frame:04}.exr"));
+        exr::write_color_of(&path, &light(frame, most), primaries).unwrap();
+    }
+}
+
+fn read(path: &Path) -> (ColorPlane, Primaries) {
+    exr::read_color_and_primaries(path, &ChannelSelect::Auto, &ReadLimits::default()).unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// The exit code of a command line, and what it printed on both outputs.
+fn run(line: &str, folder: &Path) -> (i32, String) {
+    let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
+    (output.status.code().unwrap(), text(&output.stdout) + &text(&output.stderr))
+}
+
+const FIRST: &str = "probe_00/face_px/color.0000.exr";
+
+#[test]
+fn light_of_other_primaries_stays_what_it_is() {
+    let at = TempDir::new().unwrap();
+    let at = at.path();
+    write(at, 8.0, Primaries::ACESCG);
+    fine("encode . -o a.lfold --hdr --psnr 60", at);
+    fine("decode a.lfold -o decoded", at);
+    let [(source, stated), (found, kept)] = [read(&at.join(FIRST)), read(&at.join("decoded").join(FIRST))];
+    assert_eq!((stated.to_array(), kept.to_array()), (Primaries::ACESCG.to_array(), Primaries::ACESCG.to_array()));
+    for (a, b) in source.data().as_flattened().iter().zip(found.data().as_flattened()) {
+        let (a, b) = (a.to_f32(), b.to_f32());
+        assert!((a - b).abs() <= 0.03 * a.max(0.02), "{a} {b}");
+    }
+    fine("diff . a.lfold --min-cell-psnr 60", at);
+    fine("diff . decoded --min-cell-psnr 60", at);
+    let manifest = std::fs::read_to_string(at.join("decoded/lightfield.json")).unwrap();
+    assert!(manifest.contains("\"acescg\""), "{manifest}");
+    assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of acescg"));
+
+    // The same light in the numbers of other spaces.
+    fine("decode a.lfold -o rec709 --color-space linear-rec709", at);
+    let (converted, primaries) = read(&at.join("rec709").join(FIRST));
+    assert!(primaries.is_rec709());
+    let matrix = Primaries::ACESCG.conversion_to(Primaries::REC709).unwrap();
+    assert_eq!(converted, matrix.convert_plane(&found));
+    fine("diff . rec709 --hdr --min-cell-psnr 50", at);
+    fine("diff rec709 a.lfold --min-cell-psnr 50", at);
+
+    // PNG is sRGB.
+    fine("decode a.lfold -o png --format png --stream color", at);
+    let codes = png::read_rgba8(&at.join("png").join(FIRST.replace("exr", "png")), &ReadLimits::default()).unwrap();
+    let tone = lightfold::image::ToneMap::default();
+    let shown = converted.get(3, 20).map(|value| tone.code(value.to_f32()));
+    assert_eq!(codes.get(3, 20)[..3], shown);
+}
+
+#[test]
+fn files_of_two_sets_of_primaries_are_refused_unless_a_space_is_named() {
+    let at = TempDir::new().unwrap();
+    let at = at.path();
+    write(at, 0.9, Primaries::REC2020);
+    exr::write_color(&at.join(FIRST.replace("0000", "0001")), &light(1, 0.9)).unwrap();
+    let said = refused("encode . -o a.lfold", at);
+    assert!(said.contains("chromaticities") && said.contains("--color-space") && said.contains("color.0001"), "{said}");
+    fine("encode . -o a.lfold --color-space linear-p3-d65", at);
+    assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of linear-p3-d65"));
+    // What is stated by the manifest counts before what files state.
+    let manifest = at.join("lightfield.json");
+    let stated = std::fs::read_to_string(&manifest)
+        .unwrap()
+        .replace("\"files\"", "\"color\": {\"space\": \"aces2065-1\"}, \"files\"");
+    std::fs::write(&manifest, stated).unwrap();
+    fine("encode . -o a.lfold", at);
+    assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of aces2065-1"));
+}
+
+#[test]
+fn light_is_not_clipped_silently() {
+    let at = TempDir::new().unwrap();
+    let at = at.path();
+    write(at, 3.0, Primaries::REC709);
+    let said = refused("encode . -o a.lfold", at);
+    assert!(said.contains("--hdr") && said.contains("--clip") && said.contains("colour pixels"), "{said}");
+    assert!(!at.join("a.lfold").exists());
+    fine("encode . -o hdr.lfold --hdr", at);
+    fine("diff . hdr.lfold --min-cell-psnr 40", at);
+    fine("encode . -o dark.lfold --exposure -2", at);
+    fine("diff . dark.lfold --min-cell-psnr 40", at);
+
+    fine("encode . -o a.lfold --clip", at);
+    let shown = text(&fine("inspect a.lfold", at).stdout);
+    assert!(shown.contains("were clipped when it was encoded"), "{shown}");
+    fine("decode a.lfold -o decoded", at);
+    for side in ["a.lfold", "decoded"] {
+        let (code, said) = run(&format!("diff . {side} --min-cell-psnr 40"), at);
+        assert_eq!(code, 1, "{said}");
+        assert!(said.contains("did not fit 8 bits") && said.contains("--min-cell-psnr 40.00 dB is exceeded"), "{said}");
+        let (code, said) = run(&format!("diff . {side}"), at);
+        assert!(code == 1 && !said.contains("inf dB"), "{said}");
+        fine(&format!("diff . {side} --min-cell-psnr 40 --allow-clipping"), at);
+    }
+    // The container tells, also where the source is not at hand.
+    let (code, said) = run("diff a.lfold decoded", at);
+    assert!(code == 1 && said.contains("did not fit 8 bits"), "{said}");
+    fine("diff a.lfold decoded --stream depth", at);
+}
+
+#[test]
+fn missing_frames_are_stood_in_for_and_remembered() {
+    let at = TempDir::new().unwrap();
+    let at = at.path();
+    write(at, 0.9, Primaries::REC709);
+    std::fs::remove_file(at.join("probe_00/face_px/color.0001.exr")).unwrap();
+    std::fs::remove_file(at.join("probe_00/face_px/depth.0002.exr")).unwrap();
+    let said = refused("encode . -o a.lfold", at);
+    assert!(said.contains("missing"), "{said}");
+    fine("encode . -o held.lfold --missing hold --max-error 0", at);
+    let shown = text(&fine("inspect held.lfold", at).stdout);
+    assert!(shown.contains("missing in color 00/px: 1; frame 0 stands in their place"), "{shown}");
+    assert!(shown.contains("missing in depth 00/px: 2; frame 1 stands in their place"), "{shown}");
+    fine("decode held.lfold -o held", at);
+    assert_eq!(read(&at.join("held").join(FIRST)).0, read(&at.join("held").join(FIRST.replace("0000", "0001"))).0);
+
+    // By the manifest.
+    let manifest = at.join("lightfield.json");
+    let stated = std::fs::read_to_string(&manifest).unwrap().replace("\"files\"", "\"missing\": \"black\", \"files\"");
+    std::fs::write(&manifest, stated).unwrap();
+    fine("encode . -o black.lfold", at);
+    fine("decode black.lfold -o black", at);
+    let (black, _) = read(&at.join("black").join(FIRST.replace("0000", "0001")));
+    assert!(black.data().as_flattened().iter().all(|value| *value == f16::ZERO));
+    let depth = at.join("black/probe_00/face_px/depth.0002.exr");
+    let depth = exr::read_depth(&depth, &ChannelSelect::Auto, &ReadLimits::default()).unwrap();
+    assert!(depth.data().iter().all(|metres| *metres == f32::INFINITY));
+    let json = text(&fine("inspect black.lfold --json", at).stdout);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["missing_frames"].as_array().unwrap().len(), 2);
+    assert_eq!(json["missing_frames"][0]["held"], serde_json::Value::Null);
+
+    let said = refused("encode . -o a.lfold --missing skip", at);
+    assert!(said.contains("no gaps") && said.contains("color.0001"), "{said}");
+    fine("encode . -o skipped.lfold --missing skip --stream depth", at);
+    let json = text(&fine("inspect skipped.lfold --json", at).stdout);
+    assert!(json.contains("\"frames\": 2"), "{json}");
+}
+
+#[test]
+fn odd_values_and_large_results_are_told_before_and_after() {
+    let at = TempDir::new().unwrap();
+    let at = at.path();
+    let depth =
+        |_: Face, _: u32| Plane::from_fn(SIDE, SIDE, |x, y| if x < 8 { 1e30 } else { 2.0 + (x + y) as f32 * 0.1 });
+    let color = |_: Face, _: u32| Plane::filled(SIDE, SIDE, [f16::from_f32(0.5); 3]);
+    Footage { frames: [0, 0], depth: Some(&depth), color: Some(&color), ..Footage::new(SIDE, SIDE) }.write(at);
+    let said = text(&fine("encode . -o a.lfold", at).stderr);
+    assert!(said.contains("depth.background") && said.contains("1e30 m away"), "{said}");
+    assert!(!text(&fine("encode . -o a.lfold --quiet", at).stderr).contains("depth"));
+    // A wrong channel is found before anything is coded.
+    let said = refused("encode . -o b.lfold --depth-channel W", at);
+    assert!(said.contains('W') && !at.join("b.lfold").exists(), "{said}");
+
+    let noise = |_: Face, frame: u32| {
+        let mut random = crate::footage::Random(u64::from(frame));
+        Plane::from_fn(8, 8, |_, _| [(); 3].map(|()| f16::from_f32((random.next() % 1000) as f32 / 1000.0)))
+    };
+    Footage { frames: [0, 0], color: Some(&noise), ..Footage::new(8, 8) }.write(at);
+    let said = text(&fine("encode . -o a.lfold --stream color --no-compression --psnr 90", at).stderr);
+    assert!(said.is_empty() || said.contains("--preset small"), "{said}");
+}
+
+#[test]
+fn presets_are_options_that_others_override() {
+    let at = TempDir::new().unwrap();
+    let at = at.path();
+    write(at, 0.9, Primaries::REC709);
+    let bytes = |line: &str| {
+        fine(&format!("encode . -o a.lfold {line}"), at);
+        std::fs::read(at.join("a.lfold")).unwrap()
+    };
+    assert_eq!(bytes("--preset balanced"), bytes("--psnr 40 --max-error 100"));
+    assert_eq!(bytes("--preset small"), bytes("--psnr 36 --max-error 400 --effort exhaustive --lzma2=9"));
+    assert_eq!(bytes("--preset small --psnr 44 --zstd"), bytes("--psnr 44 --max-error 400 --effort exhaustive --zstd"));
+    assert_eq!(bytes("--preset exact"), bytes("--hdr --psnr 60 --max-error 0"));
+    assert_eq!(bytes("--preset exact --transfer srgb"), bytes("--psnr 60 --max-error 0"));
+    fine("encode . -o a.lfold --preset exact", at);
+    fine("diff . a.lfold --max-error 0 --min-cell-psnr 60", at);
+}

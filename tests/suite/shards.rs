@@ -1,0 +1,120 @@
+//! Shards of an encode join to its bytes: every codec, in process.
+
+use lightfold::Error;
+use lightfold::container::Reader;
+use lightfold::encode::{self, FrameSource, Part, ScanFile, Shard, ShardBy};
+use lightfold::monitor::Silent;
+use lightfold::pack::{PackSettings, pack};
+
+use crate::resume_footage::{Footage, all, dataset};
+use crate::samples::Random;
+
+/// All shards, encoded; `None` where the footage cannot be cut so.
+fn shards(footage: &Footage, count: u32, by: ShardBy) -> Option<Vec<Vec<u8>>> {
+    let (source, settings) = (footage.source(), &footage.settings);
+    let probes: Vec<usize> = (0..source.probes().len()).collect();
+    let mut shards = Vec::new();
+    for number in 1..=count {
+        let part = match Part::shard(&source, settings, Shard { number, count }, by) {
+            Ok(part) => part,
+            Err(Error::Usage(_)) if number == 1 => return None,
+            Err(error) => panic!("{error}"),
+        };
+        let part = part.with_scans(encode::scan_probes(&source, settings, &probes, &Silent).unwrap());
+        shards.push(encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0);
+    }
+    Some(shards)
+}
+
+fn open(files: &[Vec<u8>]) -> Vec<Reader> {
+    files.iter().map(|file| Reader::from_memory(file.clone()).unwrap()).collect()
+}
+
+fn joined(files: &[Vec<u8>]) -> lightfold::Result<Vec<u8>> {
+    pack(&open(files), &PackSettings::default(), Vec::new(), &Silent).map(|(file, _)| file)
+}
+
+fn refused(files: &[Vec<u8>]) -> String {
+    joined(files).unwrap_err().to_string()
+}
+
+#[test]
+fn shards_of_every_codec_join_in_any_order_to_one_encode() {
+    let mut random = Random(3);
+    let mut cut_in_time = Vec::new();
+    for (name, footage) in all() {
+        let whole = encode::encode(&footage.source(), &footage.settings, Vec::new(), &Silent).unwrap().0;
+        for (count, by) in [(1, ShardBy::Segment), (2, ShardBy::Segment), (3, ShardBy::Time), (2, ShardBy::Probe)] {
+            let Some(mut files) = shards(&footage, count, by) else { continue };
+            if by == ShardBy::Time {
+                cut_in_time.push(name);
+            }
+            for at in (1..files.len()).rev() {
+                files.swap(at, random.below(at as u32 + 1) as usize);
+            }
+            // One that ran twice.
+            files.push(files[0].clone());
+            assert!(joined(&files).unwrap() == whole, "{name}: {count} shards by {by:?} join to other bytes");
+        }
+    }
+    for codec in ["quadtree", "tree", "boxes", "boxes in blocks", "blocks", "predictive", "material", "dataset"] {
+        assert!(cut_in_time.contains(&codec), "{codec} is not cut in time");
+    }
+}
+
+#[test]
+fn the_transform_codec_is_cut_in_time_every_fourth_chunk() {
+    let (_, mut footage) = all().into_iter().find(|(name, _)| *name == "transform").unwrap();
+    footage.settings.color_chunk = 2;
+    let whole = encode::encode(&footage.source(), &footage.settings, Vec::new(), &Silent).unwrap().0;
+    let files = shards(&footage, 3, ShardBy::Time).unwrap();
+    let frames = open(&files).iter().map(|reader| reader.index().streams[0].first_frame).collect::<Vec<_>>();
+    assert_eq!(frames, [0, 8, 16]);
+    assert!(joined(&files).unwrap() == whole);
+}
+
+#[test]
+fn what_is_missing_or_does_not_belong_is_named() {
+    let mut footage = dataset();
+    let files = shards(&footage, 4, ShardBy::Segment).unwrap();
+    let message = refused(&[files[0].clone(), files[3].clone()]);
+    assert!(message.contains("shards 2, 3 of 4 are missing") && message.contains("frame "), "{message}");
+    let message = refused(&files[1..]);
+    assert!(message.contains("shard 1 of 4 is missing") && message.contains("probe a"), "{message}");
+    let whole = joined(&files).unwrap();
+    let message = refused(&[files[0].clone(), whole]);
+    assert!(message.contains("a whole container among shards"), "{message}");
+    let other_cut = shards(&footage, 4, ShardBy::Probe);
+    assert!(other_cut.is_none(), "two probes cannot make four shards");
+    let message = refused(&[&shards(&footage, 2, ShardBy::Time).unwrap()[..1], &files[..1]].concat());
+    assert!(message.contains("different divisions") || message.contains("does not continue"), "{message}");
+    footage.settings.search.min_psnr_db += 1.0;
+    let others = shards(&footage, 4, ShardBy::Segment).unwrap();
+    let message = refused(&[&files[..3], &others[3..]].concat());
+    assert!(message.contains("a shard of another encode"), "{message}");
+}
+
+#[test]
+fn scans_of_shards_merge_to_the_scan_of_all_and_serve_encodes() {
+    let footage = dataset();
+    let (source, settings) = (footage.source(), &footage.settings);
+    let whole = encode::encode(&source, settings, Vec::new(), &Silent).unwrap().0;
+    let scan = |shard: Option<Shard>| {
+        let mut scan = ScanFile::new(&source, settings);
+        scan.scan(&source, settings, shard, &Silent, &mut |_| Ok(())).unwrap();
+        scan
+    };
+    // More shards than there are images: some are empty.
+    for count in [1, 3, 7, 40] {
+        let mut parts = (1..=count).rev().map(|number| scan(Some(Shard { number, count })));
+        let mut merged = parts.next().unwrap();
+        parts.for_each(|part| merged.merge(part).unwrap());
+        assert_eq!(merged, scan(None), "{count}");
+    }
+    let first = scan(Some(Shard { number: 1, count: 3 }));
+    let message = first.scans(&source, settings).unwrap_err().to_string();
+    assert!(message.contains("the scan ends before frame"), "{message}");
+    let scans = scan(None).scans(&source, settings).unwrap();
+    let part = Part::whole(&source, scans);
+    assert!(encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0 == whole, "a scan changes the container");
+}
