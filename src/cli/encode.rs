@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    COLOR_SPACES, ColorArgs, DatasetArgs, DepthArgs, EffortArgs, EncodeOutputArgs, MaterialArgs, PresetArgs,
-    SequenceInputArgs, ShardArgs, Target, Unfinished, check_stdout, one_of, parse_kind,
+    ColorArgs, DatasetArgs, DepthArgs, EffortArgs, EncodeOutputArgs, MaterialArgs, PresetArgs, SequenceInputArgs,
+    ShardArgs, Target, Unfinished, check_stdout, parse_kind,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -18,7 +18,7 @@ use crate::encode::{
 };
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
-use crate::image::{ColorSpace, StreamKind};
+use crate::image::StreamKind;
 use crate::report::coding_map::counted;
 
 const SMALLER: &str = "a lower --psnr or a higher --max-error";
@@ -43,9 +43,6 @@ pub struct Args {
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
-    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
-    #[arg(long, value_parser = one_of(COLOR_SPACES))]
-    pub color_space: Option<ColorSpace>,
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
@@ -115,7 +112,6 @@ impl Encodes for Args {
         color.apply(&mut options, &mut settings)?;
         self.material.apply(&mut settings);
         self.dataset.apply(&mut options);
-        options.color_space = self.color_space;
         effort.apply(&mut settings);
         store.apply(&mut settings);
         if !self.stream.is_empty() {
@@ -220,7 +216,7 @@ impl Encode<'_> {
         let done = self.encode()?;
         note_clipping(path, &done.summary);
         if let Some(smaller) = self.smaller {
-            encode_advice::note_size(self.source, self.settings, (done.summary.bytes, smaller), self.global);
+            encode_advice::note_size(self.frames(), self.settings, (done.summary.bytes, smaller), self.global);
         }
         self.global.report(json, &done, || text(path, &done)).map(|()| ExitStatus::Passed)
     }

@@ -4,7 +4,7 @@ use crate::cli::GlobalArgs;
 use crate::cli::output::human_bytes;
 use crate::convention::{self, Choice, MAX_PROBES, Verdict};
 use crate::dataset::Source;
-use crate::encode::{self, EncodeSettings};
+use crate::encode::{self, EncodeSettings, FrameSource};
 use crate::image::StreamKind;
 use crate::monitor::Silent;
 
@@ -26,7 +26,12 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
 }
 
 /// Says so where a container of `bytes` is larger than the files that it was made from; `instead` makes it smaller.
-pub fn note_size(source: &Source, settings: &EncodeSettings, (bytes, instead): (u64, &str), global: &GlobalArgs) {
+pub fn note_size(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    (bytes, instead): (u64, &str),
+    global: &GlobalArgs,
+) {
     let mut source_bytes = 0;
     for group in encode::selected_groups(source, settings) {
         let files = group.group.frames.iter().filter_map(|frame| source.file(group.group, frame).ok()?);

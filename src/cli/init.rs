@@ -73,7 +73,7 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
     let steps =
         convention::steps(&source, &convention::Choice { max_probes: convention::MAX_PROBES, ..Default::default() })?;
     let progress = Progress::start(global, "checking", steps)?;
-    let (manifest, report) = convention::settle(manifest.clone(), file, &progress)?;
+    let (manifest, report) = convention::settle::settle(manifest.clone(), file, &progress)?;
     let doubts = report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
     Ok((manifest, doubts))
 }

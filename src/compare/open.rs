@@ -156,7 +156,7 @@ fn open_container(path: &str) -> Result<Side> {
     };
     let streams = decoder.streams().iter().enumerate().map(stream).collect();
     let primaries = decoder.primaries();
-    let clipped_pixels = decoder.attributes().clipped_pixels;
+    let clipped_pixels = decoder.footage().clipped_pixels;
     let content = Content::Container(Box::new(decoder));
     Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, primaries, clipped_pixels, content })
 }

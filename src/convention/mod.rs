@@ -23,7 +23,7 @@ mod probe_samples;
 mod read;
 mod reproject;
 mod seams;
-mod settle;
+pub mod settle;
 mod values;
 
 use crate::dataset::manifest::Manifest;
@@ -34,7 +34,6 @@ use crate::monitor::Monitor;
 
 pub use finding::{Finding, Verdict};
 pub use read::Choice;
-pub use settle::settle;
 
 /// Default limit of probes to check.
 pub const MAX_PROBES: usize = 16;

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use names::Named;
-use sequences::Found;
+use sequences::{EYES, Found};
 
 use super::manifest::{
     Background, ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS, Probe, Unit,
@@ -24,16 +24,13 @@ use crate::error::{Error, Result};
 use crate::image::channels::find_named;
 use crate::image::layout::face_size;
 use crate::image::{
-    ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, Projection, ReadLimits, StreamKind,
-    exr, png,
+    ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, Projection, ReadLimits, StreamKind, exr, png,
 };
 
 /// Frames per second where no file states any.
 const USUAL_FPS: f64 = 24.0;
 /// Depth from here on, in units of the file, means that nothing is there.
 const NOTHING_FROM: f32 = 1e10;
-/// Names of the parts or views of stereo files.
-const EYES: [&str; 2] = ["left", "right"];
 
 /// A manifest that fits the files of a folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -166,6 +163,7 @@ impl Draft<'_> {
             color,
             missing: None,
             material: None,
+            missing: None,
             files: Files {
                 color: file(StreamKind::Color),
                 depth: file(StreamKind::Depth),
@@ -261,7 +259,8 @@ impl Draft<'_> {
                     ));
                 }
                 if let Some(missing) = (first..=last).find(|frame| !of.frames.contains(frame)) {
-                    self.unsure.push(format!("{} lacks frame {missing}", of.text));
+                    self.unsure
+                        .push(format!("{} lacks frame {missing}: \"missing\" chooses what takes its place", of.text));
                 }
             }
             frames.insert(name.clone(), [first, last]);
@@ -303,7 +302,7 @@ impl Draft<'_> {
             &[[0, 0], [2, 0], [0, 2], [2, 2], [0, 3], [2, 3]]
         };
         let side = face_size(FaceLayout::Cross, width, height)?;
-        let file = self.kinds.iter().next().map(|(kind, (files, _))| (*kind, &files[0].first));
+        let file = self.kinds.iter().next().map(|(kind, (files, _))| (*kind, files[0]));
         let Some((kind, file)) = file else { return Ok(false) };
         let corners = |value: &dyn Fn(u32, u32) -> [u32; 3]| {
             cells.iter().all(|[column, row]| {
@@ -311,30 +310,27 @@ impl Draft<'_> {
                 (0..side * side).all(|at| value(left + at % side, top + at / side) == value(left, top))
             })
         };
-        Ok(match kind {
-            StreamKind::Color => {
-                let plane = self.read_color(file)?;
-                corners(&|x, y| plane.get(x, y).map(|value| u32::from(value.to_bits())))
-            }
-            StreamKind::Depth => {
-                let plane = self.read_depth(file)?;
-                corners(&|x, y| [plane.get(x, y).to_bits(); 3])
-            }
-            StreamKind::Material => false,
-        })
+        // An image of one value could be anything.
+        let varies = |of: &[[u32; 3]]| of.iter().any(|value| *value != of[0]);
+        let values = match kind {
+            StreamKind::Color => self.read_color(file)?.map(|pixel| pixel.map(|value| u32::from(value.to_bits()))),
+            StreamKind::Depth => self.read_depth(file)?.map(|value| [value.to_bits(); 3]),
+            StreamKind::Material => return Ok(false),
+        };
+        Ok(varies(values.data()) && corners(&|x, y| values.get(x, y)))
     }
 
-    fn read_color(&self, file: &Path) -> Result<ColorPlane> {
-        match png::is_png(file) {
-            true => png::read_color(file, ColorSpace::Srgb, &self.limits),
-            false => exr::read_color(file, &ChannelSelect::Auto, &self.limits),
+    fn read_color(&self, files: &Found) -> Result<ColorPlane> {
+        match png::is_png(&files.first) {
+            true => png::read_color(&files.first, ColorSpace::Srgb, &self.limits),
+            false => exr::read_color(&files.first, &files.select(), &self.limits),
         }
     }
 
-    fn read_depth(&self, file: &Path) -> Result<DepthPlane> {
-        match png::is_png(file) {
-            true => png::read_depth(file, 1.0, &self.limits),
-            false => exr::read_depth(file, &ChannelSelect::Auto, &self.limits),
+    fn read_depth(&self, files: &Found) -> Result<DepthPlane> {
+        match png::is_png(&files.first) {
+            true => png::read_depth(&files.first, 1.0, &self.limits),
+            false => exr::read_depth(&files.first, &files.select(), &self.limits),
         }
     }
 
@@ -351,10 +347,7 @@ impl Draft<'_> {
             info.unit = Some(Unit::Mm);
             self.unsure.push(format!("{} holds integers, which were taken for millimetres", first.text));
         }
-        let plane = match is_stereo {
-            true => exr::read_depth(&first.first, &ChannelSelect::Named(EYES[0].into()), &self.limits)?,
-            false => self.read_depth(&first.first)?,
-        };
+        let plane = self.read_depth(first)?;
         let finite = || plane.data().iter().copied().filter(|value| value.is_finite());
         let negative = finite().filter(|value| *value < 0.0).count();
         let positive = finite().filter(|value| *value > 0.0).count();

@@ -52,7 +52,7 @@ pub struct DepthRules {
     pub background: f32,
     /// Metres per unit; below 0 where values in front of the camera are negative.
     pub scale: f64,
-    /// The one value of an image that is as far as this or farther is background, too.
+    /// The one value of an image that is as far as this or farther is background where none but +inf is declared.
     pub farthest_m: f64,
     pub invalid: InvalidDepth,
 }
@@ -66,9 +66,12 @@ impl DepthRules {
         if self.scale < 0.0 { -stored } else { stored }
     }
 
-    /// What an image has as its background without a declaration, in units of the file: its farthest value, if no surface
-    /// can be as far. +inf where there is none.
+    /// What an image has as its background where none but +inf is declared, in units of the file: its farthest value, if no
+    /// surface can be as far. +inf where there is none.
     fn farthest(&self, plane: &DepthPlane) -> f32 {
+        if self.background.is_finite() {
+            return f32::INFINITY;
+        }
         let finite = plane.data().iter().map(|&stored| self.units(stored)).filter(|units| *units < f32::INFINITY);
         let farthest = finite.fold(0.0, f32::max);
         if self.is_too_far(farthest) { farthest } else { f32::INFINITY }
@@ -104,7 +107,7 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
                 InvalidDepth::Far => f32::INFINITY,
                 InvalidDepth::Near => 0.0,
                 InvalidDepth::Refuse => {
-                    let what = invalid_words(*value, units, farthest);
+                    let what = invalid_words(*value, units, farthest.min(rules.background));
                     return Err(Error::invalid(format!("depth at {} is {what}", pixel(index, width))));
                 }
             }
@@ -114,7 +117,7 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
 }
 
 /// What is wrong with a stored depth, and what to do.
-fn invalid_words(stored: f32, units: f32, farthest: f32) -> String {
+fn invalid_words(stored: f32, units: f32, background: f32) -> String {
     let say = "set `invalid_depth` to far or near";
     if units.is_nan() {
         format!("not a number; {say}, as `background` cannot match it")
@@ -122,7 +125,7 @@ fn invalid_words(stored: f32, units: f32, farthest: f32) -> String {
         format!("zero; {say}, or `background` to 0 if it means no surface")
     } else if units > 0.0 {
         format!(
-            "{stored:e}, too far for a surface, and not the {farthest:e} of the background either, as where both were \
+            "{stored:e}, too far for a surface, and not the {background:e} of the background either, as where both were \
              averaged; {say}, or state a depth.far beyond it in the manifest"
         )
     } else if stored < 0.0 {

@@ -277,8 +277,17 @@ impl Source {
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         self.read((StreamKind::Depth, group, frame), f32::INFINITY, |path| {
             let mut plane = self.depth_file(path, group)?;
-            check_depth(&mut plane, &self.rules)?;
-            let mut planes = self.faces_of(plane, group, resample_nearest)?;
+            let mut planes = if let Content::Faces(_) = self.content {
+                // What lies beside the faces may be anything.
+                let mut planes = self.faces_of(plane, group, resample_nearest)?;
+                for (face, plane) in group.faces.iter().zip(&mut planes) {
+                    check_depth(plane, &self.rules).map_err(|error| error.context(format!("face {}", face.name())))?;
+                }
+                planes
+            } else {
+                check_depth(&mut plane, &self.rules)?;
+                self.faces_of(plane, group, resample_nearest)?
+            };
             if self.depth_in_files != self.depth_stored {
                 for (face, plane) in group.faces.iter().zip(&mut planes) {
                     let size = [plane.width(), plane.height()];

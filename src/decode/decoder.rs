@@ -7,7 +7,7 @@ use crate::decode::face::FaceDecoder;
 use crate::decode::unit::UnitDecoder;
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries};
-use crate::streams::{self, Attributes, StreamInfo, StreamKind};
+use crate::streams::{self, FootageInfo, StreamInfo, StreamKind};
 
 /// An open container (formats/container.md).
 ///
@@ -34,7 +34,7 @@ use crate::streams::{self, Attributes, StreamInfo, StreamKind};
 pub struct Decoder {
     reader: Reader,
     streams: Vec<StreamInfo>,
-    attributes: Attributes,
+    footage: FootageInfo,
 }
 
 impl Decoder {
@@ -101,8 +101,8 @@ impl Decoder {
         let named = |error: Error| error.in_file(reader.path());
         let streams = streams::streams(reader.index()).map_err(named)?;
         streams::check_memory(&streams, reader.index(), reader.file_bytes, reader.limits).map_err(named)?;
-        let attributes = Attributes::read(reader.index()).map_err(named)?;
-        Ok(Decoder { reader, streams, attributes })
+        let footage = FootageInfo::read(reader.index()).map_err(named)?;
+        Ok(Decoder { reader, streams, footage })
     }
 
     /// All streams, in the order of the stream table.
@@ -110,15 +110,15 @@ impl Decoder {
         &self.streams
     }
 
-    /// Primaries and white of decoded colour, which is linear light of them (container.md, "Attributes").
+    /// Primaries and white of decoded colour, which is linear light of them (container.md 6.6).
     pub fn primaries(&self) -> Primaries {
-        self.attributes.primaries
+        self.footage.primaries
     }
 
     /// How the footage was made.
     #[doc(hidden)]
-    pub fn attributes(&self) -> &Attributes {
-        &self.attributes
+    pub fn footage(&self) -> &FootageInfo {
+        &self.footage
     }
 
     /// The stream of a kind, probe and face.

@@ -29,7 +29,7 @@ use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
-use crate::streams::{self, Attributes, CodecHeader, DepthHeader, MissingFrame};
+use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, MissingFrame};
 
 /// Units whose last chunks are made together; a killed process loses no more.
 const FINISH_UNITS: usize = 64;
@@ -163,13 +163,12 @@ pub fn encode_resumable<W: Write>(
     })?;
     let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
     let writer = open(source, settings, resumable).map_err(|error| Stopped { error, kept: kept(before) })?;
-    let mut job = Job { source, settings, writer, monitor, completed, summary, missing_frames: Vec::new() };
+    let mut job = Job { source, settings, writer, monitor, completed, summary, footage: FootageInfo::default() };
     let ran = job.run(&selected_groups(source, settings));
-    let Job { mut writer, mut summary, missing_frames, .. } = job;
-    let clipped_pixels = Some(summary.clipped_pixels).filter(|count| *count > 0);
-    let attributes = Attributes { primaries: source.primaries(), clipped_pixels, missing_frames };
-    for (name, value) in attributes.to_values() {
-        let _ = (name, value, &mut writer); // STUB
+    let Job { mut writer, mut summary, mut footage, .. } = job;
+    footage.clipped_pixels = Some(summary.clipped_pixels).filter(|count| *count > 0);
+    for (name, value) in footage.to_values() {
+        writer.set_attribute(name, value);
     }
     let written = kept(writer.safe());
     match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
@@ -236,7 +235,7 @@ struct Job<'a, W: Write> {
     monitor: &'a dyn Monitor,
     completed: Completed,
     summary: EncodeSummary,
-    missing_frames: Vec<MissingFrame>,
+    footage: FootageInfo,
 }
 
 /// The streams of a group, and where they are continued.
@@ -461,12 +460,21 @@ impl<W: Write> Job<'_, W> {
             self.summary.raw_bytes += pixels * header.raw_pixel_bytes();
             self.summary.color_pixels += if group.kind == StreamKind::Color { pixels } else { 0 };
             self.summary.streams += 1;
-            let stream = self.writer.add_stream(entry.clone());
-            let missing = self.source.missing_frames(group).into_iter();
-            self.missing_frames.extend(missing.map(|(frame, held)| MissingFrame { stream, frame, held }));
-            streams.push((stream, entry));
+            streams.push((self.writer.add_stream(entry.clone()), entry));
         }
+        self.note_footage(group);
         Ok(streams)
+    }
+
+    fn note_footage(&mut self, group: &SourceGroup) {
+        if group.kind == StreamKind::Color {
+            self.footage.primaries = self.source.primaries();
+        }
+        let probe = &self.source.probes()[group.probe].name;
+        for (frame, held) in self.source.missing_frames(group) {
+            let missing = |&face: &Face| MissingFrame { probe: probe.clone(), kind: group.kind, face, frame, held };
+            self.footage.missing_frames.extend(group.faces.iter().map(missing));
+        }
     }
 }
 

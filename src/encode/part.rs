@@ -11,7 +11,7 @@ use crate::encode::source::FrameSource;
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::Result;
 use crate::fingerprint::{digest, digest_bytes};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Projection, StreamKind};
+use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
 use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
 
 /// Groups of a source, or some frames of these.
@@ -107,6 +107,16 @@ impl FrameSource for Part<'_> {
 
     fn file_pixels(&self) -> u64 {
         self.source.file_pixels()
+    }
+
+    fn primaries(&self) -> Primaries {
+        self.source.primaries()
+    }
+
+    fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
+        let mut missing = self.source.missing_frames(group);
+        missing.retain(|(frame, _)| group.frames.contains(*frame));
+        missing
     }
 
     fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {

@@ -138,8 +138,6 @@ pub struct FileHeader {
     pub fps: Option<f64>,
     /// `worldToCamera`, row by row, for row vectors: the camera's x is right and y is up.
     pub world_to_camera: Option<[f32; 16]>,
-    /// Whether `chromaticities` are stated.
-    pub has_chromaticities: bool,
 }
 
 pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
@@ -155,7 +153,6 @@ pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
             .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
             .filter(|fps| *fps > 0.0 && fps.is_finite()),
         world_to_camera: headers.iter().find_map(|header| header.own_attributes.world_to_camera),
-        has_chromaticities: headers[0].shared_attributes.chromaticities.is_some(),
     })
 }
 

@@ -18,9 +18,7 @@ use crate::image::{DepthKind, StreamKind, Transfer};
 use crate::inspect::chunk_counts::{PredictedShare, TransformCount};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
-use crate::streams::{
-    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame,
-};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame};
 
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {
@@ -266,7 +264,7 @@ impl<'a> Inspection<'a> {
             shared_bytes_saved: all.shared_bytes_saved,
             kinds: self.kinds(),
             chromaticities: decoder.primaries().to_array(),
-            clipped_pixels: decoder.attributes().clipped_pixels,
+            clipped_pixels: decoder.footage().clipped_pixels,
             missing_frames: missing_frames(decoder),
             streams: self.stream_reports(decoder),
         }
@@ -501,15 +499,9 @@ pub fn projection_name(projection: u8) -> &'static str {
 }
 
 fn missing_frames(decoder: &Decoder) -> Vec<MissingReport<'_>> {
-    let of = |missing: &MissingFrame| {
-        let stream = decoder.streams().get(missing.stream as usize)?;
-        Some(MissingReport {
-            kind: stream.kind.name(),
-            probe: &decoder.probe(stream).name,
-            face: stream.face.name(),
-            frame: missing.frame,
-            held: missing.held,
-        })
-    };
-    decoder.attributes().missing_frames.iter().filter_map(of).collect()
+    fn of(missing: &MissingFrame) -> MissingReport<'_> {
+        let MissingFrame { probe, kind, face, frame, held } = missing;
+        MissingReport { kind: kind.name(), probe, face: face.name(), frame: *frame, held: *held }
+    }
+    decoder.footage().missing_frames.iter().map(of).collect()
 }

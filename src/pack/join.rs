@@ -15,8 +15,8 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
 use crate::streams;
-use crate::streams::CodecHeader;
 use crate::streams::shard::SHARD;
+use crate::streams::{CodecHeader, FootageInfo, StreamKind};
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
@@ -256,8 +256,15 @@ impl Copier<'_> {
 /// The attributes of all inputs, without those of shards.
 pub(super) fn merge_attributes(inputs: &[Reader]) -> Result<Attributes> {
     let mut merged = Attributes::default();
+    let (mut footage, mut has_color) = (FootageInfo::default(), false);
     for reader in inputs {
-        for (name, value) in reader.index().attributes.iter().filter(|(name, _)| *name != SHARD) {
+        let index = reader.index();
+        let own_color = index.streams.iter().any(|stream| stream.kind == StreamKind::Color as u8);
+        let joined = FootageInfo::read(index).and_then(|own| footage.join(own, [has_color, own_color]));
+        joined.map_err(|error| error.in_file(reader.path()))?;
+        has_color |= own_color;
+        let others = index.attributes.iter().filter(|(name, _)| *name != SHARD && !FootageInfo::has(name));
+        for (name, value) in others {
             match merged.get(name) {
                 Some(earlier) if earlier != value => {
                     let message = format!("its attribute {name} is not that of an earlier input");
@@ -267,6 +274,7 @@ pub(super) fn merge_attributes(inputs: &[Reader]) -> Result<Attributes> {
             }
         }
     }
+    footage.to_values().into_iter().for_each(|(name, value)| merged.set(name, value));
     Ok(merged)
 }
 

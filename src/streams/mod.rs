@@ -2,9 +2,9 @@
 
 #![doc(hidden)]
 
-mod attributes;
 pub mod convert;
 mod depth_chunk;
+mod footage;
 mod header;
 mod header_bytes;
 mod info;
@@ -13,8 +13,8 @@ pub mod shard;
 mod stream_chunk;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
-pub use attributes::{Attributes, MissingFrame};
 pub use depth_chunk::DepthChunk;
+pub use footage::{FootageInfo, MissingFrame};
 pub use header::{
     COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, COLOR_TRANSFORM_8,
     COLOR_TRANSFORM_HALF, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5,

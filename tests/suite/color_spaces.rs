@@ -94,7 +94,9 @@ fn files_of_two_sets_of_primaries_are_refused_unless_a_space_is_named() {
     assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of linear-p3-d65"));
     // What is stated by the manifest counts before what files state.
     let manifest = at.join("lightfield.json");
-    let stated = std::fs::read_to_string(&manifest).unwrap().replace("\"files\"", "\"color\": {\"space\": \"aces2065-1\"}, \"files\"");
+    let stated = std::fs::read_to_string(&manifest)
+        .unwrap()
+        .replace("\"files\"", "\"color\": {\"space\": \"aces2065-1\"}, \"files\"");
     std::fs::write(&manifest, stated).unwrap();
     fine("encode . -o a.lfold", at);
     assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of aces2065-1"));
@@ -174,7 +176,8 @@ fn missing_frames_are_stood_in_for_and_remembered() {
 fn odd_values_and_large_results_are_told_before_and_after() {
     let at = TempDir::new().unwrap();
     let at = at.path();
-    let depth = |_: Face, _: u32| Plane::from_fn(SIDE, SIDE, |x, y| if x < 8 { 1e30 } else { 2.0 + (x + y) as f32 * 0.1 });
+    let depth =
+        |_: Face, _: u32| Plane::from_fn(SIDE, SIDE, |x, y| if x < 8 { 1e30 } else { 2.0 + (x + y) as f32 * 0.1 });
     let color = |_: Face, _: u32| Plane::filled(SIDE, SIDE, [f16::from_f32(0.5); 3]);
     Footage { frames: [0, 0], depth: Some(&depth), color: Some(&color), ..Footage::new(SIDE, SIDE) }.write(at);
     let said = text(&fine("encode . -o a.lfold", at).stderr);

@@ -6,7 +6,7 @@ use jsonschema::Validator;
 use lightfold::dataset::manifest::{
     Background, ColorInfo, DepthInfo, FaceFiles, Files, MaterialChannels, MaterialInfo, Pose, Probe, Unit,
 };
-use lightfold::dataset::{DepthKind, Manifest, Projection};
+use lightfold::dataset::{DepthKind, Manifest, Missing, Projection};
 use lightfold::image::{ColorSpace, Eye, StereoLayout};
 use serde_json::{Value, json};
 
@@ -87,6 +87,8 @@ fn what_the_parser_accepts_is_accepted() {
         ("/depth/background", vec![json!(0), json!(-1.5), json!(1e30), json!("inf")]),
         ("/depth/kind", vec![json!("planar")]),
         ("/depth/channel", vec![json!("Pz"), json!("{probe}")]),
+        ("/missing", ["error", "hold", "skip", "black"].map(Value::from).to_vec()),
+        ("/color", ColorSpace::ALL.map(|space| json!({ "space": space.name() })).to_vec()),
         ("/color", vec![json!({}), json!({ "space": "srgb" }), json!({ "layer": "a", "space": "linear-rec709" })]),
         ("/material", vec![json!({ "channels": { "reflection": "a", "refraction": "b", "ior": "c" } })]),
         ("/files/normal", vec![json!("{face}n.####.exr")]),
@@ -132,6 +134,7 @@ fn what_the_schema_refuses_is_refused() {
         ("/faces_present", vec![json!([]), json!(["up"]), json!(["px", "px"]), json!("px")]),
         ("/face_names", vec![json!({ "up": "u" }), json!({ "px": "" }), json!({ "px": "a#" }), json!({ "px": 1 })]),
         ("/stereo", vec![json!("over-under"), json!("left")]),
+        ("/missing", vec![json!("repeat")]),
         ("/depth/knd", vec![json!(1)]),
         ("/depth/kind", vec![json!("z")]),
         ("/depth/unit", vec![json!("ft")]),
@@ -236,6 +239,7 @@ fn whole() -> Manifest {
         }),
         color: Some(ColorInfo { space: Some(ColorSpace::Srgb), layer: text("rgba") }),
         material: Some(MaterialInfo { channels: MaterialChannels::default() }),
+        missing: Some(Missing::Hold),
         files: Files { color: text("c"), depth: text("d"), material: text("m"), normal: text("n") },
         probes: vec![Probe {
             name: "a".into(),
@@ -291,7 +295,7 @@ fn the_schema_and_the_document_name_the_keys_of_the_types() {
     for key in of_types {
         let last = key.rsplit('.').next().unwrap();
         assert!(
-            document.contains(&format!("`{last}`")) || document.contains(&format!("`{key}`")),
+            document.contains(&format!("`{last}`")) || document.contains(&format!("`{key}")),
             "manifest.md lacks {key}"
         );
     }

@@ -131,7 +131,7 @@ fn check(
                 let (found, wanted) =
                     (source.read_color(group, frame).unwrap()[0].get(x, y), light(probe, face, [x, y], frame));
                 let error = found.iter().zip(wanted).map(|(a, b)| (a.to_f32() - b).abs()).fold(0.0, f32::max);
-                assert!(error < 0.04, "{at}: {found:?} for {wanted:?}");
+                assert!(error < 0.08, "{at}: {found:?} for {wanted:?}");
             }
         }
     }
@@ -302,7 +302,7 @@ fn tiles_and_lossy_compression_of_halves_and_floats() {
 fn in_a_box(face: Face, [x, y]: [u32; 2]) -> (f32, [f32; 3]) {
     let direction = face.direction(x, y, SIDE as u32).normalize();
     let distance = 1.0 / (direction.x.abs() / 2.0).max(direction.y.abs()).max(direction.z.abs() / 3.0);
-    (distance as f32, (direction * 0.25 + 0.5).as_vec3().to_array())
+    (distance as f32, (direction * 0.125 + 0.5).as_vec3().to_array())
 }
 
 fn check_box(source: &Source) {

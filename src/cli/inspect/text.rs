@@ -66,7 +66,7 @@ fn heading(report: &Report<'_>) -> String {
     if report.inspection.unreferenced_bytes > 0 {
         let _ = writeln!(out, "{} outside of chunks", human_bytes(report.inspection.unreferenced_bytes));
     }
-    out += &attributes(report);
+    out += &footage(report);
     if reader.minor_version > VERSION_MINOR {
         let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version);
     }
@@ -74,27 +74,30 @@ fn heading(report: &Report<'_>) -> String {
 }
 
 /// Lines about primaries, clipped pixels and missing frames, where these are not as usual.
-fn attributes(report: &Report<'_>) -> String {
+fn footage(report: &Report<'_>) -> String {
     let decoder = report.decoder;
-    let (primaries, attributes) = (decoder.primaries(), decoder.attributes());
+    let footage = decoder.footage();
     let mut out = String::new();
-    if !primaries.is_rec709() {
-        let _ = match ColorSpace::of_light(primaries) {
+    if !footage.primaries.is_rec709() {
+        let _ = match ColorSpace::of_light(footage.primaries) {
             Some(space) => writeln!(out, "colour is light of {}", space.name()),
-            None => writeln!(out, "colour is light of the chromaticities {:?}", primaries.to_array()),
+            None => writeln!(out, "colour is light of the chromaticities {:?}", footage.primaries.to_array()),
         };
     }
-    if let Some(count) = attributes.clipped_pixels {
-        let _ = writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
+    if let Some(count) = footage.clipped_pixels {
+        let _ =
+            writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
     }
     // One line for each stream and what stands in place of its frames.
-    let same = |one: &MissingFrame, next: &MissingFrame| (one.stream, one.held) == (next.stream, next.held);
-    for frames in attributes.missing_frames.chunk_by(same) {
-        let Some(stream) = decoder.streams().get(frames[0].stream as usize) else { continue };
+    let same = |one: &MissingFrame, next: &MissingFrame| {
+        (&one.probe, one.kind, one.face, one.held) == (&next.probe, next.kind, next.face, next.held)
+    };
+    for frames in footage.missing_frames.chunk_by(same) {
+        let MissingFrame { probe, kind, face, held, .. } = &frames[0];
         let numbers: Vec<String> = frames.iter().map(|missing| missing.frame.to_string()).collect();
-        let held = frames[0].held.map_or_else(|| "black".to_owned(), |frame| format!("frame {frame}"));
-        let (kind, probe, face) = (stream.kind.name(), &decoder.probe(stream).name, stream.face.name());
-        let _ = writeln!(out, "missing in {kind} {probe}/{face}: {}; {held} stands in their place", numbers.join(", "));
+        let held = held.map_or_else(|| "black".to_owned(), |frame| format!("frame {frame}"));
+        let (kind, face, frames) = (kind.name(), face.name(), numbers.join(", "));
+        let _ = writeln!(out, "missing in {kind} {probe}/{face}: {frames}; {held} stands in their place");
     }
     out
 }

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::{ChannelArgs, FrameArgs, MissingArgs};
+use super::choice::one_of;
+use super::{COLOR_SPACES, ChannelArgs, FrameArgs, MissingArgs};
 use crate::cli::refuse;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::error::Result;
+use crate::image::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {
@@ -17,6 +19,9 @@ pub struct DatasetArgs {
     pub face_size: Option<u32>,
     #[command(flatten)]
     pub channels: ChannelArgs,
+    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
+    #[arg(long, value_parser = one_of(COLOR_SPACES))]
+    pub color_space: Option<ColorSpace>,
     #[command(flatten)]
     pub missing: MissingArgs,
     #[command(flatten)]
@@ -27,8 +32,9 @@ impl DatasetArgs {
     pub fn apply(&self, options: &mut SourceOptions) {
         options.frames = self.frames.frames;
         options.face_size = self.face_size;
-        options.missing = self.missing.missing;
         self.channels.apply(options);
+        options.color_space = self.color_space;
+        options.missing = self.missing.missing;
     }
 
     /// Opens the dataset, which has the frames that were asked for.

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::EYES;
 use crate::dataset::manifest::MaterialChannels;
 use crate::error::{Error, Result};
 use crate::image::channels::{find_color, find_depth, find_named};
@@ -11,6 +10,8 @@ use crate::image::exr::FileHeader;
 use crate::image::sequence::split_number;
 use crate::image::{ChannelSelect, Pattern, ReadLimits, StreamKind, exr, png};
 
+/// Names of the parts or views of stereo files.
+pub const EYES: [&str; 2] = ["left", "right"];
 /// Folders below folders, at most.
 const MAX_FOLDERS: usize = 8;
 /// Files that are looked at, at most.
@@ -65,6 +66,11 @@ impl Found {
         let names = self.header.iter().flat_map(|header| &header.channels).map(|channel| channel.name.clone());
         let names: Vec<String> = names.take(12).collect();
         if names.is_empty() { "of a PNG file".into() } else { names.join(", ") }
+    }
+
+    /// What is read of them to look at: of two eyes the left one.
+    pub fn select(&self) -> ChannelSelect {
+        if self.has_eyes { ChannelSelect::Named(EYES[0].into()) } else { ChannelSelect::Auto }
     }
 
     /// The file of a frame.

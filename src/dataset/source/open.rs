@@ -117,7 +117,7 @@ impl Source {
         Ok(source)
     }
 
-    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`Sequence::find`]).
+    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`crate::image::Sequence::find`]).
     /// The size is that of the first image.
     pub fn from_sequence(
         kind: StreamKind,

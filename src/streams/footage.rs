@@ -1,0 +1,194 @@
+//! How the footage of a container was made: attributes that it has where something is not as usual (container.md 6.6).
+
+use crate::container::attributes::Attributes;
+use crate::container::{Fields, Index};
+use crate::error::{Error, Result};
+use crate::image::{Face, Primaries, StreamKind};
+
+/// Red, green, blue and white, x and y of each, as 32-bit floats.
+const CHROMATICITIES: &str = "color.chromaticities";
+/// A 64-bit number.
+const CLIPPED_PIXELS: &str = "color.clipped_pixels";
+/// Rows of [`MissingFrame`], ascending.
+const MISSING_FRAMES: &str = "frames.missing";
+/// In place of a frame: black light and background.
+const BLACK: u32 = u32::MAX;
+
+/// A frame whose file was missing. Its order is that of rows.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MissingFrame {
+    pub probe: String,
+    pub kind: StreamKind,
+    pub face: Face,
+    pub frame: u32,
+    /// The frame in its place; none for black light and background.
+    pub held: Option<u32>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct FootageInfo {
+    /// Of colour. Those of Rec. 709 have no attribute.
+    pub primaries: Primaries,
+    /// Colour pixels that did not fit 8 bits when they were encoded; `None` where there were none, or nothing is known.
+    pub clipped_pixels: Option<u64>,
+    pub missing_frames: Vec<MissingFrame>,
+}
+
+impl Default for FootageInfo {
+    fn default() -> Self {
+        FootageInfo { primaries: Primaries::REC709, clipped_pixels: None, missing_frames: Vec::new() }
+    }
+}
+
+impl FootageInfo {
+    /// # Errors
+    /// A value that its attribute cannot have.
+    pub fn read(index: &Index) -> Result<FootageInfo> {
+        FootageInfo::of(&index.attributes)
+    }
+
+    fn of(attributes: &Attributes) -> Result<FootageInfo> {
+        let mut read = FootageInfo::default();
+        if let Some(bytes) = attributes.get(CHROMATICITIES) {
+            let mut fields = Fields::new(bytes, 0, CHROMATICITIES);
+            let mut values = [0.0; 8];
+            for value in &mut values {
+                *value = f32::from_bits(fields.u32()?);
+            }
+            fields.finish()?;
+            read.primaries = Primaries::from_array(values).map_err(|error| error.context(CHROMATICITIES))?;
+        }
+        if let Some(bytes) = attributes.get(CLIPPED_PIXELS) {
+            let mut fields = Fields::new(bytes, 0, CLIPPED_PIXELS);
+            read.clipped_pixels = Some(fields.u64()?);
+            fields.finish()?;
+        }
+        if let Some(bytes) = attributes.get(MISSING_FRAMES) {
+            let mut fields = Fields::new(bytes, 0, MISSING_FRAMES);
+            while fields.remaining() > 0 {
+                let unknown = || Error::invalid(format!("{MISSING_FRAMES}: a stream of an unknown kind or face"));
+                let probe = fields.string("a probe's name")?;
+                let kind = fields.u8()?;
+                let kind = StreamKind::ALL.into_iter().find(|known| *known as u8 == kind).ok_or_else(unknown)?;
+                let face = Face::from_index(fields.u8()?).ok_or_else(unknown)?;
+                let (frame, held) = (fields.u32()?, fields.u32()?);
+                let held = Some(held).filter(|held| *held != BLACK);
+                read.missing_frames.push(MissingFrame { probe, kind, face, frame, held });
+            }
+        }
+        Ok(read)
+    }
+
+    /// Names and values of attributes; none of what is as usual.
+    pub fn to_values(&self) -> Vec<(&'static str, Vec<u8>)> {
+        let mut values = Vec::new();
+        if !self.primaries.is_rec709() {
+            values.push((CHROMATICITIES, self.primaries.to_array().into_iter().flat_map(f32::to_le_bytes).collect()));
+        }
+        if let Some(count) = self.clipped_pixels {
+            values.push((CLIPPED_PIXELS, count.to_le_bytes().to_vec()));
+        }
+        let mut rows: Vec<&MissingFrame> = self.missing_frames.iter().collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let mut bytes = Vec::new();
+        for MissingFrame { probe, kind, face, frame, held } in rows {
+            // Names of probes have at most 100 bytes.
+            bytes.extend((probe.len() as u16).to_le_bytes());
+            bytes.extend(probe.as_bytes());
+            bytes.extend([*kind as u8, *face as u8]);
+            bytes.extend(frame.to_le_bytes());
+            bytes.extend(held.unwrap_or(BLACK).to_le_bytes());
+        }
+        if !bytes.is_empty() {
+            values.push((MISSING_FRAMES, bytes));
+        }
+        values
+    }
+
+    /// Whether an attribute is one of these.
+    pub fn has(name: &str) -> bool {
+        [CHROMATICITIES, CLIPPED_PIXELS, MISSING_FRAMES].contains(&name)
+    }
+
+    /// That of two containers with different streams or frames that are joined. Primaries are those of `other` where only that has
+    /// colour.
+    ///
+    /// # Errors
+    /// Both have colour, of different primaries.
+    pub fn join(&mut self, other: FootageInfo, has_color: [bool; 2]) -> Result<()> {
+        match has_color {
+            [true, true] if !self.primaries.is_same(other.primaries) => {
+                let [earlier, own] = [self.primaries, other.primaries].map(Primaries::to_array);
+                return Err(Error::invalid(format!(
+                    "the chromaticities of its colour are {own:?}, those of an earlier input {earlier:?}: decode one with \
+                     `color_space`, and encode it anew"
+                )));
+            }
+            [false, true] => self.primaries = other.primaries,
+            _ => {}
+        }
+        let clipped = self.clipped_pixels.unwrap_or(0).saturating_add(other.clipped_pixels.unwrap_or(0));
+        self.clipped_pixels = Some(clipped).filter(|count| *count > 0);
+        self.missing_frames.extend(other.missing_frames);
+        Ok(())
+    }
+}
+
+#[cfg(feature = "encode")]
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(values: Vec<(&'static str, Vec<u8>)>) -> Result<FootageInfo> {
+        let mut attributes = Attributes::default();
+        values.into_iter().for_each(|(name, value)| attributes.set(name, value));
+        FootageInfo::of(&attributes)
+    }
+
+    fn missing(probe: &str, frame: u32, held: Option<u32>) -> MissingFrame {
+        MissingFrame { probe: probe.to_owned(), kind: StreamKind::Depth, face: Face::Nz, frame, held }
+    }
+
+    #[test]
+    fn what_is_not_as_usual_comes_back_and_the_usual_takes_no_bytes() {
+        assert!(FootageInfo::default().to_values().is_empty());
+        assert_eq!(read(Vec::new()).unwrap(), FootageInfo::default());
+        let all = FootageInfo {
+            primaries: Primaries::ACESCG,
+            clipped_pixels: Some(1 << 40),
+            missing_frames: vec![missing("00", 3, Some(2)), missing("00", 4, None), missing("left", 0, None)],
+        };
+        assert_eq!(read(all.to_values()).unwrap(), all);
+        let backwards =
+            FootageInfo { missing_frames: all.missing_frames.iter().rev().cloned().collect(), ..all.clone() };
+        assert_eq!(backwards.to_values(), all.to_values());
+    }
+
+    #[test]
+    fn parts_are_joined() {
+        let one =
+            FootageInfo { clipped_pixels: Some(2), missing_frames: vec![missing("b", 1, None)], ..Default::default() };
+        let other = FootageInfo { primaries: Primaries::REC2020, clipped_pixels: Some(3), ..FootageInfo::default() };
+        let mut joined = one.clone();
+        joined.join(other.clone(), [false, true]).unwrap();
+        assert_eq!((joined.primaries, joined.clipped_pixels), (Primaries::REC2020, Some(5)));
+        assert_eq!(joined.missing_frames, one.missing_frames);
+        assert!(joined.join(one.clone(), [true, true]).unwrap_err().to_string().contains("chromaticities"));
+        joined.join(one, [true, false]).unwrap();
+        assert_eq!(joined.primaries, Primaries::REC2020);
+    }
+
+    #[test]
+    fn values_that_are_none_are_refused() {
+        for (name, value) in [
+            (CHROMATICITIES, vec![0; 31]),
+            (CHROMATICITIES, vec![0; 32]),
+            (CLIPPED_PIXELS, vec![0; 9]),
+            (MISSING_FRAMES, vec![0; 11]),
+            (MISSING_FRAMES, vec![0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        ] {
+            assert!(read(vec![(name, value)]).is_err(), "{name}");
+        }
+    }
+}
