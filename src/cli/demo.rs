@@ -172,7 +172,8 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let chosen = Selection::default().choose(decoder)?;
     let progress = Progress::start(global, "decoding", chosen.iter().map(|part| part.frames.count()).sum())?;
     let request = decode::Request::all(&chosen);
-    let export = Export { source: &OnCpu::default(), decoder, request, coding: FileCoding::default(), progress: &progress };
+    let export =
+        Export { source: &OnCpu::default(), decoder, request, coding: FileCoding::default(), progress: &progress };
     export.write_into(path, |folder| Destination::Dataset(folder.to_path_buf())).map(drop)
 }
 

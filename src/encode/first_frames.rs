@@ -38,7 +38,8 @@ pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor
     })?;
     let most = found.iter().filter(|(.., clipped)| *clipped > 0).max_by_key(|(.., clipped)| *clipped);
     let Some(&(group, frame, ..)) = most.filter(|_| settings.clipping == Clipping::Refuse) else { return Ok(()) };
-    let [pixels, clipped] = found.iter().fold([0, 0], |[all, sum], (.., pixels, clipped)| [all + pixels, sum + clipped]);
+    let [pixels, clipped] =
+        found.iter().fold([0, 0], |[all, sum], (.., pixels, clipped)| [all + pixels, sum + clipped]);
     Err(Error::Usage(format!(
         "{clipped} of {pixels} colour pixels of the first frames ({:.2}%) do not fit 8 bits, most in {}: `hdr` keeps them as half \
          floats, `clip` accepts the loss, `exposure` darkens all",

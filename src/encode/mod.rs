@@ -37,7 +37,8 @@ pub use job::{
 pub use part::Part;
 pub use scan_file::{ScanFile, scan_probes};
 pub use settings::{
-    Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
+    Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings,
+    TileSize,
 };
 pub use shard::{Shard, ShardBy};
 pub use source::{FrameSource, GroupRef, selected_groups};

@@ -9,7 +9,9 @@ use crate::dataset::{ProbeInfo, Source, SourceOptions};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::decoded_images::{DecodedImages, probe_info};
-use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Primaries, Projection, StreamKind};
+use crate::image::{
+    ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Primaries, Projection, StreamKind,
+};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 use crate::streams::StreamInfo;

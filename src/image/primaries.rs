@@ -10,7 +10,8 @@ use crate::error::{Error, Result};
 use crate::image::ColorPlane;
 
 /// Cone responses of XYZ (Lam 1985).
-const BRADFORD: DMat3 = DMat3::from_cols_array(&[0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296]);
+const BRADFORD: DMat3 =
+    DMat3::from_cols_array(&[0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296]);
 /// Chromaticities that differ by no more are those of the same primaries: files round them differently.
 const SAME: f32 = 1e-5;
 
@@ -153,13 +154,7 @@ mod tests {
 
     #[test]
     fn gray_stays_gray_and_ways_back_return() {
-        let all = [
-            Primaries::REC709,
-            Primaries::ACESCG,
-            Primaries::ACES2065_1,
-            Primaries::REC2020,
-            Primaries::P3_D65,
-        ];
+        let all = [Primaries::REC709, Primaries::ACESCG, Primaries::ACES2065_1, Primaries::REC2020, Primaries::P3_D65];
         for (from, to) in all.iter().flat_map(|from| all.iter().map(move |to| (*from, *to))) {
             let Some(there) = from.conversion_to(to) else {
                 assert_eq!(from, to);

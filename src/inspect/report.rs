@@ -18,9 +18,7 @@ use crate::image::{DepthKind, StreamKind, Transfer};
 use crate::inspect::chunk_counts::{PredictedShare, TransformCount};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
-use crate::streams::{
-    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame,
-};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame};
 
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {

@@ -15,8 +15,8 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
 use crate::streams;
-use crate::streams::{CodecHeader, FootageInfo, StreamKind};
 use crate::streams::shard::SHARD;
+use crate::streams::{CodecHeader, FootageInfo, StreamKind};
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;

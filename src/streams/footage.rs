@@ -1,7 +1,6 @@
 //! How the footage of a container was made: attributes that it has where something is not as usual (container.md 6.6).
 
-use crate::container::attributes::Attributes;
-use crate::container::{Fields, Index};
+use crate::container::{Attributes, Fields, Index};
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries, StreamKind};
 
@@ -160,13 +159,15 @@ mod tests {
             missing_frames: vec![missing("00", 3, Some(2)), missing("00", 4, None), missing("left", 0, None)],
         };
         assert_eq!(read(all.to_values()).unwrap(), all);
-        let backwards = FootageInfo { missing_frames: all.missing_frames.iter().rev().cloned().collect(), ..all.clone() };
+        let backwards =
+            FootageInfo { missing_frames: all.missing_frames.iter().rev().cloned().collect(), ..all.clone() };
         assert_eq!(backwards.to_values(), all.to_values());
     }
 
     #[test]
     fn parts_are_joined() {
-        let one = FootageInfo { clipped_pixels: Some(2), missing_frames: vec![missing("b", 1, None)], ..Default::default() };
+        let one =
+            FootageInfo { clipped_pixels: Some(2), missing_frames: vec![missing("b", 1, None)], ..Default::default() };
         let other = FootageInfo { primaries: Primaries::REC2020, clipped_pixels: Some(3), ..FootageInfo::default() };
         let mut joined = one.clone();
         joined.join(other.clone(), [false, true]).unwrap();

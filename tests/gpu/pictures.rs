@@ -124,7 +124,9 @@ pub fn footage() -> Result<(), Failed> {
         let container = folder.path().join("film.lfold").display().to_string();
         for set in ["sponza9", "glass"] {
             let manifest = Path::new(data).join(set).join("lightfield.json").display().to_string();
-            lightfold(&["encode", &manifest, "--clip", "--effort", "fast", "--frames", "0-1", "--quiet", "-o", &container])?;
+            lightfold(&[
+                "encode", &manifest, "--clip", "--effort", "fast", "--frames", "0-1", "--quiet", "-o", &container,
+            ])?;
             compare(gpu, &container, 2, None)?;
         }
         Ok(())

@@ -193,7 +193,8 @@ fn results_go_to_standard_output_and_words_to_standard_error() {
     // --quiet keeps warnings about clipped pixels.
     let is_clipping = |line: &str| line.contains("were clipped to 8 bits");
     assert!(quiet.stdout.is_empty() && stderr(&quiet).lines().all(is_clipping), "{quiet:?}");
-    let json = output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["--quiet", "--json", "-o"]).arg(&file));
+    let json =
+        output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["--quiet", "--json", "-o"]).arg(&file));
     let report: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(report["bytes"], fs::metadata(&file).unwrap().len());
     for key in ["seconds", "bytes", "raw_bytes", "frames"] {
@@ -222,7 +223,8 @@ fn a_full_disk_is_named() {
     let folder = TempDir::new().unwrap();
     let container = folder.path().join("a.lfold");
     succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("-o").arg(&container)));
-    for arguments in [vec!["encode", "--clip", dataset().to_str().unwrap()], vec!["pack", container.to_str().unwrap()]] {
+    for arguments in [vec!["encode", "--clip", dataset().to_str().unwrap()], vec!["pack", container.to_str().unwrap()]]
+    {
         let full = output(lightfold().args(&arguments).args(["-o", "/dev/full"]));
         assert_eq!(full.status.code(), Some(2), "{arguments:?}");
         assert!(stderr(&full).contains("/dev/full") && stderr(&full).contains("No space left"), "{}", stderr(&full));

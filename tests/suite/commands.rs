@@ -102,7 +102,8 @@ fn clipped_light_and_missing_manifests_are_said_also_to_the_quiet() {
     let over = said(&fine("decode a.lfold --stream depth --format png -o out -q", at));
     assert!(over.contains("the older one stays"), "{over}");
     assert_eq!(said(&fine("decode a.lfold -o exact -q", at)), "");
-    let report: serde_json::Value = serde_json::from_slice(&fine("encode . -o b.lfold --json --clip", at).stdout).unwrap();
+    let report: serde_json::Value =
+        serde_json::from_slice(&fine("encode . -o b.lfold --json --clip", at).stdout).unwrap();
     assert_eq!((&report["images"], &report["frames"]), (&8.into(), &8.into()));
 }
 

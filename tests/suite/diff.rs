@@ -90,7 +90,11 @@ impl Bench {
         let destination = decode::Destination::Dataset(self.path(folder));
         let format = decode::FileFormat::Exr;
         let request = decode::Request::all(&chosen);
-        {let coding = decode::FileCoding { format, space: None }; decode::decode_to_files(&decode::OnCpu::default(), &decoder, request, &destination, coding, &Silent)}.unwrap();
+        {
+            let coding = decode::FileCoding { format, space: None };
+            decode::decode_to_files(&decode::OnCpu::default(), &decoder, request, &destination, coding, &Silent)
+        }
+        .unwrap();
     }
 
     /// Exit code, standard output and standard error.

@@ -33,7 +33,9 @@ impl Place {
     fn encode(&self, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
         command.current_dir(self.folder.path()).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command.args(["encode", "scene", "--clip", "-o", "out/a.lfold", "--keyframe-interval", "2", "--threads", "1"]).args(more);
+        command
+            .args(["encode", "scene", "--clip", "-o", "out/a.lfold", "--keyframe-interval", "2", "--threads", "1"])
+            .args(more);
         command
     }
 
@@ -318,7 +320,8 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
     assert_eq!(pipe.status.code(), Some(2));
     assert_eq!(said(&pipe), "lightfold: --resume needs a file: an encode to standard output cannot be resumed\n");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
-    let null = command.current_dir(place.folder.path()).args(["encode", "scene", "--clip", "--resume", "-o", "/dev/null"]);
+    let null =
+        command.current_dir(place.folder.path()).args(["encode", "scene", "--clip", "--resume", "-o", "/dev/null"]);
     let null = null.output().unwrap();
     assert!(null.status.success() && said(&null).contains("nothing to resume"), "{}", said(&null));
     // What lies in the way is not written through.

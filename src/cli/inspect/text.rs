@@ -85,7 +85,8 @@ fn footage(report: &Report<'_>) -> String {
         };
     }
     if let Some(count) = footage.clipped_pixels {
-        let _ = writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
+        let _ =
+            writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
     }
     // One line for each stream and what stands in place of its frames.
     let same = |one: &MissingFrame, next: &MissingFrame| {

@@ -8,9 +8,9 @@ use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
 use crate::error::Result;
+use crate::image::ColorSpace;
 use crate::image::StreamKind;
 use crate::image::cube::Face;
-use crate::image::ColorSpace;
 
 const REC709: (&str, ColorSpace, &str) = ("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709");
 const ACESCG: (&str, ColorSpace, &str) = ("acescg", ColorSpace::AcesCg, "Scene-linear AP1");

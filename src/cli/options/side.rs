@@ -11,8 +11,8 @@ use crate::dataset::source::{Arrangement, SourceOptions};
 use crate::dataset::{InvalidColor, InvalidDepth};
 use crate::decode::Selection;
 use crate::error::Result;
-use crate::image::cube::Face;
 use crate::image::ColorSpace;
+use crate::image::cube::Face;
 
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {

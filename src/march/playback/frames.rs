@@ -10,6 +10,7 @@ use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::{BackgroundFill, HoleFill};
+use crate::image::Primaries;
 use crate::march::aov::{AovKind, aovs};
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
@@ -19,7 +20,6 @@ use crate::march::{
     Acceleration, ActiveViews, Counters, Pyramids, Refinements, RenderSettings, Rendered, SpecularMode, Steps,
 };
 use crate::math::Camera;
-use crate::image::Primaries;
 use crate::memory::Budget;
 use crate::monitor::Monitor;
 use crate::views::player::{Player, ShowCounts, UnitRequest};
