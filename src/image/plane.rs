@@ -12,8 +12,8 @@ pub struct Plane<T> {
     data: Vec<T>,
 }
 
-/// Linear scene-referred colour, of Rec. 709 unless its owner says otherwise, `[r, g, b]` per pixel. Half floats, since renderers write them, and their 65,536
-/// values make every transfer function and metric a table.
+/// Linear scene-referred colour, of Rec. 709 unless its owner says otherwise, `[r, g, b]` per pixel. Half floats, since renderers
+/// write them, and their 65,536 values make every transfer function and metric a table.
 pub type ColorPlane = Plane<[f16; 3]>;
 /// Depth in metres, `f32::INFINITY` for the background.
 pub type DepthPlane = Plane<f32>;

@@ -1,7 +1,6 @@
 //! How the footage of a container was made: attributes that it has where something is not as usual (container.md 6.6).
 
-use crate::container::attributes::Attributes;
-use crate::container::{Fields, Index};
+use crate::container::{Attributes, Fields, Index};
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries, StreamKind};
 
