@@ -114,7 +114,8 @@ impl Camera {
     /// the right and down.
     pub fn with_window(eye: DVec3, axes: [DVec3; 3], half: [f64; 2], middle: [f64; 2]) -> Result<Camera> {
         let lens = Lens { aspect: half[0] / half[1], ..Lens::new(2.0 * half[1].atan().to_degrees()) };
-        Camera::with_axes(eye, axes, lens)?.off_axis(middle)
+        // Without the rounding of the angle.
+        Camera { half, ..Camera::with_axes(eye, axes, lens)? }.off_axis(middle)
     }
 
     /// fx, fy, cx, cy in pixels of an image of this width and height.
