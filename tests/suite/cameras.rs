@@ -42,7 +42,7 @@ fn files_of_other_programs_are_read_as_they_mean_them() {
 }
 
 const PATH: &str = r#"{"cameras": [
-    {"eye": [0, 1.5, 0.4], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 60, "aspect": 1.5, "frame": 0},
+    {"eye": [0.05, 1.5, 0.4], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 60, "aspect": 1.5, "frame": 0},
     {"eye": [0.2, 1.4, 0.1], "look_at": [-2, 1.3, 0.3], "fov_y_deg": 60, "aspect": 1.5, "frame": 2}]}"#;
 
 #[test]

@@ -83,13 +83,13 @@ fn two_eyes_are_over_or_beside_each_other_or_in_files_of_their_own() {
         );
         distances(at, name).get(0, 0)
     };
-    let level = "--eye 0,1.5,0 --look-at 1,1.5,0 --projection equirect --size 33x33 --eye-distance 0.2";
+    let level = "--eye 0,1.5,0 --look-at -1,1.5,0 --projection equirect --size 33x33 --eye-distance 0.2";
     fine(&format!("render a.lfold {level} --stereo side-by-side --steps 256 --aov depth -o level.%V.exr"), at);
     let near = |a: f32, b: f32| (a / b).ln().abs() < 0.03;
-    // Looking along +X the left eye is at −Z, and the middle of 33 columns and rows is straight ahead.
+    // Looking along −X the left eye is at +Z, and the middle of 33 columns and rows is straight ahead.
     let [left_level, right_level] = ["level.left.exr", "level.right.exr"].map(|name| distances(at, name).get(16, 16));
-    assert!(near(left_level, ahead("9,1.5,-0.1", "0,1.5,-0.1", "l.exr")), "{left_level}");
-    assert!(near(right_level, ahead("9,1.5,0.1", "0,1.5,0.1", "r.exr")), "{right_level}");
+    assert!(near(left_level, ahead("-9,1.5,0.1", "0,1.5,0.1", "l.exr")), "{left_level}");
+    assert!(near(right_level, ahead("-9,1.5,-0.1", "0,1.5,-0.1", "r.exr")), "{right_level}");
     assert_eq!((left.width(), right.width()), (64, 64));
 }
 

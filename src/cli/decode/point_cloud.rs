@@ -41,7 +41,8 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
         ("--device", args.gpu.index.is_on_device(args.device)),
         ("--stream", !args.selection.stream.is_empty()),
         ("--stream-format", args.stream.stream_format.is_some()),
-        ("--camera and --eye", !args.cameras.camera.is_empty() || args.cameras.eye.is_some()),
+        ("--camera", !args.cameras.camera.is_empty()),
+        ("--eye", args.cameras.eye.is_some()),
     ];
     if let Some((option, _)) = others.iter().find(|(_, is_given)| *is_given) {
         return refuse(format!("{}: {option} has no meaning for a point cloud: leave it out", output.display()));
