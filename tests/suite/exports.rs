@@ -71,7 +71,7 @@ fn pictures_of_one_stream_go_to_standard_output() {
             let (y, cb, cr) = ((y - 16.0) / 219.0, (cb - 128.0) / 224.0, (cr - 128.0) / 224.0);
             let (r, b) = (y + 1.5748 * cr, y + 1.8556 * cb);
             let g = (y - 0.2126 * r - 0.0722 * b) / 0.7152;
-            let apart = [r, g, b].iter().zip(rgb).map(|(is, &was)| (255.0 * is - f64::from(was)).abs());
+            let apart = [r, g, b].into_iter().zip(rgb).map(|(is, &was)| (255.0 * is - f64::from(was)).abs());
             assert!(apart.fold(0.0, f64::max) < 2.5, "{rgb:?} is {y} {cb} {cr}");
         }
         frames = rest;
