@@ -78,8 +78,8 @@ mod tests {
         let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: 8, probes: 2 };
         plan.write(folder.path(), &Silent).unwrap();
         let mut reference = Reference::open(folder.path()).unwrap();
-        // Face px of the second probe.
-        let image = reference.images.iter().rposition(|image| image.face == crate::image::Face::Px).unwrap();
+        // Face nx of the second probe.
+        let image = reference.images.iter().rposition(|image| image.face == crate::image::Face::Nx).unwrap();
         let distance_m = reference.distance_m(image, 0).unwrap().unwrap();
         let mut bytes = Vec::new();
         let count = write_ply(&mut reference, &[image], 0, &mut bytes, &Silent).unwrap();

@@ -1,5 +1,7 @@
 //! `decode -o NAME.ply`: frames as point clouds.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
 
@@ -11,10 +13,10 @@ use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::decode::Decoder;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::evaluate::point_cloud::{POINT_BYTES, write_ply};
 use crate::evaluate::reference::Reference;
-use crate::files::OutputFile;
+use crate::files::{OutputFolder, parent_of};
 use crate::image::FrameRange;
 use crate::image::sequence::Pattern;
 use crate::memory::Need;
@@ -39,7 +41,8 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
         ("--device", args.gpu.index.is_on_device(args.device)),
         ("--stream", !args.selection.stream.is_empty()),
         ("--stream-format", args.stream.stream_format.is_some()),
-        ("--camera and --eye", !args.cameras.camera.is_empty() || args.cameras.eye.is_some()),
+        ("--camera", !args.cameras.camera.is_empty()),
+        ("--eye", args.cameras.eye.is_some()),
     ];
     if let Some((option, _)) = others.iter().find(|(_, is_given)| *is_given) {
         return refuse(format!("{}: {option} has no meaning for a point cloud: leave it out", output.display()));
@@ -81,15 +84,22 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
     let steps = frames.iter().map(|frame| in_frame(&reference, frame).len() as u64).sum();
     let progress = Progress::start(global, "decoding", steps)?;
     let mut report = Report { frames: frames.count(), points: 0, bytes_out: 0, seconds: 0.0 };
+    // All appear at once.
+    let folder = OutputFolder::create(parent_of(output))?;
     for frame in frames.iter() {
-        let path = output.with_file_name(pattern.path(frame));
-        let mut file = OutputFile::create(&path)?;
+        let path = folder.work_path().join(pattern.path(frame));
         let images = in_frame(&reference, frame);
-        report.points += write_ply(&mut reference, &images, frame, &mut file, &progress)
-            .map_err(|error| output::name_output(error, &path).in_file(input))?;
-        file.commit()?;
+        let mut write = || -> Result<u64> {
+            let mut file = BufWriter::new(File::create(&path).map_err(|error| Error::io(&path, error))?);
+            let points = write_ply(&mut reference, &images, frame, &mut file, &progress)?;
+            file.flush().map_err(|error| Error::io(&path, error))?;
+            Ok(points)
+        };
+        let written = write().map_err(|error| output::name_output(error, &path).in_file(input));
+        report.points += written.map_err(|error| folder.present(error))?;
         report.bytes_out += std::fs::metadata(&path).map_or(0, |about| about.len());
     }
+    folder.commit()?;
     drop(progress);
     report.seconds = start.elapsed().as_secs_f64();
     if args.json {

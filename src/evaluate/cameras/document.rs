@@ -86,7 +86,9 @@ pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
 
 /// The matrix of [`axes_of`].
 pub fn matrix_of(eye: DVec3, [forward, right, down]: [DVec3; 3]) -> DMat4 {
-    DMat4::from_cols(right.extend(0.0), (-down).extend(0.0), (-forward).extend(0.0), eye.extend(1.0))
+    // Zeros have no sign.
+    let column = |axis: DVec3, last: f64| (axis + DVec3::ZERO).extend(last);
+    DMat4::from_cols(column(right, 0.0), column(-down, 0.0), column(-forward, 0.0), column(eye, 1.0))
 }
 
 /// Refuses a file of too many poses: cameras that move have one in each frame.

@@ -80,6 +80,12 @@ pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
             Some(folder) => (folder.join(colmap::IMAGES), true),
             None => (path.to_path_buf(), false),
         };
+        if folder && !path.is_file() {
+            return Err(Error::invalid(
+                "a folder of cameras is a model of COLMAP in text, with images.txt and cameras.txt, and one is missing; convert a binary \
+                 one with colmap model_converter",
+            ));
+        }
         let bytes = bytes(&path)?;
         let content = Content { path: &path, bytes: &bytes, fps };
         let cameras = if folder { colmap::read(&content) } else { parse(&content) };

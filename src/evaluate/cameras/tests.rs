@@ -199,7 +199,7 @@ fn usd_files_that_are_not_clear_are_refused() {
         (place("double3 xformOp:translate = (1, 2)"), "three numbers"),
         (place("double3 xformOp:translate.timeSamples = { -3: (1, 2, 3), 5: (2, 2, 2) }"), "from 0 on"),
         (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1e9: (2, 2, 2) }"), "more than 100000 frames"),
-        (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1: \"x\" }"), "three numbers"),
+        (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1: \"x\" }"), "a number was expected"),
         (said("PXR-USDC binary", None), "usdcat"),
         (said("#usda 1.0\ndef Xform \"a\" {}", None), "no cameras"),
     ] {

@@ -1,7 +1,8 @@
 //! Cameras of USD in text, `.usda` (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of the type `Camera`, still or with time samples.
 //! They look along −Z with +Y up; apertures and focal length have one unit.
 //!
-//! A time code is a frame. Between samples values are interpolated linearly, as USD does. Metres per unit and the up axis of the file
+//! A time code is a frame. Between samples values are interpolated linearly, as USD does; but rotations, also in matrices, by slerp, as
+//! a matrix between two would shear. Metres per unit and the up axis of the file
 //! are taken into account.
 
 use std::fmt::Write as _;
@@ -182,19 +183,34 @@ fn value_at(prim: &Prim, name: &str, time: f64) -> Option<Value> {
     match (behind.checked_sub(1).map(|at| &samples[at]), samples.get(behind)) {
         (Some((from_time, from)), Some((to_time, to))) => {
             let part = (time - from_time) / (to_time - from_time);
-            Some(if part == 0.0 { from.clone() } else { mix(from, to, part, name.starts_with("xformOp:orient")) })
+            Some(if part == 0.0 {
+                from.clone()
+            } else {
+                mix(from, to, part, name.split(':').nth(1).unwrap_or_default())
+            })
         }
         (Some((_, value)), None) | (None, Some((_, value))) => Some(value.clone()),
         (None, None) => None,
     }
 }
 
-fn mix(from: &Value, to: &Value, part: f64, is_turn: bool) -> Value {
+/// A value between two of an attribute, or of a kind of operation.
+fn mix(from: &Value, to: &Value, part: f64, kind: &str) -> Value {
     let lists = (numbers(from), numbers(to));
     match (from, to) {
         (Value::Number(from), Value::Number(to)) => Value::Number(from + (to - from) * part),
         (Value::List(_), Value::List(_)) => match lists {
-            (Ok(from), Ok(to)) if is_turn && from.len() == 4 && to.len() == 4 => {
+            (Ok(from), Ok(to)) if kind == "transform" && from.len() == 16 && to.len() == 16 => {
+                let parts = |rows: &[f64]| DMat4::from_cols_slice(rows).to_scale_rotation_translation();
+                let ((from_scale, from_turn, from_place), (to_scale, to_turn, to_place)) = (parts(&from), parts(&to));
+                let matrix = DMat4::from_scale_rotation_translation(
+                    from_scale.lerp(to_scale, part),
+                    from_turn.slerp(to_turn, part),
+                    from_place.lerp(to_place, part),
+                );
+                Value::List(matrix.to_cols_array().map(Value::Number).to_vec())
+            }
+            (Ok(from), Ok(to)) if kind == "orient" && from.len() == 4 && to.len() == 4 => {
                 let of = |q: &[f64]| DQuat::from_xyzw(q[1], q[2], q[3], q[0]).normalize();
                 let turn = of(&from).slerp(of(&to), part);
                 Value::List([turn.w, turn.x, turn.y, turn.z].map(Value::Number).to_vec())
