@@ -26,7 +26,8 @@ use crate::report::coding_map::counted;
     compares half floats. Errors in metres are computed \
     from the files, not from codes. Background against a surface, and a depth outside the range, count as 65535 codes.\n\n\
     Exit codes: 0 all bounds hold; 1 a bound is exceeded, bits differ (--exact), or streams or frames are missing although \
-    a bound or --exact was given; 2 bad input."
+    a bound or --exact was given; 2 bad input; 75 a file is not there yet, or may \
+    be read later."
 )]
 pub struct Args {
     /// First side and reference; - for a container on standard input

@@ -1,10 +1,11 @@
 //! How far a decoded image is from its source (GDC figure 1c): the error of each pixel, and for colour the PSNR of each cell.
 
 use super::keyframes::{CellMark, draw_cells};
-use super::subject::{Subject, counted, percent};
+use super::subject::{Subject, percent};
 use crate::color::quality::PU_STEPS;
 use crate::compare::{CellPsnr, Coding, ErrorMap, LargestError};
 use crate::error::Result;
+use crate::error::counted;
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
 use crate::report::picture::raster::{HALF_SIDE, MAX_SIDE, Scale, hatch, render};

@@ -1,9 +1,10 @@
 //! Cells of colour: what a frame shows of them, and how many keyframes or bytes each has over all frames.
 
 use super::frames::{Shades, key, sentence, tinted};
-use super::subject::{Subject, What, counted};
+use super::subject::{Subject, What};
 use crate::decode::Picture;
 use crate::error::Result;
+use crate::error::counted;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 use crate::inspect::{CellCoding, CodingMap, Survey};
