@@ -14,8 +14,7 @@ use crate::dataset::source::{Source, SourceOptions};
 use crate::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
 use crate::encode::tile_quality::{self, TileQualityReport};
 use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
-use crate::error::Result;
-use crate::error::counted;
+use crate::error::{Result, counted};
 use crate::image::StreamKind;
 use crate::report::Table;
 

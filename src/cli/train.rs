@@ -12,8 +12,7 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::decode::Decoder;
 use crate::entropy::tables::MOST_OWN;
-use crate::error::Result;
-use crate::error::counted;
+use crate::error::{Result, counted};
 use crate::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
 
 pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \

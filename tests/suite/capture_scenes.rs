@@ -197,9 +197,9 @@ fn a_scene_is_told_by_inspect() {
     assert_eq!(nod["name"], "nod?[0m");
     let counts =
         |told: &Value| ["triangles", "objects", "materials", "textures", "suns", "lamps"].map(|key| told[key].clone());
-    assert_eq!(counts(&moved), [1, 0, 1, 0, 1, 0]);
+    assert_eq!((counts(&moved), &moved["is_lit_by_default"]), ([1, 0, 1, 0, 0, 0].map(Value::from), &true.into()));
     let painted = told("b.gltf");
-    assert_eq!((counts(&painted), &painted["animations"]), ([1, 0, 1, 1, 1, 0].map(Value::from), &json!([])));
+    assert_eq!((counts(&painted), &painted["animations"]), ([1, 0, 1, 1, 0, 0].map(Value::from), &json!([])));
     let courtyard = told("courtyard");
     assert!(
         courtyard["objects"].as_u64().unwrap() > 5 && courtyard["animations"][0]["duration_s"] == 4.0,
@@ -207,6 +207,7 @@ fn a_scene_is_told_by_inspect() {
     );
     let text = String::from_utf8(fine("inspect a.glb", folder.path()).stdout).unwrap();
     assert!(text.contains("0.000, 0.000, 0.000 to 1.000, 1.000, 0.000, 1.000 x 1.000 x 0.000 m"), "{text}");
+    assert!(text.contains("No lights: capture adds a sun and a sky"), "{text}");
     assert!(text.lines().any(|line| line.starts_with("left ") && line.ends_with(" 1.000")), "{text}");
     assert!(refused("inspect a.glb --verify", folder.path()).contains("as a table"));
     // Of a dataset it says which option to add.

@@ -11,8 +11,7 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use crate::dataset::{Source, manifest};
-use crate::error::Result;
-use crate::error::counted;
+use crate::error::{Result, counted};
 use crate::report::Table;
 
 /// Lines of text are no longer.
@@ -67,7 +66,7 @@ fn text(name: &str, report: &Report) -> String {
         "{name}: {} of {}, {}\n\n",
         report.probes,
         counted(report.all_probes as u64, "probe"),
-        counted(report.images as u64, "image")
+        counted(report.images, "image")
     );
     let mut table = Table::new("Check|Verdict|Why").wrapped(COLUMNS);
     for finding in &report.findings {

@@ -11,8 +11,7 @@ use crate::epipolar::counters::Counters;
 use crate::epipolar::pipeline::{SourceReport, Summary};
 use crate::epipolar::stages::Stages;
 use crate::epipolar::views::OutputViews;
-use crate::error::Result;
-use crate::error::counted;
+use crate::error::{Result, counted};
 use crate::json::{self, Number};
 use crate::report::interpolation::{Quality, QualityReport};
 

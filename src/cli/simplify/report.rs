@@ -7,8 +7,7 @@ use serde::Serialize;
 
 use super::args::Args;
 use crate::cli::output::{self, human_bytes};
-use crate::error::Result;
-use crate::error::counted;
+use crate::error::{Result, counted};
 use crate::json::{self, Number};
 use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
@@ -147,10 +146,10 @@ impl EvaluationReport {
             self.overdraw_mean,
             self.peak_overdraw_measured,
             similarity(self.psnr_db, self.ssim),
-            self.crack_pixels,
+            counted(self.crack_pixels, "crack"),
             self.translucent_pixels - self.crack_pixels,
             self.pixels,
-            self.random_poses.crack_pixels,
+            counted(self.random_poses.crack_pixels, "crack"),
             self.random_poses.pixels,
         )
     }
@@ -230,7 +229,7 @@ impl Report {
             format!(
                 "held out: {}, {}\n",
                 similarity(held_out.psnr_db, held_out.ssim),
-                counted(held_out.images as u64, "image")
+                counted(held_out.images, "image")
             )
         });
         format!(

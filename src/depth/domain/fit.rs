@@ -23,9 +23,8 @@ impl Domain {
         let span = u64::from(base.abs_diff(end));
         if span <= u64::from(FAR_CODE) {
             return Err(Error::invalid(format!(
-                "{kind:?} depth from {} m to {} m: far = 1.003 near or more was expected; use the log domain",
-                range.near_m(),
-                range.far_m()
+                "{} depth from {range}: far = 1.003 near or more was expected; use `depth_domain` log",
+                kind.name()
             )));
         }
         let scale = ((u64::from(FAR_CODE) << 32) + span / 2) / span;

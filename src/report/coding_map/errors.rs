@@ -2,10 +2,10 @@
 
 use super::keyframes::{CellMark, draw_cells};
 use super::subject::{Subject, percent};
-use crate::error::counted;
 use crate::color::quality::PU_STEPS;
 use crate::compare::{CellPsnr, Coding, ErrorMap, LargestError};
 use crate::error::Result;
+use crate::error::counted;
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
 use crate::report::picture::raster::{HALF_SIDE, MAX_SIDE, Scale, hatch, render};

@@ -1,12 +1,12 @@
 //! What a frame of depth or material writes: its image in grey, and over it the nodes, boxes or blocks (GDC figure 1b).
 
 use super::subject::{Subject, What, percent};
-use crate::error::counted;
 use super::tints;
 use crate::decode::Picture;
 use crate::depth::nodes::Function;
 use crate::depth::predictive::modes::BlockCoding;
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
+use crate::error::counted;
 use crate::image::StreamKind;
 use crate::image::plane::Plane;
 use crate::inspect::{CodingMap, Writing};

@@ -2,9 +2,9 @@
 
 use super::frames::{Shades, key, sentence, tinted};
 use super::subject::{Subject, What};
-use crate::error::counted;
 use crate::decode::Picture;
 use crate::error::Result;
+use crate::error::counted;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 use crate::inspect::{CellCoding, CodingMap, Survey};
