@@ -11,6 +11,9 @@ use crate::house::{blocks, files_below, read, root, subcommands};
 /// The documents at the top level.
 pub const DOCUMENTS: [&str; 5] = ["README.md", "ARCHITECTURE.md", "BENCHMARKS.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 
+/// Those of folders.
+const MORE_DOCUMENTS: [&str; 2] = ["shaders/README.md", "python/README.md"];
+
 #[test]
 fn short_documents_stay_short() {
     for (document, most) in [("README.md", 1500), ("ARCHITECTURE.md", 2500)] {
@@ -61,7 +64,7 @@ fn anchor(heading: &str) -> String {
 
 #[test]
 fn links_lead_somewhere() {
-    let documents = DOCUMENTS.iter().map(PathBuf::from).chain([PathBuf::from("shaders/README.md")]);
+    let documents = DOCUMENTS.iter().map(PathBuf::from).chain(MORE_DOCUMENTS.map(PathBuf::from));
     for document in documents.chain(files_below("formats")) {
         let text = read(&document);
         for link in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
@@ -83,7 +86,7 @@ fn links_lead_somewhere() {
 fn no_document_names_a_folder_outside_the_repository() {
     let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).collect();
     documents.extend(files_below("formats").into_iter().chain(files_below("man")));
-    documents.push("shaders/README.md".into());
+    documents.extend(MORE_DOCUMENTS.map(PathBuf::from));
     let beside = ["..", "shared"].join("/");
     for document in documents {
         assert!(!read(&document).contains(&beside), "{} names {beside}", document.display());

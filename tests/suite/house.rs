@@ -273,6 +273,7 @@ fn no_source_file_is_too_long() {
     let mut files = sources();
     files.extend(files_below("tests/suite"));
     files.extend(files_below("tests/gpu"));
+    files.extend(files_below("python/src"));
     for path in files {
         let lines = read(&path).lines().count();
         assert!(lines <= MAX_LINES, "{} has {lines} lines; it wants splitting", path.display());
@@ -302,10 +303,10 @@ fn product_code_does_not_panic_on_purpose() {
 #[test]
 fn nothing_names_a_path_of_one_machine() {
     let mut files = Vec::new();
-    for folder in ["src", "tests", "formats", "man", "scripts", ".ci", "shaders"] {
+    for folder in ["src", "tests", "formats", "man", "python", "scripts", ".ci", "shaders"] {
         files.extend(files_below(folder));
     }
-    files.extend(["Cargo.toml"].iter().chain(&DOCUMENTS).map(PathBuf::from));
+    files.extend(["Cargo.toml", "pyproject.toml"].iter().chain(&DOCUMENTS).map(PathBuf::from));
     // Put together here, so that this file does not hold them.
     let forbidden = ["work", "root", "home", "Users"].map(|folder| format!("/{folder}/"));
     for path in files {
