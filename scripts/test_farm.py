@@ -18,8 +18,9 @@ import unittest
 
 FARM = pathlib.Path(__file__).resolve().parent / "farm"
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", FARM.parent.parent / "target"))
-# Writes down its arguments, and does as FAIL says: `2 75` ends the second try with exit code 75.
+# Writes down its arguments, and does as FAIL says: `2 75` ends the first two tries with exit code 75. Its help lists what scan takes.
 RECORDER = """#!/usr/bin/env bash
+[ "$*" != "scan --help" ] || { printf '      --near <M>\\n  -q, --quiet\\n          as --psnr\\n      --depth-codec <CODEC>\\n'; exit; }
 printf '%s\\n' "$*" >>"$CALLS"
 [ "$(wc -l <"$CALLS")" -gt "${FAIL% *}" ] || exit "${FAIL#* }"
 """
@@ -98,6 +99,12 @@ class OneTask(Folder):
         self.assertTrue(done.stdout.endswith(
             "<--psnr><45><--depth-channel><a depth><--stream=depth><--progress><openjd><--threads><2>"), done.stdout)
 
+    def test_scans_get_the_options_that_scan_has(self):
+        _, calls = self.task("scan", "room", "film.lfold", "1/1", "--near=2", "--psnr", "45", "--depth-codec", "aabb", "--lzma2",
+                             LIGHTFOLD_OPTIONS="--quiet --stream color")
+        self.assertEqual(calls, ["scan room --shard 1/1 -o film.lfold.parts/scan-1-of-1.json --near=2 --depth-codec aabb "
+                                 "--quiet --progress none"])
+
     def test_what_is_refused(self):
         for words in [[], ["encode"], ["encode", "room", "", "0/3"], ["encode", "room", "", "4/3"], ["encode", "room", "", "3"],
                       ["merge", "room", "", "1/3"], ["scanner", "room", "", "1/3"], ["merge", "room", "", "many"]]:
@@ -131,24 +138,24 @@ class Template(Folder):
         if not openjd():
             self.skipTest("openjd is missing: pip install -r scripts/farm/requirements.txt")
 
-    def capture(self):
+    def capture(self, *options):
         binary = lightfold()
         if not binary:
             self.skipTest("lightfold is not built")
         positions = ["--position=-0.3,1.5,0", "--position=0.3,1.5,0"]
         for command in [["capture", "interior", *positions, "--size", "32", "--frames", "0-3", "-o", "room"],
-                        ["encode", "room", "-o", "one.lfold"]]:
+                        ["encode", "room", "-o", "one.lfold", *options]]:
             done = self.run_in(binary, *command, "--quiet")
             self.assertEqual(done.returncode, 0, done.stderr)
         return binary
 
-    def openjd_run(self, *parameters, failing=None):
-        """Runs the template; `failing` is a case of a shell that stands before the program."""
-        binary = self.capture()
+    def openjd_run(self, *parameters, options=(), failing=None):
+        """Runs the template and one encode; `failing` is a case of a shell that stands before the program of the template."""
+        binary = self.capture(*options)
         if failing:
             binary = program(self.work / "failing", f"#!/usr/bin/env bash\necho \"$*\" >>{self.work}/calls\ncase \"$*\" in\n"
                              f"{failing}\nesac\nexec {binary} \"$@\"\n")
-        words = [word for parameter in parameters for word in ("-p", parameter)]
+        words = [word for parameter in (*parameters, f"Options={' '.join(options)}") for word in ("-p", parameter)]
         return self.run_in(openjd(), "run", FARM / "encode.openjd.yaml", *words, "-p", f"Lightfold={binary}")
 
     def calls(self, words):
@@ -172,6 +179,7 @@ class Template(Folder):
     def test_a_shard_that_fails_once_is_tried_again(self):
         mark = self.work / "failed"
         done = self.openjd_run("Dataset=room", "Output=film.lfold", "Shards=4", "Retries=1", "RetrySeconds=0",
+                               options=["--depth-codec", "quadtree", "--psnr", "45"],
                                failing=f"*encode*\"--shard 3/4\"*) [ -e {mark} ] || {{ touch {mark}; exit 75; }} ;;")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.same_bytes("film.lfold")
