@@ -161,7 +161,6 @@ impl Draft<'_> {
             stereo: None,
             depth,
             color,
-            missing: None,
             material: None,
             missing: None,
             files: Files {

@@ -150,7 +150,7 @@ pub fn decode_to_stream<W: Write>(
     }
     jobs_at_once(decoder, memory, || Some(memory::stream_bytes(decoder, stream) + memory::file_bytes(stream)))?;
     let coding = FileCoding { format: FileFormat::Png, space: None };
-    let writer = ImageWriter::new(stream, coding, decoder.attributes().primaries);
+    let writer = ImageWriter::new(stream, coding, decoder.primaries());
     let mut face = source.open(decoder, stream)?;
     let mut clipped_pixels = 0;
     for frame in frames.iter() {
