@@ -163,7 +163,7 @@ pub(super) fn join<W: Write>(
     for probe in probes {
         writer.add_probe(probe)?;
     }
-    for (name, value) in merge_attributes(inputs)?.iter() {
+    for (name, value) in merge_attributes(inputs.iter())?.iter() {
         writer.set_attribute(name, value.to_vec());
     }
     let (out, bytes) = writer.finish_checked(streams::check_written)?;
@@ -254,15 +254,20 @@ impl Copier<'_> {
 }
 
 /// The attributes of all inputs, without those of shards.
-pub(super) fn merge_attributes(inputs: &[Reader]) -> Result<Attributes> {
+pub(super) fn merge_attributes<'a>(inputs: impl Iterator<Item = &'a Reader>) -> Result<Attributes> {
     let mut merged = Attributes::default();
-    let (mut footage, mut has_color) = (FootageInfo::default(), false);
+    let mut footage: Option<(FootageInfo, bool)> = None;
     for reader in inputs {
         let index = reader.index();
         let own_color = index.streams.iter().any(|stream| stream.kind == StreamKind::Color as u8);
-        let joined = FootageInfo::read(index).and_then(|own| footage.join(own, [has_color, own_color]));
-        joined.map_err(|error| error.in_file(reader.path()))?;
-        has_color |= own_color;
+        let own = FootageInfo::read(index).map_err(|error| error.in_file(reader.path()))?;
+        footage = Some(match footage {
+            None => (own, own_color),
+            Some((mut joined, has_color)) => {
+                joined.join(own, [has_color, own_color]).map_err(|error| error.in_file(reader.path()))?;
+                (joined, has_color || own_color)
+            }
+        });
         let others = index.attributes.iter().filter(|(name, _)| *name != SHARD && !FootageInfo::has(name));
         for (name, value) in others {
             match merged.get(name) {
@@ -274,7 +279,8 @@ pub(super) fn merge_attributes(inputs: &[Reader]) -> Result<Attributes> {
             }
         }
     }
-    footage.to_values().into_iter().for_each(|(name, value)| merged.set(name, value));
+    let values = footage.map(|(footage, _)| footage.to_values()).unwrap_or_default();
+    values.into_iter().for_each(|(name, value)| merged.set(name, value));
     Ok(merged)
 }
 

@@ -104,7 +104,7 @@ pub(super) fn join<W: Write>(
         }
         summary.chunks += packed.len() as u64;
     }
-    for (name, value) in merge_attributes(joined.inputs)?.iter() {
+    for (name, value) in merge_attributes(joined.used_inputs())?.iter() {
         writer.set_attribute(name, value.to_vec());
     }
     let (out, bytes) = writer.finish_checked(streams::check_written)?;
@@ -192,6 +192,12 @@ impl Joined<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Inputs of which chunks are taken: not those that ran twice.
+    fn used_inputs(&self) -> impl Iterator<Item = &Reader> {
+        let used: BTreeSet<usize> = self.pieces.values().map(|piece| piece.input).collect();
+        used.into_iter().map(|input| &self.inputs[input])
     }
 
     /// Chunks of all inputs in the order of the whole, each with its input and its stream there.
