@@ -31,7 +31,7 @@ impl Footage {
     }
 
     pub fn path(&self, frame: u32) -> PathBuf {
-        self.source().file(&self.source().groups()[0], frame).unwrap()
+        self.source().file(&self.source().groups()[0], frame).unwrap().unwrap()
     }
 
     pub fn source(&self) -> Source {
