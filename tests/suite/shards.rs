@@ -2,7 +2,7 @@
 
 use lightfold::Error;
 use lightfold::container::Reader;
-use lightfold::encode::{self, FrameSource, Part, ScanFile, Shard, ShardBy};
+use lightfold::encode::{self, Part, ScanFile, Shard, ShardBy};
 use lightfold::monitor::Silent;
 use lightfold::pack::{PackSettings, pack};
 
