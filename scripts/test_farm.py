@@ -144,7 +144,7 @@ class Template(Folder):
             self.skipTest("lightfold is not built")
         positions = ["--position=-0.3,1.5,0", "--position=0.3,1.5,0"]
         for command in [["capture", "interior", *positions, "--size", "32", "--frames", "0-3", "-o", "room"],
-                        ["encode", "room", "-o", "one.lfold", *options]]:
+                        ["encode", "room", "-o", "one.lfold", "--clip", *options]]:
             done = self.run_in(binary, *command, "--quiet")
             self.assertEqual(done.returncode, 0, done.stderr)
         return binary
@@ -155,7 +155,7 @@ class Template(Folder):
         if failing:
             binary = program(self.work / "failing", f"#!/usr/bin/env bash\necho \"$*\" >>{self.work}/calls\ncase \"$*\" in\n"
                              f"{failing}\nesac\nexec {binary} \"$@\"\n")
-        words = [word for parameter in (*parameters, f"Options={' '.join(options)}") for word in ("-p", parameter)]
+        words = [word for parameter in (*parameters, f"Options={' '.join(['--clip', *options])}") for word in ("-p", parameter)]
         return self.run_in(openjd(), "run", FARM / "encode.openjd.yaml", *words, "-p", f"Lightfold={binary}")
 
     def calls(self, words):
