@@ -142,19 +142,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let mut source = args.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    note_poses(&source);
     let part = part(&args.shards, &source, &settings, global)?;
     let smaller = Some(args.smaller());
     Encode { source: &source, part, settings: &settings, target: args.target(), smaller, global }.run()
-}
-
-/// Says, also with --quiet, that motion is lost: containers hold one pose of each probe.
-fn note_poses(source: &Source) {
-    let moving: Vec<&str> =
-        source.probes().iter().filter(|probe| !probe.poses.is_empty()).map(|probe| probe.name.as_str()).collect();
-    if !moving.is_empty() {
-        output::note(format_args!("{} moves: the container holds the pose of its first frame only", moving.join(", ")));
-    }
 }
 
 /// Runs a command that needs no further checks.

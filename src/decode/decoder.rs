@@ -156,6 +156,20 @@ impl Decoder {
         &self.reader.index().probes[stream.probe]
     }
 
+    /// The probe of a stream as it stands in a frame: position and orientation of probes that move are those of the frame.
+    pub(crate) fn probe_at(&self, probe: usize, frame: u32) -> ProbeEntry {
+        let entry = &self.reader.index().probes[probe];
+        match self.footage.pose(&entry.name, frame) {
+            Some(pose) => ProbeEntry { position: pose.position, orientation: pose.orientation, ..entry.clone() },
+            None => entry.clone(),
+        }
+    }
+
+    /// Whether the probe of a stream moves.
+    pub(crate) fn moves(&self, stream: &StreamInfo) -> bool {
+        self.footage.moves(&self.probe(stream).name)
+    }
+
     /// A decoder of one unit (tile or cell), numbered row by row from 0.
     ///
     /// # Panics

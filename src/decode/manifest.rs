@@ -10,7 +10,7 @@ use crate::decode::selection::StreamFrames;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::ToneMap;
 use crate::image::{ColorSpace, Face, Primaries};
-use crate::streams::{CodecHeader, ColorFormat, Projection, StreamKind};
+use crate::streams::{CodecHeader, ColorFormat, FramePose, Projection, StreamKind};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FileFormat {
@@ -146,11 +146,18 @@ pub(super) fn manifest_of(
     for (probe, frames) in index.probes.iter().zip(frames_of) {
         let Some(frames) = frames else { continue };
         let known = probe.intrinsics.iter().any(|&value| value != 0.0);
+        let poses = decoder.footage().poses.iter().filter(|pose| pose.probe == probe.name && frames.contains(pose.frame));
+        let poses: Vec<manifest::Pose> = poses
+            .map(|&FramePose { frame, position, orientation, .. }| manifest::Pose { frame, position, orientation })
+            .collect();
+        let stands = poses.is_empty();
+        let is_turned = probe.orientation != [0.0, 0.0, 0.0, 1.0];
         probes.push(manifest::Probe {
             name: probe.name.clone(),
-            position: Some(probe.position),
+            position: stands.then_some(probe.position),
             frames: (frames != all).then_some([frames.first, frames.last]),
-            orientation: (probe.orientation != [0.0, 0.0, 0.0, 1.0]).then_some(probe.orientation),
+            orientation: (stands && is_turned).then_some(probe.orientation),
+            poses,
             intrinsics: known.then_some(probe.intrinsics),
             ..manifest::Probe::default()
         });

@@ -13,7 +13,8 @@ use serde::Serialize;
 
 use crate::container::index::{MAX_FRAME, MAX_SIZE};
 use crate::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry, Writer};
-use crate::dataset::SourceGroup;
+use crate::dataset::manifest::Pose;
+use crate::dataset::{ProbeInfo, SourceGroup};
 use crate::depth::predictive::projection::Shape;
 use crate::depth::{DepthRange, Quantiser};
 use crate::encode::budget::{self, ColorMemory};
@@ -29,7 +30,7 @@ use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
-use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, MissingFrame};
+use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, FramePose, MissingFrame};
 
 /// Units whose last chunks are made together; a killed process loses no more.
 const FINISH_UNITS: usize = 64;
@@ -470,7 +471,14 @@ impl<W: Write> Job<'_, W> {
         if group.kind == StreamKind::Color {
             self.footage.primaries = self.source.primaries();
         }
-        let probe = &self.source.probes()[group.probe].name;
+        let ProbeInfo { name: probe, poses, .. } = &self.source.probes()[group.probe];
+        let poses = poses.iter().filter(|pose| group.frames.contains(pose.frame));
+        self.footage.poses.extend(poses.map(|&Pose { frame, position, orientation }| FramePose {
+            probe: probe.clone(),
+            frame,
+            position,
+            orientation,
+        }));
         for (frame, held) in self.source.missing_frames(group) {
             let missing = |&face: &Face| MissingFrame { probe: probe.clone(), kind: group.kind, face, frame, held };
             self.footage.missing_frames.extend(group.faces.iter().map(missing));

@@ -10,6 +10,8 @@ const CHROMATICITIES: &str = "color.chromaticities";
 const CLIPPED_PIXELS: &str = "color.clipped_pixels";
 /// Rows of [`MissingFrame`], ascending.
 const MISSING_FRAMES: &str = "frames.missing";
+/// Rows of [`FramePose`], ascending by probe and frame.
+const POSES: &str = "probes.poses";
 /// In place of a frame: black light and background.
 const BLACK: u32 = u32::MAX;
 
@@ -24,6 +26,23 @@ pub struct MissingFrame {
     pub held: Option<u32>,
 }
 
+/// Where a moving probe stands in a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FramePose {
+    pub probe: String,
+    pub frame: u32,
+    /// Centre in metres.
+    pub position: [f64; 3],
+    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's.
+    pub orientation: [f64; 4],
+}
+
+impl FramePose {
+    fn place(&self) -> (&str, u32) {
+        (&self.probe, self.frame)
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootageInfo {
     /// Of colour. Those of Rec. 709 have no attribute.
@@ -31,11 +50,18 @@ pub struct FootageInfo {
     /// Colour pixels that did not fit 8 bits when they were encoded; `None` where there were none, or nothing is known.
     pub clipped_pixels: Option<u64>,
     pub missing_frames: Vec<MissingFrame>,
+    /// Of probes that move, ascending by probe and frame when read.
+    pub poses: Vec<FramePose>,
 }
 
 impl Default for FootageInfo {
     fn default() -> Self {
-        FootageInfo { primaries: Primaries::REC709, clipped_pixels: None, missing_frames: Vec::new() }
+        FootageInfo {
+            primaries: Primaries::REC709,
+            clipped_pixels: None,
+            missing_frames: Vec::new(),
+            poses: Vec::new(),
+        }
     }
 }
 
@@ -75,7 +101,30 @@ impl FootageInfo {
                 read.missing_frames.push(MissingFrame { probe, kind, face, frame, held });
             }
         }
+        if let Some(bytes) = attributes.get(POSES) {
+            let mut fields = Fields::new(bytes, 0, POSES);
+            while fields.remaining() > 0 {
+                let (probe, frame) = (fields.string("a probe's name")?, fields.u32()?);
+                let position = fields.finite_f64s("a position")?;
+                let pose = FramePose { probe, frame, position, orientation: fields.finite_f64s("an orientation")? };
+                if read.poses.last().is_some_and(|before| before.place() >= pose.place()) {
+                    return Err(fields.error(format!("{POSES}: rows do not ascend by probe and frame")));
+                }
+                read.poses.push(pose);
+            }
+        }
         Ok(read)
+    }
+
+    /// The pose of a probe in a frame; `None` for probes that stand still.
+    pub fn pose(&self, probe: &str, frame: u32) -> Option<&FramePose> {
+        self.poses.binary_search_by(|pose| pose.place().cmp(&(probe, frame))).ok().map(|at| &self.poses[at])
+    }
+
+    /// Whether a probe has poses.
+    pub fn moves(&self, probe: &str) -> bool {
+        let at = self.poses.partition_point(|pose| pose.probe.as_str() < probe);
+        self.poses.get(at).is_some_and(|pose| pose.probe == probe)
     }
 
     /// Names and values of attributes; none of what is as usual.
@@ -102,12 +151,25 @@ impl FootageInfo {
         if !bytes.is_empty() {
             values.push((MISSING_FRAMES, bytes));
         }
+        let mut poses: Vec<&FramePose> = self.poses.iter().collect();
+        poses.sort_by_key(|pose| pose.place());
+        poses.dedup_by_key(|pose| pose.place());
+        let mut bytes = Vec::new();
+        for FramePose { probe, frame, position, orientation } in poses {
+            bytes.extend((probe.len() as u16).to_le_bytes());
+            bytes.extend(probe.as_bytes());
+            bytes.extend(frame.to_le_bytes());
+            bytes.extend(position.iter().chain(orientation).flat_map(|value| value.to_le_bytes()));
+        }
+        if !bytes.is_empty() {
+            values.push((POSES, bytes));
+        }
         values
     }
 
     /// Whether an attribute is one of these.
     pub fn has(name: &str) -> bool {
-        [CHROMATICITIES, CLIPPED_PIXELS, MISSING_FRAMES].contains(&name)
+        [CHROMATICITIES, CLIPPED_PIXELS, MISSING_FRAMES, POSES].contains(&name)
     }
 
     /// That of two containers with different streams or frames that are joined. Primaries are those of `other` where only that has
@@ -130,6 +192,7 @@ impl FootageInfo {
         let clipped = self.clipped_pixels.unwrap_or(0).saturating_add(other.clipped_pixels.unwrap_or(0));
         self.clipped_pixels = Some(clipped).filter(|count| *count > 0);
         self.missing_frames.extend(other.missing_frames);
+        self.poses.extend(other.poses);
         Ok(())
     }
 }
@@ -149,6 +212,11 @@ mod tests {
         MissingFrame { probe: probe.to_owned(), kind: StreamKind::Depth, face: Face::Nz, frame, held }
     }
 
+    fn pose(probe: &str, frame: u32) -> FramePose {
+        let position = [0.1, -2.0, f64::from(frame)];
+        FramePose { probe: probe.to_owned(), frame, position, orientation: [0.0, 0.6, 0.0, 0.8] }
+    }
+
     #[test]
     fn what_is_not_as_usual_comes_back_and_the_usual_takes_no_bytes() {
         assert!(FootageInfo::default().to_values().is_empty());
@@ -157,7 +225,10 @@ mod tests {
             primaries: Primaries::ACESCG,
             clipped_pixels: Some(1 << 40),
             missing_frames: vec![missing("00", 3, Some(2)), missing("00", 4, None), missing("left", 0, None)],
+            poses: vec![pose("a", 7), pose("a", 9), pose("b", 7)],
         };
+        assert_eq!((all.pose("a", 9), all.pose("a", 8)), (Some(&pose("a", 9)), None));
+        assert_eq!(["a", "aa", "b", "c"].map(|probe| all.moves(probe)), [true, false, true, false]);
         assert_eq!(read(all.to_values()).unwrap(), all);
         let backwards =
             FootageInfo { missing_frames: all.missing_frames.iter().rev().cloned().collect(), ..all.clone() };
@@ -185,6 +256,8 @@ mod tests {
             (CHROMATICITIES, vec![0; 32]),
             (CLIPPED_PIXELS, vec![0; 9]),
             (MISSING_FRAMES, vec![0; 11]),
+            (POSES, vec![0; 61]),
+            (POSES, vec![0; 124]),
             (MISSING_FRAMES, vec![0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
         ] {
             assert!(read(vec![(name, value)]).is_err(), "{name}");

@@ -86,7 +86,9 @@ impl CameraUnits {
             let size = [entry.width, entry.height];
             let units = u64::from(entry.unit_count());
             let mut counts = CameraUnitCounts { units, ..CameraUnitCounts::default() };
-            let seen = match FaceImage::new(decoder.probe(stream), stream.face, size, span) {
+            let image = FaceImage::new(decoder.probe(stream), stream.face, size, span);
+            // Where a moving probe looks differs from frame to frame.
+            let seen = match image.filter(|_| !decoder.moves(stream)) {
                 None => vec![vec![frames]; units as usize],
                 Some(image) => {
                     let grid = UnitGrid { size, unit: [entry.unit_width, entry.unit_height] };

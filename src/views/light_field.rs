@@ -166,17 +166,24 @@ pub struct View {
 
 impl View {
     pub fn new(probe: usize, entry: &ProbeEntry, range: DepthRange) -> Result<View> {
-        let turn = rotation(entry.orientation)
-            .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is no rotation", entry.name)))?;
-        Ok(View {
+        let mut view = View {
             name: entry.name.clone(),
             probe,
-            position: DVec3::from_array(entry.position),
-            probe_from_world: DMat3::from_quat(turn.inverse()),
             near_m: range.near_m(),
             far_m: range.far_m(),
             ..View::default()
-        })
+        };
+        view.place(entry)?;
+        Ok(view)
+    }
+
+    /// Moves it to where its probe stands.
+    pub fn place(&mut self, entry: &ProbeEntry) -> Result<()> {
+        let turn = rotation(entry.orientation)
+            .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is no rotation", entry.name)))?;
+        self.position = DVec3::from_array(entry.position);
+        self.probe_from_world = DMat3::from_quat(turn.inverse());
+        Ok(())
     }
 
     pub fn has_material(&self) -> bool {

@@ -140,7 +140,12 @@ impl<'a> Player<'a> {
     pub fn candidates(&self, frame: u32) -> Vec<Candidate> {
         let has_it = |view: usize| self.streams[view].faces.iter().any(|face| face.have(frame));
         let views = self.field.views.iter().enumerate().filter(|(view, _)| has_it(*view));
-        views.map(|(view, known)| Candidate { view, position: known.position }).collect()
+        views
+            .map(|(view, known)| {
+                let probe = self.decoder.probe_at(known.probe, frame);
+                Candidate { view, position: DVec3::from_array(probe.position) }
+            })
+            .collect()
     }
 
     /// The streams of views (indices into [`LightField::views`]) that have a frame.
@@ -186,6 +191,9 @@ impl<'a> Player<'a> {
             )));
         }
         self.clock += 1;
+        for view in &mut self.field.views {
+            view.place(&self.decoder.probe_at(view.probe, frame))?;
+        }
         if std::mem::replace(&mut self.in_backend, backend.keeps_texels()) != backend.keeps_texels() {
             self.unload_all(backend);
         }

@@ -75,7 +75,9 @@ impl<'a> VisibleSets<'a> {
         // A distance for both kinds of depth: a point may have a planar depth below near, but be farther away.
         let span = DepthSpan { near_m: NEAR_PART * near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
         let size = [entry.width, entry.height];
-        match FaceImage::new(self.decoder.probe(stream), stream.face, size, span) {
+        let image = FaceImage::new(self.decoder.probe(stream), stream.face, size, span);
+        // Where a moving probe looks differs from frame to frame.
+        match image.filter(|_| !self.decoder.moves(stream)) {
             None => vec![true; entry.unit_count() as usize],
             Some(image) => {
                 let grid = UnitGrid { size, unit: [entry.unit_width, entry.unit_height] };

@@ -9,7 +9,7 @@ use super::{COLOR_SPACES, ChannelArgs, FrameArgs, MissingArgs};
 use crate::cli::refuse;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::image::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
@@ -39,6 +39,9 @@ impl DatasetArgs {
 
     /// Opens the dataset, which has the frames that were asked for.
     pub fn open(&self, input: &Path, options: &SourceOptions) -> Result<Source> {
+        if !input.exists() {
+            return Err(Error::not_found(input, "there is no such dataset"));
+        }
         if !manifest::is_dataset(input) {
             return refuse(format!(
                 "{}: neither a lightfield.json nor a folder that holds one; encode an image sequence with encode-depth \
