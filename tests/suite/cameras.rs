@@ -50,7 +50,7 @@ fn a_path_renders_the_same_pictures_from_every_format() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     fine("capture courtyard --position=-0.3,1.5,0 --position=0.3,1.5,0 --frames 0-2 --size 32 -o captured", at);
-    fine("encode captured -o a.lfold", at);
+    fine("encode captured --clip -o a.lfold", at);
     std::fs::write(at.join("path.json"), PATH).unwrap();
     fine("render a.lfold --camera path.json --size 24 -o own/%04d.png", at);
     let bytes = |frame: u32| std::fs::read(at.join(format!("own/{frame:04}.png"))).unwrap();
@@ -91,7 +91,7 @@ fn probes_become_cameras_whose_pictures_are_their_images() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     fine("capture courtyard --position=-0.3,1.5,0 --position=0.3,1.5,0 --frames 0-1 --size 32 -o captured", at);
-    fine("encode captured -o a.lfold --max-error 0", at);
+    fine("encode captured --clip -o a.lfold --max-error 0", at);
     for input in ["a.lfold", "captured", "captured/lightfield.json"] {
         fine(&format!("cameras {input} -o transforms.json"), at);
         let text = std::fs::read_to_string(at.join("transforms.json")).unwrap();

@@ -16,7 +16,7 @@ const FACE: &str = "--probe 00 --face nx --stream color";
 fn film(folder: &Path) {
     let probes = "--position=-0.3,1.5,0 --position=0.3,1.5,0";
     fine(&format!("capture courtyard {probes} --frames 0-2 --fps 29.97 --size 32 -o captured"), folder);
-    fine("encode captured -o a.lfold", folder);
+    fine("encode captured --clip -o a.lfold", folder);
 }
 
 fn stdout(line: &str, folder: &Path) -> Vec<u8> {

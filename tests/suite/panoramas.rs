@@ -13,7 +13,7 @@ const EYE: &str = "--eye 0.05,1.5,0.1 --look-at -2,1.2,0.8";
 fn film(folder: &Path) {
     let probes = "--position=-0.2,1.5,0 --position=0.2,1.5,0 --position=0,1.5,0.2 --position=0,1.5,-0.2";
     fine(&format!("capture courtyard {probes} --frames 0-1 --size 64 --samples 4 -o captured"), folder);
-    fine("encode captured -o a.lfold", folder);
+    fine("encode captured --clip -o a.lfold", folder);
 }
 
 fn open(folder: &Path, name: &str) -> image::RgbImage {
