@@ -74,7 +74,9 @@ fn light_of_other_primaries_stays_what_it_is() {
     fine("diff . rec709 --hdr --min-cell-psnr 30", at);
     fine("diff rec709 a.lfold --min-cell-psnr 50", at);
 
-    // PNG is sRGB.
+    // Pictures of EXR say what they are, those of PNG are sRGB.
+    fine("render a.lfold --eye 0,1,2 --look-at 3,1,2 --size 16 -o view.exr -q", at);
+    assert_eq!(exr::read_primaries(&at.join("view.exr")).unwrap(), Primaries::ACESCG);
     fine("decode a.lfold -o png --format png --stream color", at);
     let codes = png::read_rgba8(&at.join("png").join(FIRST.replace("exr", "png")), &ReadLimits::default()).unwrap();
     let tone = lightfold::image::ToneMap::default();
