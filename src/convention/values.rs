@@ -190,6 +190,7 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
         let buffer = "that is the depth buffer of a graphics library, not a length";
         (Verdict::Suspect, format!("no value is above 1 and {} are exactly 1: {buffer}", percent(at_max)))
     } else if often && (gap || usual) {
+        let max = if max < 1e16 { max.to_string() } else { format!("{max:e}") };
         let exactly = format!("{} of all pixels are exactly {max}", percent(at_max));
         (Verdict::Suspect, format!("{exactly}: if nothing is there, \"background\" is {max}"))
     } else {
