@@ -43,7 +43,11 @@ pub enum PixelsMut<'p> {
 impl<'p> PixelsMut<'p> {
     /// Parts of `length` pixels, the last with what is left.
     pub(super) fn bands(self, length: usize) -> Vec<PixelsMut<'p>> {
-        fn split<'a, T>(pixels: &'a mut [T], length: usize, part: fn(&'a mut [T]) -> PixelsMut<'a>) -> Vec<PixelsMut<'a>> {
+        fn split<'a, T>(
+            pixels: &'a mut [T],
+            length: usize,
+            part: fn(&'a mut [T]) -> PixelsMut<'a>,
+        ) -> Vec<PixelsMut<'a>> {
             pixels.chunks_mut(length).map(part).collect()
         }
         match self {
