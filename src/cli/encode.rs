@@ -222,6 +222,7 @@ impl Encode<'_> {
         let start = Instant::now();
         let images = encode::selected_groups(self.frames(), self.settings).iter().map(encode::GroupRef::images).sum();
         let progress = Progress::start(self.global, "encoding", images)?;
+        encode::check_first_frames(self.frames(), self.settings, &progress)?;
         let summary = if unfinished == Unfinished::Discard {
             self.encode_whole(OutputFile::create(path)?, &progress)?
         } else {

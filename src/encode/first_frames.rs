@@ -14,7 +14,7 @@ use crate::streams::{ColorFormat, convert};
 ///
 /// # Errors
 /// A file that cannot be read as its stream; with [`Clipping::Refuse`] light that 8 bits would clip.
-pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<()> {
+pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<()> {
     let mut jobs = Vec::new();
     for group in selected_groups(source, settings) {
         let group = group.group;

@@ -24,7 +24,7 @@ use crate::encode::order::Order;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
-use crate::encode::{EncodeSettings, configuration, first_frames};
+use crate::encode::{EncodeSettings, configuration};
 use crate::error::{Error, Result};
 use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
@@ -192,7 +192,6 @@ fn prepare(
     monitor: &dyn Monitor,
 ) -> Result<Completed> {
     check(source, settings)?;
-    first_frames::check(source, settings, monitor)?;
     let Some(recovered) = recovered else { return Ok(Completed::default()) };
     let mut completed = Completed::of(recovered, &configuration::of(source, settings), order, settings)?;
     completed.check_files(source, settings, order, monitor)?;

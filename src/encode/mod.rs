@@ -2,7 +2,8 @@
 //!
 //! Enters: a [`FrameSource`]. Leaves: a container, front to back. The path of a frame:
 //!
-//! 0. `first_frames` reads the first frame of each stream, so that what is wrong with files is found before anything is coded.
+//! 0. `first_frames` reads the first frame of each stream where the caller asks it to, so that what is wrong with files is found
+//!    before anything is coded.
 //! 1. `depth_range` finds near and far of each probe where they are not given, and keeps what fits into memory.
 //! 2. `group` reads a frame of all faces and brings it into the domain of its codec: depth codes, 8-bit codes, half-float keys.
 //! 3. `job` gives each unit's rectangle to its own encoder (`unit`), a batch of frames at a time, units in parallel.
@@ -30,6 +31,7 @@ mod unit;
 
 pub use depth_range::keep_few_planar_depths;
 pub use encoder::{Encoder, EncoderStream, ProbePose};
+pub use first_frames::check as check_first_frames;
 pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
     encode_resumable,

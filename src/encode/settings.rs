@@ -183,7 +183,7 @@ impl TileSize {
 /// Treatment of light that 8 bits do not hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Clipping {
-    /// An error before anything is coded, if the first frame of a stream has any.
+    /// An error of [`crate::encode::check_first_frames`], if the first frame of a stream has any.
     Refuse,
     /// Clipped pixels are counted, and the container remembers their number.
     #[default]
