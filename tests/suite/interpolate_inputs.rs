@@ -239,7 +239,7 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     let (is_fine, said) = run("--resume --views 4");
     assert!(!is_fine && said.contains("cannot be used multiple times"), "{said}");
     let (is_fine, said) = run("--resume --splits 1");
-    assert!(!is_fine && said.contains("cannot resume") && said.contains("the options"), "{said}");
+    assert!(!is_fine && said.contains("cannot resume") && said.contains("--splits was 8 and is 1 now"), "{said}");
     let said = refused(&format!("{line} -o v/%V-%d.png --resume"), at);
     assert!(said.contains("--output was v/%V.%d.png and is v/%V-%d.png now"), "{said}");
     let resumed = fine(&format!("{line} -o v/%V.%d.png --resume --json"), at);
