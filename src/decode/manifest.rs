@@ -146,7 +146,8 @@ pub(super) fn manifest_of(
     for (probe, frames) in index.probes.iter().zip(frames_of) {
         let Some(frames) = frames else { continue };
         let known = probe.intrinsics.iter().any(|&value| value != 0.0);
-        let poses = decoder.footage().poses.iter().filter(|pose| pose.probe == probe.name && frames.contains(pose.frame));
+        let poses =
+            decoder.footage().poses.iter().filter(|pose| pose.probe == probe.name && frames.contains(pose.frame));
         let poses: Vec<manifest::Pose> = poses
             .map(|&FramePose { frame, position, orientation, .. }| manifest::Pose { frame, position, orientation })
             .collect();

@@ -166,13 +166,8 @@ pub struct View {
 
 impl View {
     pub fn new(probe: usize, entry: &ProbeEntry, range: DepthRange) -> Result<View> {
-        let mut view = View {
-            name: entry.name.clone(),
-            probe,
-            near_m: range.near_m(),
-            far_m: range.far_m(),
-            ..View::default()
-        };
+        let mut view =
+            View { name: entry.name.clone(), probe, near_m: range.near_m(), far_m: range.far_m(), ..View::default() };
         view.place(entry)?;
         Ok(view)
     }
