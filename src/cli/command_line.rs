@@ -12,7 +12,7 @@ use crate::cli::{
     interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train,
 };
 
-/// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
+/// Codec toolkit for animated light fields: probes of colour and depth.
 #[derive(Debug, Parser)]
 #[command(
     name = "lightfold",
@@ -54,7 +54,7 @@ pub enum Command {
     EncodeDepth(EncodeSequence<encode_depth::Args>),
     /// Build quadtrees of one depth sequence, to pack at any error bound
     Quadtree(EncodeSequence<quadtree::Args>),
-    /// Encode one depth sequence as BC4w blocks, 32 bytes for 8x8 pixels, and measure their PSNR
+    /// Encode one depth sequence as BC4w blocks, and measure their PSNR
     Bc4w(bc4w::Args),
     /// Join containers, recompress them, or pack quadtrees at an error bound
     Pack(pack::Args),
@@ -64,7 +64,7 @@ pub enum Command {
     /// Train entropy tables of predictive depth on containers
     #[command(after_help = train::DEPTH_HELP)]
     TrainDepth(train::Args),
-    /// Show sizes and contents of a container or a scene, verify a container, check the conventions of a dataset
+    /// Show and verify a container, show a scene, check the conventions of a dataset
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),
@@ -139,7 +139,7 @@ pub fn has_result_on_stdout(matches: &ArgMatches) -> bool {
         let values = matches.try_get_raw(id.as_str()).ok().flatten();
         !INPUTS.contains(&id.as_str()) && values.is_some_and(|mut values| values.any(|value| value == OsStr::new("-")))
     };
-    !WRITERS.contains(&name) || PRINTING.iter().any(|id| prints(&id)) || matches.ids().any(is_dash)
+    !WRITERS.contains(&name) || PRINTING.iter().any(prints) || matches.ids().any(is_dash)
 }
 
 #[cfg(test)]

@@ -70,7 +70,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         None => args.jobs(subject.as_ref(), global)?,
     };
     subject.check(&jobs, global)?;
-    let mut pictures = Pictures::open(args, &jobs, subject.as_ref())?;
+    let mut pictures = Pictures::open(args, &jobs, (subject.fps(), subject.tone()))?;
     args.check_outputs(&jobs, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();

@@ -105,7 +105,7 @@ mod tests {
             (["b", "a"], "does not ascend"),
             (["a", "a"], "does not ascend"),
             (["A", "b"], "no name of an attribute"),
-            (["", "b"], "no name of an attribute"),
+            (["", "bb"], "no name of an attribute"),
         ] {
             let unsorted = Attributes(names.map(|name| (name.to_owned(), Vec::new())).to_vec());
             let mut bytes = Vec::new();

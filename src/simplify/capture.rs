@@ -163,7 +163,7 @@ impl Capture {
         match &mut self.rays {
             Rays::Reference { reference, indices, frame } => {
                 let (camera, distances_m) = distances(reference, indices[image], *frame)?;
-                Ok(ImageRays(RaysOfImage::Planes { camera, distances_m, light: Vec::new() }))
+                Ok(ImageRays(RaysOfImage::Planes { camera: Box::new(camera), distances_m, light: Vec::new() }))
             }
             Rays::Manifest(_) | Rays::Memory(_) => self.rays(image),
         }
@@ -215,7 +215,7 @@ enum RaysOfImage {
     Listed(Vec<CaptureRay>),
     /// One for each pixel.
     Planes {
-        camera: Camera,
+        camera: Box<Camera>,
         distances_m: DepthPlane,
         /// Empty where it was not read, which is black.
         light: Vec<[f32; 3]>,
@@ -274,7 +274,7 @@ fn of_reference(reference: &mut Reference, image: usize, frame: u32) -> Result<R
     if distances_m.data().len() != light.len() {
         return Err(Error::invalid(format!("image {image} has colour and depth of different sizes")));
     }
-    Ok(RaysOfImage::Planes { camera, distances_m, light })
+    Ok(RaysOfImage::Planes { camera: Box::new(camera), distances_m, light })
 }
 
 fn distances(reference: &mut Reference, image: usize, frame: u32) -> Result<(Camera, DepthPlane)> {

@@ -202,7 +202,8 @@ fn results_go_to_standard_output_and_words_to_standard_error() {
     }
     let both = output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(["--json", "-o", "-"]));
     assert_eq!(both.status.code(), Some(2));
-    assert!(both.stdout.is_empty());
+    let refusal: serde_json::Value = serde_json::from_slice(&both.stdout).unwrap();
+    assert_eq!(refusal["error"]["code"], 2);
 }
 
 #[test]
@@ -242,11 +243,11 @@ fn on_a_terminal(words: &str) -> Option<String> {
 fn a_terminal_gets_no_binary_output() {
     let (folder, dataset) = (TempDir::new().unwrap(), dataset().display());
     let file = folder.path().join("a.lfold");
-    succeeded(&output(lightfold().args(["encode", &dataset.to_string(), "-o"]).arg(&file)));
+    succeeded(&output(lightfold().args(["encode", &dataset.to_string(), "--clip", "-o"]).arg(&file)));
     let file = file.display();
     for words in [
-        format!("encode {dataset} -o -"),
-        format!("encode {dataset} -o /dev/stdout"),
+        format!("encode {dataset} --clip -o -"),
+        format!("encode {dataset} --clip -o /dev/stdout"),
         format!("encode-depth {dataset}/probe_00/face_px/depth.%04d.exr -o -"),
         format!("pack {file} -o -"),
         format!("render {file} -o -"),
@@ -285,7 +286,7 @@ fn progress_is_told_as_lines() {
     let folder = TempDir::new().unwrap();
     let encode = |form: &str, more: &[&str]| {
         let mut command = lightfold();
-        command.args(["encode", dataset().to_str().unwrap(), "--quiet", "--progress", form]).args(more);
+        command.args(["encode", dataset().to_str().unwrap(), "--clip", "--quiet", "--progress", form]).args(more);
         let encoded = output(command.current_dir(folder.path()));
         succeeded(&encoded);
         (encoded.stdout.clone(), stderr(&encoded))

@@ -129,7 +129,8 @@ fn chunks(words: &str) -> u64 {
 
 /// The number of chunks that an earlier run had completed.
 fn taken_over(words: &str) -> u64 {
-    let told = words.split([',', '\n']).find_map(|part| part.trim().strip_suffix(" resumed chunks"));
+    let told =
+        words.split([',', '\n']).find_map(|part| part.trim().trim_end_matches('s').strip_suffix(" resumed chunk"));
     told.and_then(|count| count.parse().ok()).unwrap_or_else(|| panic!("{words}"))
 }
 

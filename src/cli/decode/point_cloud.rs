@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::Args;
+use super::args::Args;
 use crate::cli::options::check_report;
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;

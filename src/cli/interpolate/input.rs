@@ -42,7 +42,7 @@ pub(super) enum Input {
 /// One frame of it.
 pub(super) enum FrameInput<'a> {
     Scene(Box<SceneAtTime>),
-    Images(CapturedSources),
+    Images(Box<CapturedSources>),
     Field(Box<LightField<'a>>),
 }
 
@@ -155,7 +155,7 @@ impl Input {
                 let scene = scene.at(f64::from(frame) / args.fps).with_light_rays(rays);
                 Ok(FrameInput::Scene(Box::new(scene)))
             }
-            Input::Images(images) => captured(args, images, frame).map(FrameInput::Images),
+            Input::Images(images) => captured(args, images, frame).map(|images| FrameInput::Images(Box::new(images))),
             Input::Field(decoder) => {
                 let field = LightField::open(args, decoder, frame);
                 field.map(|field| FrameInput::Field(Box::new(field))).map_err(|error| error.in_file(&args.input))

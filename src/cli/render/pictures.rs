@@ -8,7 +8,6 @@ use glam::DVec3;
 
 use super::args::Args;
 use super::options::{ProjectionArgs, StereoLayout};
-use super::subject::Subject;
 use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::refuse;
 use crate::decode::FileFormat;
@@ -85,8 +84,9 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    pub fn open(args: &Args, jobs: &[Job], subject: &dyn Subject) -> Result<Pictures> {
-        let stream = args.stream.open(args.output.as_deref(), args.json, subject.fps())?;
+    /// `fps` is the frame rate of streams.
+    pub fn open(args: &Args, jobs: &[Job], (fps, tone): (f64, ToneMap)) -> Result<Pictures> {
+        let stream = args.stream.open(args.output.as_deref(), args.json, fps)?;
         let numbers: Vec<u32> = jobs.iter().flat_map(|job| &job.names).map(|name| name.number).collect();
         let destination = match (&args.output, stream) {
             (None, _) => Destination::Nowhere,
@@ -108,8 +108,14 @@ impl Pictures {
             return refuse(format!("{}: a contact sheet is a file ending in .png", sheet.display()));
         }
         let sheet = args.contact_sheet.clone().map(|path| (path, ContactSheet::default()));
-        let (projection, tone) = (args.projection.clone(), subject.tone());
-        Ok(Pictures { destination, projection, tone, holes: args.march.holes, sheet, bytes: 0 })
+        Ok(Pictures {
+            destination,
+            projection: args.projection.clone(),
+            tone,
+            holes: args.march.holes,
+            sheet,
+            bytes: 0,
+        })
     }
 
     fn files(path: &Path, numbers: &[u32], is_stereo: bool) -> Result<Destination> {

@@ -258,23 +258,21 @@ pub fn write(cameras: &[FileCamera], settings: &WriteSettings) -> Result<Written
 
 fn prim(track: &Track) -> String {
     let focal = |camera: &Camera| WRITTEN_APERTURE / 2.0 / camera.half()[0];
-    let of_lens: [(&str, &dyn Fn(&Camera) -> f64); 4] = [
-        ("focalLength", &focal),
-        ("verticalAperture", &|camera| 2.0 * camera.half()[1] * focal(camera)),
-        ("horizontalApertureOffset", &|camera| camera.middle()[0] * focal(camera)),
-        ("verticalApertureOffset", &|camera| -camera.middle()[1] * focal(camera)),
-    ];
+    let lens = |camera: &Camera| {
+        let ([_, half_v], [middle_u, middle_v], focal) = (camera.half(), camera.middle(), focal(camera));
+        [focal, 2.0 * half_v * focal, middle_u * focal, -middle_v * focal]
+    };
+    const OF_LENS: [&str; 4] =
+        ["focalLength", "verticalAperture", "horizontalApertureOffset", "verticalApertureOffset"];
     let mut text = format!("    def Camera \"{}\"\n    {{\n", track.name);
     if let Some((_, camera)) = track.keys.first().filter(|(_, camera)| camera.has_range()) {
         let [near_m, far_m] = camera.depth_m();
         let _ = writeln!(text, "        float2 clippingRange = ({near_m}, {})", far_m.min(1e30));
     }
     let _ = writeln!(text, "        float horizontalAperture = {WRITTEN_APERTURE}");
-    for (name, value) in of_lens {
-        attribute(&mut text, &format!("float {name}"), track, |camera| {
-            // Without a sign of zero.
-            (value(camera) + 0.0).to_string()
-        });
+    for (at, name) in OF_LENS.into_iter().enumerate() {
+        // Without a sign of zero.
+        attribute(&mut text, &format!("float {name}"), track, |camera| (lens(camera)[at] + 0.0).to_string());
     }
     attribute(&mut text, "matrix4d xformOp:transform", track, |camera| {
         let rows = matrix_of(camera.eye(), camera.axes()).to_cols_array_2d();

@@ -130,7 +130,7 @@ fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
     let counts = ["frames", "images", "encode_peak_bytes"].map(|name| row.measured.count(name));
     assert_eq!(counts, [6, 36, 77]);
     assert_eq!(["psnr_db", "min_psnr_db"].map(|name| row.measured.number(name)), [Some(f64::INFINITY), Some(41.5)]);
-    assert_eq!(row.command, "lightfold encode scene --stream=color --psnr=30 --no-compression -o point.lfold");
+    assert_eq!(row.command, "lightfold encode scene --stream=color --psnr=30 --no-compression --clip -o point.lfold");
 }
 
 #[test]
