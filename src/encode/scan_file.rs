@@ -11,7 +11,7 @@ use crate::encode::order::Order;
 use crate::encode::scan::{FoundDepth, Scans};
 use crate::encode::shard::{Segment, Shard, segments_of_shard};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
-use crate::encode::{EncodeSettings, budget};
+use crate::encode::{DepthCodec, EncodeSettings, budget};
 use crate::error::{Error, Result};
 use crate::files::{open_regular, write_whole};
 use crate::fingerprint::{Fingerprint, digest};
@@ -201,8 +201,11 @@ pub fn scan_probes(
     Ok(scans)
 }
 
+/// Of depth alone, and with a search for levels, which serves every codec.
 fn of_depth(settings: &EncodeSettings) -> EncodeSettings {
-    EncodeSettings { kinds: vec![StreamKind::Depth], ..settings.clone() }
+    let mut settings = EncodeSettings { kinds: vec![StreamKind::Depth], ..settings.clone() };
+    (settings.depth.codec, settings.temporal.epsilon) = (DepthCodec::Predictive, 0);
+    settings
 }
 
 fn segments(order: &Order<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
@@ -219,6 +222,5 @@ fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {
         .map(|group| group.group)
         .map(|group| (source.probes()[group.probe].name.as_str(), faces_of(group), group.frames))
         .collect();
-    let levels = settings.finds_levels();
-    digest(format!("{:?} {:?} {groups:?} {levels}", Fingerprint::of_program(), source.configuration()).as_bytes())
+    digest(format!("{:?} {:?} {groups:?}", Fingerprint::of_program(), source.configuration()).as_bytes())
 }

@@ -175,7 +175,7 @@ fn ranges_from_a_single_depth_to_a_billion_and_denormals() {
         &[1.0, 1.0 + f32::EPSILON],
         &[1e-4, 3.0, 1e5],
         &[tiny, tiny * 2.0, tiny * 900.0],
-        &[tiny, 1.0, f32::MAX],
+        &[tiny, 1.0, 9e9],
         &[f32::MIN_POSITIVE, 1e-30, f32::INFINITY],
     ];
     for values in ranges {

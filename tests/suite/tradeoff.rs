@@ -446,13 +446,15 @@ fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
     let more =
         of("--sweep depth-codec=quadtree,aabb,bc4w --sweep depth-window=1,4 --sweep lzma2=none,6 --stream depth");
     let points = [cells, transform, more].into_iter().flat_map(|report| report["points"].as_array().unwrap().clone());
-    let number = |value: &Value| value.as_f64().or_else(|| (value == "inf").then_some(f64::INFINITY));
+    let number = |point: &Value, key: &str| {
+        point[key].as_f64().or_else(|| (point[format!("{key}_is")] == "inf").then_some(f64::INFINITY))
+    };
     let row = |point: &Value| {
         let settings = point["settings"].as_object().unwrap().iter();
         let settings = settings.map(|(name, value)| format!("{name}={}", value.as_str().unwrap())).collect::<Vec<_>>();
         let key = format!("{},{}", point["kind"].as_str().unwrap(), settings.join(" "));
-        let quality = if point["kind"] == "color" { &point["min_psnr_db"] } else { &point["psnr_db"] };
-        (key, [number(&point["bytes_container"]), number(quality), number(&point["max_error_codes"])])
+        let quality = if point["kind"] == "color" { "min_psnr_db" } else { "psnr_db" };
+        (key, ["bytes_container", quality, "max_error_codes"].map(|key| number(point, key)))
     };
     points.map(|point| row(&point)).collect()
 }

@@ -110,7 +110,7 @@ impl CommandBench for RenderingBench {
     fn preparation(&self, work: &Path) -> Option<(&'static str, Vec<OsString>)> {
         let mut words: Vec<OsString> = vec!["encode".into(), self.dataset.clone().into()];
         words.extend(self.frames.iter().map(|frames| format!("--frames={frames}").into()));
-        words.extend(["-o".into(), work.join(CONTAINER).into(), "--json".into()]);
+        words.extend(["--clip".into(), "-o".into(), work.join(CONTAINER).into(), "--json".into()]);
         Some(("Container", words))
     }
 
