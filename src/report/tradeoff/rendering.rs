@@ -194,7 +194,7 @@ mod tests {
         let extent = Extent { repeats: 2, budget_seconds: None };
         measure(&studies, extent, lab, &Silent).unwrap();
         let lines = told.0.into_inner();
-        assert_eq!(lines[0], "encode set --frames=0 -o work/field.lfold --json");
+        assert_eq!(lines[0], "encode set --frames=0 --clip -o work/field.lfold --json");
         assert_eq!(
             lines[1],
             "render work/field.lfold --reference set --reference-probe=00 --exclude-probe=00 --frames=0 --refine=4 \
