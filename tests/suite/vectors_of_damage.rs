@@ -66,7 +66,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     };
     all.push(("foot-reserved", foot(|foot| foot[20] = 1), "projection 4 is unknown"));
     all.push(("foot-reserved-of-compact", foot(|foot| foot[21] = 1), "a reserved byte is not zero"));
-    all.push(("foot-index-form", foot(|foot| foot[20] = 2), "the index has form 2, which is unknown"));
+    all.push(("foot-index-form", foot(|foot| foot[20] = 3), "the index has form 3, which is unknown"));
     all.push(("foot-file-size", foot(|foot| foot[26] = 1), "the foot speaks of a file of"));
     all.push(("foot-index-elsewhere", foot(|foot| foot[0] -= 1), "the index does not lie between the chunks"));
     all.push(("foot-index-in-head", foot(|foot| foot[..8].fill(0)), "the index does not lie between the chunks"));
