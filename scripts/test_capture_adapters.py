@@ -236,7 +236,7 @@ class AdapterTest(unittest.TestCase):
         done = subprocess.run([binary, "inspect", manifest, "--check"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("Nothing is suspected", done.stdout)
-        command = [binary, "encode", manifest, "-o", str(self.work / "out.lfold"), "--quiet"]
+        command = [binary, "encode", manifest, "--clip", "-o", str(self.work / "out.lfold"), "--quiet"]
         done = subprocess.run(command, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
 
