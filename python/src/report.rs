@@ -5,9 +5,10 @@ use serde::Serialize;
 
 use crate::errors::refuse;
 
-/// JSON of a report.
+/// JSON of a report, with the infinities that Python's parser knows.
 pub fn json(report: &impl Serialize) -> PyResult<String> {
-    serde_json::to_string(report).or_else(|error| refuse(format!("JSON: {error}")))
+    let text = serde_json::to_string(report).or_else(|error| refuse(format!("JSON: {error}")))?;
+    Ok(text.replace("\"∞\"", "Infinity").replace("\"-∞\"", "-Infinity"))
 }
 
 /// JSON as Python's own objects.

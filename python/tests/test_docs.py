@@ -124,8 +124,8 @@ class Stub(unittest.TestCase):
     def test_settings_that_messages_name_are_arguments(self):
         node = next(node for node in STUB.body if getattr(node, "name", None) == "encode")
         known = {argument.arg for argument in node.args.kwonlyargs}
-        # Tables are files of the command line; work from memory is not resumed.
-        known |= {"color_tables", "depth_tables", "resume"}
+        # Of files and of the command line alone; work from memory is not resumed, and is no shard.
+        known |= {"clip", "color_space", "color_tables", "depth_tables", "frames", "resume", "shard", "shard_by"}
         sources = PYTHON.parent / "src"
         if not sources.is_dir():
             self.skipTest("not in a clone")

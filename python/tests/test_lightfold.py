@@ -128,7 +128,7 @@ class Decode(Folder):
         self.assertEqual(statistics["frames"], 2 * 6 * FRAMES)
         stored = sum(stream["bytes"] for stream in statistics["streams"])
         self.assertEqual(stored + statistics["overhead_bytes"], statistics["file_bytes"])
-        self.assertEqual(statistics["streams"][6]["background"], "inf")
+        self.assertEqual(statistics["streams"][6]["background"], float("inf"))
 
 
 class Encode(Folder):
