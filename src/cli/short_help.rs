@@ -5,12 +5,13 @@ use clap::{Arg, Command};
 /// Options that `-h` shows, beside required ones.
 const SHOWN: &[(&str, &[&str])] = &[
     ("bc4w", &["output", "stats", "frames", "face", "effort", "json"]),
+    ("cameras", &["output", "format", "fps", "json"]),
     ("capture", &["output", "position", "cameras", "frames", "size", "samples", "aov", "resume"]),
     ("decode", &["output", "null", "frames", "stream", "probe", "format", "device", "verify", "keep-going", "json"]),
     ("demo", &["output", "frame-count", "size", "probes", "json"]),
     ("diff", &["max-error", "min-psnr", "min-cell-psnr", "exact", "common", "frames", "stream", "streams", "json"]),
-    ("encode", &["output", "max-error", "psnr", "stream", "frames", "hdr", "effort", "resume", "json"]),
-    ("encode-color", &["output", "psnr", "frames", "face", "probe", "color-block", "hdr", "effort", "resume", "json"]),
+    ("encode", &["output", "preset", "max-error", "psnr", "stream", "frames", "hdr", "clip", "resume", "json"]),
+    ("encode-color", &["output", "psnr", "frames", "face", "probe", "hdr", "effort", "resume", "json"]),
     (
         "encode-depth",
         &[
@@ -27,6 +28,7 @@ const SHOWN: &[(&str, &[&str])] = &[
             "json",
         ],
     ),
+    ("init", &["output", "force"]),
     ("inspect", &["streams", "per-frame", "frames", "verify", "check", "plot", "json", "csv"]),
     (
         "interpolate",
@@ -66,6 +68,7 @@ const SHOWN: &[(&str, &[&str])] = &[
             "json",
         ],
     ),
+    ("scan", &["output", "merge", "shard", "resume", "frames", "json"]),
     ("selftest", &["hard-cases", "family", "list-devices", "json"]),
     ("simplify", &["output", "triangles", "atlas", "region", "effort", "hdr", "ktx2", "stats", "resume", "json"]),
     ("tradeoff", &["output", "sweep", "preset", "budget-seconds", "recommend", "list-knobs", "overwrite", "json"]),
