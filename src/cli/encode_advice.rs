@@ -8,7 +8,7 @@ use crate::encode::{self, EncodeSettings, FrameSource};
 use crate::image::StreamKind;
 use crate::monitor::Silent;
 
-/// Says what is odd about the values of the first frames, before anything is coded. What cannot be read is told by the encoder.
+/// Says what is odd about the values of the first frames, before anything is coded. The encoder reports what cannot be read.
 pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalArgs) {
     // Checks keep an image for each thread, and more of it, which no limit counts.
     if settings.memory.bytes.is_some() {

@@ -33,10 +33,6 @@ impl Attributes {
         }
     }
 
-    pub fn remove(&mut self, name: &str) -> Option<Vec<u8>> {
-        self.place(name).ok().map(|at| self.0.remove(at).1)
-    }
-
     fn place(&self, name: &str) -> std::result::Result<usize, usize> {
         self.0.binary_search_by(|(known, _)| known.as_str().cmp(name))
     }

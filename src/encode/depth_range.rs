@@ -65,7 +65,7 @@ pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
     let groups = selected_groups(source, settings);
     let mut depths = groups.iter().map(|group| group.group).filter(|group| group.kind == StreamKind::Depth).peekable();
     let has_few = |group: &SourceGroup| {
-        // What cannot be read is told by the encoder.
+        // The encoder reports what cannot be read.
         let planes = source.read_depth_as_stored(group, group.frames.first).unwrap_or_default();
         let distances = Distances::new(true);
         distances.add(planes.iter().flat_map(|plane| plane.data().iter().copied()));
