@@ -10,6 +10,9 @@
 //!   Distances of cameras are relative to the farthest active one.
 //!
 //! Each of the four texels around a point has a weight by its own depth, so that edges do not bleed.
+//!
+//! Alpha is interpolated by the same weights. A colour counts as much as its alpha; where all texels are transparent it is black. Secondary
+//! rays take a surface for opaque, of that colour.
 
 use glam::Vec3;
 
@@ -46,6 +49,8 @@ pub struct Interpolated {
     /// The part of the texels around the point that have its surface, of those that do not have a nearer one; 1 where all
     /// have.
     pub coverage: f32,
+    /// The alpha of the surface, 0 to 1.
+    pub alpha: f32,
 }
 
 /// A texel near a surface point, with its weight in the mean.
@@ -87,21 +92,26 @@ fn texels_of_view(view: &ActiveView<'_>, point: Vec3, mut visit: impl FnMut(Weig
 struct Sum {
     color: Vec3,
     weight: f32,
+    /// The weights of colours: times alpha.
+    shown: f32,
     difference: f32,
 }
 
 impl Sum {
-    const EMPTY: Sum = Sum { color: Vec3::ZERO, weight: 0.0, difference: f32::INFINITY };
+    const EMPTY: Sum = Sum { color: Vec3::ZERO, weight: 0.0, shown: 0.0, difference: f32::INFINITY };
 
     fn add(&mut self, WeightedTexel { face, texel, weight, difference }: WeightedTexel<'_>) {
-        self.color += weight * face.color.get(texel);
+        let shown = weight * face.alpha(texel);
+        self.color += shown * face.color.get(texel);
         self.weight += weight;
+        self.shown += shown;
         self.difference = self.difference.min(difference);
     }
 
     fn mean(&self) -> Option<Interpolated> {
-        let color = self.color / self.weight;
-        (self.weight > 0.0).then_some(Interpolated { color, difference: self.difference, coverage: 1.0 })
+        let color = if self.shown > 0.0 { self.color / self.shown } else { Vec3::ZERO };
+        let alpha = self.shown / self.weight;
+        (self.weight > 0.0).then_some(Interpolated { color, difference: self.difference, coverage: 1.0, alpha })
     }
 }
 
