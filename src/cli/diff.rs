@@ -70,7 +70,7 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
-    /// Only streams of these kinds: color, depth, material; also the kind of an image sequence
+    /// Only streams of these kinds: color, depth, material, alpha; also the kind of an image sequence
     #[arg(long, visible_alias = "kind", value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
     /// Only these probes; also the probe of an image sequence

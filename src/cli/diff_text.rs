@@ -73,7 +73,7 @@ fn largest(stream: &StreamReport) -> String {
         (Measured::Color(errors), Coding::Color(ColorFormat::Half { .. }, _)) => {
             format!("{:.2} PU21", f64::from(errors.max_error) / PU_STEPS)
         }
-        (Measured::Color(errors) | Measured::Material(errors), _) => format!("{} of 255", errors.max_error),
+        (Measured::Color(errors) | Measured::Bytes(errors), _) => format!("{} of 255", errors.max_error),
     }
 }
 
@@ -108,8 +108,10 @@ fn summary(comparison: &Comparison) -> String {
         let measures = [error, metres(errors.max_error_m), db(errors.error.psnr_db()), none(), none()];
         add(StreamKind::Depth, errors.differing_pixels, measures);
     }
-    if let Some(total) = comparison.material() {
-        add(StreamKind::Material, total.differing_pixels, of_samples(&total, none()));
+    for kind in [StreamKind::Material, StreamKind::Alpha] {
+        if let Some(total) = comparison.samples(kind) {
+            add(kind, total.differing_pixels, of_samples(&total, none()));
+        }
     }
     table.trim_fmt()
 }
@@ -124,7 +126,7 @@ fn stream_table(comparison: &Comparison) -> String {
         let color = stream.color();
         let psnr = match &stream.measured {
             Measured::Depth(errors) => errors.error.psnr_db(),
-            Measured::Color(errors) | Measured::Material(errors) => errors.error.psnr_db(),
+            Measured::Color(errors) | Measured::Bytes(errors) => errors.error.psnr_db(),
         };
         table.add_row(vec![
             name,
@@ -157,7 +159,8 @@ fn worst_table(comparison: &Comparison) -> String {
         lowest("colour frame", color.as_ref().and_then(|total| total.lowest_frame)),
         lowest("colour cell", color.as_ref().and_then(|total| total.lowest_cell)),
         pixel("depth pixel", comparison.depth().and_then(|(_, at)| at)),
-        pixel("material pixel", comparison.material().and_then(|total| total.worst)),
+        pixel("material pixel", comparison.samples(StreamKind::Material).and_then(|total| total.worst)),
+        pixel("alpha pixel", comparison.samples(StreamKind::Alpha).and_then(|total| total.worst)),
     ];
     let mut table = table("worst|stream|frame|x|y|error or PSNR");
     for (what, stream, spot, value) in rows.into_iter().flatten() {
@@ -171,9 +174,8 @@ fn worst_table(comparison: &Comparison) -> String {
 /// One line for each kind: range or encoding, and its origin.
 fn domain_lines(comparison: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
-    for (kind, name) in
-        [(StreamKind::Color, "colour"), (StreamKind::Depth, "depth"), (StreamKind::Material, "material")]
-    {
+    for kind in StreamKind::ALL {
+        let name = if kind == StreamKind::Color { "colour" } else { kind.name() };
         let mut seen: Vec<Domain> = Vec::new();
         for stream in comparison.streams.iter().filter(|stream| stream.id.kind == kind) {
             if !seen.contains(&stream.domain) {
@@ -212,7 +214,7 @@ fn domain_text(domain: &Domain) -> String {
         Coding::Color(ColorFormat::Half { white_cd_m2 }, cell) => {
             format!("half floats{of}, PSNR of PU21 with white at {white_cd_m2} cd/m2, cells of {cell} pixels")
         }
-        Coding::Material => "8-bit weights".to_owned(),
+        Coding::Bytes => "8-bit codes".to_owned(),
     }
 }
 

@@ -40,7 +40,7 @@ pub struct Args {
     pub input: PathBuf,
     #[command(flatten)]
     pub output: EncodeOutputArgs,
-    /// Only streams of these kinds: color, depth, material
+    /// Only streams of these kinds: color, depth, material, alpha
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
     #[command(flatten)]

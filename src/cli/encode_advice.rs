@@ -1,5 +1,7 @@
 //! Notes of encoding commands: what the values of the first frames suggest, and a result that is larger than its source.
 
+use std::collections::HashSet;
+
 use crate::cli::GlobalArgs;
 use crate::cli::output::human_bytes;
 use crate::convention::{self, Choice, MAX_PROBES, Verdict};
@@ -7,12 +9,23 @@ use crate::dataset::Source;
 use crate::encode::{self, EncodeSettings, FrameSource};
 use crate::image::StreamKind;
 use crate::monitor::Silent;
+use crate::report::coding_map::counted;
 
 /// Says what is odd about the values of the first frames, before anything is coded. The encoder reports what cannot be read.
 pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalArgs) {
     // Checks keep an image for each thread, and more of it, which no limit counts.
     if settings.memory.bytes.is_some() {
         return;
+    }
+    if settings.kinds.contains(&StreamKind::Color)
+        && let Some((file, pixels)) = source.unnamed_alpha()
+    {
+        let file = file.display();
+        let instead = "name it by `alpha` in the manifest's `files` to keep it";
+        global.note(format_args!(
+            "warning: {file}: alpha is below 1 in {}, and is dropped: {instead}",
+            counted(pixels, "pixel")
+        ));
     }
     let choice = Choice { max_probes: MAX_PROBES, ..Choice::default() };
     let findings = convention::check_values(source, &choice, &Silent).unwrap_or_default();
@@ -32,11 +45,12 @@ pub fn note_size(
     (bytes, instead): (u64, &str),
     global: &GlobalArgs,
 ) {
-    let mut source_bytes = 0;
+    // Kinds may share files.
+    let mut files = HashSet::new();
     for group in encode::selected_groups(source, settings) {
-        let files = group.group.frames.iter().filter_map(|frame| source.file(group.group, frame).ok()?);
-        source_bytes += files.filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum::<u64>();
+        files.extend(group.group.frames.iter().filter_map(|frame| source.file(group.group, frame).ok()?));
     }
+    let source_bytes: u64 = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
     if bytes > source_bytes && source_bytes > 0 {
         let (made, files) = (human_bytes(bytes), human_bytes(source_bytes));
         global.note(format_args!("{made}, the source files are {files}: try {instead}"));

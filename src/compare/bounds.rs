@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use crate::compare::comparison::Comparison;
 use crate::compare::difference::Lowest;
+use crate::image::StreamKind;
 use crate::metrics::depth_error::Spot;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bounds {
-    /// Largest error: codes of depth, 8-bit codes of material.
+    /// Largest error: codes of depth, 8-bit codes of material and alpha.
     pub max_error: Option<u16>,
     /// Lowest PSNR of a frame of a colour stream, in dB.
     pub min_psnr_db: Option<f64>,
@@ -79,8 +80,9 @@ impl Bounds {
     fn errors_beyond(&self, comparison: &Comparison) -> Vec<Violation> {
         let Some(limit) = self.max_error else { return Vec::new() };
         let depth = comparison.depth().map(|(errors, stream)| (u32::from(errors.max_error_codes), stream));
-        let material = comparison.material().map(|total| (total.max_error, total.worst));
-        let beyond = depth.into_iter().chain(material).filter(|(measured, _)| *measured > u32::from(limit));
+        let bytes = [StreamKind::Material, StreamKind::Alpha].into_iter().filter_map(|kind| comparison.samples(kind));
+        let bytes = bytes.map(|total| (total.max_error, total.worst));
+        let beyond = depth.into_iter().chain(bytes).filter(|(measured, _)| *measured > u32::from(limit));
         let violation = |(measured, stream): (u32, Option<usize>)| {
             let (stream, measured, limit) = (stream?, f64::from(measured), f64::from(limit));
             let spot = comparison.streams[stream].worst().map(|(spot, _)| spot);

@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::StreamId;
-use crate::image::FrameRange;
+use crate::image::{FrameRange, StreamKind};
 use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::metrics::{HvsError, SquaredError};
 
@@ -37,7 +37,8 @@ pub fn side_name(side: usize) -> &'static str {
 pub enum Measured {
     Depth(DepthErrors),
     Color(SampleErrors),
-    Material(SampleErrors),
+    /// Material or alpha.
+    Bytes(SampleErrors),
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +60,7 @@ impl StreamReport {
     pub fn differing_pixels(&self) -> u64 {
         match &self.measured {
             Measured::Depth(errors) => errors.differing_pixels,
-            Measured::Color(errors) | Measured::Material(errors) => errors.differing_pixels,
+            Measured::Color(errors) | Measured::Bytes(errors) => errors.differing_pixels,
         }
     }
 
@@ -67,7 +68,7 @@ impl StreamReport {
     pub fn worst(&self) -> Option<(Spot, f64)> {
         let (spot, error, peak) = match &self.measured {
             Measured::Depth(errors) => (errors.worst, errors.max_error_codes.into(), errors.error.peak),
-            Measured::Color(errors) | Measured::Material(errors) => {
+            Measured::Color(errors) | Measured::Bytes(errors) => {
                 (errors.worst, f64::from(errors.max_error), errors.error.peak)
             }
         };
@@ -82,8 +83,12 @@ impl StreamReport {
         if let Measured::Depth(errors) = &self.measured { Some(errors) } else { None }
     }
 
-    pub fn material(&self) -> Option<&SampleErrors> {
-        if let Measured::Material(errors) = &self.measured { Some(errors) } else { None }
+    /// Of a stream of any other kind than depth.
+    fn samples(&self) -> Option<&SampleErrors> {
+        match &self.measured {
+            Measured::Color(errors) | Measured::Bytes(errors) => Some(errors),
+            Measured::Depth(_) => None,
+        }
     }
 }
 
@@ -158,22 +163,20 @@ impl Comparison {
     }
 
     pub fn color(&self) -> Option<SampleTotal> {
-        self.samples(StreamReport::color)
+        self.samples(StreamKind::Color)
     }
 
-    pub fn material(&self) -> Option<SampleTotal> {
-        self.samples(StreamReport::material)
-    }
-
-    fn samples(&self, of: fn(&StreamReport) -> Option<&SampleErrors>) -> Option<SampleTotal> {
+    /// Of a kind other than depth.
+    pub fn samples(&self, kind: StreamKind) -> Option<SampleTotal> {
+        let of_kind = self.streams.iter().enumerate().filter(|(_, stream)| stream.id.kind == kind);
         let all: Vec<(usize, &SampleErrors)> =
-            self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, of(stream)?))).collect();
+            of_kind.filter_map(|(at, stream)| Some((at, stream.samples()?))).collect();
         let lowest = |of: fn(&SampleErrors) -> Option<Lowest>| {
             let known = all.iter().filter_map(|(at, errors)| Some((*at, of(errors)?)));
             known.reduce(|lowest, next| if next.1.psnr_db < lowest.1.psnr_db { next } else { lowest })
         };
         let sum = |of: fn(&SampleErrors) -> u64| all.iter().map(|(_, errors)| of(errors)).sum::<u64>();
-        let worst = self.worst_where(|stream| of(stream).is_some()).map(|(at, _)| at);
+        let worst = self.worst_where(|stream| stream.id.kind == kind).map(|(at, _)| at);
         let ssim_frames = sum(|errors| errors.ssim_frames);
         let ssim_sum: f64 = all.iter().map(|(_, errors)| errors.ssim_sum).sum();
         let mut hvs = HvsError::default();
@@ -183,7 +186,7 @@ impl Comparison {
             lowest_frame: lowest(|errors| errors.lowest_frame),
             lowest_cell: lowest(|errors| errors.lowest_cell),
             worst,
-            max_error: worst.and_then(|at| of(&self.streams[at])).map_or(0, |errors| errors.max_error),
+            max_error: worst.and_then(|at| self.streams[at].samples()).map_or(0, |errors| errors.max_error),
             ssim: (ssim_frames > 0).then(|| ssim_sum / ssim_frames as f64),
             ssim_frames,
             psnr_hvs_m_db: hvs.psnr_db(),

@@ -1,4 +1,4 @@
-//! Errors of colour and material between two images, counted pixel by pixel.
+//! Errors of colour, material and alpha between two images, counted pixel by pixel.
 
 use half::f16;
 use serde::Serialize;
@@ -179,6 +179,7 @@ impl BitErrors {
             (Values::Metres(a), Values::Metres(b)) => self.compare(frame, a, b, |z| z.to_bits()),
             (Values::Light(a), Values::Light(b)) => self.compare(frame, a, b, |pixel| pixel.map(f16::to_bits)),
             (Values::Weights(a), Values::Weights(b)) => self.compare(frame, a, b, |pixel| pixel.map(f32::to_bits)),
+            (Values::Alpha(a), Values::Alpha(b)) => self.compare(frame, a, b, |alpha| alpha.to_bits()),
             _ => return Err(Error::invalid("images of two kinds cannot be compared")),
         }
         Ok(())

@@ -70,7 +70,7 @@ impl Domain {
         let coding = match streams[0].id.kind {
             StreamKind::Depth => return None,
             StreamKind::Color => Coding::Color(ColorFormat::EightBit(ToneMap::default()), DEFAULT_CELL),
-            StreamKind::Material => Coding::Material,
+            StreamKind::Material | StreamKind::Alpha => Coding::Bytes,
         };
         Some(Domain { coding, origin: Origin::Default })
     }
@@ -182,9 +182,16 @@ impl Converter {
             {
                 unclipped(Converted::Bytes(codes))
             }
-            (Image::Coded(Picture::Material(codes)), Coding::Material) => unclipped(Converted::Bytes(codes)),
-            (Image::File(Values::Weights(weights)), Coding::Material) => {
+            (Image::Coded(Picture::Material(codes)), Coding::Bytes) => unclipped(Converted::Bytes(codes)),
+            (Image::File(Values::Weights(weights)), Coding::Bytes) => {
                 unclipped(Converted::Bytes(convert::material_codes(&weights)?))
+            }
+            // Three equal samples have the errors of one.
+            (Image::Coded(Picture::Alpha(codes)), Coding::Bytes) => {
+                unclipped(Converted::Bytes(codes.map(|&code| [code; 3])))
+            }
+            (Image::File(Values::Alpha(alpha)), Coding::Bytes) => {
+                unclipped(Converted::Bytes(convert::alpha_codes(&alpha)?.map(|&code| [convert::alpha_byte(code); 3])))
             }
             (image, Coding::Color(..)) => {
                 let Values::Light(light) = self.values(&image) else { return Err(wrong_kind()) };
@@ -219,6 +226,11 @@ impl Converter {
                 // Files hold halves.
                 let half = |value: f32| f16::from_f32(value).to_f32();
                 Values::Weights(convert::material_values(codes).map(|pixel| pixel.map(half)))
+            }
+            Image::Coded(Picture::Alpha(codes)) => {
+                // Files hold halves.
+                let half = |code: u8| f16::from_f32(convert::alpha_value(code.into())).to_f32();
+                Values::Alpha(codes.map(|&code| half(code)))
             }
             Image::File(values) => values.clone(),
         }

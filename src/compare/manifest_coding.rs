@@ -58,7 +58,7 @@ impl ManifestCoding {
                     Coding::Color(ColorFormat::Half { white_cd_m2 }, cell.max(1))
                 }
             }),
-            StreamKind::Material => Some(Coding::Material),
+            StreamKind::Material | StreamKind::Alpha => Some(Coding::Bytes),
         })
     }
 }

@@ -175,7 +175,7 @@ impl PairComparison {
                 Coding::Color(..) => {
                     Measured::Color(SampleErrors::empty(metric.as_ref().map_or(U8_PEAK, Quality::peak)))
                 }
-                Coding::Material => Measured::Material(SampleErrors::empty(U8_PEAK)),
+                Coding::Bytes => Measured::Bytes(SampleErrors::empty(U8_PEAK)),
             },
             bits: (settings.measure == Measure::Bits).then(BitErrors::default),
         };
@@ -221,7 +221,7 @@ impl PairComparison {
                     errors.add(frame, &half_levels(a, metric), &half_levels(b, metric), cell);
                 }
             }
-            (Measured::Material(errors), Converted::Bytes(a), Converted::Bytes(b)) => errors.add(frame, a, b, cell),
+            (Measured::Bytes(errors), Converted::Bytes(a), Converted::Bytes(b)) => errors.add(frame, a, b, cell),
             _ => return Err(Error::invalid("images of two kinds cannot be compared")),
         }
         Ok(())

@@ -142,7 +142,7 @@ fn open_container(path: &str) -> Result<Side> {
         let (coding, depth_kind) = match &stream.header {
             CodecHeader::Depth(header) => (Coding::Depth(header.range), header.kind),
             CodecHeader::Color(header) => (Coding::Color(header.format, stream.entry.unit_width), DepthKind::default()),
-            CodecHeader::Material(_) => (Coding::Material, DepthKind::default()),
+            CodecHeader::Material(_) | CodecHeader::Alpha(_) => (Coding::Bytes, DepthKind::default()),
         };
         SideStream {
             id: StreamId { kind: stream.kind, probe: decoder.probe(stream).name.clone(), face: stream.face },
@@ -227,7 +227,7 @@ fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     }
     let of_streams = || only_one(other.streams.iter().map(|stream| stream.id.kind));
     kind_in_name(path).or_else(|| kind_in_name(other.path)).or_else(of_streams).ok_or_else(|| {
-        Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color or material"))
+        Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color, material or alpha"))
     })
 }
 
@@ -239,8 +239,8 @@ fn only_one<T: PartialEq>(mut values: impl Iterator<Item = T>) -> Option<T> {
 /// The kind that is part of a file name, else of its folder's name.
 fn kind_in_name(path: &str) -> Option<StreamKind> {
     let lower = path.to_lowercase();
-    let words = ["depth", "material", "color", "colour"];
-    let kinds = [StreamKind::Depth, StreamKind::Material, StreamKind::Color, StreamKind::Color];
+    let words = ["depth", "material", "alpha", "color", "colour"];
+    let kinds = [StreamKind::Depth, StreamKind::Material, StreamKind::Alpha, StreamKind::Color, StreamKind::Color];
     let mut parts = lower.rsplit(['/', std::path::MAIN_SEPARATOR]).take(2);
     parts.find_map(|part| {
         only_one(words.iter().zip(kinds).filter(|(word, _)| part.contains(**word)).map(|(_, kind)| kind))

@@ -34,7 +34,9 @@ pub struct ComparisonReport<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     color: Option<ColorTotal<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    material: Option<MaterialTotal<'a>>,
+    material: Option<BytesTotal<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    alpha: Option<BytesTotal<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     exact: Option<BitsTotal<'a>>,
 }
@@ -79,7 +81,7 @@ struct ColorTotal<'a> {
 }
 
 #[derive(Debug, Serialize)]
-struct MaterialTotal<'a> {
+struct BytesTotal<'a> {
     max_error_codes: u32,
     psnr_db: Number,
     differing_pixels: u64,
@@ -115,7 +117,7 @@ struct StreamErrors<'a> {
 enum Errors {
     Depth(DepthErrors),
     Color(ColorErrors),
-    Material(LevelErrors),
+    Bytes(LevelErrors),
 }
 
 #[derive(Debug, Serialize)]
@@ -162,7 +164,7 @@ enum Codes {
     #[serde(rename = "half")]
     Half { metric: &'static str, white_cd_m2: f64, cell: u32 },
     #[serde(rename = "8bit")]
-    Material,
+    Bytes,
 }
 
 impl Comparison {
@@ -187,12 +189,8 @@ impl Comparison {
                 worst: worst.zip(errors.worst).map(|(at, spot)| self.place(at, spot)),
             }),
             color: self.color().map(|total| self.color_total(&total)),
-            material: self.material().map(|total| MaterialTotal {
-                max_error_codes: total.max_error,
-                psnr_db: Number(total.psnr_db),
-                differing_pixels: total.differing_pixels,
-                worst: self.worst_of(&total),
-            }),
+            material: self.bytes_total(StreamKind::Material),
+            alpha: self.bytes_total(StreamKind::Alpha),
             exact: self.bits().map(|(differing_pixels, first)| BitsTotal {
                 differing_pixels,
                 first: first.map(|(at, spot)| self.place(at, spot)),
@@ -207,6 +205,16 @@ impl Comparison {
     fn worst_of(&self, total: &SampleTotal) -> Option<Place<'_>> {
         let (at, (spot, _)) = total.worst.and_then(|at| Some((at, self.streams[at].worst()?)))?;
         Some(self.place(at, spot))
+    }
+
+    fn bytes_total(&self, kind: StreamKind) -> Option<BytesTotal<'_>> {
+        let total = self.samples(kind)?;
+        Some(BytesTotal {
+            max_error_codes: total.max_error,
+            psnr_db: Number(total.psnr_db),
+            differing_pixels: total.differing_pixels,
+            worst: self.worst_of(&total),
+        })
     }
 
     fn color_total(&self, total: &SampleTotal) -> ColorTotal<'_> {
@@ -248,7 +256,7 @@ impl<'a> StreamErrors<'a> {
             errors: match &stream.measured {
                 Measured::Depth(errors) => Errors::Depth(*errors),
                 Measured::Color(errors) => Errors::Color(ColorErrors::new(errors, &stream.domain)),
-                Measured::Material(errors) => Errors::Material(LevelErrors::new(errors, &stream.domain)),
+                Measured::Bytes(errors) => Errors::Bytes(LevelErrors::new(errors, &stream.domain)),
             },
             exact: stream.bits,
             width: stream.size[0],
@@ -298,7 +306,7 @@ impl DomainReport<'_> {
             Coding::Color(ColorFormat::Half { white_cd_m2 }, cell) => {
                 Codes::Half { metric: "pu21 in 64ths", white_cd_m2, cell }
             }
-            Coding::Material => Codes::Material,
+            Coding::Bytes => Codes::Bytes,
         };
         let (of, from) = match domain.origin {
             Origin::Container(side) => (Some(side_name(side)), "container"),

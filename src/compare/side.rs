@@ -9,7 +9,9 @@ use crate::dataset::Source;
 use crate::decode::{Decoder, FaceDecoder, Picture, memory};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, FrameRange, MaterialPlane, Primaries, StreamKind};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, FrameRange, MaterialPlane, Primaries, StreamKind,
+};
 use crate::streams::ColorFormat;
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -41,7 +43,8 @@ pub enum Coding {
     Depth(DepthRange),
     /// 8-bit or half-float colour, and the width of cells in pixels.
     Color(ColorFormat, u32),
-    Material,
+    /// Of material and alpha.
+    Bytes,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -133,6 +136,7 @@ pub enum Values {
     Metres(DepthPlane),
     Light(ColorPlane),
     Weights(MaterialPlane),
+    Alpha(AlphaPlane),
 }
 
 impl Side {
@@ -208,6 +212,7 @@ fn read_group(source: &Source, group: usize, frame: u32) -> Result<Vec<Option<Im
         StreamKind::Color => wrap(source.read_color(group, frame)?, Values::Light),
         StreamKind::Depth => wrap(source.read_depth(group, frame)?, Values::Metres),
         StreamKind::Material => wrap(source.read_material(group, frame)?, Values::Weights),
+        StreamKind::Alpha => wrap(source.read_alpha(group, frame)?, Values::Alpha),
     })
 }
 

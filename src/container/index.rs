@@ -244,7 +244,7 @@ impl StreamEntry {
     pub(super) fn fault(&self, probes: usize) -> Option<String> {
         let StreamEntry { kind, face, probe, width, height, unit_width, unit_height, .. } = *self;
         let (first_frame, frame_count) = (self.first_frame, self.frame_count);
-        if kind > 2 || face > 6 {
+        if kind > 3 || face > 6 {
             return Some(format!("a stream of kind {kind} and face {face} is unknown"));
         }
         if usize::from(probe) >= probes {

@@ -162,11 +162,13 @@ impl Draft<'_> {
             depth,
             color,
             material: None,
+            alpha: None,
             missing: None,
             files: Files {
                 color: file(StreamKind::Color),
                 depth: file(StreamKind::Depth),
                 material: file(StreamKind::Material),
+                alpha: file(StreamKind::Alpha),
                 normal: self.normals(&names)?,
             },
             probes,
@@ -314,7 +316,7 @@ impl Draft<'_> {
         let values = match kind {
             StreamKind::Color => self.read_color(file)?.map(|pixel| pixel.map(|value| u32::from(value.to_bits()))),
             StreamKind::Depth => self.read_depth(file)?.map(|value| [value.to_bits(); 3]),
-            StreamKind::Material => return Ok(false),
+            StreamKind::Material | StreamKind::Alpha => return Ok(false),
         };
         Ok(varies(values.data()) && corners(&|x, y| values.get(x, y)))
     }

@@ -57,6 +57,8 @@ pub struct Manifest {
     pub color: Option<ColorInfo>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialInfo>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<AlphaInfo>,
     /// Treatment of frames whose file is missing; an error when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing: Option<Missing>,
@@ -184,6 +186,14 @@ pub struct ColorInfo {
     pub layer: Option<String>,
 }
 
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AlphaInfo {
+    /// Channel of EXR files; that of the layer of colour when absent. `{probe}` and `{face}` stand for names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialInfo {
@@ -221,6 +231,9 @@ pub struct Files {
     pub depth: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// The files of colour, where these have alpha. Colour of EXR files is multiplied by it, that of PNG files is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<String>,
     /// Normals are no stream of a container: simplification reads them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<String>,
@@ -235,6 +248,7 @@ impl Files {
             StreamKind::Color => self.color.as_deref(),
             StreamKind::Depth => self.depth.as_deref(),
             StreamKind::Material => self.material.as_deref(),
+            StreamKind::Alpha => self.alpha.as_deref(),
         }
     }
 }
@@ -433,6 +447,7 @@ impl Manifest {
             StreamKind::Color => self.color.iter().filter_map(|color| color.layer.as_deref()).collect(),
             StreamKind::Depth => self.depth.iter().filter_map(|depth| depth.channel.as_deref()).collect(),
             StreamKind::Material => self.material.iter().flat_map(|material| material.channels.names()).collect(),
+            StreamKind::Alpha => self.alpha.iter().filter_map(|alpha| alpha.channel.as_deref()).collect(),
         }
     }
 

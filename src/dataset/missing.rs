@@ -19,7 +19,7 @@ pub enum Missing {
     Hold,
     /// At the start and end of a stream they are left out; within it they are an error, as streams have no gaps.
     Skip,
-    /// Black light, background, and no material.
+    /// Black light, background, no material, and an alpha of 0.
     Black,
 }
 

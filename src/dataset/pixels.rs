@@ -3,7 +3,7 @@
 use half::f16;
 
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer};
+use crate::image::{AlphaPlane, ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer};
 
 /// Treatment of depth that is NaN, zero, negative or −inf and is not the background.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl InvalidDepth {
     }
 }
 
-/// Treatment of colour that is NaN, and of material values that are not finite.
+/// Treatment of colour and alpha that is NaN, and of material values that are not finite.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum InvalidColor {
     /// An error that names file and pixel.
@@ -184,6 +184,20 @@ pub(super) fn check_material(plane: &mut MaterialPlane, invalid: InvalidColor) -
                     let message = format!("material at {} is {component}, not a finite number", pixel(index, width));
                     return Err(Error::invalid(message));
                 }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// NaN is an error or 0.
+pub(super) fn check_alpha(plane: &mut AlphaPlane, invalid: InvalidColor) -> Result<()> {
+    let width = plane.width();
+    for (index, alpha) in plane.data_mut().iter_mut().enumerate().filter(|(_, alpha)| alpha.is_nan()) {
+        match invalid {
+            InvalidColor::Black => *alpha = 0.0,
+            InvalidColor::Refuse => {
+                return Err(Error::invalid(format!("alpha at {} is not a number", pixel(index, width))));
             }
         }
     }

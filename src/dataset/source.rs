@@ -13,15 +13,16 @@ use super::manifest::{Manifest, Pose};
 use super::missing::{FrameFiles, Missing};
 use super::normals::{self, NormalFiles};
 use super::pixels::{
-    DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
-    planar_to_distance,
+    DepthRules, InvalidColor, InvalidDepth, check_alpha, check_color, check_depth, check_material, keep_faces,
+    linear_from_srgb, planar_to_distance,
 };
 use crate::error::{Error, Result};
-use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
+use crate::image::equirect::{FaceMap, resample_alpha, resample_color, resample_nearest};
 use crate::image::layout::{cut_eye, cut_faces};
 use crate::image::{
-    ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind, exr, png,
+    AlphaPlane, ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange,
+    ImageProjection, MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind,
+    exr, png,
 };
 
 /// Settings of the caller; `None` takes the manifest's, else the default of the field.
@@ -33,6 +34,8 @@ pub struct SourceOptions {
     pub color_channel: Option<String>,
     /// Three channels of materials, with commas between them.
     pub material_channel: Option<String>,
+    /// Channel of alpha.
+    pub alpha_channel: Option<String>,
     /// Metres per unit of depth, not 0; below 0 where values in front of the camera are negative. Default 1, except for
     /// integer (PNG) depth, which has no default.
     pub depth_scale: Option<f64>,
@@ -60,6 +63,7 @@ impl SourceOptions {
             StreamKind::Depth => &mut self.depth_channel,
             StreamKind::Color => &mut self.color_channel,
             StreamKind::Material => &mut self.material_channel,
+            StreamKind::Alpha => &mut self.alpha_channel,
         };
         *channel = Some(name.to_owned());
     }
@@ -129,7 +133,7 @@ impl ProbeInfo {
 /// Streams of the same files: one face per file, or six in one image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceGroup {
-    /// Colour, depth or material.
+    /// Colour, depth, material or alpha.
     pub kind: StreamKind,
     /// Index into the probes of the source.
     pub probe: usize,
@@ -195,6 +199,7 @@ pub struct Source {
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
     material_channels: [String; 3],
+    alpha_channel: ChannelSelect,
     invalid_color: InvalidColor,
     missing: Missing,
     limits: ReadLimits,
@@ -224,7 +229,7 @@ impl Source {
         u64::from(self.file_size.0) * u64::from(self.file_size.1)
     }
 
-    /// What can be read: colour, depth, material; within a kind by probe, then by face.
+    /// What can be read: colour, depth, material, alpha; within a kind by probe, then by face.
     pub fn groups(&self) -> &[SourceGroup] {
         &self.groups
     }
@@ -259,7 +264,8 @@ impl Source {
         )))
     }
 
-    /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite.
+    /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite. Where the source
+    /// has alpha, colour is multiplied by it: that of PNG files here, that of EXR files is so already.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         self.read((StreamKind::Color, group, frame), [f16::ZERO; 3], |path| {
             let mut plane = self.color_file(path, group)?;
@@ -268,8 +274,56 @@ impl Source {
             if !png::is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
                 linear_from_srgb(&mut plane);
             }
+            if png::is_png(path)
+                && let Some(alpha) = self.alpha_beside(group, frame)?
+            {
+                plane = plane.zip(&alpha, |light, alpha| light.map(|value| f16::from_f32(value.to_f32() * alpha)))?;
+            }
             self.faces_of(plane, group, resample_color)
         })
+    }
+
+    /// Alpha of the files beside those of a group of colour; `None` where the source has none of the frame.
+    fn alpha_beside(&self, color: &SourceGroup, frame: u32) -> Result<Option<AlphaPlane>> {
+        let is_beside = |group: &&SourceGroup| {
+            (group.kind, group.probe, &group.faces) == (StreamKind::Alpha, color.probe, &color.faces)
+        };
+        let Some(group) = self.groups.iter().find(is_beside).filter(|group| group.frames.contains(frame)) else {
+            return Ok(None);
+        };
+        let Some(path) = self.path(StreamKind::Alpha, group, frame)? else { return Ok(None) };
+        self.alpha_file(&path, group).map(Some).map_err(|error| error.in_file(&path))
+    }
+
+    /// The first file of colour, and its pixels with an alpha below 1, where the dataset names no alpha. None where there are none.
+    pub fn unnamed_alpha(&self) -> Option<(PathBuf, u64)> {
+        if self.groups.iter().any(|group| group.kind == StreamKind::Alpha) {
+            return None;
+        }
+        let color = self.groups.iter().find(|group| group.kind == StreamKind::Color)?;
+        let path = self.path(StreamKind::Color, color, color.frames.first).ok()??;
+        let alpha = self.alpha_file(&path, color).ok()?;
+        let below = alpha.data().iter().filter(|alpha| **alpha < 1.0).count() as u64;
+        (below > 0).then_some((path, below))
+    }
+
+    /// Alpha of a frame, 0 to 1, one plane for each face of the group.
+    pub fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
+        self.read((StreamKind::Alpha, group, frame), 0.0, |path| {
+            self.faces_of(self.alpha_file(path, group)?, group, resample_alpha)
+        })
+    }
+
+    fn alpha_file(&self, path: &Path, group: &SourceGroup) -> Result<AlphaPlane> {
+        let mut plane = if png::is_png(path) {
+            png::read_alpha(path, &self.limits)?
+        } else {
+            let [own, color] = [&self.alpha_channel, &self.color_channel].map(|channel| self.select(channel, group));
+            exr::read_alpha(path, &own, &color, &self.limits)?
+        };
+        self.check_size(&plane)?;
+        check_alpha(&mut plane, self.invalid_color)?;
+        Ok(plane)
     }
 
     /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
@@ -445,6 +499,7 @@ impl Source {
             ("the choice of color channels", self.color_channel.words()),
             ("the depth channel", self.depth_channel.words()),
             ("the choice of material channels", self.material_channels.join(", ")),
+            ("the choice of the alpha channel", self.alpha_channel.words()),
         ]
     }
 

@@ -23,6 +23,8 @@ pub enum Picture {
     Color8(Plane<[u8; 3]>),
     ColorHalf(Plane<[f16; 3]>),
     Material(Plane<[u8; 3]>),
+    /// 0 to 255.
+    Alpha(Plane<u8>),
 }
 
 /// Decodes whole images of one stream: all tiles or cells of a face, in parallel.
@@ -153,6 +155,11 @@ fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Result<Picture> {
             let mut plane = Plane::filled(width, height, [0; 3]);
             fill(PixelsMut::Material8(plane.data_mut()))?;
             Picture::Material(plane)
+        }
+        CodecHeader::Alpha(_) => {
+            let mut plane = Plane::filled(width, height, 0);
+            fill(PixelsMut::Alpha8(plane.data_mut()))?;
+            Picture::Alpha(plane)
         }
         CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
             let mut plane = Plane::filled(width, height, [0; 3]);

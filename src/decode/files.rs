@@ -1,9 +1,8 @@
 //! Writes decoded images into EXR or PNG files, and the manifest that makes a folder of them a dataset again; or those of one stream
-//! into a pipe.
+//! into a pipe. Colour and alpha of a face go into one file: colour is multiplied by alpha in EXR files, and not in PNG files.
 
-use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::json;
@@ -12,24 +11,19 @@ use crate::dataset::manifest::MANIFEST_NAME;
 use crate::decode::damage::{FrameRanges, MissingImages};
 use crate::decode::decoder::Decoder;
 use crate::decode::face::Picture;
-use crate::decode::images::ImageSource;
+use crate::decode::image_writer::ImageWriter;
+use crate::decode::images::{ImageSource, Images};
 use crate::decode::manifest::{FileCoding, FileFormat, file_pattern, manifest_of};
 use crate::decode::memory;
 use crate::decode::selection::{Request, StreamFrames};
 use crate::decode::units::{DecodeSummary, Decoded, DecodedPart, jobs_at_once};
-use crate::depth::CodeTable;
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
-use crate::image::exr;
-use crate::image::picture_stream::{CodePicture, PictureStream, StreamFormat};
+use crate::image::picture_stream::{PictureStream, StreamFormat};
 use crate::image::sequence::Pattern;
-use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
-use crate::image::{ColorPlane, LightMatrix, Primaries};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
-use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
-
-const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
+use crate::streams::StreamInfo;
 
 #[derive(Debug, Clone)]
 pub enum Destination {
@@ -86,28 +80,43 @@ pub fn decode_to_files(
     let written = Written::default();
     let each = |part: &StreamFrames<'_>| memory::stream_bytes(decoder, part.stream) + memory::file_bytes(part.stream);
     let at_once = jobs_at_once(decoder, memory, || streams.iter().map(each).max())?;
-    let parts = try_map_at_once(streams.to_vec(), at_once, |StreamFrames { stream, frames }| {
-        let writer = ImageWriter::new(stream, coding, decoder.primaries());
-        let pattern = destination.pattern(decoder, stream, format)?;
-        let mut face = source.open(decoder, stream)?;
-        let mut missing = FrameRanges::default();
-        for frame in frames.iter() {
-            monitor.check()?;
-            match face.decode_intact(frame, filter)? {
-                Some(picture) => {
-                    let file = writer.write_new(&pattern.path(frame), picture)?;
-                    written.bytes.fetch_add(file.bytes, Ordering::Relaxed);
-                    written.clipped_pixels.fetch_add(file.clipped_pixels, Ordering::Relaxed);
+    let parts =
+        try_map_at_once(file_jobs(streams), at_once, |FileJob { of: StreamFrames { stream, frames }, alpha }| {
+            let writer = ImageWriter::new(stream, coding, decoder.primaries());
+            let pattern = destination.pattern(decoder, stream, format)?;
+            let mut face = source.open(decoder, stream)?;
+            let mut alpha_face = alpha.map(|alpha| source.open(decoder, alpha)).transpose()?;
+            let mut missing = FrameRanges::default();
+            for frame in frames.iter() {
+                monitor.check()?;
+                let picture = face.decode_intact(frame, filter)?;
+                let beside = alpha_face.as_mut().map(|face| face.decode_intact(frame, filter)).transpose()?;
+                // A file needs all of its channels.
+                let written_file = match (picture, &beside) {
+                    (Some(picture), None) => Some(writer.write_new(&pattern.path(frame), picture, None)?),
+                    (Some(picture), Some(Some(Picture::Alpha(alpha)))) => {
+                        Some(writer.write_new(&pattern.path(frame), picture, Some(alpha))?)
+                    }
+                    _ => None,
+                };
+                match written_file {
+                    Some(file) => {
+                        written.bytes.fetch_add(file.bytes, Ordering::Relaxed);
+                        written.clipped_pixels.fetch_add(file.clipped_pixels, Ordering::Relaxed);
+                    }
+                    None => missing.push(frame),
                 }
-                None => missing.push(frame),
+                monitor.advance(1 + u64::from(beside.is_some()));
             }
-            monitor.advance(1);
-        }
-        let (pixels, images) = (face.selected_pixels(), frames.count() - missing.count());
-        let summary = DecodeSummary { frames: images, pixels, bytes_out: 0, cost: face.cost() };
-        Ok(DecodedPart { stream: stream.index, summary, damaged: face.damaged(), missing })
-    })?;
-    let mut decoded = Decoded::of(parts);
+            let part = |stream: &StreamInfo, face: &dyn Images| {
+                let (pixels, frames) = (face.selected_pixels(), frames.count() - missing.count());
+                let summary = DecodeSummary { frames, pixels, bytes_out: 0, cost: face.cost() };
+                DecodedPart { stream: stream.index, summary, damaged: face.damaged(), missing: missing.clone() }
+            };
+            let beside = alpha.zip(alpha_face).map(|(stream, face)| part(stream, &*face));
+            Ok(std::iter::once(part(stream, &*face)).chain(beside).collect::<Vec<_>>())
+        })?;
+    let mut decoded = Decoded::of(parts.into_iter().flatten().collect());
     decoded.summary.bytes_out = written.bytes.into_inner();
     decoded.clipped_pixels = written.clipped_pixels.into_inner();
     if let Destination::Dataset(folder) = destination
@@ -128,6 +137,23 @@ pub fn decode_to_files(
         std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
     }
     Ok(decoded)
+}
+
+/// The streams of one file.
+struct FileJob<'a> {
+    of: StreamFrames<'a>,
+    /// Alpha beside colour.
+    alpha: Option<&'a StreamInfo>,
+}
+
+/// Colour takes the alpha of its face along where it has the same frames.
+fn file_jobs<'a>(streams: &[StreamFrames<'a>]) -> Vec<FileJob<'a>> {
+    let is_taken = |alpha: &&StreamFrames<'_>| streams.iter().any(|color| color.has_alpha(alpha));
+    let job = |of: &StreamFrames<'a>| {
+        let alpha = streams.iter().find(|alpha| of.has_alpha(alpha)).map(|alpha| alpha.stream);
+        FileJob { of: *of, alpha }
+    };
+    streams.iter().filter(|part| !is_taken(part)).map(job).collect()
 }
 
 /// Decodes the only stream of a request into a pipe, frame by frame: codes as in PNG files.
@@ -192,109 +218,4 @@ fn several_streams(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> Error {
 struct Written {
     bytes: AtomicU64,
     clipped_pixels: AtomicU64,
-}
-
-struct WrittenFile {
-    bytes: u64,
-    clipped_pixels: u64,
-}
-
-/// Between the domain of a codec and that of a file.
-enum Table {
-    Metres(CodeTable),
-    Light(Box<DecodeTable>),
-    /// Of half floats in PNG.
-    Codes(EncodeTable),
-    /// Of 8-bit codes in PNG that are of other primaries.
-    Anew(Box<DecodeTable>, EncodeTable),
-    None,
-}
-
-struct ImageWriter {
-    format: FileFormat,
-    table: Table,
-    /// Of light in files.
-    primaries: Primaries,
-    /// To them.
-    matrix: Option<LightMatrix>,
-}
-
-impl ImageWriter {
-    fn new(stream: &StreamInfo, coding: FileCoding, own: Primaries) -> ImageWriter {
-        let (format, primaries) = (coding.format, coding.primaries(own));
-        let matrix = own.conversion_to(primaries);
-        let table = match &stream.header {
-            CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
-            CodecHeader::Color(header) => match header.format {
-                ColorFormat::EightBit(tone) if format == FileFormat::Png && matrix.is_some() => {
-                    Table::Anew(Box::new(DecodeTable::new(&tone)), EncodeTable::new(&tone))
-                }
-                ColorFormat::EightBit(tone) => Table::Light(Box::new(DecodeTable::new(&tone))),
-                ColorFormat::Half { .. } => Table::Codes(EncodeTable::new(&ToneMap::default())),
-            },
-            CodecHeader::Material(_) => Table::None,
-        };
-        ImageWriter { format, table, primaries, matrix }
-    }
-
-    /// Writes a file, and its folder where there is none.
-    fn write_new(&self, path: &Path, picture: Picture) -> Result<WrittenFile> {
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
-        }
-        let clipped_pixels = self.write(path, picture).map_err(|error| error.in_file(path))?;
-        let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
-        Ok(WrittenFile { bytes, clipped_pixels })
-    }
-
-    /// Returns the number of clipped pixels.
-    fn write(&self, path: &Path, picture: Picture) -> Result<u64> {
-        match (self.format, picture, &self.table) {
-            (FileFormat::Png, picture, _) => {
-                let (codes, clipped) = self.codes(picture)?;
-                let file = File::create(path).map_err(|error| Error::io(path, error))?;
-                return codes.encode_png(&mut BufWriter::new(file)).map(|()| clipped);
-            }
-            (FileFormat::Exr, Picture::Depth(codes), Table::Metres(table)) => {
-                exr::write_depth(path, &codes.map(|&code| table.metres(code)))
-            }
-            (FileFormat::Exr, Picture::Color8(codes), Table::Light(table)) => {
-                let light = self.converted(convert::color_light(&codes, table));
-                exr::write_color_of(path, &light, self.primaries)
-            }
-            (FileFormat::Exr, Picture::ColorHalf(light), _) => {
-                exr::write_color_of(path, &self.converted(light), self.primaries)
-            }
-            (FileFormat::Exr, Picture::Material(codes), _) => {
-                exr::write_material(path, &convert::material_values(&codes), MATERIAL_CHANNELS)
-            }
-            // A stream's pictures and its table are of one kind.
-            _ => Err(Error::invalid("a picture of another kind than its stream")),
-        }
-        .map(|()| 0)
-    }
-
-    fn converted(&self, light: ColorPlane) -> ColorPlane {
-        match self.matrix {
-            Some(matrix) => matrix.convert_plane(&light),
-            None => light,
-        }
-    }
-
-    /// A picture in codes, and the number of clipped pixels.
-    fn codes(&self, picture: Picture) -> Result<(CodePicture, u64)> {
-        let of_light = |light: ColorPlane, table: &EncodeTable| {
-            let (codes, clipped) = convert::color_codes(&self.converted(light), table);
-            (CodePicture::Rgb8(codes), clipped)
-        };
-        match (picture, &self.table) {
-            (Picture::Color8(codes), Table::Anew(light, table)) => {
-                Ok(of_light(convert::color_light(&codes, light), table))
-            }
-            (Picture::Depth(codes), _) => Ok((CodePicture::Gray16(codes), 0)),
-            (Picture::Color8(codes) | Picture::Material(codes), _) => Ok((CodePicture::Rgb8(codes), 0)),
-            (Picture::ColorHalf(light), Table::Codes(table)) => Ok(of_light(light, table)),
-            _ => Err(Error::invalid("a picture of another kind than its stream")),
-        }
-    }
 }

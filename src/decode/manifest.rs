@@ -86,7 +86,8 @@ pub(super) fn manifest_of(
     let (mut depth, mut color, mut material) = (None, None, None);
     let mut coding = serde_json::Map::new();
     let mut ranges = serde_json::Map::new();
-    for StreamFrames { stream, .. } in streams {
+    for part in streams {
+        let stream = part.stream;
         let pattern = Some(file_pattern(decoder, stream.kind, format));
         match (&stream.header, format) {
             (CodecHeader::Depth(header), _) => {
@@ -123,6 +124,14 @@ pub(super) fn manifest_of(
                 material = Some(manifest::MaterialInfo { channels: manifest::MaterialChannels::default() });
             }
             (CodecHeader::Material(_), FileFormat::Png) => {}
+            (CodecHeader::Alpha(_), _) => {
+                let is_beside = streams.iter().any(|color| color.has_alpha(part));
+                let kind = if is_beside { StreamKind::Color } else { StreamKind::Alpha };
+                let own = file_pattern(decoder, kind, format);
+                if files.alpha.replace(own.clone()).is_some_and(|other| other != own) {
+                    return Err("alpha of some faces has no colour of the same frames");
+                }
+            }
         }
     }
     if files == manifest::Files::default() {
@@ -178,6 +187,7 @@ pub(super) fn manifest_of(
         depth,
         color,
         material,
+        alpha: None,
         missing: None,
         files,
         probes,

@@ -77,6 +77,7 @@ pub fn file_bytes(stream: &StreamInfo) -> u64 {
         CodecHeader::Depth(_) => 4,
         CodecHeader::Material(_) => 12,
         CodecHeader::Color(_) => 6,
+        CodecHeader::Alpha(_) => 2,
     };
     3 * pixels * converted
 }

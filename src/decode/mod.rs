@@ -12,6 +12,8 @@ mod decoder;
 mod face;
 #[cfg(feature = "encode")]
 mod files;
+#[cfg(feature = "encode")]
+mod image_writer;
 mod images;
 #[cfg(feature = "encode")]
 mod manifest;

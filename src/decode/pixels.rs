@@ -1,4 +1,4 @@
-//! Decoded pixels in the caller's slices: codes, metres, 8-bit or half-float colour, material weights.
+//! Decoded pixels in the caller's slices: codes, metres, 8-bit or half-float colour, material weights, alpha.
 
 use std::sync::OnceLock;
 
@@ -19,6 +19,8 @@ pub enum UnitPixels<'u> {
     Color8(&'u [[u8; 3]]),
     /// Half floats as keys.
     ColorHalf(&'u [[HalfKey; 3]]),
+    /// Codes of 0 to 255.
+    Alpha(&'u [u16]),
 }
 
 /// A caller's slice for decoded pixels: one element a pixel, row by row from the top left.
@@ -38,6 +40,10 @@ pub enum PixelsMut<'p> {
     Material8(&'p mut [[u8; 3]]),
     /// Material as weights of 0 to 1 and an index of refraction of 1 to 3.
     Material(&'p mut [[f32; 3]]),
+    /// Alpha as bytes: 255 where surfaces cover all of a pixel (depth.md 16).
+    Alpha8(&'p mut [u8]),
+    /// Alpha of 0 to 1.
+    Alpha(&'p mut [f32]),
 }
 
 impl<'p> PixelsMut<'p> {
@@ -58,13 +64,16 @@ impl<'p> PixelsMut<'p> {
             PixelsMut::ColorFloat(pixels) => split(pixels, length, PixelsMut::ColorFloat),
             PixelsMut::Material8(pixels) => split(pixels, length, PixelsMut::Material8),
             PixelsMut::Material(pixels) => split(pixels, length, PixelsMut::Material),
+            PixelsMut::Alpha8(pixels) => split(pixels, length, PixelsMut::Alpha8),
+            PixelsMut::Alpha(pixels) => split(pixels, length, PixelsMut::Alpha),
         }
     }
 
     pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<()> {
         let length = match self {
             PixelsMut::DepthCodes(pixels) => pixels.len(),
-            PixelsMut::DepthMetres(pixels) => pixels.len(),
+            PixelsMut::DepthMetres(pixels) | PixelsMut::Alpha(pixels) => pixels.len(),
+            PixelsMut::Alpha8(pixels) => pixels.len(),
             PixelsMut::Color8(pixels) | PixelsMut::Material8(pixels) => pixels.len(),
             PixelsMut::ColorHalf(pixels) => pixels.len(),
             PixelsMut::ColorFloat(pixels) | PixelsMut::Material(pixels) => pixels.len(),
@@ -127,6 +136,12 @@ impl Conversion {
             (UnitPixels::Material(codes), PixelsMut::Material8(out), _) => copy(codes, rect, out, stride, |&code| code),
             (UnitPixels::Material(codes), PixelsMut::Material(out), _) => {
                 copy(codes, rect, out, stride, convert::material_value);
+            }
+            (UnitPixels::Alpha(codes), PixelsMut::Alpha8(out), _) => {
+                copy(codes, rect, out, stride, |&code| convert::alpha_byte(code));
+            }
+            (UnitPixels::Alpha(codes), PixelsMut::Alpha(out), _) => {
+                copy(codes, rect, out, stride, |&code| convert::alpha_value(code));
             }
             _ => {
                 let message = "pixels of the stream cannot be converted into a slice of this kind";

@@ -13,12 +13,12 @@ use crate::decode::damage::DamagedChunk;
 use crate::decode::pixels::{Conversion, PixelsMut, UnitPixels};
 use crate::decode::transform::TransformState;
 use crate::depth::TemporalChunk;
-use crate::depth::predictive::UnitArea;
+use crate::depth::predictive::{PredictiveChunk, UnitArea};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::streams::{CodecHeader, ColorCoding, ColorFormat, DepthChunk, PictureChunk, StreamInfo};
 
-/// Decodes one unit: a tile of depth or material, or a cell of colour.
+/// Decodes one unit: a tile of depth, material or alpha, or a cell of colour.
 ///
 /// The next frames of a chunk cost what changes in them; any other frame costs reading and decoding its chunk from the
 /// keyframe.
@@ -35,6 +35,7 @@ pub struct UnitDecoder<'a> {
 enum State {
     Depth(TemporalState<DepthChunk>),
     Material(TemporalState<TemporalChunk<[u8; 3]>>),
+    Alpha(TemporalState<PredictiveChunk>),
     Color8(CellState<u8>),
     ColorHalf(CellState<HalfKey>),
     Transform8(TransformState<u8>),
@@ -46,6 +47,7 @@ macro_rules! with_state {
         match $state {
             State::Depth($bound) => $body,
             State::Material($bound) => $body,
+            State::Alpha($bound) => $body,
             State::Color8($bound) => $body,
             State::ColorHalf($bound) => $body,
             State::Transform8($bound) => $body,
@@ -61,6 +63,7 @@ impl<'a> UnitDecoder<'a> {
         let state = match &stream.header {
             CodecHeader::Depth(header) => State::Depth(TemporalState::new(area, header.window(), header.clone())),
             CodecHeader::Material(header) => State::Material(TemporalState::new(area, header.temporal.window, *header)),
+            CodecHeader::Alpha(header) => State::Alpha(TemporalState::new(area, 1, *header)),
             CodecHeader::Color(header) => match (header.format, &header.coding) {
                 (ColorFormat::EightBit(_), ColorCoding::Cells(_)) => {
                     State::Color8(CellState::new(header.cell_of_bytes(size)))
@@ -136,6 +139,7 @@ impl<'a> UnitDecoder<'a> {
         match &self.state {
             State::Depth(state) => UnitPixels::Depth(&state.picture),
             State::Material(state) => UnitPixels::Material(&state.picture),
+            State::Alpha(state) => UnitPixels::Alpha(&state.picture),
             State::Color8(state) => UnitPixels::Color8(state.shown.as_chunks().0),
             State::ColorHalf(state) => UnitPixels::ColorHalf(state.shown.as_chunks().0),
             State::Transform8(state) => UnitPixels::Color8(state.picture.as_chunks().0),

@@ -32,6 +32,7 @@ pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
         CodecHeader::Depth(_) => 2,
         CodecHeader::Color(header) if header.is_half() => 6,
         CodecHeader::Color(_) | CodecHeader::Material(_) => 3,
+        CodecHeader::Alpha(_) => 1,
     }
 }
 

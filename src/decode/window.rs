@@ -27,7 +27,7 @@ fn chunks_of<'a>(
     let window = match &stream.header {
         CodecHeader::Depth(header) => header.window(),
         CodecHeader::Material(header) => header.temporal.window,
-        CodecHeader::Color(_) => 1,
+        CodecHeader::Color(_) | CodecHeader::Alpha(_) => 1,
     };
     let chunks = decoder.reader().index().stream_chunks(stream.index).iter().filter(move |chunk| {
         window > 1 && chunk.key.first_frame <= frames.last && frames.first <= chunk.key.last_frame()

@@ -88,6 +88,7 @@ impl GroupNeed {
             StreamKind::Depth => (4, 2),
             StreamKind::Color => (6, CodecHeader::Color(settings.color_header()).raw_pixel_bytes()),
             StreamKind::Material => (12, 3),
+            StreamKind::Alpha => (4, 2),
         };
         // A file is decoded as a whole: its values, and 4 bytes a pixel for one channel while it is unpacked. Then each face
         // as it is read and as it is coded.
@@ -113,7 +114,9 @@ impl GroupNeed {
         let instead = match (kind, settings.color_codec) {
             (StreamKind::Color, ColorCodec::Transform) if settings.color_chunk > 1 => "a smaller `color_chunk`",
             (StreamKind::Color, ColorCodec::Cells) if settings.search.lookahead > 1 => "a smaller `lookahead`",
-            (StreamKind::Depth | StreamKind::Material, _) if settings.temporal.keyframe_interval > 1 => {
+            (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, _)
+                if settings.temporal.keyframe_interval > 1 =>
+            {
                 "a smaller `keyframe_interval`"
             }
             _ => "",
@@ -188,12 +191,16 @@ fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> (u64, u64)
     (held + compressing(settings, chunk), frames * padded_pixels(size) * SEARCH_BYTES)
 }
 
-/// Tiles of depth or material: pictures and open chunks, whose every frame may change every pixel.
+/// Tiles of depth, material or alpha: pictures and open chunks, whose every frame may change every pixel.
 fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let (pixels, units) = (group_pixels(group), unit_count(group, settings));
     let frames = u64::from(settings.temporal.keyframe_interval).min(group.frames.count());
     // In halves of a byte, with rows and places.
-    let pixel_halves = match (group.kind, settings.depth.codec) {
+    let codec = match group.kind {
+        StreamKind::Alpha => DepthCodec::Predictive,
+        _ => settings.depth.codec,
+    };
+    let pixel_halves = match (group.kind, codec) {
         (StreamKind::Material, _) => 7,
         (_, DepthCodec::Blocks) => 1,
         (_, DepthCodec::Tree) => 8,
@@ -202,8 +209,8 @@ fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
         _ => 5,
     };
     let frame = pixels * pixel_halves / 2;
-    let most = match (group.kind, settings.depth.codec) {
-        (StreamKind::Depth, DepthCodec::Predictive) => pixels * CLOSE_AT_BYTES_A_PIXEL as u64,
+    let most = match (group.kind, codec) {
+        (StreamKind::Depth | StreamKind::Alpha, DepthCodec::Predictive) => pixels * CLOSE_AT_BYTES_A_PIXEL as u64,
         _ => units * CLOSE_AT_BYTES as u64,
     };
     let open = (frames * frame).min(most + frame);

@@ -11,14 +11,16 @@ use crate::encode::job::{self, EncodeSummary};
 use crate::encode::source::FrameSource;
 use crate::error::{Error, Result};
 use crate::image::transfer::{DecodeTable, ToneMap};
-use crate::image::{ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Plane, Projection, StreamKind};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Plane, Projection, StreamKind,
+};
 use crate::monitor::{Monitor, Silent};
 
 /// Encodes frames from memory into a container.
 ///
 /// Probes and streams are described first, then frames are pushed, and [`Self::finish`] encodes them. All streams start at the
-/// same frame; each may have its own number of frames. Frames are held until then, 4 bytes a pixel for depth, 6 for colour, 12
-/// for material.
+/// same frame; each may have its own number of frames. Frames are held until then, 4 bytes a pixel for depth and alpha, 6 for
+/// colour, 12 for material.
 ///
 /// ```
 /// # fn main() -> lightfold::Result<()> {
@@ -132,6 +134,14 @@ impl Encoder {
         self.add_stream(probe, face, size, Frames::Material(Vec::new()))
     }
 
+    /// Adds a stream of alpha, by which the colour of the same face is multiplied.
+    ///
+    /// # Errors
+    /// As for [`Self::add_depth`].
+    pub fn add_alpha(&mut self, probe: usize, face: Face, size: [u32; 2]) -> Result<EncoderStream> {
+        self.add_stream(probe, face, size, Frames::Alpha(Vec::new()))
+    }
+
     fn add_stream(&mut self, probe: usize, face: Face, size: [u32; 2], frames: Frames) -> Result<EncoderStream> {
         let [width, height] = size;
         let wrong = |message: &str| Err(Error::Usage(format!("{width}x{height} {}: {message}", face.name())));
@@ -203,6 +213,16 @@ impl Encoder {
         Ok(())
     }
 
+    /// Adds a frame of alpha, 0 to 1, row by row.
+    ///
+    /// # Errors
+    /// As for [`Self::push_depth`]. [`Self::finish`] refuses values outside the range.
+    pub fn push_alpha(&mut self, stream: EncoderStream, alpha: &[f32]) -> Result<()> {
+        let ([width, height], Some(Frames::Alpha(frames))) = self.stream(stream) else { return Err(wrong_kind()) };
+        frames.push(plane(width, height, alpha)?);
+        Ok(())
+    }
+
     fn stream(&mut self, EncoderStream(at): EncoderStream) -> ([u32; 2], Option<&mut Frames>) {
         let size = self.source.groups.get(at).map_or([0; 2], |group| [group.width, group.height]);
         (size, self.source.frames.get_mut(at))
@@ -253,6 +273,7 @@ enum Frames {
     Depth(Vec<DepthPlane>),
     Color(Vec<ColorPlane>),
     Material(Vec<MaterialPlane>),
+    Alpha(Vec<AlphaPlane>),
 }
 
 impl Frames {
@@ -261,6 +282,7 @@ impl Frames {
             Frames::Depth(_) => StreamKind::Depth,
             Frames::Color(_) => StreamKind::Color,
             Frames::Material(_) => StreamKind::Material,
+            Frames::Alpha(_) => StreamKind::Alpha,
         }
     }
 
@@ -269,6 +291,7 @@ impl Frames {
             Frames::Depth(frames) => frames.len(),
             Frames::Color(frames) => frames.len(),
             Frames::Material(frames) => frames.len(),
+            Frames::Alpha(frames) => frames.len(),
         }
     }
 }
@@ -331,6 +354,11 @@ impl FrameSource for MemorySource {
 
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         let Some(Frames::Material(frames)) = self.frames(group) else { return Err(wrong_kind()) };
+        one(frames, group, frame)
+    }
+
+    fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
+        let Some(Frames::Alpha(frames)) = self.frames(group) else { return Err(wrong_kind()) };
         one(frames, group, frame)
     }
 }

@@ -53,6 +53,7 @@ fn read(source: &dyn FrameSource, group: &SourceGroup, frame: u32, table: Option
     match group.kind {
         StreamKind::Depth => source.read_depth(group, frame).map(|_| [0, 0]),
         StreamKind::Material => source.read_material(group, frame).map(|_| [0, 0]),
+        StreamKind::Alpha => source.read_alpha(group, frame).map(|_| [0, 0]),
         StreamKind::Color => {
             let planes = source.read_color(group, frame)?;
             let pixels = planes.iter().map(|plane| plane.data().len() as u64).sum();

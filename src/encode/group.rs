@@ -17,8 +17,8 @@ use crate::image::{DepthPlane, Plane, StreamKind};
 use crate::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader, convert};
 
 pub(super) enum Coded {
-    /// Codes, or numbers of levels where the stream has some.
-    Depth(Plane<u16>),
+    /// Codes of depth or alpha, or numbers of levels where a stream of depth has some.
+    Codes(Plane<u16>),
     Bytes(Plane<[u8; 3]>),
     Half(Plane<[HalfKey; 3]>),
 }
@@ -123,12 +123,17 @@ impl<'a> GroupCoder<'a> {
                     Some(planes) => planes,
                     None => times.read(|| source.read_depth(self.group, frame))?,
                 };
-                let code = |plane| self.numbers(convert::depth_codes(plane, quantiser)?).map(Coded::Depth);
+                let code = |plane| self.numbers(convert::depth_codes(plane, quantiser)?).map(Coded::Codes);
                 times.code(|| planes.iter().map(code).collect())
             }
             StreamKind::Material => {
                 let planes = times.read(|| source.read_material(self.group, frame))?;
                 let code = |plane| convert::material_codes(plane).map(Coded::Bytes);
+                times.code(|| planes.iter().map(code).collect())
+            }
+            StreamKind::Alpha => {
+                let planes = times.read(|| source.read_alpha(self.group, frame))?;
+                let code = |plane| convert::alpha_codes(plane).map(Coded::Codes);
                 times.code(|| planes.iter().map(code).collect())
             }
             StreamKind::Color => {

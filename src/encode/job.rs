@@ -268,6 +268,9 @@ impl<W: Write> Job<'_, W> {
                     StreamKind::Material => {
                         self.encode_others(&groups, CodecHeader::Material(self.settings.material_header()))?;
                     }
+                    StreamKind::Alpha => {
+                        self.encode_others(&groups, CodecHeader::Alpha(self.settings.alpha_header()))?;
+                    }
                 }
             }
         }
@@ -364,7 +367,7 @@ impl<W: Write> Job<'_, W> {
         // A colour cell looks ahead; other chunks depend on none but their own frames.
         let last_frame = |chunk: &PackedChunk, closed_by: u32| match group.kind {
             StreamKind::Color => closed_by,
-            StreamKind::Depth | StreamKind::Material => chunk.key().last_frame(),
+            StreamKind::Depth | StreamKind::Material | StreamKind::Alpha => chunk.key().last_frame(),
         };
         for frames in frames.chunks(batches.frames) {
             let inputs: Vec<_> = frames.iter().map(|&frame| (frame, kept(frame))).collect();

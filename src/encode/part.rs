@@ -11,7 +11,7 @@ use crate::encode::source::FrameSource;
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::Result;
 use crate::fingerprint::{digest, digest_bytes};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
+use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
 use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
 
 /// Groups of a source, or some frames of these.
@@ -129,6 +129,10 @@ impl FrameSource for Part<'_> {
 
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         self.source.read_material(group, frame)
+    }
+
+    fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
+        self.source.read_alpha(group, frame)
     }
 
     fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {

@@ -22,7 +22,9 @@ use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::transfer::ToneMap;
 use crate::memory::Budget;
-use crate::streams::{ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
+use crate::streams::{
+    AlphaHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader,
+};
 
 /// Sides of tiles are multiples of this many pixels, so that they can be halved down to blocks.
 const TILE_ALIGN: u32 = 8;
@@ -343,6 +345,10 @@ impl EncodeSettings {
         MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
     }
 
+    pub(super) fn alpha_header(&self) -> AlphaHeader {
+        AlphaHeader { keyframe_interval: self.temporal.keyframe_interval }
+    }
+
     /// Whether bytes depend on the instruction sets of the processor: those of texture blocks do.
     pub fn depends_on_processor(&self) -> bool {
         self.color_blocks.is_some() || self.material.in_blocks || self.depth.codec == DepthCodec::BoxesInBlocks
@@ -352,7 +358,7 @@ impl EncodeSettings {
     /// such a frame, and nothing before it has an influence on what follows. Shards begin there.
     pub(super) fn segment_frames(&self, kind: StreamKind) -> u32 {
         match (kind, self.color_codec) {
-            (StreamKind::Depth | StreamKind::Material, _) => self.temporal.keyframe_interval,
+            (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, _) => self.temporal.keyframe_interval,
             (StreamKind::Color, ColorCodec::Transform) => SEGMENT_CHUNKS * self.color_chunk,
             (StreamKind::Color, ColorCodec::Cells) => CELL_SEGMENT_FRAMES,
         }
@@ -362,14 +368,15 @@ impl EncodeSettings {
         let boxes = matches!(self.depth.codec, DepthCodec::Boxes | DepthCodec::BoxesInBlocks);
         size.map(|side| match kind {
             StreamKind::Color => self.cell.min(MAX_SIZE),
-            StreamKind::Depth if !boxes => self.depth_tiles().side(side, MAX_TILE),
+            StreamKind::Depth if !boxes => self.tiles_of(self.depth.codec).side(side, MAX_TILE),
+            StreamKind::Alpha => self.tiles_of(DepthCodec::Predictive).side(side, MAX_TILE),
             StreamKind::Depth | StreamKind::Material => self.tiles.side(side, u32::MAX),
         })
     }
 
-    /// Tiles of depth: those asked for, or the codec's usual ones.
-    fn depth_tiles(&self) -> TileSize {
-        match (self.tiles, self.depth.codec) {
+    /// Tiles: those asked for, or the codec's usual ones.
+    fn tiles_of(&self, codec: DepthCodec) -> TileSize {
+        match (self.tiles, codec) {
             (TileSize::Usual, DepthCodec::Predictive) => TileSize::Pixels(PREDICTIVE_TILE),
             (tiles, _) => tiles,
         }

@@ -7,7 +7,7 @@ use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
 use crate::encode::scan::Scans;
 use crate::error::Result;
-use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection};
+use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection};
 
 /// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
 pub trait FrameSource: Sync {
@@ -69,6 +69,12 @@ pub trait FrameSource: Sync {
     /// # Errors
     /// As for [`Self::read_depth`].
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>>;
+
+    /// Alpha of a frame, 0 to 1, one plane a face.
+    ///
+    /// # Errors
+    /// As for [`Self::read_depth`].
+    fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>>;
 
     /// The file of a frame, or of that in its place; `None` in memory, and for black.
     ///
@@ -150,6 +156,10 @@ impl FrameSource for Source {
 
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         self.read_material(group, frame)
+    }
+
+    fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
+        self.read_alpha(group, frame)
     }
 
     fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {

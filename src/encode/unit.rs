@@ -14,8 +14,8 @@ use crate::depth::block_chunk::encoder::BlockEncoder;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::NodeEncoder;
 use crate::depth::nodes::Grid;
-use crate::depth::predictive::UnitArea;
 use crate::depth::predictive::encoder::PredictiveEncoder;
+use crate::depth::predictive::{PredictiveHeader, UnitArea};
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::encode::budget::ColorMemory;
 use crate::encode::group::{Coded, GroupCoder};
@@ -30,7 +30,7 @@ enum Unit {
     DepthNodes(Box<NodeEncoder>),
     DepthTree(Box<TreeEncoder>),
     DepthBlocks(BlockEncoder),
-    DepthPredictive(Box<PredictiveEncoder>),
+    Predictive(Box<PredictiveEncoder>),
     Material(TemporalEncoder<[u8; 3]>),
     Color8(CellEncoder<u8>),
     ColorHalf(CellEncoder<HalfKey>),
@@ -156,6 +156,7 @@ impl Unit {
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }) => {
                 Unit::Material(TemporalEncoder::in_blocks(size, *temporal, coder.settings.depth.effort))
             }
+            CodecHeader::Alpha(header) => predictive(&header.predictive(), area, coder.settings)?,
             CodecHeader::Color(header) => match (header.is_half(), &coder.tables) {
                 (false, None) => Unit::Color8(cell_encoder(memory, header.cell_of_bytes(size), header.min_psnr_db)),
                 (true, None) => Unit::ColorHalf(cell_encoder(memory, header.cell_of_halves(size), header.min_psnr_db)),
@@ -190,20 +191,17 @@ impl Unit {
                 let interval = settings.temporal.keyframe_interval;
                 Unit::DepthBlocks(BlockEncoder::new(grid, settings.depth.effort, interval))
             }
-            DepthCoding::Predictive(header) => {
-                let DepthSettings { decide, effort, .. } = settings.depth;
-                Unit::DepthPredictive(Box::new(PredictiveEncoder::new(header, area, decide, effort)?))
-            }
+            DepthCoding::Predictive(header) => predictive(header, area, settings)?,
         })
     }
 
     fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
         match (self, picture) {
-            (Unit::Depth(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::DepthNodes(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect), None),
-            (Unit::DepthTree(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::DepthBlocks(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
-            (Unit::DepthPredictive(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
+            (Unit::Depth(encoder), Coded::Codes(plane)) => encoder.push(&cut(plane, rect)),
+            (Unit::DepthNodes(encoder), Coded::Codes(plane)) => encoder.push(&cut(plane, rect), None),
+            (Unit::DepthTree(encoder), Coded::Codes(plane)) => encoder.push(&cut(plane, rect)),
+            (Unit::DepthBlocks(encoder), Coded::Codes(plane)) => Ok(encoder.push(&cut(plane, rect))),
+            (Unit::Predictive(encoder), Coded::Codes(plane)) => Ok(encoder.push(&cut(plane, rect))),
             (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
             (Unit::ColorHalf(encoder), Coded::Half(plane)) => {
@@ -226,7 +224,7 @@ impl Unit {
             Unit::DepthNodes(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthTree(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthBlocks(encoder) => Ok(encoder.finish().into_iter().collect()),
-            Unit::DepthPredictive(encoder) => Ok(encoder.finish().into_iter().collect()),
+            Unit::Predictive(encoder) => Ok(encoder.finish().into_iter().collect()),
             Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::Color8(encoder) => encoder.finish(&EightBit),
             Unit::ColorHalf(encoder) => encoder.finish(coder.pu21()?),
@@ -242,6 +240,11 @@ impl Unit {
             _ => None,
         }
     }
+}
+
+fn predictive(header: &PredictiveHeader, area: UnitArea, settings: &EncodeSettings) -> Result<Unit> {
+    let DepthSettings { decide, effort, .. } = settings.depth;
+    Ok(Unit::Predictive(Box::new(PredictiveEncoder::new(header, area, decide, effort)?)))
 }
 
 fn cell_encoder<S: Sample>(

@@ -39,6 +39,7 @@ impl Family {
                 DepthCoding::BoxesInBlocks(_) => (&kernels::BOXES_BC5, Codes),
                 DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks => (&kernels::NODES, Codes),
             },
+            CodecHeader::Alpha(_) => (&kernels::BOXES_CODES, Codes),
             CodecHeader::Material(header) if header.in_blocks => (&kernels::BOXES_BC1, Bytes),
             CodecHeader::Material(_) => (&kernels::BOXES_MATERIAL, Bytes),
             CodecHeader::Color(header) if header.tables().is_some() => match header.format {
@@ -81,6 +82,7 @@ impl Family {
         match header {
             CodecHeader::Color(_) => plain,
             CodecHeader::Material(header) => Unit { window: header.temporal.window.into(), ..plain },
+            CodecHeader::Alpha(_) => Unit { window: 1, ..plain },
             CodecHeader::Depth(header) => {
                 let window = header.window().into();
                 match header.coding {

@@ -48,6 +48,7 @@ fn words_of(picture: &Picture) -> Vec<u32> {
     match picture {
         Picture::Depth(plane) => pack_codes(plane.data(), plane.width() as usize),
         Picture::Color8(plane) | Picture::Material(plane) => plane.data().iter().map(|&rgb| pack_bytes(rgb)).collect(),
+        Picture::Alpha(plane) => plane.data().iter().map(|&alpha| alpha.into()).collect(),
         Picture::ColorHalf(plane) => plane.data().iter().flat_map(|rgb| pack_halves(rgb.map(f16::to_bits))).collect(),
     }
 }
@@ -73,6 +74,7 @@ pub fn leave_out(picture: &mut Picture, rect: [u32; 4]) {
         Picture::Depth(plane) => fill(plane, rect, BACKGROUND_CODE),
         Picture::Color8(plane) | Picture::Material(plane) => fill(plane, rect, [0; 3]),
         Picture::ColorHalf(plane) => fill(plane, rect, [f16::ZERO; 3]),
+        Picture::Alpha(plane) => fill(plane, rect, 0),
     }
 }
 

@@ -121,6 +121,9 @@ pub fn prepare(
         CodecHeader::Material(header) => {
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
         }
+        CodecHeader::Alpha(header) => {
+            of_predictive(&PredictiveChunk::parse(payload, header.predictive(), area, frames)?, MOST_UNPACKED)?
+        }
         CodecHeader::Color(header) => match header.format {
             ColorFormat::EightBit(_) => of_color(&header.chunks_of_bytes(size), payload, frames, place)?,
             ColorFormat::Half { .. } => of_color(&header.chunks_of_halves(size), payload, frames, place)?,

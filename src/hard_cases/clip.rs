@@ -198,7 +198,7 @@ impl Clip {
         match &self.header {
             CodecHeader::Depth(header) => u32::from(header.window()),
             CodecHeader::Material(header) => u32::from(header.temporal.window),
-            CodecHeader::Color(_) => 1,
+            CodecHeader::Color(_) | CodecHeader::Alpha(_) => 1,
         }
     }
 }

@@ -125,6 +125,8 @@ impl ChannelName {
 const DEPTH_KEY: &str = "`depth_channel` or the manifest's depth.channel";
 /// How a layer or channels of colour are named.
 const COLOR_KEY: &str = "`color_channel` or the manifest's color.layer";
+/// How a channel of alpha is named.
+const ALPHA_KEY: &str = "`alpha_channel` or the manifest's alpha.channel";
 /// How other channels are named.
 const OTHER_KEY: &str = "its full name";
 
@@ -228,6 +230,27 @@ pub(crate) fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
         own.is_some_and(|own| ["a", "alpha"].iter().any(|alpha| own.eq_ignore_ascii_case(alpha)))
     };
     names.iter().position(is_alpha)
+}
+
+/// The channel of alpha by its name; else the one beside colour, and in a file without colour the only one of that name.
+pub(crate) fn find_alpha_channel(
+    names: &[ChannelName],
+    select: &ChannelSelect,
+    color: &ChannelSelect,
+) -> Result<usize> {
+    if let ChannelSelect::Named(wanted) = select {
+        return named(names, wanted, ALPHA_KEY)?.ok_or_else(|| none_of_that_name(names, wanted, "channel"));
+    }
+    let found = match find_color(names, color) {
+        Ok([red, ..]) => find_alpha(names, red),
+        Err(_) => lookup(names, "A", (By::Plain, str::eq_ignore_ascii_case), ALPHA_KEY)?,
+    };
+    found.ok_or_else(|| {
+        let listed = list(names);
+        Error::invalid(format!(
+            "there is no alpha beside the colour; the channels are: {listed}: name one with {ALPHA_KEY}"
+        ))
+    })
 }
 
 /// Indices of red, green and blue of a rendered picture, whose channels nobody names.

@@ -1,4 +1,4 @@
-//! Equirectangular images resampled to cube faces: colour filtered, depth by its nearest sample.
+//! Equirectangular images resampled to cube faces: colour and alpha filtered, depth by its nearest sample.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -8,7 +8,7 @@ use glam::DVec3;
 use half::f16;
 
 use super::cube::Face;
-use super::plane::{ColorPlane, Plane};
+use super::plane::{AlphaPlane, ColorPlane, Plane};
 use super::projection::ImageProjection;
 use crate::error::{Error, Result};
 
@@ -164,19 +164,33 @@ fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
 
 /// Colour of a face: the mean of 4×4 bilinear lookups per pixel.
 pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
+    resample_filtered(image, map, |light| light.map(f16::to_f32), |sum| sum.map(f16::from_f32))
+}
+
+/// Alpha of a face, by the filter of colour.
+pub fn resample_alpha(image: &AlphaPlane, map: &FaceMap) -> Result<AlphaPlane> {
+    resample_filtered(image, map, |alpha| [alpha], |[sum]| sum)
+}
+
+fn resample_filtered<T: Copy, const N: usize>(
+    image: &Plane<T>,
+    map: &FaceMap,
+    components: impl Fn(T) -> [f32; N],
+    pixel: impl Fn([f32; N]) -> T,
+) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
     let data = image.data();
     let mut pixels = Vec::with_capacity(map.size as usize * map.size as usize);
     for row in map.filters() {
         let mut start = 0;
         for &end in &row.ends {
-            let mut sum = [0f32; 3];
+            let mut sum = [0f32; N];
             for &(index, weight) in &row.taps[start..end as usize] {
-                for (sum, component) in sum.iter_mut().zip(data[index as usize]) {
-                    *sum += weight * component.to_f32();
+                for (sum, component) in sum.iter_mut().zip(components(data[index as usize])) {
+                    *sum += weight * component;
                 }
             }
-            pixels.push(sum.map(f16::from_f32));
+            pixels.push(pixel(sum));
             start = end as usize;
         }
     }

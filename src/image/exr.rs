@@ -20,9 +20,11 @@ use exr::prelude::{
 };
 use half::f16;
 
-use super::channels::{ChannelName, ChannelSelect, find_alpha, find_color, find_depth, find_named, find_picture_color};
+use super::channels::{
+    ChannelName, ChannelSelect, find_alpha, find_alpha_channel, find_color, find_depth, find_named, find_picture_color,
+};
 use super::limits::ReadLimits;
-use super::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use super::plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, Plane};
 use super::primaries::Primaries;
 use crate::error::{Error, Result};
 
@@ -81,6 +83,17 @@ pub fn read_rgba(path: &Path, limits: &ReadLimits) -> Result<Plane<[f16; 4]>> {
         plane.data_mut().iter_mut().for_each(|pixel| pixel[3] = f16::ONE);
     }
     Ok(plane)
+}
+
+/// Alpha of a file: the channel of that name, else that of the layer of colour; 0 outside the data window.
+pub fn read_alpha(
+    path: &Path,
+    select: &ChannelSelect,
+    color: &ChannelSelect,
+    limits: &ReadLimits,
+) -> Result<AlphaPlane> {
+    let plane = read_planes(path, limits, 0.0, |names| Ok([find_alpha_channel(names, select, color)?]))?;
+    Plane::new(plane.width(), plane.height(), plane.into_data().into_flattened())
 }
 
 /// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window. Of a layer that
@@ -509,6 +522,11 @@ pub fn write_rgba_and<'a>(
     let mut channels = halves(plane, ["R", "G", "B", "A"], |value| value);
     channels.extend(others.into_iter().map(|(name, other)| (name, FlatSamples::F32(other.data().to_vec()))));
     write(path, plane, (channels, primaries))
+}
+
+/// Writes channel A as halves, ZIP compressed.
+pub fn write_alpha(path: &Path, plane: &Plane<f16>) -> Result<()> {
+    write(path, plane, (vec![("A", FlatSamples::F16(plane.data().to_vec()))], Primaries::REC709))
 }
 
 /// Writes channel Z as 32-bit floats, ZIP compressed.

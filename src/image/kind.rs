@@ -10,18 +10,21 @@ pub enum StreamKind {
     Depth = 1,
     /// Weights of reflection and refraction, index of refraction.
     Material = 2,
+    /// The part of a pixel that surfaces cover; colour beside it is multiplied by it.
+    Alpha = 3,
 }
 
 impl StreamKind {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [StreamKind; 3] = [StreamKind::Color, StreamKind::Depth, StreamKind::Material];
+    pub const ALL: [StreamKind; 4] = [StreamKind::Color, StreamKind::Depth, StreamKind::Material, StreamKind::Alpha];
 
-    /// `color`, `depth` or `material`.
+    /// `color`, `depth`, `material` or `alpha`.
     pub fn name(self) -> &'static str {
         match self {
             StreamKind::Color => "color",
             StreamKind::Depth => "depth",
             StreamKind::Material => "material",
+            StreamKind::Alpha => "alpha",
         }
     }
 

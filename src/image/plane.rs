@@ -19,6 +19,8 @@ pub type ColorPlane = Plane<[f16; 3]>;
 pub type DepthPlane = Plane<f32>;
 /// Reflection weight, refraction weight and index of refraction per pixel.
 pub type MaterialPlane = Plane<[f32; 3]>;
+/// The part of each pixel that surfaces cover, 0 to 1.
+pub type AlphaPlane = Plane<f32>;
 /// Unit vectors in world axes; zero for the background.
 pub type NormalPlane = Plane<[f32; 3]>;
 
@@ -83,6 +85,19 @@ impl<T: Clone> Plane<T> {
 }
 
 impl<T: Copy> Plane<T> {
+    /// Pixel by pixel with another image.
+    ///
+    /// # Errors
+    /// It has another size.
+    pub fn zip<U: Copy, V>(&self, other: &Plane<U>, value: impl Fn(T, U) -> V) -> Result<Plane<V>> {
+        if (other.width, other.height) != (self.width, self.height) {
+            let [own, others] = [(self.width, self.height), (other.width, other.height)];
+            return Err(Error::invalid(format!("images of {}x{} and {}x{} pixels", own.0, own.1, others.0, others.1)));
+        }
+        let data = self.data.iter().zip(&other.data).map(|(&one, &other)| value(one, other)).collect();
+        Ok(Plane { width: self.width, height: self.height, data })
+    }
+
     /// A rectangle of it, which must lie inside.
     pub fn cut(&self, origin: [u32; 2], [width, height]: [u32; 2]) -> Plane<T> {
         Plane::from_fn(width, height, |x, y| self.get(origin[0] + x, origin[1] + y))

@@ -10,7 +10,7 @@ use half::f16;
 
 use super::color_space::ColorSpace;
 use super::limits::ReadLimits;
-use super::plane::{ColorPlane, DepthPlane, Plane};
+use super::plane::{AlphaPlane, ColorPlane, DepthPlane, Plane};
 use super::transfer::{DecodeTable, ToneMap, Transfer, srgb16};
 use crate::error::{Error, Result};
 
@@ -33,6 +33,22 @@ pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result
     } else {
         let table = DecodeTable::new(&ToneMap { transfer, exposure_ev: 0.0 });
         image.into_rgb8().pixels().map(|pixel| pixel.0.map(|code| table.value(code))).collect()
+    };
+    Plane::new(width, height, data)
+}
+
+/// Alpha of 0 to 1, or gray of a file without colour.
+///
+/// # Errors
+/// Names a file that has colour and no alpha.
+pub fn read_alpha(path: &Path, limits: &ReadLimits) -> Result<AlphaPlane> {
+    let image = decode(path, limits)?;
+    let (width, height) = (image.width(), image.height());
+    let value = |code: u16| f32::from(code) / 65535.0;
+    let data = match image.color() {
+        color if color.has_alpha() => image.into_rgba16().pixels().map(|pixel| value(pixel.0[3])).collect(),
+        color if !color.has_color() => image.into_luma16().pixels().map(|pixel| value(pixel.0[0])).collect(),
+        _ => return Err(Error::invalid("this image has colour and no alpha").in_file(path)),
     };
     Plane::new(width, height, data)
 }

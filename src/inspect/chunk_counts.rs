@@ -136,6 +136,7 @@ pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> Resu
         StreamChunk::Depth(DepthChunk::Blocks(chunk)) => count_blocks(chunk, pixels, frames),
         StreamChunk::Depth(DepthChunk::Predictive(chunk)) => count_predictive(chunk)?,
         StreamChunk::Material(chunk) => count_records(chunk),
+        StreamChunk::Alpha(chunk) => count_predictive(chunk)?,
         StreamChunk::Color8(chunk) => count_color(chunk, frames),
         StreamChunk::ColorHalf(chunk) => count_color(chunk, frames),
     })

@@ -365,6 +365,9 @@ impl<'a> StreamReport<'a> {
                 CodecHeader::Material(MaterialHeader { temporal, in_blocks }) => {
                     CodingReport::Boxes(BoxesReport::new(stats, temporal, *in_blocks))
                 }
+                CodecHeader::Alpha(header) => {
+                    CodingReport::Predictive(PredictiveReport::new(stats, &header.predictive()))
+                }
                 CodecHeader::Color(header) => CodingReport::Color(ColorReport::new(stats, header)),
             },
             depth: match &info.header {

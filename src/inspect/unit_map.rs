@@ -49,6 +49,7 @@ pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> Result<U
         }
         StreamChunk::Depth(DepthChunk::Predictive(chunk)) => of_predictive(chunk, at)?,
         StreamChunk::Material(chunk) => of_record(chunk, at),
+        StreamChunk::Alpha(chunk) => of_predictive(chunk, at)?,
         StreamChunk::Color8(chunk) => return Ok(of_color(chunk, at)),
         StreamChunk::ColorHalf(chunk) => return Ok(of_color(chunk, at)),
     };
@@ -184,6 +185,7 @@ pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> Result<ChunkSurv
         StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
         StreamChunk::Depth(DepthChunk::Predictive(chunk)) => predictive_changes(chunk)?,
         StreamChunk::Material(chunk) => changes(chunk),
+        StreamChunk::Alpha(chunk) => predictive_changes(chunk)?,
         StreamChunk::Color8(chunk) => return Ok(survey_color(chunk, frames)),
         StreamChunk::ColorHalf(chunk) => return Ok(survey_color(chunk, frames)),
     };

@@ -80,7 +80,7 @@ fn plot_stream<'a>(
     let name = format!("{} {probe}/{}", stream.kind.name(), stream.face.name());
     let subject = Subject { stream, file, name };
     let surveyed = match (request.frame, stream.kind) {
-        (Some(_), StreamKind::Depth | StreamKind::Material) => None,
+        (Some(_), StreamKind::Depth | StreamKind::Material | StreamKind::Alpha) => None,
         _ => Some(survey(decoder, stream, monitor)?),
     };
     let mut plots = Vec::new();

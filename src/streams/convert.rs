@@ -1,9 +1,9 @@
-//! Conversion between values and codes: metres and depth codes, light and 8 bits, material weights and bytes.
+//! Conversion between values and codes: metres and depth codes, light and 8 bits, material weights and bytes, alpha and 8 bits.
 
 use crate::depth::Quantiser;
 use crate::depth::quantise::metres_in_words;
 use crate::error::{Error, Result};
-use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::image::plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::transfer::{DecodeTable, EncodeTable};
 
 /// Range of the 8-bit index of refraction (CALF 7.1).
@@ -82,6 +82,23 @@ pub fn material_value(&[reflect, refract, ior]: &[u8; 3]) -> [f32; 3] {
 
 pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
     codes.map(material_value)
+}
+
+/// Codes of 0 to 255.
+pub fn alpha_codes(plane: &AlphaPlane) -> Result<Plane<u16>> {
+    // Half floats and filters go a little beyond the ends of the range.
+    let code = |alpha: f32| (-0.002..=1.002).contains(&alpha).then(|| u16::from((alpha * 255.0).round() as u8));
+    codes(plane, code, |alpha| format!("has an alpha of {alpha}: 0 to 1 was expected"))
+}
+
+/// Alpha of a decoded code; 1 for codes above 255, which no encoder writes.
+pub fn alpha_value(code: u16) -> f32 {
+    f32::from(alpha_byte(code)) / 255.0
+}
+
+/// The code in 8 bits.
+pub fn alpha_byte(code: u16) -> u8 {
+    code.min(255) as u8
 }
 
 /// Distances of the nearest and farthest surface of one or more images, in metres.

@@ -1,4 +1,4 @@
-//! Codec headers of streams (depth.md 3, color.md 2), and the memory that decoding them takes (container.md 2).
+//! Codec headers of streams (depth.md 3 and 16, color.md 2), and the memory that decoding them takes (container.md 2).
 
 use crate::color::blend::HalfKey;
 use crate::color::cells::CellFormat;
@@ -9,8 +9,8 @@ use crate::color::transform::{Tables, region};
 use crate::container::PayloadKind;
 use crate::container::{ChunkEntry, StreamEntry};
 use crate::depth::block_tiles::Layout;
-use crate::depth::predictive::PredictiveHeader;
-use crate::depth::predictive::projection::Shape;
+use crate::depth::predictive::projection::{Projection, Shape};
+use crate::depth::predictive::{self, Levels, PredictiveHeader};
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
 use crate::image::{DepthKind, StreamKind};
@@ -25,6 +25,7 @@ pub const DEPTH_AABB_BC5: [u8; 4] = *b"DAB5";
 pub const DEPTH_PREDICTIVE: [u8; 4] = *b"DPRD";
 pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
 pub const MATERIAL_AABB_BC1: [u8; 4] = *b"MAB1";
+pub const ALPHA_PREDICTIVE: [u8; 4] = *b"APRD";
 pub const COLOR_CELLS_8: [u8; 4] = *b"CCL8";
 pub const COLOR_CELLS_HALF: [u8; 4] = *b"CCLH";
 pub const COLOR_CELLS_BC1: [u8; 4] = *b"CCB1";
@@ -75,6 +76,12 @@ pub struct MaterialHeader {
     pub in_blocks: bool,
 }
 
+/// Codes of alpha, predicted without loss (depth.md 16).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AlphaHeader {
+    pub keyframe_interval: u32,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorFormat {
     EightBit(ToneMap),
@@ -116,6 +123,7 @@ pub enum CodecHeader {
     Depth(DepthHeader),
     Color(ColorHeader),
     Material(MaterialHeader),
+    Alpha(AlphaHeader),
 }
 
 impl DepthHeader {
@@ -147,6 +155,20 @@ impl DepthHeader {
 impl MaterialHeader {
     pub fn layout(&self) -> Layout {
         if self.in_blocks { Layout::BlockTiles } else { Layout::Values }
+    }
+}
+
+impl AlphaHeader {
+    /// The header of a stream of depth whose chunks are coded alike.
+    pub fn predictive(self) -> PredictiveHeader {
+        PredictiveHeader {
+            bound: 0,
+            epsilon: 0,
+            keyframe_interval: self.keyframe_interval,
+            projection: Projection::default(),
+            tables: predictive::tables::Tables::default(),
+            levels: Levels::default(),
+        }
     }
 }
 
@@ -192,6 +214,7 @@ impl CodecHeader {
             CodecHeader::Depth(_) => StreamKind::Depth,
             CodecHeader::Color(_) => StreamKind::Color,
             CodecHeader::Material(_) => StreamKind::Material,
+            CodecHeader::Alpha(_) => StreamKind::Alpha,
         }
     }
 
@@ -207,6 +230,7 @@ impl CodecHeader {
             },
             CodecHeader::Material(MaterialHeader { in_blocks: false, .. }) => MATERIAL_AABB,
             CodecHeader::Material(MaterialHeader { in_blocks: true, .. }) => MATERIAL_AABB_BC1,
+            CodecHeader::Alpha(_) => ALPHA_PREDICTIVE,
             CodecHeader::Color(header) => match (header.format, &header.coding) {
                 (ColorFormat::EightBit(_), ColorCoding::Cells(None)) => COLOR_CELLS_8,
                 (ColorFormat::EightBit(_), ColorCoding::Cells(Some(ColorBlocks::Bc1))) => COLOR_CELLS_BC1,
@@ -230,7 +254,9 @@ impl CodecHeader {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => {
                 PayloadKind::Unaligned
             }
-            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => PayloadKind::Bytes,
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
+                PayloadKind::Bytes
+            }
             CodecHeader::Depth(_) | CodecHeader::Material(_) => PayloadKind::Mixed,
             CodecHeader::Color(header) if header.blocks().is_some() => PayloadKind::Blocks,
             CodecHeader::Color(ColorHeader { coding: ColorCoding::Transform(_), .. }) => PayloadKind::Bytes,
@@ -244,7 +270,7 @@ impl CodecHeader {
     pub fn held_pixel_bytes(&self) -> u64 {
         match self {
             // Two codes, what prediction holds of a pixel (16, with a margin), and its correction.
-            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => 32,
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => 32,
             CodecHeader::Depth(_) => 4,
             CodecHeader::Material(_) => 6,
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => 12,
@@ -259,7 +285,7 @@ impl CodecHeader {
         let bytes = u64::from(chunk.raw_bytes);
         match self {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
-            CodecHeader::Depth(_) | CodecHeader::Material(_) => 10 * bytes,
+            CodecHeader::Depth(_) | CodecHeader::Material(_) | CodecHeader::Alpha(_) => 10 * bytes,
             CodecHeader::Color(header) => {
                 let keyframes = 4 * bytes + (8 * bytes).min(4 << 20);
                 let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
@@ -272,12 +298,13 @@ impl CodecHeader {
     }
 
     /// Bytes of an uncompressed pixel as CALF's table 1 counts it: 32-bit depth, 24-bit colour, three 8-bit materials; and
-    /// 48 bits for half-float colour, which the table does not have.
+    /// 48 bits for half-float colour and 8 for alpha, which the table does not have.
     pub fn raw_pixel_bytes(&self) -> u64 {
         match self {
             CodecHeader::Depth(_) => 4,
             CodecHeader::Color(ColorHeader { format: ColorFormat::Half { .. }, .. }) => 6,
             CodecHeader::Color(_) | CodecHeader::Material(_) => 3,
+            CodecHeader::Alpha(_) => 1,
         }
     }
 
@@ -295,7 +322,7 @@ impl CodecHeader {
             DEPTH_NODES => "quadtree",
             DEPTH_TREE => "quadtree-intermediate",
             DEPTH_BLOCKS => "bc4w",
-            DEPTH_PREDICTIVE => "predictive",
+            DEPTH_PREDICTIVE | ALPHA_PREDICTIVE => "predictive",
             _ => "aabb",
         }
     }
@@ -306,6 +333,7 @@ impl CodecHeader {
             CodecHeader::Depth(header) => matches!(header.coding, DepthCoding::BoxesInBlocks(_)),
             CodecHeader::Material(header) => header.in_blocks,
             CodecHeader::Color(header) => header.blocks().is_some(),
+            CodecHeader::Alpha(_) => false,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Codec headers as bytes (depth.md 3, color.md 2).
+//! Codec headers as bytes (depth.md 3 and 16, color.md 2).
 
 use crate::block::SIDE;
 use crate::color::quality::Pu21;
@@ -16,10 +16,10 @@ use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::image::{DepthKind, StreamKind};
 use crate::streams::header::{
-    COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, COLOR_TRANSFORM_8,
-    COLOR_TRANSFORM_HALF, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5,
-    DEPTH_BLOCKS, DEPTH_NODES, DEPTH_PREDICTIVE, DEPTH_TREE, DepthCoding, DepthHeader, MATERIAL_AABB,
-    MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
+    ALPHA_PREDICTIVE, AlphaHeader, COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF,
+    COLOR_TRANSFORM_8, COLOR_TRANSFORM_HALF, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader,
+    DEPTH_AABB, DEPTH_AABB_BC5, DEPTH_BLOCKS, DEPTH_NODES, DEPTH_PREDICTIVE, DEPTH_TREE, DepthCoding, DepthHeader,
+    MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
 };
 
 /// Planes of the transform codec: red, green and blue.
@@ -47,6 +47,7 @@ impl CodecHeader {
                 }
             }
             CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
+            CodecHeader::Alpha(header) => out.put_u32(header.keyframe_interval),
             CodecHeader::Color(header) => {
                 out.put_f64(header.min_psnr_db);
                 match header.format {
@@ -70,7 +71,11 @@ impl CodecHeader {
     }
 
     pub fn read(stream: &StreamEntry) -> Result<CodecHeader> {
-        let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
+        let section = match StreamKind::from_index(stream.kind) {
+            Some(StreamKind::Color) => "color.md 2",
+            Some(StreamKind::Alpha) => "depth.md 16",
+            _ => "depth.md 3",
+        };
         let mut fields = Fields::new(&stream.codec_header, 0, section);
         let header = match (StreamKind::from_index(stream.kind), stream.codec) {
             (
@@ -79,8 +84,8 @@ impl CodecHeader {
             ) => {
                 let header = read_depth(&mut fields, codec)?;
                 let in_boxes = codec == DEPTH_AABB || codec == DEPTH_AABB_BC5;
-                if !in_boxes && stream.unit_width.max(stream.unit_height) > MAX_TILE {
-                    return Err(fields.error(format!("tiles of more than {MAX_TILE} pixels")));
+                if !in_boxes {
+                    check_tile(stream, &fields)?;
                 }
                 if header.is_of_cube() && stream.width != stream.height {
                     return Err(fields.error("a cube face that is not square"));
@@ -90,6 +95,10 @@ impl CodecHeader {
             (Some(StreamKind::Material), codec @ (MATERIAL_AABB | MATERIAL_AABB_BC1)) => {
                 let in_blocks = codec == MATERIAL_AABB_BC1;
                 CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)?, in_blocks })
+            }
+            (Some(StreamKind::Alpha), ALPHA_PREDICTIVE) => {
+                check_tile(stream, &fields)?;
+                CodecHeader::Alpha(AlphaHeader { keyframe_interval: read_keyframe_interval(&mut fields)? })
             }
             (
                 Some(StreamKind::Color),
@@ -109,6 +118,20 @@ impl CodecHeader {
         }
         fields.finish()?;
         Ok(header)
+    }
+}
+
+fn check_tile(stream: &StreamEntry, fields: &Fields<'_>) -> Result<()> {
+    match stream.unit_width.max(stream.unit_height) > MAX_TILE {
+        true => Err(fields.error(format!("tiles of more than {MAX_TILE} pixels"))),
+        false => Ok(()),
+    }
+}
+
+fn read_keyframe_interval(fields: &mut Fields<'_>) -> Result<u32> {
+    match fields.u32()? {
+        0 => Err(fields.error("a keyframe interval of 0 frames")),
+        frames => Ok(frames),
     }
 }
 
@@ -153,14 +176,12 @@ fn write_nodes(nodes: &NodeHeader, out: &mut Vec<u8>) {
 
 fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
     fields.enter("depth.md 3");
-    let (window, epsilon, keyframe_interval, bound) = (fields.u16()?, fields.u16()?, fields.u32()?, fields.u16()?);
+    let (window, epsilon) = (fields.u16()?, fields.u16()?);
+    let (keyframe_interval, bound) = (read_keyframe_interval(fields)?, fields.u16()?);
     let window = u8::try_from(window)
         .ok()
         .filter(|&window| window > 0)
         .ok_or_else(|| fields.error(format!("a depth window of {window} frames")))?;
-    if keyframe_interval == 0 {
-        return Err(fields.error("a keyframe interval of 0 frames"));
-    }
     let kind = fields.u16()?;
     let known = u8::try_from(kind).ok().and_then(DomainKind::from_byte);
     let kind = known.ok_or_else(|| fields.error(format!("domain {kind} is unknown")))?;
@@ -184,12 +205,9 @@ fn write_predictive(header: &PredictiveHeader, out: &mut Vec<u8>) {
 }
 
 fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
-    let (bound, epsilon, keyframe_interval) = (fields.u16()?, fields.u16()?, fields.u32()?);
+    let (bound, epsilon, keyframe_interval) = (fields.u16()?, fields.u16()?, read_keyframe_interval(fields)?);
     if bound > FAR_CODE {
         return Err(fields.error(format!("a bound of {bound} codes, at most {FAR_CODE} are legal")));
-    }
-    if keyframe_interval == 0 {
-        return Err(fields.error("a keyframe interval of 0 frames"));
     }
     let (shape, has_levels, own_sets, octave) = (fields.u16()?, fields.u8()?, fields.u8()?, fields.u32()?);
     let known = u8::try_from(shape).ok().and_then(Shape::from_byte);

@@ -14,7 +14,7 @@ use crate::streams::header::CodecHeader;
 pub struct StreamInfo {
     /// Index in the stream table.
     pub index: u32,
-    /// Colour, depth or material.
+    /// Colour, depth, material or alpha.
     pub kind: StreamKind,
     /// Index in the probe table.
     pub probe: usize,

@@ -1,10 +1,10 @@
-//! Chunks of depth and material: a keyframe and changes, by which a picture is updated in place.
+//! Chunks of depth, material and alpha: a keyframe and changes, by which a picture is updated in place.
 
 use crate::container::Payload;
-use crate::depth::predictive::UnitArea;
+use crate::depth::predictive::{PredictiveChunk, UnitArea};
 use crate::depth::records::TemporalChunk;
 use crate::error::Result;
-use crate::streams::header::MaterialHeader;
+use crate::streams::header::{AlphaHeader, MaterialHeader};
 
 /// A parsed chunk whose frames are reached by updating a picture.
 pub trait PictureChunk: Sized {
@@ -44,5 +44,27 @@ impl PictureChunk for TemporalChunk<[u8; 3]> {
 
     fn into_spare(self) -> Vec<u8> {
         TemporalChunk::into_spare(self)
+    }
+}
+
+/// A chunk of alpha.
+impl PictureChunk for PredictiveChunk {
+    type Pixel = u16;
+    type Header = AlphaHeader;
+
+    fn parse(header: &AlphaHeader, payload: Payload, area: UnitArea, frames: u32) -> Result<Self> {
+        PredictiveChunk::parse(payload, header.predictive(), area, frames)
+    }
+
+    fn advance(&mut self, picture: &mut [u16], at: Option<u32>, target: u32, _window: u8) -> Result<u64> {
+        PredictiveChunk::advance(self, picture, at, target)
+    }
+
+    fn check_window(&self, _window: u8, _frames: u32) -> Result<()> {
+        self.check()
+    }
+
+    fn into_spare(self) -> Vec<u8> {
+        PredictiveChunk::into_spare(self)
     }
 }

@@ -3,6 +3,7 @@
 use crate::color::{ColorChunk, HalfKey};
 use crate::container::{ChunkEntry, Index, Payload};
 use crate::depth::TemporalChunk;
+use crate::depth::predictive::PredictiveChunk;
 use crate::error::Result;
 use crate::streams::depth_chunk::DepthChunk;
 use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
@@ -13,6 +14,7 @@ use crate::streams::picture_chunk::PictureChunk;
 pub enum StreamChunk {
     Depth(DepthChunk),
     Material(TemporalChunk<[u8; 3]>),
+    Alpha(Box<PredictiveChunk>),
     Color8(ColorChunk<u8>),
     ColorHalf(ColorChunk<HalfKey>),
 }
@@ -24,6 +26,9 @@ impl StreamChunk {
         Ok(match &stream.header {
             CodecHeader::Depth(header) => StreamChunk::Depth(DepthChunk::parse(header, payload, area, frames)?),
             CodecHeader::Material(header) => StreamChunk::Material(PictureChunk::parse(header, payload, area, frames)?),
+            CodecHeader::Alpha(header) => {
+                StreamChunk::Alpha(Box::new(PictureChunk::parse(header, payload, area, frames)?))
+            }
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 StreamChunk::Color8(header.chunks_of_bytes(size).parse(payload, frames, index.place(chunk))?)
             }
@@ -39,6 +44,7 @@ impl StreamChunk {
             (StreamChunk::Material(chunk), CodecHeader::Material(header)) => {
                 chunk.check_window(header.temporal.window, frames)
             }
+            (StreamChunk::Alpha(chunk), _) => chunk.check(),
             _ => Ok(()),
         }
     }

@@ -29,6 +29,11 @@ fn image_bytes(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Vec<u8> {
             face.decode_into(frame, PixelsMut::Material8(&mut bytes)).unwrap();
             bytes.into_flattened()
         }
+        StreamKind::Alpha => {
+            let mut bytes = vec![0; width * height];
+            face.decode_into(frame, PixelsMut::Alpha8(&mut bytes)).unwrap();
+            bytes
+        }
         StreamKind::Color if stream.is_half_float() == Some(true) => {
             let mut light = vec![[f16::ZERO; 3]; width * height];
             face.decode_into(frame, PixelsMut::ColorHalf(&mut light)).unwrap();
@@ -71,11 +76,13 @@ fn invalid_vectors_are_refused() {
             let mut bytes = vec![[0; 3]; pixels];
             let mut codes = vec![0; pixels];
             let mut light = vec![[f16::ZERO; 3]; pixels];
+            let mut alpha = vec![0; pixels];
             stream.frames.iter().any(|frame| {
                 let target = match stream.kind {
                     StreamKind::Depth => PixelsMut::DepthCodes(&mut codes),
                     StreamKind::Material => PixelsMut::Material8(&mut bytes),
                     StreamKind::Color => PixelsMut::ColorHalf(&mut light),
+                    StreamKind::Alpha => PixelsMut::Alpha8(&mut alpha),
                 };
                 face.decode_into(frame, target).is_err()
             })

@@ -30,6 +30,11 @@ fn main() -> Result<()> {
                 images.decode_into(frame, PixelsMut::Material(&mut material))?;
                 format!("largest reflection weight {}", material.iter().fold(0.0f32, |most, m| most.max(m[0])))
             }
+            StreamKind::Alpha => {
+                let mut alpha = vec![0.0f32; pixels];
+                images.decode_into(frame, PixelsMut::Alpha(&mut alpha))?;
+                format!("mean alpha {:.3}", alpha.iter().sum::<f32>() / pixels as f32)
+            }
         };
         let (kind, face, codec) = (stream.kind.name(), stream.face.name(), stream.codec());
         println!("{kind} of probe {probe}, face {face}, {width}x{height}, {codec}, frame {frame}: {found}");

@@ -47,6 +47,7 @@ fn values(picture: &Picture) -> Vec<u64> {
         Picture::Color8(plane) | Picture::Material(plane) => {
             plane.data().iter().map(|pixel| word(pixel.map(u64::from))).collect()
         }
+        Picture::Alpha(plane) => plane.data().iter().map(|&code| code.into()).collect(),
         Picture::ColorHalf(plane) => {
             plane.data().iter().map(|pixel| word(pixel.map(|half| u64::from(half.to_bits())))).collect()
         }
@@ -367,7 +368,7 @@ fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
                     assert_eq!(lowest, errors.lowest_cell.unwrap().psnr_db);
                     assert!(lowest.is_finite() && maps.iter().all(|map| map.cells.len() == 9));
                 }
-                Measured::Material(_) => panic!("there is no material"),
+                Measured::Bytes(_) => panic!("there is no material"),
             }
         }
     }

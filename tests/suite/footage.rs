@@ -4,7 +4,7 @@ use std::path::Path;
 
 use half::f16;
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::image::{ColorPlane, DepthPlane, Face, MaterialPlane, Plane, exr};
+use lightfold::image::{AlphaPlane, ColorPlane, DepthPlane, Face, MaterialPlane, Plane, exr};
 
 /// A dataset that is about to be written: every closure answers the image of (face, frame).
 pub struct Footage<'a> {
@@ -22,6 +22,8 @@ pub struct Footage<'a> {
     pub color: Option<&'a dyn Fn(Face, u32) -> ColorPlane>,
     /// Material, where there is any.
     pub material: Option<&'a dyn Fn(Face, u32) -> MaterialPlane>,
+    /// Alpha, where there is any.
+    pub alpha: Option<&'a dyn Fn(Face, u32) -> AlphaPlane>,
 }
 
 impl Footage<'_> {
@@ -35,6 +37,7 @@ impl Footage<'_> {
             depth: None,
             color: None,
             material: None,
+            alpha: None,
         }
     }
 
@@ -59,6 +62,10 @@ impl Footage<'_> {
                     let names = ["reflect", "refract", "ior"];
                     exr::write_material(&of("material", frame), &material(face, frame), names).unwrap();
                 }
+                if let Some(alpha) = self.alpha {
+                    let halves = alpha(face, frame).map(|&alpha| f16::from_f32(alpha));
+                    exr::write_alpha(&of("alpha", frame), &halves).unwrap();
+                }
             }
         }
         let file = |kind: &str, there: bool| {
@@ -69,6 +76,7 @@ impl Footage<'_> {
             file("depth", self.depth.is_some()),
             file("color", self.color.is_some()),
             file("material", self.material.is_some()),
+            file("alpha", self.alpha.is_some()),
         ]
         .into_iter()
         .flatten()

@@ -57,6 +57,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         color: pattern(StreamKind::Color),
         depth: pattern(StreamKind::Depth),
         material: pattern(StreamKind::Material),
+        alpha: pattern(StreamKind::Alpha),
         normal: None,
     };
     let path =
@@ -71,6 +72,10 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
                     StreamKind::Material => {
                         let plane = Plane::from_fn(SIZE, SIZE, |x, _| [if x == frame { 1.0 } else { 0.0 }, 0.0, 1.0]);
                         exr::write_material(&path, &plane, ["reflect", "refract", "ior"])
+                    }
+                    StreamKind::Alpha => {
+                        let alpha = |x, _| f16::from_f32(if x < frame { 0.5 } else { 1.0 });
+                        exr::write_alpha(&path, &Plane::from_fn(SIZE, SIZE, alpha))
                     }
                 }
                 .unwrap();
@@ -92,6 +97,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         depth: None,
         color: Some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
+        alpha: None,
         missing: None,
         files,
         probes: vec![Probe { name: "00".into(), position: Some([1.0, 2.0, 3.0]), ..Probe::default() }],
@@ -138,6 +144,7 @@ fn same_inside(a: &Picture, b: &Picture, [left, top, width, height]: [u32; 4]) -
     match (a, b) {
         (Picture::Depth(a), Picture::Depth(b)) => same(a, b, columns, rows),
         (Picture::ColorHalf(a), Picture::ColorHalf(b)) => same(a, b, columns, rows),
+        (Picture::Alpha(a), Picture::Alpha(b)) => same(a, b, columns, rows),
         (Picture::Color8(a), Picture::Color8(b)) | (Picture::Material(a), Picture::Material(b)) => {
             same(a, b, columns, rows)
         }

@@ -29,6 +29,14 @@ fn material(_: Face, frame: u32) -> Plane<[f32; 3]> {
     Plane::from_fn(SIZE[0], SIZE[1], |x, y| [if x == y + frame { 0.5 } else { 0.0 }, 0.25, 1.5])
 }
 
+fn alpha(_: Face, frame: u32) -> Plane<f32> {
+    Plane::from_fn(
+        SIZE[0],
+        SIZE[1],
+        |x, y| if x + y > 30 { 1.0 } else { f16::from_f32((x + frame) as f32 / 64.0).to_f32() },
+    )
+}
+
 /// All kinds of streams, encoded from memory under the name and the frame rate of a source.
 fn from_memory(name: &str, fps: f64, settings: &EncodeSettings) -> Vec<u8> {
     let mut encoder = Encoder::new(name, fps).with_settings(settings.clone());
@@ -40,11 +48,13 @@ fn from_memory(name: &str, fps: f64, settings: &EncodeSettings) -> Vec<u8> {
             encoder.add_material(probe, face, SIZE).unwrap(),
             encoder.add_depth(probe, face, SIZE).unwrap(),
             encoder.add_color(probe, face, SIZE).unwrap(),
+            encoder.add_alpha(probe, face, SIZE).unwrap(),
         );
         for frame in 0..6 {
             encoder.push_material(streams.0, material(face, frame).data()).unwrap();
             encoder.push_depth(streams.1, depth(face, frame).data()).unwrap();
             encoder.push_color(streams.2, color(face, frame).data()).unwrap();
+            encoder.push_alpha(streams.3, alpha(face, frame).data()).unwrap();
         }
     }
     encoder.finish(Vec::new()).unwrap().0
@@ -58,6 +68,7 @@ fn frames_from_memory_come_to_the_bytes_of_files() {
     footage.depth = Some(&depth);
     footage.color = Some(&color);
     footage.material = Some(&material);
+    footage.alpha = Some(&alpha);
     footage.write(folder.path());
     let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
     let settings = EncodeSettings::default();
@@ -69,7 +80,7 @@ fn frames_from_memory_come_to_the_bytes_of_files() {
 fn pixels_are_written_into_slices_whole_and_by_unit() {
     let file = from_memory("film", 24.0, &EncodeSettings::default());
     let decoder = Decoder::from_memory(file).unwrap();
-    assert_eq!(decoder.streams().len(), 6);
+    assert_eq!(decoder.streams().len(), 8);
     for stream in decoder.streams() {
         let pixels = (SIZE[0] * SIZE[1]) as usize;
         let mut face = decoder.face(stream);
@@ -123,6 +134,14 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
                     let source = material(stream.face, frame);
                     let close = |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.005);
                     assert!(values.iter().zip(source.data()).all(|(a, b)| close(a, b)));
+                }
+                StreamKind::Alpha => {
+                    let (mut values, mut bytes) = (vec![0.0f32; pixels], vec![0u8; pixels]);
+                    face.decode_into(frame, PixelsMut::Alpha(&mut values)).unwrap();
+                    face.decode_into(frame, PixelsMut::Alpha8(&mut bytes)).unwrap();
+                    let source = alpha(stream.face, frame);
+                    assert!(values.iter().zip(source.data()).all(|(a, b)| (a - b).abs() <= 0.5 / 255.0 + 1e-6));
+                    assert!(values.iter().zip(&bytes).all(|(a, b)| *a == f32::from(*b) / 255.0));
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! One test binary for everything that is tested from outside the crate.
 
+mod alpha;
 mod blocks;
 mod cameras;
 mod capture;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use jsonschema::Validator;
 use lightfold::dataset::manifest::{
-    Background, ColorInfo, DepthInfo, FaceFiles, Files, MaterialChannels, MaterialInfo, Pose, Probe, Unit,
+    AlphaInfo, Background, ColorInfo, DepthInfo, FaceFiles, Files, MaterialChannels, MaterialInfo, Pose, Probe, Unit,
 };
 use lightfold::dataset::{DepthKind, Manifest, Missing, Projection};
 use lightfold::image::{ColorSpace, Eye, StereoLayout};
@@ -239,8 +239,9 @@ fn whole() -> Manifest {
         }),
         color: Some(ColorInfo { space: Some(ColorSpace::Srgb), layer: text("rgba") }),
         material: Some(MaterialInfo { channels: MaterialChannels::default() }),
+        alpha: Some(AlphaInfo { channel: text("A") }),
         missing: Some(Missing::Hold),
-        files: Files { color: text("c"), depth: text("d"), material: text("m"), normal: text("n") },
+        files: Files { color: text("c"), depth: text("d"), material: text("m"), alpha: text("a"), normal: text("n") },
         probes: vec![Probe {
             name: "a".into(),
             position: Some([0.0; 3]),

@@ -173,11 +173,13 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 depth: Some(depth),
                 color: None,
                 material: Some(MaterialInfo { channels: MaterialChannels { reflection, refraction, ior } }),
+                alpha: None,
                 missing: None,
                 files: Files {
                     color: None,
                     depth: Some("{probe}/{face}.%04d.exr".into()),
                     material: None,
+                    alpha: None,
                     normal: None,
                 },
                 probes: probes.into_iter().map(probe).collect(),

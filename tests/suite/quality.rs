@@ -134,7 +134,7 @@ fn distance(source: &Source, container: &[u8]) -> (u16, f64) {
                     let pairs = wanted.data().as_flattened().iter().zip(codes.data().as_flattened());
                     worst = worst.max(pairs.map(|(a, b)| u16::from(a.abs_diff(*b))).max().unwrap());
                 }
-                Picture::ColorHalf(_) => panic!("8-bit colour was asked for"),
+                Picture::ColorHalf(_) | Picture::Alpha(_) => panic!("8-bit colour was asked for, and no alpha"),
             }
         }
     }

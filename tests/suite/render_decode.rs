@@ -100,6 +100,7 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
                     (ColorTexels::Light(target), ColorTexels::Light(source)) => target[at] = source[at],
                     _ => panic!("colours are coded alike"),
                 },
+                StreamKind::Alpha => panic!("alpha is a part of colour"),
                 StreamKind::Material => {
                     target.material.as_mut().unwrap()[at] = source.material.as_ref().unwrap()[at];
                 }

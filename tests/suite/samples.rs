@@ -28,8 +28,8 @@ use lightfold::effort::Effort;
 use lightfold::image::DepthKind;
 use lightfold::image::transfer::ToneMap;
 use lightfold::streams::{
-    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader,
-    NodeHeader,
+    AlphaHeader, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader,
+    MaterialHeader, NodeHeader,
 };
 
 // Both test binaries that include this file find it there.
@@ -200,11 +200,19 @@ pub fn predictive_codec(header: PredictiveHeader) -> CodecHeader {
 
 /// Predictive depth.
 pub fn predictive(shape: Shape, images: &[Vec<u16>], header: PredictiveHeader) -> Stream {
-    let entry = entry(shape, &predictive_codec(header.clone()));
+    predicted(entry(shape, &predictive_codec(header.clone())), images, &header)
+}
+
+/// Alpha.
+pub fn alpha(shape: Shape, images: &[Vec<u16>], header: AlphaHeader) -> Stream {
+    predicted(entry(shape, &CodecHeader::Alpha(header)), images, &header.predictive())
+}
+
+fn predicted(entry: StreamEntry, images: &[Vec<u16>], header: &PredictiveHeader) -> Stream {
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let area = UnitArea { rect: entry.unit_rect(unit), image: [entry.width, entry.height] };
-        let mut encoder = PredictiveEncoder::new(&header, area, Decide::Mse, Effort::Normal).unwrap();
+        let mut encoder = PredictiveEncoder::new(header, area, Decide::Mse, Effort::Normal).unwrap();
         let mut push = |codes: &[u16]| encoder.push(&header.levels.numbers(codes).unwrap());
         let closed: Vec<_> = images.iter().map(|image| push(&cut(image, entry.width, area.rect))).collect();
         chunks.extend(closed.into_iter().chain([encoder.finish()]).flatten().map(|chunk| (unit, chunk)));
@@ -486,6 +494,7 @@ pub fn image_bytes(picture: &Picture) -> Vec<u8> {
     match picture {
         Picture::Depth(plane) => plane.data().iter().flat_map(|code| code.to_le_bytes()).collect(),
         Picture::Color8(plane) | Picture::Material(plane) => plane.data().as_flattened().to_vec(),
+        Picture::Alpha(plane) => plane.data().to_vec(),
         Picture::ColorHalf(plane) => {
             plane.data().as_flattened().iter().flat_map(|value| value.to_bits().to_le_bytes()).collect()
         }

@@ -1,10 +1,11 @@
-//! The frozen containers of [`crate::vectors`] whose depth is predicted (formats/depth.md 15).
+//! The frozen containers of [`crate::vectors`] whose depth or alpha is predicted (formats/depth.md 15 and 16).
 
-use lightfold::container::{Compression, EncodedChunk};
+use lightfold::container::{Compression, EncodedChunk, StreamEntry};
 use lightfold::depth::predictive::projection::{Projection, Shape as Pixels};
 use lightfold::depth::predictive::tables::{Predictive, TableSet, Tables};
 use lightfold::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
 use lightfold::entropy::{Distribution, Model, SYMBOLS, Trainer};
+use lightfold::streams::AlphaHeader;
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};
@@ -112,6 +113,21 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         assert!(stream.chunks.iter().any(|(_, chunk)| chunk.payload[0] == 8));
         one(stream)
     }));
+    all.push(("alpha", {
+        // A soft disc that moves, with noise at its edge.
+        let mut random = Random(11);
+        let mut code = |x: u32, y: u32, t: u32| {
+            let square = (x as i32 - 20 - t as i32).pow(2) + (y as i32 - 13).pow(2);
+            (255 - (square - 100).clamp(0, 255) + random.below(2) as i32 * i32::from(square > 100)).clamp(0, 255) as u16
+        };
+        let mut image = |t: u32| (0..43 * 26).map(|at| code(at % 43, at / 43, t)).collect();
+        let images: Vec<Vec<u16>> = (0..5).map(&mut image).collect();
+        one(samples::alpha(shape(6, [43, 26], [24, 16], 4, 5), &images, AlphaHeader { keyframe_interval: 3 }))
+    }));
+    all.push(("alpha-beyond-a-byte", {
+        let image = vec![(0..12 * 9).map(|at| [0, 254, 255, 256, 300, 65_534, u16::MAX][at % 7]).collect()];
+        one(samples::alpha(shape(0, [12, 9], [16, 16], 0, 1), &image, AlphaHeader { keyframe_interval: 1 }))
+    }));
     all
 }
 
@@ -147,6 +163,12 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (entry.width, entry.unit_width) = (width, unit);
         one(Stream { entry, chunks: good.chunks.clone() })
     };
+    let alpha = |change: fn(&mut StreamEntry)| {
+        let image = vec![vec![255; 400]; 3];
+        let mut stream = samples::alpha(shape, &image, AlphaHeader { keyframe_interval: 1 });
+        change(&mut stream.entry);
+        one(stream)
+    };
     let short = "a substream that ends too early";
     let cut = |count: usize| payload(&move |payload| payload.truncate(payload.len() - count));
     vec![
@@ -167,6 +189,14 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             codec(26, &[1]),
             "levels in a stream with a bound, a threshold or a projection",
         ),
+        (
+            "alpha-keyframe-interval",
+            alpha(|entry| entry.codec_header = vec![0; 4].into()),
+            "a keyframe interval of 0 frames",
+        ),
+        ("alpha-header-longer", alpha(|entry| entry.codec_header = vec![1; 5].into()), "1 bytes after the last field"),
+        ("alpha-as-depth", alpha(|entry| entry.kind = 1), "a stream of kind 1 uses codec 'APRD'"),
+        ("alpha-tiles", alpha(|entry| entry.unit_width = 1025), "tiles of more than 1024 pixels"),
         ("predictive-levels-missing", with_levels(&[]), "2 more bytes expected, 0 left"),
         ("predictive-levels-none", with_levels(&[0, 0]), "0 levels, 1 to 4096 are legal"),
         ("predictive-levels-too-few", with_levels(&[2, 0, 1, 0]), "2 more bytes expected, 0 left"),

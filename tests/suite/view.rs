@@ -55,6 +55,7 @@ fn samples(picture: &Picture) -> (Vec<[u16; 3]>, [u16; 3]) {
         Picture::Color8(codes) | Picture::Material(codes) => {
             (codes.data().iter().map(|pixel| pixel.map(u16::from)).collect(), [0; 3])
         }
+        Picture::Alpha(codes) => (codes.data().iter().map(|&code| [code.into(); 3]).collect(), [0; 3]),
         Picture::ColorHalf(light) => (light.data().iter().map(|pixel| pixel.map(f16::to_bits)).collect(), [0; 3]),
     }
 }

@@ -17,6 +17,7 @@ NODE_CODECS = (b"DQPN", b"DQTR", b"DB4W")
 PIXEL_BYTES = {
     **{(1, codec): 2 for codec in (b"DAAB", b"DAB5", b"DPRD", *NODE_CODECS)},
     **{(2, codec): 3 for codec in (b"MAAB", b"MAB1")},
+    (3, b"APRD"): 1,
     **{(0, codec): 3 for codec in (b"CCL8", b"CCB1", b"CCB7", b"CTR8")},
     **{(0, codec): 6 for codec in (b"CCLH", b"CCB6", b"CTRH")},
 }
@@ -66,7 +67,7 @@ class Stream:
         self.check(probe_count)
 
     def check(self, probe_count):
-        check(self.kind <= 2 and self.face <= 6 and self.probe < probe_count, "kind, face or probe is illegal")
+        check(self.kind <= 3 and self.face <= 6 and self.probe < probe_count, "kind, face or probe is illegal")
         sizes = (self.width, self.height, self.unit_width, self.unit_height)
         check(all(1 <= size <= MAX_SIZE for size in sizes), "a size is illegal")
         check(self.count >= 1 and self.first + self.count <= MAX_FRAME, "the frames are illegal")

@@ -16,7 +16,7 @@ from cells import TRANSFORMS, decode_cell, decode_transform, read_color_header
 from container import NODE_CODECS, PIXEL_BYTES, read_foot, read_head, read_index
 from fields import Refused, check
 from nodes import decode_blocks, decode_nodes, read_node_header
-from predictive import decode_predictive, read_predictive_header
+from predictive import decode_alpha, decode_predictive, read_alpha_header, read_predictive_header
 
 
 def decode_stream(data, stream):
@@ -26,6 +26,8 @@ def decode_stream(data, stream):
         sets = read_color_header(stream)
     elif stream.codec == b"DPRD":
         predictive = read_predictive_header(stream)
+    elif stream.codec == b"APRD":
+        predictive = read_alpha_header(stream)
     elif stream.codec in NODE_CODECS:
         window, domain = read_node_header(stream)
     else:
@@ -39,6 +41,8 @@ def decode_stream(data, stream):
             pictures = decode_cell(data, chunks, width, height, pixel // 3, stream.codec)
         elif stream.codec == b"DPRD":
             pictures = decode_predictive(data, chunks, (left, top, width, height), stream.width, predictive)
+        elif stream.codec == b"APRD":
+            pictures = decode_alpha(data, chunks, (left, top, width, height), stream.width, predictive)
         elif stream.codec == b"DB4W":
             pictures = decode_blocks(data, chunks, width, height)
         elif stream.codec in NODE_CODECS:

@@ -1,4 +1,4 @@
-"""Depth by predictive coding, for decode.py: written from formats/depth.md 15 and from nothing else."""
+"""Depth and alpha by predictive coding, for decode.py: written from formats/depth.md 15 and 16 and from nothing else."""
 
 import os
 
@@ -66,6 +66,15 @@ def read_predictive_header(stream):
         check(all(one < next for one, next in zip(levels, levels[1:] + [65535])), "levels do not ascend")
     fields.finish()
     return bound, projection, octave, SETS + own, levels
+
+
+def read_alpha_header(stream):
+    """The same of a stream of alpha, without what it cannot have."""
+    check(stream.unit_width <= 1024 and stream.unit_height <= 1024, "the units are too large")
+    fields = Fields(stream.header)
+    check(fields.take("I") >= 1, "a keyframe interval is illegal")
+    fields.finish()
+    return 0, 0, 0, SETS, []
 
 
 class Symbols(Substream):
@@ -337,3 +346,9 @@ def decode_predictive(data, chunks, rect, side, header):
             pictures.append(unit.picture())
         stream.finish()
         yield from pictures
+
+
+def decode_alpha(data, chunks, rect, side, header):
+    for picture in decode_predictive(data, chunks, rect, side, header):
+        codes = [int.from_bytes(picture[at:at + 2], "little") for at in range(0, len(picture), 2)]
+        yield bytes(min(code, 255) for code in codes)

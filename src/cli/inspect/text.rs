@@ -350,6 +350,9 @@ fn setting(stats: &StreamStats<'_>) -> String {
         CodecHeader::Material(header) => {
             format!("{}{}", temporal(&header.temporal), if header.in_blocks { ", BC1" } else { "" })
         }
+        CodecHeader::Alpha(header) => {
+            format!("predictive, without loss, keyframe every {}, tile {units}", header.keyframe_interval)
+        }
         CodecHeader::Color(header) => {
             let format = match header.format {
                 ColorFormat::EightBit(tone) => {

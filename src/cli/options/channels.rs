@@ -19,6 +19,9 @@ pub struct ChannelArgs {
     /// Three material channels of EXR files, as reflect,refract,ior [default: from the manifest]
     #[arg(long, value_name = "A,B,C")]
     pub material_channel: Option<String>,
+    /// Alpha channel of EXR files [default: from the manifest, or that of the colour layer]
+    #[arg(long, value_name = "NAME")]
+    pub alpha_channel: Option<String>,
 }
 
 impl ChannelArgs {
@@ -26,10 +29,12 @@ impl ChannelArgs {
         source.depth_channel.clone_from(&self.depth_channel);
         source.color_channel.clone_from(&self.color_channel);
         source.material_channel.clone_from(&self.material_channel);
+        source.alpha_channel.clone_from(&self.alpha_channel);
     }
 
     pub fn is_usual(&self) -> bool {
-        self.depth_channel.is_none() && self.color_channel.is_none() && self.material_channel.is_none()
+        let all = [&self.depth_channel, &self.color_channel, &self.material_channel, &self.alpha_channel];
+        all.into_iter().all(Option::is_none)
     }
 
     /// Refuses channels of another kind than that of a sequence.
@@ -38,6 +43,7 @@ impl ChannelArgs {
             (StreamKind::Depth, &self.depth_channel),
             (StreamKind::Color, &self.color_channel),
             (StreamKind::Material, &self.material_channel),
+            (StreamKind::Alpha, &self.alpha_channel),
         ];
         match given.into_iter().find(|(other, name)| *other != kind && name.is_some()) {
             Some((other, _)) => refuse(format!("--{}-channel: this is a sequence of {}", other.name(), kind.name())),

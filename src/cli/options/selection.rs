@@ -10,7 +10,7 @@ use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 
 pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
-    StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material"))
+    StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material, alpha"))
 }
 
 pub fn parse_face(text: &str) -> Result<Face, String> {
@@ -46,7 +46,7 @@ pub struct SelectionArgs {
     /// Only these faces
     #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = parse_face)]
     pub face: Vec<Face>,
-    /// Only streams of these kinds: color, depth, material
+    /// Only streams of these kinds: color, depth, material, alpha
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
     pub stream: Vec<StreamKind>,
 }

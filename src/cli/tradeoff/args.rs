@@ -68,7 +68,7 @@ pub struct Args {
     /// Seconds that all of it may take: values and runs that do not fit are left out, which is said. Not for a scene
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     pub budget_seconds: Option<f64>,
-    /// Only streams of these kinds: color, depth, material; also tells what a lone sequence holds
+    /// Only streams of these kinds: color, depth, material, alpha; also tells what a lone sequence holds
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
     /// How much bytes and decoding time count in the score, which knows nothing of quality, such as 1,3 [default: 0.25,0.75]

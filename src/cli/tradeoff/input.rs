@@ -217,7 +217,7 @@ mod tests {
                 (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
                 (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],
-                (Stage::Encode, false, StreamKind::Material) => &["encode"],
+                (Stage::Encode, false, StreamKind::Material | StreamKind::Alpha) => &["encode"],
                 (Stage::Encode, false, StreamKind::Depth) => &["encode", "encode-depth"],
             };
             let mut built = root.clone();

@@ -73,7 +73,7 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
         let quality = match stream {
             StreamKind::Color => "--min-psnr",
             StreamKind::Depth => "--max-error, --max-error-m",
-            StreamKind::Material => "--max-error",
+            StreamKind::Material | StreamKind::Alpha => "--max-error",
         };
         let _ = writeln!(
             text,

@@ -146,7 +146,7 @@ impl Manifest {
         }
         match streams.iter().any(|(_, text, _)| text.is_some()) {
             true => Ok(()),
-            false => Err(Error::invalid("\"files\" names no color, depth or material")),
+            false => Err(Error::invalid("\"files\" names no color, depth, material or alpha")),
         }
     }
 

@@ -53,6 +53,8 @@ impl Source {
         source.depth_channel = options.depth_channel.clone().or(depth.channel).into();
         let layer = manifest.color.as_ref().and_then(|color| color.layer.clone());
         source.color_channel = options.color_channel.clone().or(layer).into();
+        let channel = manifest.alpha.as_ref().and_then(|alpha| alpha.channel.clone());
+        source.alpha_channel = options.alpha_channel.clone().or(channel).into();
         if options.material_channel.is_none() {
             source.material_channels = [names.reflection, names.refraction, names.ior];
         }
@@ -244,6 +246,7 @@ impl Source {
             color_channel: options.color_channel.clone().into(),
             depth_channel: options.depth_channel.clone().into(),
             material_channels,
+            alpha_channel: options.alpha_channel.clone().into(),
             invalid_color: options.invalid_color,
             missing: options.missing.unwrap_or_default(),
             limits: options.limits,

@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::gpu::GpuDecoder;
 use crate::gpu::family::PixelWords;
 use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
-use crate::image::Plane;
+use crate::image::{Plane, StreamKind};
+use crate::streams::convert::alpha_byte;
 
 impl GpuDecoder<'_> {
     pub fn read(&mut self) -> Result<Vec<Picture>> {
@@ -33,7 +34,13 @@ impl GpuDecoder<'_> {
 
     fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
         match self.family.words {
-            PixelWords::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
+            PixelWords::Codes => {
+                let codes = self.assemble(stream, first, words, unpack_codes);
+                match stream.kind {
+                    StreamKind::Alpha => Picture::Alpha(codes.map(|&code| alpha_byte(code))),
+                    _ => Picture::Depth(codes),
+                }
+            }
             PixelWords::Bytes if self.family.is_color => Picture::Color8(self.assemble(stream, first, words, bytes_of)),
             PixelWords::Bytes => Picture::Material(self.assemble(stream, first, words, bytes_of)),
             PixelWords::Halves => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),

@@ -291,6 +291,13 @@ fn unit_chunks(
                 chunk.payload
             }
             CodecHeader::Depth(_) => records::<u16>(Layout::BlockTiles, size, count, random)?,
+            CodecHeader::Alpha(header) => {
+                let Some(chunk) = predictive::random_chunk(&header.predictive(), size, count.min(8), random)? else {
+                    break;
+                };
+                count = chunk.frame_count;
+                chunk.payload
+            }
             CodecHeader::Material(header) => records::<[u8; 3]>(header.layout(), size, count, random)?,
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 color(&header.chunks_of_bytes(size), count, last, random)?

@@ -6,6 +6,7 @@ use crate::color::quality::PU_STEPS;
 use crate::compare::{CellPsnr, Coding, ErrorMap, LargestError};
 use crate::error::Result;
 use crate::error::counted;
+use crate::image::StreamKind;
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
 use crate::report::picture::raster::{HALF_SIDE, MAX_SIDE, Scale, hatch, render};
@@ -22,7 +23,10 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
         Coding::Depth(_) => ("16-bit log codes", 1.0),
         Coding::Color(ColorFormat::Half { .. }, _) => ("PU21 codes, the largest of R, G and B", PU_STEPS),
         Coding::Color(..) => ("8-bit codes, the largest of R, G and B", 1.0),
-        Coding::Material => ("8-bit codes, the largest of the three weights", 1.0),
+        Coding::Bytes if subject.stream.kind == StreamKind::Material => {
+            ("8-bit codes, the largest of the three weights", 1.0)
+        }
+        Coding::Bytes => ("8-bit codes", 1.0),
     };
     let told = |error: u32| trimmed(f64::from(error) / steps);
     let odd = background + outside;
@@ -69,6 +73,7 @@ fn bound(subject: &Subject<'_>) -> Option<u32> {
     match &subject.stream.header {
         CodecHeader::Depth(header) => header.error_bound().map(u32::from),
         CodecHeader::Material(header) => Some(u32::from(header.temporal.epsilon)),
+        CodecHeader::Alpha(_) => Some(0),
         CodecHeader::Color(_) => None,
     }
 }

@@ -13,7 +13,7 @@ use crate::inspect::{CodingMap, Writing};
 use crate::report::picture::raster::{MAX_SIDE, Scale, filled, hatch, outline, render, unit_borders};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
-use crate::streams::{CodecHeader, ColorBlocks, DepthCoding, DepthHeader};
+use crate::streams::{CodecHeader, ColorBlocks, DepthCoding, DepthHeader, convert};
 
 pub(super) struct Shades {
     /// 0 to 1, or nothing where there is no surface.
@@ -29,6 +29,9 @@ impl Shades {
         match (picture, &subject.stream.header) {
             (Picture::Depth(codes), CodecHeader::Depth(header)) => of_depth(codes, header.range),
             (Picture::Material(codes), _) => of_material(codes),
+            (Picture::Alpha(codes), _) => {
+                Shades::plain(codes.map(|&code| Some(1.0 - convert::alpha_value(code.into()))))
+            }
             _ => Shades::plain(Plane::filled(subject.size()[0], subject.size()[1], None)),
         }
     }
@@ -106,7 +109,7 @@ pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: 
 
 fn name(header: &CodecHeader, writing: Writing) -> String {
     let (color, blocks) = match header {
-        CodecHeader::Depth(_) => (false, "BC5"),
+        CodecHeader::Depth(_) | CodecHeader::Alpha(_) => (false, "BC5"),
         CodecHeader::Material(_) => (false, "BC1"),
         CodecHeader::Color(header) => match header.blocks() {
             Some(ColorBlocks::Bc1) => (true, "BC1"),
@@ -214,7 +217,11 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture) -
         key.push(Entry { swatch: Swatch::Hatched(palette::BACKGROUND), words: "background: no surface".to_owned() });
     }
     key.extend(shades.entry.clone());
-    let image = if subject.stream.kind == StreamKind::Material { "Material" } else { "Depth" };
+    let image = match subject.stream.kind {
+        StreamKind::Material => "Material",
+        StreamKind::Alpha => "Alpha",
+        _ => "Depth",
+    };
     let caption = match what {
         _ if map.patches.is_empty() => format!("{image}; nothing is written"),
         _ if whole => format!("{image}, and the whole tiles that the frame writes"),

@@ -177,6 +177,7 @@ fn light(subject: &Subject<'_>, picture: &Picture) -> Plane<Option<f32>> {
         (Picture::Color8(codes) | Picture::Material(codes), _) => codes.map(dark),
         (Picture::ColorHalf(light), _) => convert::color_codes(light, &usual()).0.map(dark),
         (Picture::Depth(codes), _) => codes.map(|_| None),
+        (Picture::Alpha(codes), _) => codes.map(|_| None),
     }
 }
 

@@ -85,11 +85,13 @@ impl CapturePlan {
             depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
             color: wants(Pass::Color).then_some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
+            alpha: None,
             missing: None,
             files: Files {
                 color: files(Pass::Color),
                 depth: files(Pass::Depth),
                 material: files(Pass::Material),
+                alpha: None,
                 normal: files(Pass::Normal),
             },
             probes,

@@ -141,7 +141,7 @@ fn any_way_is_equal(header: &CodecHeader) -> bool {
     match header {
         CodecHeader::Depth(depth) => depth.window() == 1,
         CodecHeader::Material(material) => material.temporal.window == 1,
-        CodecHeader::Color(_) => true,
+        CodecHeader::Color(_) | CodecHeader::Alpha(_) => true,
     }
 }
 
@@ -222,6 +222,7 @@ fn shown(face: &mut FaceDecoder<'_>, frame: u32) -> Result<u64> {
     match face.decode(frame)? {
         Picture::Depth(plane) => plane.data().hash(&mut hasher),
         Picture::Color8(plane) | Picture::Material(plane) => plane.data().hash(&mut hasher),
+        Picture::Alpha(plane) => plane.data().hash(&mut hasher),
         Picture::ColorHalf(plane) => {
             plane.data().as_flattened().iter().for_each(|value| hasher.write_u16(value.to_bits()));
         }

@@ -73,7 +73,7 @@ impl Input {
                 }
                 settings = without(&settings, &["color-block", "psnr-final"]);
             }
-            StreamKind::Material => {}
+            StreamKind::Material | StreamKind::Alpha => {}
         }
         let options: Vec<String> =
             self.encode.iter().filter(|option| !option.starts_with("--material-")).cloned().collect();
@@ -88,6 +88,7 @@ impl Input {
                 value("depth-codec") != Some("aabb") || value("depth-block").is_some_and(|of| of != "none")
             }
             StreamKind::Color => value("color-block").is_some_and(|of| of != "none"),
+            StreamKind::Alpha => false,
             StreamKind::Material => {
                 self.encode.iter().any(|option| option.starts_with("--material-block=") && !option.ends_with("=none"))
             }

@@ -49,7 +49,7 @@ impl Demands {
     pub fn aim(&self, kind: StreamKind) -> Option<Aim> {
         let quality = match kind {
             StreamKind::Depth => self.max_error_codes.is_some() || self.max_error_m.is_some(),
-            StreamKind::Material => self.max_error_codes.is_some(),
+            StreamKind::Material | StreamKind::Alpha => self.max_error_codes.is_some(),
             StreamKind::Color => self.min_psnr_db.is_some(),
         };
         let cost = self.decode_ms.is_some() || self.max_bytes.is_some() || self.max_ratio_percent.is_some();

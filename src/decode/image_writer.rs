@@ -1,0 +1,145 @@
+//! Writes a decoded image, or colour with its alpha, into an EXR or PNG file.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use half::f16;
+
+use crate::decode::face::Picture;
+use crate::decode::manifest::{FileCoding, FileFormat};
+use crate::depth::CodeTable;
+use crate::error::{Error, Result};
+use crate::image::exr;
+use crate::image::picture_stream::CodePicture;
+use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
+use crate::image::{ColorPlane, LightMatrix, Plane, Primaries};
+use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
+
+const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
+
+pub(super) struct WrittenFile {
+    pub bytes: u64,
+    pub clipped_pixels: u64,
+}
+
+/// Between the domain of a codec and that of a file.
+enum Table {
+    Metres(CodeTable),
+    /// Of 8-bit codes, which are light first where a file has other codes.
+    Light(Box<DecodeTable>, EncodeTable),
+    /// Of half floats in PNG.
+    Codes(EncodeTable),
+    None,
+}
+
+pub(super) struct ImageWriter {
+    format: FileFormat,
+    table: Table,
+    /// Of light in files.
+    primaries: Primaries,
+    /// To them.
+    matrix: Option<LightMatrix>,
+}
+
+impl ImageWriter {
+    pub fn new(stream: &StreamInfo, coding: FileCoding, own: Primaries) -> ImageWriter {
+        let (format, primaries) = (coding.format, coding.primaries(own));
+        let table = match &stream.header {
+            CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
+            CodecHeader::Color(header) => match header.format {
+                ColorFormat::EightBit(tone) => Table::Light(Box::new(DecodeTable::new(&tone)), EncodeTable::new(&tone)),
+                ColorFormat::Half { .. } => Table::Codes(EncodeTable::new(&ToneMap::default())),
+            },
+            CodecHeader::Material(_) | CodecHeader::Alpha(_) => Table::None,
+        };
+        ImageWriter { format, table, primaries, matrix: own.conversion_to(primaries) }
+    }
+
+    /// Writes a file, and its folder where there is none.
+    pub fn write_new(&self, path: &Path, picture: Picture, alpha: Option<&Plane<u8>>) -> Result<WrittenFile> {
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+        }
+        let clipped_pixels = self.write(path, picture, alpha).map_err(|error| error.in_file(path))?;
+        let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+        Ok(WrittenFile { bytes, clipped_pixels })
+    }
+
+    /// Returns the number of clipped pixels.
+    fn write(&self, path: &Path, picture: Picture, alpha: Option<&Plane<u8>>) -> Result<u64> {
+        if self.format == FileFormat::Png {
+            let (codes, clipped) = match alpha {
+                Some(alpha) => self.codes_and_alpha(picture, alpha)?,
+                None => self.codes(picture)?,
+            };
+            let file = File::create(path).map_err(|error| Error::io(path, error))?;
+            return codes.encode_png(&mut BufWriter::new(file)).map(|()| clipped);
+        }
+        let half = |code: u8| f16::from_f32(convert::alpha_value(code.into()));
+        match (picture, &self.table) {
+            (Picture::Depth(codes), Table::Metres(table)) => {
+                exr::write_depth(path, &codes.map(|&code| table.metres(code)))
+            }
+            (Picture::Material(codes), _) => {
+                exr::write_material(path, &convert::material_values(&codes), MATERIAL_CHANNELS)
+            }
+            (Picture::Alpha(codes), _) => exr::write_alpha(path, &codes.map(|&code| half(code))),
+            (picture, _) => {
+                let light = self.light(picture)?;
+                match alpha {
+                    Some(alpha) => {
+                        let rgba = light.zip(alpha, |[r, g, b], code| [r, g, b, half(code)])?;
+                        exr::write_rgba_and(path, &rgba, std::iter::empty(), self.primaries)
+                    }
+                    None => exr::write_color_of(path, &light, self.primaries),
+                }
+            }
+        }
+        .map(|()| 0)
+    }
+
+    /// Light of the primaries of files.
+    fn light(&self, picture: Picture) -> Result<ColorPlane> {
+        let light = match (picture, &self.table) {
+            (Picture::Color8(codes), Table::Light(table, _)) => convert::color_light(&codes, table),
+            (Picture::ColorHalf(light), _) => light,
+            // A stream's pictures and its table are of one kind.
+            _ => return Err(Error::invalid("a picture of another kind than its stream")),
+        };
+        Ok(match self.matrix {
+            Some(matrix) => matrix.convert_plane(&light),
+            None => light,
+        })
+    }
+
+    /// A picture in codes, and the number of clipped pixels.
+    pub fn codes(&self, picture: Picture) -> Result<(CodePicture, u64)> {
+        match (picture, &self.table) {
+            (Picture::Depth(codes), _) => Ok((CodePicture::Gray16(codes), 0)),
+            (Picture::Material(codes), _) => Ok((CodePicture::Rgb8(codes), 0)),
+            (Picture::Color8(codes), _) if self.matrix.is_none() => Ok((CodePicture::Rgb8(codes), 0)),
+            (Picture::Alpha(codes), _) => Ok((CodePicture::Gray16(codes.map(|&code| 257 * u16::from(code))), 0)),
+            (picture, Table::Light(_, table) | Table::Codes(table)) => {
+                let (codes, clipped) = convert::color_codes(&self.light(picture)?, table);
+                Ok((CodePicture::Rgb8(codes), clipped))
+            }
+            _ => Err(Error::invalid("a picture of another kind than its stream")),
+        }
+    }
+
+    /// Colour that is not multiplied by alpha, with it; and the number of pixels whose light is above 1 before it is divided.
+    fn codes_and_alpha(&self, picture: Picture, alpha: &Plane<u8>) -> Result<(CodePicture, u64)> {
+        let (Table::Light(_, table) | Table::Codes(table)) = &self.table else {
+            return Err(Error::invalid("alpha beside another picture than colour"));
+        };
+        let light = self.light(picture)?;
+        let clipped = light.data().iter().filter(|pixel| pixel.iter().any(|&value| table.is_clipped(value))).count();
+        let straight = light.zip(alpha, |light, code| {
+            let scale = if code == 0 { 0.0 } else { convert::alpha_value(code.into()).recip() };
+            let [r, g, b] = light.map(|value| table.code(f16::from_f32(value.to_f32() * scale)));
+            [r, g, b, code]
+        })?;
+        Ok((CodePicture::Rgba8(straight), clipped as u64))
+    }
+}

@@ -1,0 +1,166 @@
+//! Alpha from files to files: beside colour in one EXR or PNG file, or in files of its own.
+
+use std::path::Path;
+
+use half::f16;
+use lightfold::dataset::{Manifest, Source, SourceOptions, StreamKind};
+use lightfold::image::{Plane, ReadLimits, exr, png};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::commands::{fine, lightfold, refused};
+use crate::input::assert_says;
+
+const SIDE: u32 = 40;
+const FRAMES: u32 = 3;
+
+/// A soft disc that moves.
+fn alpha(x: u32, y: u32, frame: u32) -> f32 {
+    let square = (x as f32 - 15.0 - frame as f32).powi(2) + (y as f32 - 20.0).powi(2);
+    (2.0 - square / 64.0).clamp(0.0, 1.0)
+}
+
+/// Light that is multiplied by alpha, as EXR files have it.
+fn rgba(frame: u32) -> Plane<[f16; 4]> {
+    Plane::from_fn(SIDE, SIDE, |x, y| {
+        let a = alpha(x, y, frame);
+        [0.75 * a, 0.5 * a, x as f32 / 64.0 * a, a].map(f16::from_f32)
+    })
+}
+
+fn manifest(files: Value) -> Value {
+    json!({
+        "lightfield": 1, "name": "disc", "fps": 24, "frames": [0, FRAMES - 1], "projection": "perspective",
+        "size": [SIDE, SIDE], "files": files, "probes": [{ "name": "a", "position": [0, 0, 0], "fov_y_deg": 50 }],
+    })
+}
+
+fn write_manifest(folder: &Path, files: Value) {
+    std::fs::write(folder.join("lightfield.json"), manifest(files).to_string()).unwrap();
+}
+
+/// A dataset of EXR files with R, G, B, A.
+fn footage(folder: &Path) {
+    std::fs::create_dir(folder).unwrap();
+    for frame in 0..FRAMES {
+        exr::write_rgba(&folder.join(format!("c.{frame:04}.exr")), &rgba(frame)).unwrap();
+    }
+    write_manifest(folder, json!({ "color": "c.%04d.exr", "alpha": "c.%04d.exr" }));
+}
+
+fn report(line: &str, folder: &Path) -> Value {
+    serde_json::from_slice(&fine(line, folder).stdout).unwrap()
+}
+
+#[test]
+fn alpha_of_exr_files_comes_back_beside_colour_without_loss() {
+    let folder = TempDir::new().unwrap();
+    footage(&folder.path().join("in"));
+    fine("encode in -o a.lfold --psnr 60", folder.path());
+    let found = report("diff a.lfold in --json", folder.path());
+    assert_eq!(found["alpha"]["max_error_codes"], 0);
+    fine("decode a.lfold -o out", folder.path());
+    let decoded = Manifest::read(&folder.path().join("out")).unwrap();
+    assert_eq!(decoded.files.alpha, decoded.files.color);
+    let [source, back] =
+        ["in", "out"].map(|name| Source::open(&folder.path().join(name), &SourceOptions::default()).unwrap());
+    let of =
+        |source: &Source, kind: StreamKind| source.groups().iter().find(|group| group.kind == kind).unwrap().clone();
+    for frame in 0..FRAMES {
+        let read = |source: &Source| {
+            let alpha = source.read_alpha(&of(source, StreamKind::Alpha), frame).unwrap().remove(0);
+            (source.read_color(&of(source, StreamKind::Color), frame).unwrap().remove(0), alpha)
+        };
+        let ((color, alpha), (light, shown)) = (read(&source), read(&back));
+        // Half a step of 8 bits, and half a step of a half float.
+        assert!(alpha.data().iter().zip(shown.data()).all(|(a, b)| (a - b).abs() <= 0.5 / 255.0 + 0.0003));
+        let pairs = color.data().as_flattened().iter().zip(light.data().as_flattened());
+        assert!(pairs.clone().all(|(a, b)| (a.to_f32() - b.to_f32()).abs() < 0.02));
+    }
+    // What was decoded is encoded to the same alpha.
+    fine("encode out -o b.lfold --stream alpha", folder.path());
+    fine("diff a.lfold b.lfold --stream alpha --exact", folder.path());
+    let streams = report("inspect a.lfold --streams --json", folder.path())["streams"].clone();
+    let kinds: Vec<&str> = streams.as_array().unwrap().iter().map(|stream| stream["kind"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["color", "alpha"]);
+}
+
+#[test]
+fn png_files_have_colour_that_is_not_multiplied() {
+    let folder = TempDir::new().unwrap();
+    footage(&folder.path().join("in"));
+    fine("encode in -o a.lfold --color-codec cells --psnr 70", folder.path());
+    fine("decode a.lfold -o out --format png", folder.path());
+    let path = folder.path().join("out/probe_a/color.0001.png");
+    let codes = png::read_rgba8(&path, &ReadLimits::default()).unwrap();
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let [red, green, _, a] = codes.get(x, y);
+        assert!((f32::from(a) - 255.0 * alpha(x, y, 1)).abs() <= 0.51 + 0.1, "({x}, {y}): {a}");
+        // 0.75 and 0.5 in sRGB; what is thin has few codes left.
+        if a > 128 {
+            assert!(red.abs_diff(225) <= 2 && green.abs_diff(188) <= 2, "({x}, {y}): {red} {green} at alpha {a}");
+        }
+        assert!(a > 0 || (red, green) == (0, 0));
+    }
+    fine("encode out -o b.lfold --psnr 60", folder.path());
+    fine("diff a.lfold b.lfold --stream alpha --exact", folder.path());
+    fine("diff a.lfold b.lfold --stream color --min-psnr 40", folder.path());
+}
+
+#[test]
+fn alpha_has_files_of_its_own_where_colour_has_none() {
+    let folder = TempDir::new().unwrap();
+    footage(&folder.path().join("in"));
+    fine("encode in -o a.lfold", folder.path());
+    for (format, name) in [("exr", "alpha.%04d.exr"), ("png", "alpha.%04d.png")] {
+        fine(&format!("decode a.lfold -o {format} --stream alpha --format {format}"), folder.path());
+        let decoded = Manifest::read(&folder.path().join(format)).unwrap();
+        assert!(decoded.files.alpha.unwrap().ends_with(name));
+        fine(&format!("diff a.lfold {format} --stream alpha --exact --common"), folder.path());
+    }
+    // A gray matte, and colour of its own files.
+    let matte = folder.path().join("matte");
+    std::fs::create_dir(&matte).unwrap();
+    for frame in 0..FRAMES {
+        let name = |kind: &str, ending: &str| matte.join(format!("{kind}.{frame:04}.{ending}"));
+        let gray = Plane::from_fn(SIDE, SIDE, |x, y| (65535.0 * alpha(x, y, frame)).round() as u16);
+        png::write_depth16(&name("m", "png"), &gray).unwrap();
+        exr::write_color(&name("c", "exr"), &rgba(frame).map(|&[r, g, b, _]| [r, g, b])).unwrap();
+    }
+    write_manifest(&matte, json!({ "color": "c.%04d.exr", "alpha": "m.%04d.png" }));
+    fine("encode matte -o m.lfold", folder.path());
+    fine("diff a.lfold m.lfold --exact --allow-clipping", folder.path());
+}
+
+#[test]
+fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    footage(&path);
+    write_manifest(&path, json!({ "color": "c.%04d.exr" }));
+    let said = fine("encode in -o a.lfold", folder.path());
+    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by `alpha`"]);
+    for frame in 0..FRAMES {
+        exr::write_color(&path.join(format!("d.{frame:04}.exr")), &rgba(frame).map(|&[r, g, b, _]| [r, g, b])).unwrap();
+    }
+    write_manifest(&path, json!({ "color": "d.%04d.exr", "alpha": "d.%04d.exr" }));
+    assert_says(&refused("encode in -o b.lfold", folder.path()), &["there is no alpha beside the colour"]);
+    let beyond = Plane::filled(SIDE, SIDE, f16::from_f32(1.5));
+    exr::write_alpha(&path.join("e.0000.exr"), &beyond).unwrap();
+    write_manifest(&path, json!({ "alpha": "e.%04d.exr" }));
+    let output = lightfold(&["encode", "in", "-o", "c.lfold", "--frames", "0-0"], folder.path());
+    assert_says(&String::from_utf8(output.stderr).unwrap(), &["pixel (0, 0) has an alpha of 1.5: 0 to 1 was expected"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn missing_files_are_transparent_where_they_are_black() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    footage(&path);
+    std::fs::remove_file(path.join("c.0001.exr")).unwrap();
+    fine("encode in -o a.lfold --missing black", folder.path());
+    fine("decode a.lfold -o out --frames 1-1", folder.path());
+    let back = exr::read_rgba(&folder.path().join("out/probe_a/color.0001.exr"), &ReadLimits::default()).unwrap();
+    assert!(back.data().iter().all(|pixel| *pixel == [f16::ZERO; 4]));
+}
