@@ -6,7 +6,9 @@ use crate::container::ProbeEntry;
 use crate::dataset::{Pose, Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Plane, Primaries, StreamKind, TexelMap};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, StreamKind, TexelMap,
+};
 use crate::streams::convert::material_codes;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View, straight, straight_half};
 
@@ -17,7 +19,7 @@ pub struct FaceImages {
     /// Linear light, multiplied by alpha where there is one.
     pub color: ColorPlane,
     /// 0 to 1; none where all is opaque.
-    pub alpha: Option<Plane<f32>>,
+    pub alpha: Option<AlphaPlane>,
     /// Metres; +inf for background.
     pub depth: DepthPlane,
     pub kind: DepthKind,
@@ -93,6 +95,10 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
         for depths in groups(StreamKind::Depth) {
             let same_faces = |group: &&SourceGroup| group.faces == depths.faces;
             let Some(colors) = groups(StreamKind::Color).find(same_faces) else { continue };
+            let mut alphas = match groups(StreamKind::Alpha).find(same_faces) {
+                Some(group) => source.read_alpha(group, frame)?.into_iter(),
+                None => Vec::new().into_iter(),
+            };
             let mut materials = match groups(StreamKind::Material).find(same_faces) {
                 Some(group) => source.read_material(group, frame)?.into_iter(),
                 None => Vec::new().into_iter(),
@@ -104,7 +110,8 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
                     Some(matrix) => matrix.convert_plane(&color),
                     None => color,
                 };
-                images.push(FaceImages { face, color, alpha: None, depth, kind, material: materials.next() });
+                let (alpha, material) = (alphas.next(), materials.next());
+                images.push(FaceImages { face, color, alpha, depth, kind, material });
             }
         }
         if !images.is_empty() {
@@ -136,7 +143,7 @@ mod tests {
         let images = FaceImages {
             face: Face::Nz,
             color: ColorPlane::from_fn(2, 2, |x, y| [f16::from_f32(0.4 * alphas[(x + 2 * y) as usize].max(0.0)); 3]),
-            alpha: Some(Plane::from_fn(2, 2, |x, y| alphas[(x + 2 * y) as usize])),
+            alpha: Some(AlphaPlane::from_fn(2, 2, |x, y| alphas[(x + 2 * y) as usize])),
             depth: DepthPlane::filled(2, 2, 2.0),
             kind: DepthKind::Planar,
             material: None,
