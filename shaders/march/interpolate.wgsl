@@ -59,8 +59,7 @@ fn seen_of(sum: Sum) -> Seen {
 }
 
 // A sum with a texel by its weight.
-fn with_texel(before: Sum, face: u32, texel: vec2<u32>, weight: f32, difference: f32) -> Sum {
-    let color = texel_color(face, texel);
+fn with_texel(before: Sum, color: vec4<f32>, weight: f32, difference: f32) -> Sum {
     let shown = weight * color.a;
     return Sum(
         before.color + shown * color.rgb,
@@ -81,7 +80,7 @@ fn with_view(before: Sum, view: u32, at: Projected, share: f32) -> Sum {
         }
         let difference = abs(log(bitcast<f32>(surface) / at.inverse_depth));
         let weight = share * (taps.weights[tap] * views[view].camera_weight / (difference + DEPTH_EPSILON));
-        sum = with_texel(sum, at.face, taps.texels[tap], weight, difference);
+        sum = with_texel(sum, texel_color(at.face, taps.texels[tap]), weight, difference);
     }
     return sum;
 }
@@ -141,6 +140,7 @@ fn fit_weight(difference: f32) -> f32 {
 // The colour and coverage of a surface point that the eye sees.
 fn seen_from_eye(point: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
+    var opaque = 0.0;
     var covered = 0.0;
     var all = 0.0;
     for (var number = 0u; number < view_count(); number++) {
@@ -170,16 +170,22 @@ fn seen_from_eye(point: vec3<f32>) -> Seen {
             let nearer = log(bitcast<f32>(surface) / at.inverse_depth);
             let difference = abs(nearer);
             all += select(0.0, weight, nearer <= scene.tolerance);
-            covered += select(0.0, weight, difference <= scene.tolerance);
+            let covers = select(0.0, weight, difference <= scene.tolerance);
+            covered += covers;
+            let color = texel_color(at.face, taps.texels[tap]);
+            opaque += covers * color.a;
             let is_edge = edge_part < 1.0
                 && is_beside_nearer(at.face, taps.texels[tap], bitcast<f32>(surface) * NEARER);
             let fitting = weight * fit_weight(difference) * select(1.0, edge_part, is_edge);
-            sum = with_texel(sum, at.face, taps.texels[tap], fitting, difference);
+            sum = with_texel(sum, color, fitting, difference);
         }
     }
     var seen = seen_of(sum);
     if (all > 0.0) {
         seen.coverage = covered / all;
+    }
+    if (covered > 0.0) {
+        seen.alpha = opaque / covered;
     }
     return seen;
 }
@@ -199,7 +205,7 @@ fn background_color(direction: vec3<f32>) -> Seen {
             if (inverse_depth_bits(at.face, taps.texels[tap]) == BACKGROUND) {
                 let is_edge = edge_part < 1.0 && is_beside_nearer(at.face, taps.texels[tap], 0.0);
                 let weight = taps.weights[tap] * of_view * select(1.0, edge_part, is_edge);
-                sum = with_texel(sum, at.face, taps.texels[tap], weight, 0.0);
+                sum = with_texel(sum, texel_color(at.face, taps.texels[tap]), weight, 0.0);
             }
         }
     }

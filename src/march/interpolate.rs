@@ -11,8 +11,9 @@
 //!
 //! Each of the four texels around a point has a weight by its own depth, so that edges do not bleed.
 //!
-//! Alpha is interpolated by the same weights. A colour counts as much as its alpha; where all texels are transparent it is black. Secondary
-//! rays take a surface for opaque, of that colour.
+//! A colour counts as much as its alpha; where all texels are transparent it is black. The alpha of a surface is that of the texels that have
+//! it, by the weights of coverage: a pane before it has little weight for its colour, but would let its alpha through. Secondary rays take a
+//! surface for opaque.
 
 use glam::Vec3;
 
@@ -167,7 +168,7 @@ fn cut_weight(difference: f32) -> f32 {
 
 /// The colour and coverage of a surface point that the eye sees. None where no view has a surface in its direction.
 pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSettings) -> Option<Interpolated> {
-    let (mut sum, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0);
+    let (mut sum, mut opaque, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0, 0.0);
     let (refinements, tolerance) = (settings.refinements, settings.tolerance());
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.local(point)) else { continue };
@@ -194,6 +195,7 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
             let difference = nearer.abs();
             if difference <= tolerance {
                 covered += weight;
+                opaque += weight * face.alpha(texel);
             }
             let fit = if refinements.angles { cut_weight(difference) } else { 1.0 / (difference + DEPTH_EPSILON) };
             let is_edge = edge_part < 1.0 && is_beside_nearer(face, texel, inverse_depth * NEARER);
@@ -202,7 +204,10 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
         }
     }
     let coverage = if all > 0.0 { covered / all } else { 1.0 };
-    sum.mean().map(|mean| Interpolated { coverage, ..mean })
+    sum.mean().map(|mean| {
+        let alpha = if covered > 0.0 { opaque / covered } else { mean.alpha };
+        Interpolated { coverage, alpha, ..mean }
+    })
 }
 
 /// The colour of the background in a direction of length 1. None where surfaces hide it from all views.

@@ -44,19 +44,21 @@ impl FaceImages {
             None => 1.0,
         };
         let color = self.color.data().iter().enumerate().map(|(at, &color)| (color, alpha(at)));
-        texels.has_alpha = self.alpha.is_some();
+        let has_alpha = self.alpha.is_some();
+        let fourth = |alpha: f32| if has_alpha { alpha } else { 0.0 };
+        texels.has_alpha = has_alpha;
         texels.color = match coding {
             ColorCoding::Codes(tone) => {
                 let texel = |(color, alpha): ([f16; 3], f32)| {
                     let [r, g, b] = color.map(|light| tone.code(straight(light.to_f32(), alpha)));
-                    [r, g, b, (255.0 * alpha).round() as u8]
+                    [r, g, b, (255.0 * fourth(alpha)).round() as u8]
                 };
                 ColorTexels::Codes(color.map(texel).collect())
             }
             ColorCoding::Light => {
                 let texel = |(color, alpha): ([f16; 3], f32)| {
                     let [r, g, b] = color.map(|light| straight_half(light, alpha));
-                    [r, g, b, f16::from_f32(alpha)]
+                    [r, g, b, f16::from_f32(fourth(alpha))]
                 };
                 ColorTexels::Light(color.map(texel).collect())
             }

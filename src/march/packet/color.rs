@@ -23,6 +23,8 @@ struct Sums {
     /// Weights of texels that have the surface, and of those that have no nearer one.
     covered: Lanes,
     all: Lanes,
+    /// The first of these times alpha, where a view has alpha.
+    opaque: Lanes,
     refinements: Refinements,
     tolerance: Lanes,
 }
@@ -45,6 +47,7 @@ pub(crate) fn seen_from_eye(
         difference,
         covered: zero,
         all: zero,
+        opaque: zero,
         refinements,
         tolerance,
     };
@@ -64,7 +67,11 @@ pub(crate) fn seen_from_eye(
     let shown = if sums.has_alpha { sums.shown } else { sums.weight };
     let is_shown = shown.cmpgt(zero);
     let [red, green, blue] = sums.color.map(|color| either(is_shown, color / (unit * shown), zero).to_array());
-    let alpha = (shown / sums.weight).to_array();
+    let alpha = match sums.has_alpha {
+        true => either(sums.covered.cmpgt(zero), sums.opaque / sums.covered, shown / sums.weight),
+        false => Lanes::ONE,
+    };
+    let alpha = alpha.to_array();
     let coverage = either(sums.all.cmpgt(zero), sums.covered / sums.all, Lanes::ONE).to_array();
     let (weight, difference) = (sums.weight.to_array(), sums.difference.to_array());
     std::array::from_fn(|lane| {
@@ -177,7 +184,11 @@ impl Sums {
         let tolerance = self.tolerance;
         let sees = is_known & (!is_surface | nearer.cmple(tolerance));
         self.all += either(sees, weight, Lanes::ZERO);
-        self.covered += either(is_surface & difference.cmple(tolerance), weight, Lanes::ZERO);
+        let covered = either(is_surface & difference.cmple(tolerance), weight, Lanes::ZERO);
+        self.covered += covered;
+        if self.has_alpha {
+            self.opaque += covered * texels.alpha;
+        }
         let fit = (difference + DEPTH_EPSILON).recip();
         let fit = match self.refinements.angles {
             true => (fit - 1.0 / (DEPTH_CUT + DEPTH_EPSILON)).max(CUT_WEIGHT * fit),
