@@ -506,7 +506,8 @@ mod tests {
             assert!(found.first.unwrap().light.distance(Vec3::X) < 0.01, "{found:?}");
         }
         let found = shown(&pane(128), place, &opaque);
-        assert!(found.behind[0].light.distance(Vec3::Y) < 0.01, "{found:?}");
+        // A little of the pane's colour is interpolated into that of what is behind it.
+        assert!(found.behind[0].light.distance(Vec3::Y) < 0.05, "{found:?}");
         // An alpha of nearly 1 or 0 is that.
         assert_eq!(shares(&shown(&pane(252), place, &opaque)), [(Some(1), 1.0)]);
         let found = shown(&pane(3), place, &opaque);
