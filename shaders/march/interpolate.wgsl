@@ -18,6 +18,7 @@ struct Seen {
     color: vec3<f32>,
     difference: f32,
     coverage: f32,
+    alpha: f32,
 }
 
 // Four texels around a place, the first two above the others, with their weights.
@@ -29,10 +30,12 @@ struct Taps {
 struct Sum {
     color: vec3<f32>,
     weight: f32,
+    // The weights of colours: times alpha.
+    shown: f32,
     difference: f32,
 }
 
-const EMPTY_SUM = Sum(vec3(0.0), 0.0, 1e30);
+const EMPTY_SUM = Sum(vec3(0.0), 0.0, 0.0, 1e30);
 
 fn taps_around(at: vec2<f32>, face: u32) -> Taps {
     let last = vec2(f32(faces[face].width), f32(faces[face].height)) - 1.0;
@@ -49,10 +52,21 @@ fn taps_around(at: vec2<f32>, face: u32) -> Taps {
 }
 
 fn seen_of(sum: Sum) -> Seen {
-    if (sum.weight > 0.0) {
-        return Seen(true, sum.color / sum.weight, sum.difference, 1.0);
+    if (sum.shown > 0.0) {
+        return Seen(true, sum.color / sum.shown, sum.difference, 1.0, sum.shown / sum.weight);
     }
-    return Seen(false, vec3(0.0), sum.difference, 1.0);
+    return Seen(sum.weight > 0.0, vec3(0.0), sum.difference, 1.0, 0.0);
+}
+
+// A sum with a texel by its weight.
+fn with_texel(before: Sum, color: vec4<f32>, weight: f32, difference: f32) -> Sum {
+    let shown = weight * color.a;
+    return Sum(
+        before.color + shown * color.rgb,
+        before.weight + weight,
+        before.shown + shown,
+        min(before.difference, difference),
+    );
 }
 
 // A sum with the texels of surfaces around a point in a view, by the share of the view.
@@ -66,9 +80,7 @@ fn with_view(before: Sum, view: u32, at: Projected, share: f32) -> Sum {
         }
         let difference = abs(log(bitcast<f32>(surface) / at.inverse_depth));
         let weight = share * (taps.weights[tap] * views[view].camera_weight / (difference + DEPTH_EPSILON));
-        sum.color += weight * texel_color(at.face, taps.texels[tap]);
-        sum.weight += weight;
-        sum.difference = min(sum.difference, difference);
+        sum = with_texel(sum, texel_color(at.face, taps.texels[tap]), weight, difference);
     }
     return sum;
 }
@@ -128,6 +140,7 @@ fn fit_weight(difference: f32) -> f32 {
 // The colour and coverage of a surface point that the eye sees.
 fn seen_from_eye(point: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
+    var opaque = 0.0;
     var covered = 0.0;
     var all = 0.0;
     for (var number = 0u; number < view_count(); number++) {
@@ -157,18 +170,22 @@ fn seen_from_eye(point: vec3<f32>) -> Seen {
             let nearer = log(bitcast<f32>(surface) / at.inverse_depth);
             let difference = abs(nearer);
             all += select(0.0, weight, nearer <= scene.tolerance);
-            covered += select(0.0, weight, difference <= scene.tolerance);
+            let covers = select(0.0, weight, difference <= scene.tolerance);
+            covered += covers;
+            let color = texel_color(at.face, taps.texels[tap]);
+            opaque += covers * color.a;
             let is_edge = edge_part < 1.0
                 && is_beside_nearer(at.face, taps.texels[tap], bitcast<f32>(surface) * NEARER);
             let fitting = weight * fit_weight(difference) * select(1.0, edge_part, is_edge);
-            sum.color += fitting * texel_color(at.face, taps.texels[tap]);
-            sum.weight += fitting;
-            sum.difference = min(sum.difference, difference);
+            sum = with_texel(sum, color, fitting, difference);
         }
     }
     var seen = seen_of(sum);
     if (all > 0.0) {
         seen.coverage = covered / all;
+    }
+    if (covered > 0.0) {
+        seen.alpha = opaque / covered;
     }
     return seen;
 }
@@ -188,9 +205,7 @@ fn background_color(direction: vec3<f32>) -> Seen {
             if (inverse_depth_bits(at.face, taps.texels[tap]) == BACKGROUND) {
                 let is_edge = edge_part < 1.0 && is_beside_nearer(at.face, taps.texels[tap], 0.0);
                 let weight = taps.weights[tap] * of_view * select(1.0, edge_part, is_edge);
-                sum.color += weight * texel_color(at.face, taps.texels[tap]);
-                sum.weight += weight;
-                sum.difference = 0.0;
+                sum = with_texel(sum, texel_color(at.face, taps.texels[tap]), weight, 0.0);
             }
         }
     }

@@ -22,6 +22,10 @@ struct Rest {
     layers: u32,
     // Nearer surfaces do not show.
     least_m: f32,
+    // Whether it is within a surface with alpha, which has shown.
+    is_within: bool,
+    // Whether a surface with alpha has shown.
+    lets_through: bool,
 }
 
 struct FirstHits {
@@ -46,24 +50,32 @@ fn first_hits(ray: Ray) -> FirstHits {
     return hits;
 }
 
-// Shows a surface by its coverage.
+// Shows a surface by its coverage and alpha.
 fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     var coverage = 1.0;
     if ((scene.refinements & REFINE_EDGES) != 0u) {
         coverage = seen.coverage;
     }
-    if (coverage < LEAST_LAYER) {
-        return before;
+    let opacity = coverage * seen.alpha;
+    var rest = before;
+    let has_alpha = seen.alpha <= 1.0 - LEAST_LAYER;
+    rest.lets_through = rest.lets_through || has_alpha;
+    rest.is_within = rest.is_within || (has_alpha && coverage > 1.0 - LEAST_LAYER);
+    if (opacity < LEAST_LAYER) {
+        return rest;
     }
-    var left = before.left * (1.0 - coverage);
-    if (before.layers + 1u == MAX_LAYERS || coverage > 1.0 - LEAST_LAYER || left < LEAST_LAYER) {
+    var left = before.left * (1.0 - opacity);
+    if (before.layers + 1u == MAX_LAYERS || opacity > 1.0 - LEAST_LAYER || left < LEAST_LAYER) {
         left = 0.0;
     }
     is_around = false;
     let light = surface_light(ray, distance_m, seen);
     is_around = (scene.refinements & REFINE_EDGES) != 0u;
-    let share = before.left - left;
-    return Rest(before.light + share * light, left, before.layers + 1u, distance_m * exp(HOLE_DIFFERENCE));
+    rest.light += (before.left - left) * light;
+    rest.left = left;
+    rest.layers++;
+    rest.least_m = distance_m * exp(HOLE_DIFFERENCE);
+    return rest;
 }
 
 // What is left of a ray ends in nothing known.
@@ -79,8 +91,8 @@ fn follow(ray: Ray) -> RaySample {
     let hits = first_hits(ray);
     let cosine = max(dot(ray.direction, scene.forward), MIN_POSITIVE);
     let near_m = scene.near_m / cosine;
-    var rest = Rest(vec3(0.0), 1.0, 0u, near_m);
-    var unseen = Seen(false, vec3(0.0), 0.0, 1.0);
+    var rest = Rest(vec3(0.0), 1.0, 0u, near_m, false, false);
+    var unseen = Seen(false, vec3(0.0), 0.0, 1.0, 1.0);
     var is_hole = false;
     let thin_m = hits.nearest.distance_m;
     if (hits.nearest.found && thin_m >= near_m && thin_m * cosine <= scene.far_m
@@ -100,6 +112,7 @@ fn follow(ray: Ray) -> RaySample {
         var is_inside = false;
         // A surface before the near plane is cut away, and what is inside it.
         let is_cut = at_m < near_m;
+        rest.is_within = rest.is_within && at_m < rest.least_m;
         // The first step behind the hit.
         var next = 0u;
         var above = scene.distance_count;
@@ -112,7 +125,7 @@ fn follow(ray: Ray) -> RaySample {
             }
         }
         loop {
-            if (at_m >= rest.least_m && !is_cut) {
+            if (at_m >= rest.least_m && !is_cut && !rest.is_within) {
                 let seen = seen_from_eye(point_at(ray, at_m));
                 if (seen.found && seen.difference <= within) {
                     rest = show(rest, ray, at_m, seen);
@@ -153,11 +166,12 @@ fn follow(ray: Ray) -> RaySample {
         counted[BACKGROUND_RAYS]++;
     }
     let seen = background_color(ray.direction);
+    if (scene.background == BACKGROUND_TRANSPARENT && (seen.found || rest.lets_through)) {
+        return RaySample(rest.light, 1.0 - rest.left, is_hole);
+    }
     if (seen.found) {
-        if (scene.background == BACKGROUND_TRANSPARENT) {
-            return RaySample(rest.light, 1.0 - rest.left, is_hole);
-        }
-        return RaySample(rest.light + rest.left * light_of(seen.color), 1.0, is_hole);
+        let share = rest.left * seen.alpha;
+        return RaySample(rest.light + share * light_of(seen.color), 1.0 - (rest.left - share), is_hole);
     }
     let ended = end_in_hole(rest, unseen);
     return RaySample(ended.light, ended.share, ended.is_hole || is_hole);

@@ -82,6 +82,9 @@ struct Face {
     number: u32,
     scale: vec2<f32>,
     centre: vec2<f32>,
+    // Whether the fourth component of its colours is alpha; else it is opaque.
+    has_alpha: u32,
+    spare: u32,
 }
 
 // No image of a view.

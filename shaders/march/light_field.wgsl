@@ -77,8 +77,9 @@ fn inverse_depth_bits(face: u32, texel: vec2<u32>) -> u32 {
     return textureLoad(inverse_depths, place, faces[face].layer, 0).r;
 }
 
-// The colour of a texel: codes over 255, or light.
-fn texel_color(face: u32, texel: vec2<u32>) -> vec3<f32> {
+// The colour of a texel, codes over 255 or light, and its alpha.
+fn texel_color(face: u32, texel: vec2<u32>) -> vec4<f32> {
     let place = vec2(faces[face].column, faces[face].row) + texel;
-    return textureLoad(colors, place, faces[face].layer, 0).rgb;
+    let color = textureLoad(colors, place, faces[face].layer, 0);
+    return vec4(color.rgb, select(1.0, color.a, faces[face].has_alpha != 0u));
 }

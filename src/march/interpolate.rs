@@ -10,6 +10,10 @@
 //!   Distances of cameras are relative to the farthest active one.
 //!
 //! Each of the four texels around a point has a weight by its own depth, so that edges do not bleed.
+//!
+//! A colour counts as much as its alpha; where all texels are transparent it is black. The alpha of a surface is that of the texels that have
+//! it, by the weights of coverage: a pane before it has little weight for its colour, but would let its alpha through. Secondary rays take a
+//! surface for opaque.
 
 use glam::Vec3;
 
@@ -46,6 +50,8 @@ pub struct Interpolated {
     /// The part of the texels around the point that have its surface, of those that do not have a nearer one; 1 where all
     /// have.
     pub coverage: f32,
+    /// The alpha of the surface, 0 to 1.
+    pub alpha: f32,
 }
 
 /// A texel near a surface point, with its weight in the mean.
@@ -87,21 +93,26 @@ fn texels_of_view(view: &ActiveView<'_>, point: Vec3, mut visit: impl FnMut(Weig
 struct Sum {
     color: Vec3,
     weight: f32,
+    /// The weights of colours: times alpha.
+    shown: f32,
     difference: f32,
 }
 
 impl Sum {
-    const EMPTY: Sum = Sum { color: Vec3::ZERO, weight: 0.0, difference: f32::INFINITY };
+    const EMPTY: Sum = Sum { color: Vec3::ZERO, weight: 0.0, shown: 0.0, difference: f32::INFINITY };
 
     fn add(&mut self, WeightedTexel { face, texel, weight, difference }: WeightedTexel<'_>) {
-        self.color += weight * face.color.get(texel);
+        let shown = weight * face.alpha(texel);
+        self.color += shown * face.color.get(texel);
         self.weight += weight;
+        self.shown += shown;
         self.difference = self.difference.min(difference);
     }
 
     fn mean(&self) -> Option<Interpolated> {
-        let color = self.color / self.weight;
-        (self.weight > 0.0).then_some(Interpolated { color, difference: self.difference, coverage: 1.0 })
+        let color = if self.shown > 0.0 { self.color / self.shown } else { Vec3::ZERO };
+        let alpha = self.shown / self.weight;
+        (self.weight > 0.0).then_some(Interpolated { color, difference: self.difference, coverage: 1.0, alpha })
     }
 }
 
@@ -157,7 +168,7 @@ fn cut_weight(difference: f32) -> f32 {
 
 /// The colour and coverage of a surface point that the eye sees. None where no view has a surface in its direction.
 pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSettings) -> Option<Interpolated> {
-    let (mut sum, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0);
+    let (mut sum, mut opaque, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0, 0.0);
     let (refinements, tolerance) = (settings.refinements, settings.tolerance());
     for view in &views.views {
         let Some((face, at)) = image_of(view, view.local(point)) else { continue };
@@ -184,6 +195,7 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
             let difference = nearer.abs();
             if difference <= tolerance {
                 covered += weight;
+                opaque += weight * face.alpha(texel);
             }
             let fit = if refinements.angles { cut_weight(difference) } else { 1.0 / (difference + DEPTH_EPSILON) };
             let is_edge = edge_part < 1.0 && is_beside_nearer(face, texel, inverse_depth * NEARER);
@@ -192,7 +204,10 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
         }
     }
     let coverage = if all > 0.0 { covered / all } else { 1.0 };
-    sum.mean().map(|mean| Interpolated { coverage, ..mean })
+    sum.mean().map(|mean| {
+        let alpha = if covered > 0.0 { opaque / covered } else { mean.alpha };
+        Interpolated { coverage, alpha, ..mean }
+    })
 }
 
 /// The colour of the background in a direction of length 1. None where surfaces hide it from all views.

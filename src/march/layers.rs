@@ -10,6 +10,10 @@
 //! - Others miss a thin surface that the nearest view saw, between two of their texels, and seem to see past it. It has coverage, too,
 //!   by the weights of the views that have it. So a picture becomes what a probe recorded as the eye comes to it.
 //! - A surface that no view saw hides nothing that is known: with [`HoleFill::Behind`] the ray goes on to what views saw behind it.
+//!
+//! A surface with alpha takes that part of its coverage, and the ray goes on behind it with the rest. Its texels say nothing about what is
+//! behind it, so the next surface is one that the ray meets after it came out, where another view sees past it. What goes through such a
+//! surface and ends in nothing known is transparent where the background is.
 
 use glam::Vec3;
 
@@ -17,8 +21,8 @@ use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::march::active_views::NEGLIGIBLE_WEIGHT;
 use crate::march::intersect::first_step;
 use crate::march::{
-    ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, LightCurve, Ray, RayResult,
-    RenderSettings, StepsFrom, Until, background, intersect_from, seen_from_eye,
+    ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, LightCurve, Ray, RenderSettings,
+    StepsFrom, Until, background_color, intersect_from, light_of, seen_from_eye,
 };
 use crate::views::ColorCoding;
 
@@ -64,7 +68,7 @@ pub(crate) struct PrimaryHit {
     pub(crate) first: Option<Layer>,
     /// Those behind it.
     pub(crate) behind: Vec<Layer>,
-    /// The share of a background that is not shown.
+    /// The share of a background that is not shown, or that is transparent itself.
     pub(crate) transparent: f32,
     /// Whether it first meets a surface that no view saw, or ends in nothing.
     pub(crate) is_hole: bool,
@@ -133,6 +137,10 @@ pub(crate) struct LayerWalk<'p, 'a> {
     range_m: [f32; 2],
     /// Whether the surface begins before the near plane: it is cut away, with what is inside it.
     is_cut: bool,
+    /// Whether it is within a surface with alpha, whose share is shown.
+    is_within: bool,
+    /// Whether it went through a surface with alpha.
+    lets_through: bool,
     ends_in_hole: bool,
     exits: u32,
 }
@@ -168,6 +176,10 @@ impl<'a> Primary<'a> {
         }
     }
 
+    fn coverage(&self, seen: &Interpolated) -> f32 {
+        if self.settings.refinements.edges { seen.coverage } else { 1.0 }
+    }
+
     /// Where a ray first meets surfaces, in the plainest form.
     pub(crate) fn first_hits(&self, ray: &Ray, counters: &mut Counters) -> FirstHits {
         let (how, steps) = (self.settings.acceleration, &self.settings.steps);
@@ -188,7 +200,7 @@ impl<'a> Primary<'a> {
 
     /// Whether a surface shows all of a ray, so that a [`LayerWalk`] would end there: a shortcut.
     pub(crate) fn is_whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> bool {
-        let is_covered = !self.settings.refinements.edges || seen.coverage > 1.0 - LEAST_LAYER;
+        let is_covered = self.coverage(seen) * seen.alpha > 1.0 - LEAST_LAYER;
         let is_shown = |hit_m: f32| match self.clip {
             Some(clip) => {
                 let [near_m, far_m] = clip.distances_m(ray);
@@ -236,6 +248,8 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
             unseen: None,
             range_m,
             is_cut: false,
+            is_within: false,
+            lets_through: false,
             ends_in_hole: false,
             exits: 0,
         };
@@ -252,6 +266,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         self.query = match hit_m.filter(|&hit_m| hit_m <= self.range_m[1] && self.exits <= MAX_EXITS) {
             Some(hit_m) => {
                 (self.place, self.is_cut) = (Place::Hit, hit_m < self.range_m[0]);
+                self.is_within &= hit_m < self.least_m;
                 self.at(hit_m)
             }
             None => Query::Done,
@@ -298,7 +313,8 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
 
     /// What the ray queries at a point of a surface.
     fn at(&self, at_m: f32) -> Query {
-        if at_m >= self.least_m && !self.is_cut { Query::Color(at_m) } else { self.after(at_m) }
+        let is_asked = at_m >= self.least_m && !self.is_cut && !self.is_within;
+        if is_asked { Query::Color(at_m) } else { self.after(at_m) }
     }
 
     /// What it queries behind that.
@@ -309,14 +325,17 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         if is_in_range { Query::Occupancy(next) } else { Query::Done }
     }
 
-    /// Shows a surface by its coverage.
+    /// Shows a surface by its coverage and alpha.
     fn show(&mut self, distance_m: f32, seen: &Interpolated) {
-        let coverage = if self.primary.settings.refinements.edges { seen.coverage } else { 1.0 };
-        if coverage < LEAST_LAYER {
+        let coverage = self.primary.coverage(seen);
+        let opacity = coverage * seen.alpha;
+        self.lets_through |= seen.alpha <= 1.0 - LEAST_LAYER;
+        self.is_within |= coverage > 1.0 - LEAST_LAYER && seen.alpha <= 1.0 - LEAST_LAYER;
+        if opacity < LEAST_LAYER {
             return;
         }
         let is_last = self.shown.layers().count() + 1 == MAX_LAYERS as usize;
-        let left = if is_last || coverage > 1.0 - LEAST_LAYER { 0.0 } else { self.left * (1.0 - coverage) };
+        let left = if is_last || opacity > 1.0 - LEAST_LAYER { 0.0 } else { self.left * (1.0 - opacity) };
         let left = if left < LEAST_LAYER { 0.0 } else { left };
         let light = self.primary.light(seen.color);
         self.shown.push(Layer { distance_m: Some(distance_m), light, share: self.left - left });
@@ -333,10 +352,16 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
             return self.end_in_hole();
         }
         counters.background_rays += u64::from(self.shown.first.is_none());
-        let RayResult::Light(light) = background(&self.primary.views, ray.direction) else { return self.end_in_hole() };
-        match self.primary.settings.background {
-            BackgroundFill::Transparent => self.shown.transparent = self.left,
-            BackgroundFill::Opaque => self.shown.push(Layer { distance_m: None, light, share: self.left }),
+        let views = &self.primary.views;
+        match (background_color(views, ray.direction), self.primary.settings.background) {
+            (None, BackgroundFill::Transparent) if self.lets_through => self.shown.transparent = self.left,
+            (None, _) => return self.end_in_hole(),
+            (Some(_), BackgroundFill::Transparent) => self.shown.transparent = self.left,
+            (Some(seen), BackgroundFill::Opaque) => {
+                let (light, share) = (light_of(views.coding, seen.color), self.left * seen.alpha);
+                self.shown.push(Layer { distance_m: None, light, share });
+                self.shown.transparent = self.left - share;
+            }
         }
         self.shown
     }
@@ -361,7 +386,7 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::{ToneMap, Transfer};
-    use crate::march::synthetic::{SyntheticProbe, room};
+    use crate::march::synthetic::{SyntheticProbe, room, set_alpha};
     use crate::march::{Acceleration, Refinements, SpecularMode, Steps};
     use crate::views::light_field::{ColorCoding, LightField};
 
@@ -383,27 +408,32 @@ mod tests {
         LightField { views: vec![view], coding: CODES }
     }
 
-    /// What a ray from an eye to a point of the plate's plane, in texels right of the middle, shows.
-    fn shown(field: &LightField, eye: DVec3, column: f64, holes: HoleFill, refinements: Refinements) -> PrimaryHit {
-        let views = ActiveViews::new(field, &[0], eye);
-        let settings = RenderSettings {
+    fn settings(holes: HoleFill, background: BackgroundFill, refinements: Refinements) -> RenderSettings {
+        RenderSettings {
             size: [1; 2],
             steps: Steps::new(256, 0.01, 16.0, 16),
             samples: 1,
             holes,
-            background: BackgroundFill::Opaque,
+            background,
             specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::Pyramid,
             refinements,
-        };
-        let primary = Primary::new(&views, None, &settings);
+        }
+    }
+
+    /// What a ray from an eye to a point of the plate's plane, in texels right of the middle, shows.
+    fn shown(field: &LightField, (eye, column): (DVec3, f64), settings: &RenderSettings) -> PrimaryHit {
+        let all: Vec<usize> = (0..field.views.len()).collect();
+        let views = ActiveViews::new(field, &all, eye);
+        let primary = Primary::new(&views, None, settings);
         let target = DVec3::new(column * TEXEL_M, TEXEL_M / 2.0, -1.0);
         let ray = Ray { origin: Vec3::ZERO, direction: (target - eye).normalize().as_vec3() };
         let mut counters = Counters::default();
         let hits = primary.first_hits(&ray, &mut counters);
         let found = primary.follow(&ray, &hits, &mut counters);
-        assert!((found.layers().map(|layer| layer.share).sum::<f32>() - 1.0).abs() < 1e-6 || found.first.is_none());
+        let shares = found.layers().map(|layer| layer.share).sum::<f32>() + found.transparent;
+        assert!((shares - 1.0).abs() < 1e-6 || found.first.is_none());
         found
     }
 
@@ -412,7 +442,8 @@ mod tests {
         // Texels from 0 on; the middle of the first is at 0.5.
         let field = plate([0.0, 4.0]);
         let shares = |column: f64, refinements| {
-            let found = shown(&field, DVec3::ZERO, column, HoleFill::Behind, refinements);
+            let settings = settings(HoleFill::Behind, BackgroundFill::Opaque, refinements);
+            let found = shown(&field, (DVec3::ZERO, column), &settings);
             found.layers().map(|layer| (layer.distance_m.unwrap().round() as u32, layer.share)).collect::<Vec<_>>()
         };
         for (column, red) in [(-0.25, 0.25), (0.0, 0.5), (0.25, 0.75)] {
@@ -431,12 +462,73 @@ mod tests {
     fn rays_go_on_behind_what_no_view_saw() {
         let field = plate([-4.0, 4.0]);
         // From the right, between the plate and the wall behind it.
-        let (eye, column) = (DVec3::new(1.0, 0.0, -1.5), -40.0);
-        let ray = |holes| shown(&field, eye, column, holes, Refinements::ALL);
+        let place = (DVec3::new(1.0, 0.0, -1.5), -40.0);
+        let ray = |holes| shown(&field, place, &settings(holes, BackgroundFill::Opaque, Refinements::ALL));
         let behind = ray(HoleFill::Behind);
         let wall_m = behind.first.and_then(|layer| layer.distance_m);
         assert!(behind.is_hole && wall_m.is_some_and(|wall_m| wall_m > 5.0), "{behind:?}");
         let blank = ray(HoleFill::Blank);
         assert!(blank.is_hole && blank.layers().all(|layer| layer.distance_m.is_none()), "{blank:?}");
+    }
+
+    /// A red pane 1 m before a first probe, of an alpha in 255ths, in a green room; a second probe sees past it.
+    fn pane(alpha: u8) -> LightField {
+        let view = |position: DVec3| {
+            let mut view = SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
+                let distance_m = (-1.0 - position.z) / direction.z;
+                let at = position + distance_m * direction;
+                match distance_m > 0.0 && at.x.abs() < 0.5 && at.y.abs() < 0.5 {
+                    true => Some((distance_m, [255, 0, 0])),
+                    false => room(position, direction, DVec3::splat(WALL_M), 0.0).map(|(m, _)| (m, [0, 255, 0])),
+                }
+            });
+            set_alpha(&mut view, |texels, at| if texels.color.get(at).x > 0.5 { alpha } else { 255 });
+            view
+        };
+        LightField { views: [DVec3::ZERO, DVec3::new(3.0, 0.0, 1.5)].map(view).to_vec(), coding: CODES }
+    }
+
+    #[test]
+    fn surfaces_with_alpha_show_what_is_behind_them() {
+        let all = |background| settings(HoleFill::Behind, background, Refinements::ALL);
+        let opaque = all(BackgroundFill::Opaque);
+        let place = (DVec3::ZERO, 0.5);
+        let shares = |found: &PrimaryHit| -> Vec<(Option<u32>, f32)> {
+            found.layers().map(|layer| (layer.distance_m.map(|metres| metres.round() as u32), layer.share)).collect()
+        };
+        for (alpha, refinements) in
+            [(64, Refinements::ALL), (128, Refinements::ALL), (128, Refinements::NONE), (250, Refinements::NONE)]
+        {
+            let found = shown(&pane(alpha), place, &RenderSettings { refinements, ..opaque.clone() });
+            let [(near, share), (far, rest)] = shares(&found)[..] else { panic!("{alpha}: {found:?}") };
+            assert_eq!((near, far, found.is_hole), (Some(1), Some(4), false));
+            assert!((share - f32::from(alpha) / 255.0).abs() < 1e-5 && (share + rest - 1.0).abs() < 1e-6, "{found:?}");
+            assert!(found.first.unwrap().light.distance(Vec3::X) < 0.01, "{found:?}");
+        }
+        let found = shown(&pane(128), place, &opaque);
+        assert!(found.behind[0].light.distance(Vec3::Y) < 0.01, "{found:?}");
+        // An alpha of nearly 1 or 0 is that.
+        assert_eq!(shares(&shown(&pane(252), place, &opaque)), [(Some(1), 1.0)]);
+        let found = shown(&pane(3), place, &opaque);
+        assert!(shares(&found) == [(Some(4), 1.0)] && !found.is_hole, "{found:?}");
+    }
+
+    #[test]
+    fn what_goes_through_and_ends_in_nothing_is_transparent_as_backgrounds_are() {
+        let place = (DVec3::ZERO, 0.5);
+        let found = |alpha, background| {
+            let mut field = pane(alpha);
+            field.views.truncate(1);
+            let found = shown(&field, place, &settings(HoleFill::Behind, background, Refinements::ALL));
+            // In thousandths.
+            let [shown, transparent] = [found.layers().map(|layer| layer.share).sum(), found.transparent]
+                .map(|share: f32| (1000.0 * share).round() as u32);
+            (shown, transparent, found.is_hole)
+        };
+        assert_eq!(found(51, BackgroundFill::Transparent), (200, 800, false));
+        assert_eq!(found(0, BackgroundFill::Transparent), (0, 1000, false));
+        assert_eq!(found(51, BackgroundFill::Opaque), (1000, 0, false));
+        // Nothing at all is known.
+        assert_eq!(found(0, BackgroundFill::Opaque), (0, 0, true));
     }
 }

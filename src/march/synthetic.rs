@@ -69,6 +69,28 @@ impl SyntheticProbe {
     }
 }
 
+/// Gives the texels of a view an alpha in 255ths, by their image and number.
+pub fn set_alpha(view: &mut View, mut alpha: impl FnMut(&FaceTexels, usize) -> u8) {
+    for texels in view.faces.iter_mut().flatten() {
+        texels.has_alpha = true;
+        for at in 0..texels.inverse_depth.len() {
+            let alpha = alpha(texels, at);
+            match &mut texels.color {
+                ColorTexels::Codes(codes) => codes[at][3] = alpha,
+                ColorTexels::Light(light) => light[at][3] = f16::from_f32(f32::from(alpha) / 255.0),
+            }
+        }
+    }
+}
+
+/// Gives a view blocks of so many columns and rows of texels, each opaque, half or nearly transparent, or not there.
+pub fn set_alpha_of_blocks(view: &mut View, [columns, rows]: [usize; 2]) {
+    set_alpha(view, |texels, at| {
+        let width = texels.size[0] as usize;
+        [255, 128, 0, 60][(at % width / columns + at / width / rows) % 4]
+    });
+}
+
 /// The inside of a box of half these sides around the origin, with a box of `pillar` times its width and depth in it, seen from
 /// `eye`. Colours are functions of places.
 pub fn room(eye: DVec3, direction: DVec3, half: DVec3, pillar: f64) -> Option<(f64, [u8; 3])> {

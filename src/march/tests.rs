@@ -18,10 +18,10 @@ use crate::march::packet::lanes::lanes_of;
 use crate::march::packet::views::PacketViews;
 use crate::march::pyramid::{DepthPyramid, Pyramids};
 use crate::march::ray::{Ray, Steps, StepsFrom};
-use crate::march::render::{render, render_plainly};
+use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::samples::{EDGE_BLACK, EDGE_CONTRAST};
 use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
-use crate::march::synthetic::{SyntheticProbe, room};
+use crate::march::synthetic::{SyntheticProbe, room, set_alpha, set_alpha_of_blocks};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
 use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, UNKNOWN, View};
@@ -249,9 +249,13 @@ fn refinements(at: u32) -> Refinements {
 #[test]
 fn pictures_are_the_same_to_a_hundredth_of_a_code() {
     let mut random = Random(3);
-    for at in 0..60 {
+    for at in 0..120 {
         let coding = if at % 3 == 0 { ColorCoding::Light } else { CODES };
-        let light_field = random_field(&mut random, coding);
+        let mut light_field = random_field(&mut random, coding);
+        let has_alpha = at >= 60;
+        if has_alpha {
+            light_field.views.iter_mut().skip(1).for_each(|view| set_alpha_of_blocks(view, [3, 5]));
+        }
         let indices: Vec<usize> = (0..light_field.views.len()).collect();
         let eye = light_field.views[0].position + 0.3 * random.vector();
         let views = ActiveViews::new(&light_field, &indices, eye);
@@ -271,10 +275,41 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
         };
         let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
         let fast = render(&views, &camera, &settings, &Silent).unwrap();
-        assert_eq!((&fast.image.alpha, fast.counters), (&plain.image.alpha, plain.counters));
+        assert_eq!(fast.counters, plain.counters);
+        let most = if has_alpha { 1e-5 } else { 0.0 };
+        let alphas = fast.image.alpha.data().iter().zip(plain.image.alpha.data());
+        alphas.for_each(|(a, b)| assert!((a - b).abs() <= most, "{a} {b}"));
         let code = |light: f32| Transfer::Srgb.encode(f64::from(light)) * 255.0;
         for (a, b) in fast.image.color.data().iter().flatten().zip(plain.image.color.data().iter().flatten()) {
             assert!((code(*a) - code(*b)).abs() < 0.01, "{a} {b}");
+        }
+    }
+}
+
+/// A picture from the eye of a probe has the probe's alpha.
+#[test]
+fn alpha_of_a_picture_is_that_of_what_it_shows() {
+    let pane = |direction: DVec3| {
+        let at = direction / -direction.z;
+        (direction.z < 0.0 && at.x.abs() < 0.5 && at.y.abs() < 0.5)
+            .then(|| (direction.length() / -direction.z, [255, 0, 0]))
+    };
+    let mut view = SyntheticProbe::new(DVec3::ZERO, 32).cube(CODES, &pane);
+    set_alpha(&mut view, |texels, at| if texels.inverse_depth[at] == BACKGROUND { 0 } else { 51 });
+    let light_field = field(vec![view], CODES);
+    let views = ActiveViews::new(&light_field, &[0], DVec3::ZERO);
+    let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
+    let settings = settings_of(Steps::new(64, 0.01, 20.0, 8), Acceleration::Pyramid, Refinements::ALL);
+    for background in [BackgroundFill::Opaque, BackgroundFill::Transparent] {
+        let settings = RenderSettings { size: [32; 2], holes: HoleFill::Behind, background, ..settings.clone() };
+        let Rendered { image, counters } = render(&views, &camera, &settings, &Silent).unwrap();
+        assert_eq!(counters.hole_rays, 0);
+        // The background is transparent itself.
+        assert!([[2, 2], [16, 3], [30, 16]].iter().all(|&[x, y]| image.alpha.get(x, y) == 0.0));
+        let known = if background == BackgroundFill::Transparent { 0.2 } else { 1.0 };
+        for [x, y] in [[10, 10], [16, 16], [21, 12]] {
+            assert!(Vec3::from(image.color.get(x, y)).distance(Vec3::X) < 1e-6);
+            assert!((image.alpha.get(x, y) - known).abs() < 1e-6, "{}", image.alpha.get(x, y));
         }
     }
 }

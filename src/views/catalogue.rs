@@ -73,8 +73,13 @@ impl<'a> Catalogue<'a> {
                     "colours of one light field are coded in more than one way: encode them alike",
                 ));
             }
-            let face =
-                FaceStreams { depth, header: header.clone(), color, material: same_face(depth, StreamKind::Material) };
+            let face = FaceStreams {
+                depth,
+                header: header.clone(),
+                color,
+                alpha: same_face(depth, StreamKind::Alpha),
+                material: same_face(depth, StreamKind::Material),
+            };
             check_sizes(&entry.name, &face)?;
             let at = match views.iter().position(|view| view.probe == depth.probe) {
                 Some(at) => at,

@@ -3,7 +3,7 @@
 //! Enters: the units that a frame needs. Leaves: texels, and the rectangles of them that changed.
 //!
 //! Invariant: a texel is valid for the frame in all its kinds, or its depth is [`UNKNOWN`]. So a colour cell outside of the
-//! visible set makes the depths of its texels unknown too, unless it is known to show the frame anyway. A
+//! visible set makes the depths of its texels unknown too, unless it is known to show the frame anyway; so does a unit of alpha. A
 //! [`backend`](crate::views::backend) that keeps texels itself follows the same rule: [`FaceCache::depth_parts`] lists what it
 //! is to write.
 
@@ -18,8 +18,12 @@ use crate::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
 use crate::error::Result;
 use crate::image::StreamKind;
 use crate::streams::DepthHeader;
+use crate::streams::convert::alpha_byte;
 use crate::views::rects::joined;
-use crate::views::{ColorTexels, FaceTexels, InverseDepth, Rect, UNKNOWN, bounds, has_specular_weight, overlap};
+use crate::views::{
+    ColorTexels, FaceTexels, InverseDepth, Rect, StraightCodes, UNKNOWN, bounds, has_specular_weight, overlap,
+    straight_half,
+};
 
 /// The streams of a face; all of its images have the same size.
 #[derive(Debug, Clone)]
@@ -27,12 +31,13 @@ pub struct FaceStreams<'a> {
     pub depth: &'a StreamInfo,
     pub header: DepthHeader,
     pub color: &'a StreamInfo,
+    pub alpha: Option<&'a StreamInfo>,
     pub material: Option<&'a StreamInfo>,
 }
 
 impl<'a> FaceStreams<'a> {
     pub fn all(&self) -> impl Iterator<Item = &'a StreamInfo> {
-        [self.depth, self.color].into_iter().chain(self.material)
+        [self.depth, self.color].into_iter().chain(self.alpha).chain(self.material)
     }
 
     pub fn have(&self, frame: u32) -> bool {
@@ -40,7 +45,7 @@ impl<'a> FaceStreams<'a> {
     }
 }
 
-/// A depth tile or colour cell of a container.
+/// A tile or cell of a container.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct UnitId {
     pub probe: usize,
@@ -180,24 +185,39 @@ pub struct FaceCache<'a> {
     pub inverse: Arc<InverseDepth>,
     depth: StreamUnits<'a>,
     color: StreamUnits<'a>,
+    alpha: Option<StreamUnits<'a>>,
     material: Option<StreamUnits<'a>>,
+    /// Where colours are codes and there is alpha.
+    straight: Option<Arc<StraightCodes>>,
 }
 
 impl<'a> FaceCache<'a> {
-    pub fn new(decoder: &'a Decoder, streams: &FaceStreams<'a>, inverse: Arc<InverseDepth>) -> FaceCache<'a> {
+    /// `straight` is needed where colours are codes and the face has alpha.
+    pub fn new(
+        decoder: &'a Decoder,
+        streams: &FaceStreams<'a>,
+        inverse: Arc<InverseDepth>,
+        straight: Option<Arc<StraightCodes>>,
+    ) -> FaceCache<'a> {
         FaceCache {
             inverse,
             depth: StreamUnits::new(decoder, streams.depth),
             color: StreamUnits::new(decoder, streams.color),
+            alpha: streams.alpha.map(|stream| StreamUnits::new(decoder, stream)),
             material: streams.material.map(|stream| StreamUnits::new(decoder, stream)),
+            straight,
         }
     }
 
     fn all(&self) -> impl Iterator<Item = &StreamUnits<'a>> {
-        [&self.depth, &self.color].into_iter().chain(&self.material)
+        [&self.depth].into_iter().chain(self.all_but_depth())
     }
 
-    /// Begins a frame: answers the depth and colour units that pass the filter, which are to be decoded. Other units stay valid
+    fn all_but_depth(&self) -> impl Iterator<Item = &StreamUnits<'a>> {
+        [&self.color].into_iter().chain(&self.alpha).chain(&self.material)
+    }
+
+    /// Begins a frame: answers the units of depth, colour and alpha that pass the filter, which are to be decoded. Other units stay valid
     /// where they show the frame. Without a filter none is needed.
     pub fn begin_frame(
         &mut self,
@@ -205,7 +225,7 @@ impl<'a> FaceCache<'a> {
         filter: Option<&dyn UnitFilter>,
         shows: &dyn Fn(&CachedUnit<'_>) -> bool,
     ) -> Vec<&mut CachedUnit<'a>> {
-        let streams = [&mut self.depth, &mut self.color].into_iter();
+        let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.alpha);
         streams.flat_map(|units| units.begin_frame(frame, filter, shows)).collect()
     }
 
@@ -222,7 +242,7 @@ impl<'a> FaceCache<'a> {
     /// Brings the texels to what the units show.
     pub fn update(&self, texels: &mut FaceTexels) -> FaceChanges {
         let depth = joined(self.update_depth(texels));
-        let color = joined(update_color(&self.color, texels));
+        let color = joined(self.update_color(texels));
         self.changes(depth, color, texels)
     }
 
@@ -256,7 +276,7 @@ impl<'a> FaceCache<'a> {
     /// Stored bytes of the chunks that hold a frame and were not counted for the frame before.
     pub fn count_bytes(&mut self, frame: u32) -> u64 {
         let mut bytes = 0;
-        let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material);
+        let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.alpha).chain(&mut self.material);
         for unit in streams.flat_map(|units| &mut units.units) {
             if let Ok((chunk, stored)) = unit.decoder.chunk_of(frame)
                 && unit.counted.replace(chunk) != Some(chunk)
@@ -277,7 +297,7 @@ impl<'a> FaceCache<'a> {
                 stale.push((at, self.depth.rect(at)));
             }
         }
-        for units in [&self.color].into_iter().chain(&self.material) {
+        for units in self.all_but_depth() {
             for (at, _) in units.units.iter().enumerate().filter(|(_, unit)| unit.has_turned()) {
                 stale.extend(self.depth.under(units.rect(at)).filter(|(tile, _)| !whole[*tile]));
             }
@@ -288,17 +308,13 @@ impl<'a> FaceCache<'a> {
     /// A rectangle of a tile in parts that are valid in all kinds, and parts that are not.
     fn parts(&self, unit: usize, rect: Rect) -> Vec<DepthPart> {
         let tile = &self.depth.units[unit];
-        let part = |is_known, rect| DepthPart { unit: unit as u32, is_known, rect };
-        let mut parts = Vec::new();
-        for (cell, rect) in self.color.under(rect) {
-            let is_known = tile.is_valid && self.color.units[cell].is_valid;
-            match &self.material {
-                None => parts.push(part(is_known, rect)),
-                Some(material) => {
-                    let under = material.under(rect);
-                    parts.extend(under.map(|(at, rect)| part(is_known && material.units[at].is_valid, rect)));
-                }
-            }
+        let mut parts = vec![DepthPart { unit: unit as u32, is_known: tile.is_valid, rect }];
+        for units in self.all_but_depth() {
+            let under = |part: DepthPart| {
+                let is_known = move |at: usize| part.is_known && units.units[at].is_valid;
+                units.under(part.rect).map(move |(at, rect)| DepthPart { is_known: is_known(at), rect, ..part })
+            };
+            parts = parts.into_iter().flat_map(under).collect();
         }
         parts
     }
@@ -309,8 +325,8 @@ impl<'a> FaceCache<'a> {
         for (tile, rect) in self.stale_depths() {
             stale.entry(tile).or_default().extend(self.parts(tile, rect));
         }
-        // A cell and a material that turn together cover the same texels.
-        if self.material.is_some() {
+        // Units of two kinds that turn together cover the same texels.
+        if self.all_but_depth().count() > 1 {
             stale.values_mut().for_each(sort_and_dedup);
         }
         let mut all = Vec::new();
@@ -322,6 +338,61 @@ impl<'a> FaceCache<'a> {
             }
         }
         all
+    }
+
+    /// Colour cells, or rectangles of them, that are new or have new alpha; they do not overlap.
+    fn stale_colors(&self) -> Vec<(usize, Rect)> {
+        let mut stale = Vec::new();
+        for (at, cell) in self.color.units.iter().enumerate().filter(|(_, cell)| cell.is_valid) {
+            let rect = self.color.rect(at);
+            if cell.is_new() {
+                stale.push((at, rect));
+            } else if let Some(alpha) = &self.alpha {
+                let new = alpha.under(rect).filter(|(unit, _)| alpha.units[*unit].is_new());
+                stale.extend(new.map(|(_, rect)| (at, rect)));
+            }
+        }
+        stale
+    }
+
+    fn update_color(&self, texels: &mut FaceTexels) -> Vec<Rect> {
+        let stale = self.stale_colors();
+        for &(cell, rect) in &stale {
+            let cell = &self.color.units[cell];
+            match &self.alpha {
+                None => write_color(cell, texels),
+                Some(alpha) => {
+                    let units = alpha.under(rect).filter(|(unit, _)| alpha.units[*unit].is_valid);
+                    units.for_each(|(unit, rect)| self.write_color_and_alpha([cell, &alpha.units[unit]], rect, texels));
+                }
+            }
+        }
+        stale.into_iter().map(|(_, rect)| rect).collect()
+    }
+
+    /// Writes a rectangle that a colour cell and a unit of alpha share.
+    fn write_color_and_alpha(&self, [color, alpha]: [&CachedUnit<'_>; 2], rect: Rect, texels: &mut FaceTexels) {
+        let UnitPixels::Alpha(alphas) = alpha.decoder.pixels() else { return };
+        let alphas = pixels_in(alphas, alpha.decoder.rect(), rect).map(alpha_byte);
+        let [left, top, width, height] = rect.map(|length| length as usize);
+        let rows = texels.size[0] as usize;
+        let places = (top..top + height).flat_map(|row| row * rows + left..row * rows + left + width);
+        let of = color.decoder.rect();
+        match (color.decoder.pixels(), &mut texels.color, &self.straight) {
+            (UnitPixels::Color8(pixels), ColorTexels::Codes(image), Some(straight)) => {
+                for ((at, color), alpha) in places.zip(pixels_in(pixels, of, rect)).zip(alphas) {
+                    image[at] = straight.texel(color, alpha);
+                }
+            }
+            (UnitPixels::ColorHalf(pixels), ColorTexels::Light(image), _) => {
+                for ((at, color), alpha) in places.zip(pixels_in(pixels, of, rect)).zip(alphas) {
+                    let alpha = f32::from(alpha) / 255.0;
+                    let [r, g, b] = color.map(|key| straight_half(light_of(key), alpha));
+                    image[at] = [r, g, b, f16::from_f32(alpha)];
+                }
+            }
+            _ => {}
+        }
     }
 
     fn update_depth(&self, texels: &mut FaceTexels) -> Vec<Rect> {
@@ -381,24 +452,27 @@ fn light_of(key: HalfKey) -> f16 {
     if light.is_nan() { f16::ZERO } else { light.clamp(f16::MIN, f16::MAX) }
 }
 
-fn update_color(units: &StreamUnits<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
-    let width = texels.size[0];
-    let new = units.units.iter().filter(|unit| unit.is_new());
-    new.filter_map(|unit| {
-        let rect = unit.decoder.rect();
-        match (unit.decoder.pixels(), &mut texels.color) {
-            (UnitPixels::Color8(pixels), ColorTexels::Codes(image)) => {
-                write(pixels, rect, image, width, |[r, g, b]| [r, g, b, 0]);
-            }
-            (UnitPixels::ColorHalf(pixels), ColorTexels::Light(image)) => {
-                let light = |[r, g, b]: [HalfKey; 3]| [light_of(r), light_of(g), light_of(b), f16::ZERO];
-                write(pixels, rect, image, width, light);
-            }
-            _ => return None,
+fn write_color(unit: &CachedUnit<'_>, texels: &mut FaceTexels) {
+    let (rect, width) = (unit.decoder.rect(), texels.size[0]);
+    match (unit.decoder.pixels(), &mut texels.color) {
+        (UnitPixels::Color8(pixels), ColorTexels::Codes(image)) => {
+            write(pixels, rect, image, width, |[r, g, b]| [r, g, b, 0]);
         }
-        Some(rect)
+        (UnitPixels::ColorHalf(pixels), ColorTexels::Light(image)) => {
+            let light = |[r, g, b]: [HalfKey; 3]| [light_of(r), light_of(g), light_of(b), f16::ZERO];
+            write(pixels, rect, image, width, light);
+        }
+        _ => {}
+    }
+}
+
+/// Pixels of a rectangle within that of a unit, row by row.
+fn pixels_in<T: Copy>(pixels: &[T], [left, top, unit_width, _]: Rect, rect: Rect) -> impl Iterator<Item = T> {
+    let [from, first, width, height] = rect;
+    (first..first + height).flat_map(move |row| {
+        let start = ((row - top) * unit_width + from - left) as usize;
+        pixels[start..start + width as usize].iter().copied()
     })
-    .collect()
 }
 
 fn update_material(units: &StreamUnits<'_>, texels: &mut FaceTexels) -> Vec<Rect> {

@@ -6,16 +6,20 @@ use crate::container::ProbeEntry;
 use crate::dataset::{Pose, Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, StreamKind, TexelMap};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, StreamKind, TexelMap,
+};
 use crate::streams::convert::material_codes;
-use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
+use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View, straight, straight_half};
 
 /// The images of a face; all have the same size.
 #[derive(Debug, Clone)]
 pub struct FaceImages {
     pub face: Face,
-    /// Linear light.
+    /// Linear light, multiplied by alpha where there is one.
     pub color: ColorPlane,
+    /// 0 to 1; none where all is opaque.
+    pub alpha: Option<AlphaPlane>,
     /// Metres; +inf for background.
     pub depth: DepthPlane,
     pub kind: DepthKind,
@@ -34,13 +38,30 @@ impl FaceImages {
             };
             texels.inverse_depth[at as usize] = BACKGROUND.max(inverse);
         }
-        let color = self.color.data().iter();
+        let alpha = |at: usize| match &self.alpha {
+            Some(alpha) if alpha.data()[at] > 0.0 => alpha.data()[at].min(1.0),
+            Some(_) => 0.0,
+            None => 1.0,
+        };
+        let color = self.color.data().iter().enumerate().map(|(at, &color)| (color, alpha(at)));
+        let has_alpha = self.alpha.is_some();
+        let fourth = |alpha: f32| if has_alpha { alpha } else { 0.0 };
+        texels.has_alpha = has_alpha;
         texels.color = match coding {
             ColorCoding::Codes(tone) => {
-                let code = |value: f16| tone.code(value.to_f32());
-                ColorTexels::Codes(color.map(|&[r, g, b]| [code(r), code(g), code(b), 0]).collect())
+                let texel = |(color, alpha): ([f16; 3], f32)| {
+                    let [r, g, b] = color.map(|light| tone.code(straight(light.to_f32(), alpha)));
+                    [r, g, b, (255.0 * fourth(alpha)).round() as u8]
+                };
+                ColorTexels::Codes(color.map(texel).collect())
             }
-            ColorCoding::Light => ColorTexels::Light(color.map(|&[r, g, b]| [r, g, b, f16::ZERO]).collect()),
+            ColorCoding::Light => {
+                let texel = |(color, alpha): ([f16; 3], f32)| {
+                    let [r, g, b] = color.map(|light| straight_half(light, alpha));
+                    [r, g, b, f16::from_f32(fourth(alpha))]
+                };
+                ColorTexels::Light(color.map(texel).collect())
+            }
         };
         if let Some(material) = &self.material {
             let codes = material_codes(material)?;
@@ -76,6 +97,10 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
         for depths in groups(StreamKind::Depth) {
             let same_faces = |group: &&SourceGroup| group.faces == depths.faces;
             let Some(colors) = groups(StreamKind::Color).find(same_faces) else { continue };
+            let mut alphas = match groups(StreamKind::Alpha).find(same_faces) {
+                Some(group) => source.read_alpha(group, frame)?.into_iter(),
+                None => Vec::new().into_iter(),
+            };
             let mut materials = match groups(StreamKind::Material).find(same_faces) {
                 Some(group) => source.read_material(group, frame)?.into_iter(),
                 None => Vec::new().into_iter(),
@@ -87,7 +112,8 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
                     Some(matrix) => matrix.convert_plane(&color),
                     None => color,
                 };
-                images.push(FaceImages { face, color, depth, kind, material: materials.next() });
+                let (alpha, material) = (alphas.next(), materials.next());
+                images.push(FaceImages { face, color, alpha, depth, kind, material });
             }
         }
         if !images.is_empty() {
@@ -105,5 +131,44 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
     match views.is_empty() {
         true => Err(Error::Usage(format!("{}: no probe has colour and depth of frame {frame}", source.name()))),
         false => Ok(LightField { views, coding }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::ToneMap;
+
+    #[test]
+    fn colours_are_divided_by_their_alpha() {
+        let alphas = [1.0, 0.5, 0.0, f32::NAN];
+        let images = FaceImages {
+            face: Face::Nz,
+            color: ColorPlane::from_fn(2, 2, |x, y| [f16::from_f32(0.4 * alphas[(x + 2 * y) as usize].max(0.0)); 3]),
+            alpha: Some(AlphaPlane::from_fn(2, 2, |x, y| alphas[(x + 2 * y) as usize])),
+            depth: DepthPlane::filled(2, 2, 2.0),
+            kind: DepthKind::Planar,
+            material: None,
+        };
+        let entry = ProbeEntry {
+            name: "a".into(),
+            position: [0.0; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            frames: [0, 0],
+            intrinsics: [0.0; 4],
+        };
+        let tone = ToneMap::default();
+        let texels = |alpha: bool, coding| {
+            let images = FaceImages { alpha: images.alpha.clone().filter(|_| alpha), ..images.clone() };
+            images.texels(&entry, coding).unwrap()
+        };
+        let codes = texels(true, ColorCoding::Codes(tone));
+        let found: Vec<[f32; 2]> = (0..4).map(|at| [codes.color.get(at).x * 255.0, codes.alpha(at) * 255.0]).collect();
+        let code = f32::from(tone.code(0.4));
+        assert_eq!(found, [[code, 255.0], [code, 128.0], [0.0, 0.0], [0.0, 0.0]]);
+        let light = texels(true, ColorCoding::Light);
+        assert!((0..2).all(|at| (light.color.get(at).y - 0.4).abs() < 2e-4 && light.alpha(at) == alphas[at]));
+        let opaque = texels(false, ColorCoding::Codes(tone));
+        assert!((0..4).all(|at| opaque.alpha(at) == 1.0) && !opaque.has_alpha);
     }
 }

@@ -39,9 +39,9 @@ impl ColorCoding {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColorTexels {
-    /// 8-bit codes; the fourth byte is 0.
+    /// 8-bit codes; the fourth byte is alpha in 255ths.
     Codes(Vec<[u8; 4]>),
-    /// Linear light; the fourth half is 0.
+    /// Linear light; the fourth half is alpha.
     Light(Vec<[f16; 4]>),
 }
 
@@ -59,6 +59,14 @@ impl ColorTexels {
             }
         }
     }
+
+    /// The fourth component of a texel, 0 to 1.
+    fn fourth(&self, at: usize) -> f32 {
+        match self {
+            ColorTexels::Codes(texels) => f32::from(texels[at][3]) / 255.0,
+            ColorTexels::Light(texels) => texels[at][3].to_f32(),
+        }
+    }
 }
 
 /// The texels of one image of a probe, row by row.
@@ -69,7 +77,11 @@ pub struct FaceTexels {
     pub map: TexelMap,
     /// Inverse planar depth in 1/m; [`BACKGROUND`], or [`UNKNOWN`].
     pub inverse_depth: Vec<f32>,
+    /// Colours are not multiplied by alpha, so that they are interpolated by it as codes, too: a mean of codes of multiplied light is
+    /// too dark.
     pub color: ColorTexels,
+    /// Whether the fourth component of its colours is alpha. Else its texels are opaque, and the fourth component means nothing.
+    pub has_alpha: bool,
     /// Weights of reflection and refraction, and the index of refraction, as `streams::convert` codes them; the fourth
     /// byte is 0. None where the container has no material of this face.
     pub material: Option<Vec<[u8; 4]>>,
@@ -89,6 +101,7 @@ impl FaceTexels {
                 ColorCoding::Codes(_) => ColorTexels::Codes(vec![[0; 4]; texels]),
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
+            has_alpha: false,
             material: None,
             is_specular: false,
         }
@@ -108,6 +121,11 @@ impl FaceTexels {
     pub fn with_material(self) -> FaceTexels {
         let texels = self.size[0] as usize * self.size[1] as usize;
         FaceTexels { material: Some(vec![[0; 4]; texels]), ..self }
+    }
+
+    /// How much of a texel its surface or background covers, 0 to 1.
+    pub fn alpha(&self, at: usize) -> f32 {
+        if self.has_alpha { self.color.fourth(at) } else { 1.0 }
     }
 
     /// The texels left and right of one, above and below it, that there are.

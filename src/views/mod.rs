@@ -10,6 +10,7 @@ pub mod inverse_depth;
 pub mod light_field;
 pub mod player;
 pub mod rects;
+pub mod straight;
 pub mod visibility;
 pub mod visible_set;
 
@@ -22,4 +23,5 @@ pub(crate) use light_field::has_specular_weight;
 pub use light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, Projected, UNKNOWN, View};
 pub use player::Change;
 pub use rects::{Rect, bounds, overlap};
+pub(crate) use straight::{StraightCodes, straight, straight_half};
 pub use visibility::{UnitGrid, cull};

@@ -16,8 +16,8 @@ use crate::ordered::try_map_ordered;
 use crate::streams::DepthHeader;
 use crate::views::catalogue::{Catalogue, ViewStreams};
 use crate::views::{
-    CachedUnit, CpuBackend, FaceCache, FaceStreams, FaceTexels, FaceUpdate, InverseDepth, LightField, NewFace,
-    ProbeChoice, Rect, TexelBackend,
+    CachedUnit, ColorCoding, CpuBackend, FaceCache, FaceStreams, FaceTexels, FaceUpdate, InverseDepth, LightField,
+    NewFace, ProbeChoice, Rect, StraightCodes, TexelBackend,
 };
 
 /// Bytes of idle views that are kept where there is no memory budget.
@@ -87,6 +87,8 @@ pub struct Player<'a> {
     /// Bytes of the budget that others take.
     reserved_bytes: u64,
     tables: Vec<Arc<InverseDepth>>,
+    /// Where colours are codes and a face has alpha.
+    straight: Option<Arc<StraightCodes>>,
     /// Frames so far.
     clock: u64,
     /// Bytes read by views that were unloaded.
@@ -106,6 +108,11 @@ impl<'a> Player<'a> {
     /// A player of all chosen probes that have a face with both colour and depth. Nothing is decoded yet.
     pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Player<'a>> {
         let Catalogue { field, streams } = Catalogue::new(decoder, probes)?;
+        let has_alpha = streams.iter().flat_map(|view| &view.faces).any(|face| face.alpha.is_some());
+        let straight = match field.coding {
+            ColorCoding::Codes(tone) if has_alpha => Some(Arc::new(StraightCodes::new(tone.transfer))),
+            _ => None,
+        };
         Ok(Player {
             decoder,
             loaded: streams.iter().map(|_| None).collect(),
@@ -115,6 +122,7 @@ impl<'a> Player<'a> {
             budget: Budget::UNLIMITED,
             reserved_bytes: 0,
             tables: Vec::new(),
+            straight,
             clock: 0,
             bytes_unloaded: 0,
             in_backend: false,
@@ -341,12 +349,14 @@ impl<'a> Player<'a> {
             false => FaceTexels::unknown(size, map, self.field.coding),
         };
         let texels = if streams.material.is_some() { texels.with_material() } else { texels };
+        let texels = FaceTexels { has_alpha: streams.alpha.is_some(), ..texels };
         self.field.views[at].faces[number] = Some(texels);
-        for kind in streams.all().map(|stream| stream.kind) {
+        // Alpha is a part of the texels of colour.
+        for kind in streams.all().map(|stream| stream.kind).filter(|&kind| kind != StreamKind::Alpha) {
             self.changes.push(Change { view: at, face: number, kind, rect: [0, 0, size[0], size[1]] });
         }
         let inverse = self.inverse_of(&streams.header);
-        FaceCache::new(self.decoder, &streams, inverse)
+        FaceCache::new(self.decoder, &streams, inverse, self.straight.clone())
     }
 
     /// The table of a stream, shared by streams of the same range and kind.

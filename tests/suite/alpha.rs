@@ -166,3 +166,33 @@ fn missing_files_are_transparent_where_they_are_black() {
     let back = exr::read_rgba(&folder.path().join("out/probe_a/color.0001.exr"), &ReadLimits::default()).unwrap();
     assert!(back.data().iter().all(|pixel| *pixel == [f16::ZERO; 4]));
 }
+
+#[test]
+fn pictures_from_a_probe_have_its_alpha() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    footage(&path);
+    for frame in 0..FRAMES {
+        let depth = Plane::from_fn(SIDE, SIDE, |x, y| 2.0 + 0.01 * (x + y) as f32);
+        exr::write_depth(&path.join(format!("d.{frame:04}.exr")), &depth).unwrap();
+    }
+    write_manifest(&path, json!({ "color": "c.%04d.exr", "alpha": "c.%04d.exr", "depth": "d.%04d.exr" }));
+    fine("encode in -o a.lfold --psnr 60", folder.path());
+    let line = "render a.lfold --eye 0,0,0 --look-at 0,0,-1 --fov 50 --size 40 --samples 1 --frames 1 --background transparent";
+    fine(&format!("{line} -o a.exr"), folder.path());
+    let found = exr::read_rgba(&folder.path().join("a.exr"), &ReadLimits::default()).unwrap();
+    for (found, expected) in found.data().iter().zip(rgba(1).data()) {
+        let [found, expected] = [found, expected].map(|pixel| pixel.map(f16::to_f32));
+        // What is less than a layer, 1/64, is none.
+        let pairs = found.iter().zip(&expected);
+        assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 0.03), "{found:?} and {expected:?}");
+    }
+    // A second picture of the same file is that of the frame whose alpha moved.
+    fine(&format!("{} -o b.exr", line.replace("--frames 1", "--frames 2")), folder.path());
+    let moved = exr::read_rgba(&folder.path().join("b.exr"), &ReadLimits::default()).unwrap();
+    let differ = |found: &Plane<[f16; 4]>, frame| {
+        let pairs = found.data().iter().zip(rgba(frame).into_data());
+        pairs.map(|(a, b)| (a[3].to_f32() - b[3].to_f32()).abs()).fold(0.0, f32::max)
+    };
+    assert!(differ(&moved, 2) < 0.03 && differ(&moved, 1) > 0.2);
+}

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
+use half::f16;
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use lightfold::evaluate::frame_requests::FrameRequest;
-use lightfold::image::StreamKind;
+use lightfold::image::{Plane, StreamKind, exr};
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{Pyramids, ViewPyramids};
@@ -27,12 +28,40 @@ use tempfile::TempDir;
 
 use crate::commands::fine;
 
+/// Gives captured images alpha, in files beside those of colour: a disc that moves, left of what is opaque.
+fn add_alpha(dataset: &Path) {
+    let source = Source::open(dataset, &SourceOptions::default()).unwrap();
+    let path = dataset.join("lightfield.json");
+    let mut manifest: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    let files = manifest["files"]["color"].as_str().unwrap().replace("color.", "alpha.");
+    manifest["files"]["alpha"] = files.into();
+    fs::write(path, manifest.to_string()).unwrap();
+    let of_color = source.groups().iter().filter(|group| group.kind == StreamKind::Color);
+    for (group, frame) in of_color.flat_map(|group| (0..6).map(move |frame| (group, frame))) {
+        let alpha = Plane::from_fn(32, 32, |x, y| {
+            let square = (x as f32 - 10.0).powi(2) + (y as f32 - 6.0 - 3.0 * frame as f32).powi(2);
+            f16::from_f32(if x < 20 { (square / 100.0).min(1.0) } else { 1.0 })
+        });
+        for face in &group.faces {
+            let name = &source.probes()[group.probe].name;
+            let place = format!("probe_{name}/face_{}/alpha.{frame:04}.exr", face.name());
+            exr::write_alpha(&dataset.join(place), &alpha).unwrap();
+        }
+    }
+}
+
 /// Three probes of the courtyard, in which things move.
 fn courtyard(folder: &Path, options: &str) -> Decoder {
+    courtyard_of(folder, options, |_| {})
+}
+
+/// The same with images that are changed before they are encoded.
+fn courtyard_of(folder: &Path, options: &str, change: impl Fn(&Path)) -> Decoder {
     let cameras = r#"{ "lightfold_cameras": 1, "cameras": [ { "position": [0, 1.5, 0] }, { "position": [0.4, 1.4, 0.2] },
         { "position": [-0.3, 1.7, -0.5], "orientation": [0, 0.2588190451025207, 0, 0.9659258262890683] } ] }"#;
     fs::write(folder.join("cameras.json"), cameras).unwrap();
     fine("capture courtyard --cameras cameras.json --frames 0-5 --size 32 --samples 1 -q -o cap", folder);
+    change(&folder.join("cap"));
     fine(format!("encode cap --clip --color-cell 8 --depth-tile 16 -o a.lfold {options}").trim_end(), folder);
     Decoder::open(folder.join("a.lfold")).unwrap()
 }
@@ -73,7 +102,7 @@ fn compare(field: &LightField, all: &LightField) -> [usize; 2] {
             if some.inverse_depth[at] != UNKNOWN {
                 known[0] += 1;
                 assert_eq!(some.inverse_depth[at], all.inverse_depth[at]);
-                assert_eq!(some.color.get(at), all.color.get(at));
+                assert_eq!((some.color.get(at), some.alpha(at)), (all.color.get(at), all.alpha(at)));
                 assert_eq!(some.material.as_ref().map(|m| m[at]), all.material.as_ref().map(|m| m[at]));
             }
         }
@@ -88,6 +117,7 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
         let source = from.views[change.view].faces[change.face].as_ref().unwrap();
         let target = to.views[change.view].faces[change.face].get_or_insert_with(|| {
             let texels = FaceTexels::unknown(source.size, source.map, from.coding);
+            let texels = FaceTexels { has_alpha: source.has_alpha, ..texels };
             if source.material.is_some() { texels.with_material() } else { texels }
         });
         let [left, top, width, height] = change.rect;
@@ -111,9 +141,19 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
 
 #[test]
 fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all() {
-    for options in ["--keyframe-interval 3", "--hdr --max-error 0", "--depth-codec aabb --keyframe-interval 4"] {
+    for (options, has_alpha) in [
+        ("--keyframe-interval 3", false),
+        ("--hdr --max-error 0", false),
+        ("--depth-codec aabb --keyframe-interval 4", false),
+        ("--keyframe-interval 3", true),
+        ("--hdr --keyframe-interval 4", true),
+    ] {
         let folder = TempDir::new().unwrap();
-        let decoder = courtyard(folder.path(), options);
+        let decoder = courtyard_of(folder.path(), options, |dataset| {
+            if has_alpha {
+                add_alpha(dataset);
+            }
+        });
         let views = [0, 1, 2];
         let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
         let (mut mirror, mut pyramids) = (player.field.clone(), Pyramids::default());
@@ -128,6 +168,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
                 player.show(frame, &views, visible_sets.find(&streams, &[camera])).unwrap()
             };
             let changes = player.take_changes();
+            assert!(faces(&player.field).all(|face| face.has_alpha == has_alpha));
             copy(&changes, &player.field, &mut mirror);
             for (copied, shown) in faces(&mirror).zip(faces(&player.field)) {
                 assert!(copied.inverse_depth == shown.inverse_depth, "frame {frame}");
@@ -507,6 +548,34 @@ fn views_of_a_container_are_those_of_the_dataset_that_it_decodes_to() {
                 assert_eq!(pose(view), pose(expected));
                 assert!(view.faces == expected.faces, "{options}: frame {frame} of {}", view.name);
             }
+        }
+    }
+}
+
+#[test]
+fn alpha_of_a_container_is_that_of_its_dataset() {
+    for options in ["--psnr 60", "--hdr --psnr 60"] {
+        let folder = TempDir::new().unwrap();
+        let decoder = courtyard_of(folder.path(), options, add_alpha);
+        let source = Source::open(&folder.path().join("cap"), &SourceOptions::default()).unwrap();
+        let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+        // Forwards and back, so that alpha changes where colour does not.
+        for frame in [0, 1, 5, 2] {
+            player.show(frame, &[0, 1, 2], &AllUnits).unwrap();
+            let loaded = from_dataset(&source, frame, player.field.coding).unwrap();
+            let [mut opaque, mut thin] = [0, 0];
+            for (shown, expected) in faces(&player.field).zip(faces(&loaded)) {
+                for at in 0..shown.inverse_depth.len() {
+                    let alpha = expected.alpha(at);
+                    assert!((shown.alpha(at) - alpha).abs() < 0.0025, "{} and {alpha}", shown.alpha(at));
+                    opaque += usize::from(alpha == 1.0);
+                    thin += usize::from(alpha < 0.5);
+                    let [a, b] = [shown, expected].map(|face| face.color.get(at));
+                    let most = 0.03 + 0.03 * b.max_element();
+                    assert!(alpha < 0.5 || (a - b).abs().max_element() < most, "{options}: {a} and {b} at {alpha}");
+                }
+            }
+            assert!(opaque > 1000 && thin > 1000, "{opaque} texels are opaque, and {thin} thin");
         }
     }
 }

@@ -111,7 +111,7 @@ pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
         }
         CodecHeader::Color(header) => !header.is_half(),
         CodecHeader::Material(_) => true,
-        // Colour cells on the device have no room for it.
+        // Cells of colour on the device have no alpha: the CPU decodes these containers, and the device renders them.
         CodecHeader::Alpha(_) => false,
     };
     decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes

@@ -1,5 +1,5 @@
 //! Playback on a graphics device: changes are sent once for each frame request, for all its cameras. The device decodes depth and
-//! colour where it can and is asked to; the CPU decodes materials, half floats, and everything for secondary rays.
+//! colour where it can and is asked to; the CPU decodes materials, half floats, and everything of containers with alpha and for secondary rays.
 
 use glam::DVec3;
 

@@ -125,6 +125,8 @@ fn face(number: usize, texels: &FaceTexels, origin: Origin) -> Face {
         number: number as u32,
         scale: texels.map.scale,
         centre: texels.map.centre,
+        has_alpha: texels.has_alpha.into(),
+        spare: 0,
     }
 }
 

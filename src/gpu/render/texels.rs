@@ -264,7 +264,7 @@ impl DeviceTexels {
             let (mut sent, mut changed) = (0, None);
             for (kind, rect) in stale {
                 let (texture, bytes) = match kind {
-                    // A part of the texels of colour.
+                    // A part of the texels of colour: no change is of this kind.
                     StreamKind::Alpha => continue,
                     StreamKind::Depth => (&textures.inverse_depths, bytemuck::cast_slice(&texels.inverse_depth)),
                     StreamKind::Color => (&textures.colors, color_bytes(&texels.color)),

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 
 use crate::container::ProbeEntry;
 use crate::error::{Error, Result};
-use crate::evaluate::HoleFill;
+use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::gpu::Gpu;
 use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
@@ -14,6 +14,7 @@ use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
 use crate::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
 use crate::march::render::render;
+use crate::march::synthetic::set_alpha_of_blocks;
 use crate::march::{Acceleration, ActiveViews, PictureOptions, Refinements, RenderSettings, Rendered, SpecularMode};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -71,6 +72,13 @@ pub fn cases() -> Result<Vec<PictureCase>> {
         dull.case("materials that send nothing on", &around(courtyard.middle), codes, eye)?,
         mirrors.case("mirrors and glass", &corners(mirrors.middle, mirrors.reach * 0.4), codes, mirrors.middle)?,
         courtyard.case("near and far planes", &around(courtyard.middle), codes, eye)?,
+        courtyard.case("alpha", &around(courtyard.middle), codes, eye)?,
+        object.case(
+            "alpha, and a transparent background",
+            &corners(object.middle, object.reach),
+            ColorCoding::Light,
+            object.middle,
+        )?,
         courtyard.case("courtyard, twice as wide", &around(courtyard.middle), codes, eye)?,
     ];
     cases[1].settings.samples = 2;
@@ -90,6 +98,10 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     for case in [0, 8, 13] {
         cases[case].settings.refinements = Refinements::NONE;
     }
+    for case in [14, 15] {
+        cases[case].field.views.iter_mut().for_each(|view| set_alpha_of_blocks(view, [8, 5]));
+    }
+    cases[15].settings.background = BackgroundFill::Transparent;
     hide(&mut cases[6].field);
     cases[6].settings.holes = HoleFill::Nearest;
     let steps = &mut cases[6].settings.steps;
@@ -222,7 +234,7 @@ impl Captured {
                 entry.intrinsics = intrinsics;
             }
             let material = image.material.filter(|_| self.has_material);
-            images.push(FaceImages { face, color, depth, kind: DepthKind::Planar, material });
+            images.push(FaceImages { face, color, alpha: None, depth, kind: DepthKind::Planar, material });
         }
         from_images(at, &entry, &images, coding)
     }

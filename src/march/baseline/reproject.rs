@@ -1,6 +1,7 @@
 //! Interpolation at true depths, by the weights of the paper: for comparison with ray marching.
 //!
-//! Enters: active views, a camera, and the true distance of each pixel. Leaves: a picture.
+//! Enters: active views, a camera, and the true distance of each pixel. Leaves: a picture. The truth has one surface for each pixel,
+//! which is taken for opaque.
 
 use glam::Vec3;
 use rayon::prelude::*;

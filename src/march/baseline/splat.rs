@@ -1,7 +1,8 @@
 //! Point splatting (CALF 7.3).
 //!
 //! Enters: active views and a camera. Leaves: a picture. Each surface texel is projected into one pixel, where the nearest
-//! wins; background texels are behind everything. Pixels without a texel are holes.
+//! wins; background texels are behind everything. Pixels without a texel are holes. A point is there or not: texels of an alpha
+//! below a half are left out, and others are opaque.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -13,6 +14,9 @@ use crate::march::{ActiveView, ActiveViews, ClipPlanes, Counters, RenderSettings
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
+
+/// Texels of less are left out.
+const LEAST_ALPHA: f32 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
@@ -82,12 +86,12 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
-    /// Index of the pixel of a texel. None outside of the picture, and for unknown texels.
+    /// Index of the pixel of a texel. None outside of the picture, and for unknown and transparent texels.
     fn point(&self, [column, row]: [u32; 2], camera: &Camera, settings: &RenderSettings) -> Option<(usize, Point)> {
         let Image { view, face, number, clip } = self;
         let texel = row as usize * face.size[0] as usize + column as usize;
         let inverse_depth = face.inverse_depth[texel];
-        if inverse_depth == UNKNOWN {
+        if inverse_depth == UNKNOWN || face.alpha(texel) < LEAST_ALPHA {
             return None;
         }
         let centre = [column, row].map(|at| at as f32 + 0.5);
@@ -144,6 +148,7 @@ mod tests {
     use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::ray::Steps;
     use crate::march::settings::{Acceleration, Refinements, SpecularMode};
+    use crate::march::synthetic::set_alpha;
     use crate::math::Lens;
     use crate::monitor::Silent;
     use crate::views::light_field::{ColorCoding, ColorTexels, LightField, View};
@@ -201,6 +206,11 @@ mod tests {
         // Equal distances: the first.
         let views = vec![far.clone(), view(DVec3::ZERO, [0.25; 3], [1, 2, 3])];
         assert_eq!(shown(views, HoleFill::Blank).0, [40, 50, 60]);
+        // A texel that is mostly transparent is none.
+        let mut glass = view(DVec3::ZERO, [0.5; 3], [10, 20, 30]);
+        let mut alpha = [127, 128, 255].into_iter();
+        set_alpha(&mut glass, |_, _| alpha.next().unwrap());
+        assert_eq!(shown(vec![glass, far.clone()], HoleFill::Blank), (vec![40, 20, 30], vec![1.0; 3]));
         // A background is behind everything, also of the view that comes first.
         let views =
             vec![view(DVec3::ZERO, [BACKGROUND; 3], [7, 8, 9]), view(DVec3::ZERO, [0.25, UNKNOWN, 0.25], [40, 50, 60])];

@@ -5,8 +5,10 @@ use glam::Vec3;
 
 use crate::march::active_views::CAMERA_EPSILON;
 use crate::march::interpolate::{ANGLE_EPSILON, CUT_WEIGHT, DEPTH_CUT, EDGE_PENALTY, NEARER};
-use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
-use crate::march::packet::views::{PacketView, PacketViews, Places};
+use crate::march::packet::lanes::{
+    Lanes, Points, bytes, either, floor, fourth_bytes, lanes_of, ln, number_of, to_whole,
+};
+use crate::march::packet::views::{CodedFace, PacketView, PacketViews, Places};
 use crate::march::{DEPTH_EPSILON, Interpolated, Refinements, RenderSettings};
 use crate::views::{BACKGROUND, ColorTexels, UNKNOWN};
 
@@ -14,10 +16,15 @@ struct Sums {
     /// Red, green and blue, in codes up to 255 or light.
     color: [Lanes; 3],
     weight: Lanes,
+    /// Weights of colours, times alpha; where no view has alpha they are those of all.
+    shown: Lanes,
+    has_alpha: bool,
     difference: Lanes,
     /// Weights of texels that have the surface, and of those that have no nearer one.
     covered: Lanes,
     all: Lanes,
+    /// The first of these times alpha, where a view has alpha.
+    opaque: Lanes,
     refinements: Refinements,
     tolerance: Lanes,
 }
@@ -32,8 +39,18 @@ pub(crate) fn seen_from_eye(
     let zero = Lanes::ZERO;
     let difference = Lanes::INFINITY;
     let (refinements, tolerance) = (settings.refinements, Lanes::splat(settings.tolerance()));
-    let mut sums =
-        Sums { color: [zero; 3], weight: zero, difference, covered: zero, all: zero, refinements, tolerance };
+    let mut sums = Sums {
+        color: [zero; 3],
+        weight: zero,
+        shown: zero,
+        has_alpha: views.has_alpha,
+        difference,
+        covered: zero,
+        all: zero,
+        opaque: zero,
+        refinements,
+        tolerance,
+    };
     let from_eye_m = length(points);
     for (view, guess) in views.views.iter().zip(guesses) {
         let places = view.places_of(points, guess);
@@ -47,12 +64,20 @@ pub(crate) fn seen_from_eye(
         }
     }
     let unit = if views.are_codes { 255.0 } else { 1.0 };
-    let [red, green, blue] = sums.color.map(|color| (color / (unit * sums.weight)).to_array());
+    let shown = if sums.has_alpha { sums.shown } else { sums.weight };
+    let is_shown = shown.cmpgt(zero);
+    let [red, green, blue] = sums.color.map(|color| either(is_shown, color / (unit * shown), zero).to_array());
+    let alpha = match sums.has_alpha {
+        true => either(sums.covered.cmpgt(zero), sums.opaque / sums.covered, shown / sums.weight),
+        false => Lanes::ONE,
+    };
+    let alpha = alpha.to_array();
     let coverage = either(sums.all.cmpgt(zero), sums.covered / sums.all, Lanes::ONE).to_array();
     let (weight, difference) = (sums.weight.to_array(), sums.difference.to_array());
     std::array::from_fn(|lane| {
         let color = Vec3::new(red[lane], green[lane], blue[lane]);
-        let seen = Interpolated { color, difference: difference[lane], coverage: coverage[lane] };
+        let (coverage, alpha) = (coverage[lane], alpha[lane]);
+        let seen = Interpolated { color, difference: difference[lane], coverage, alpha };
         (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(seen)
     })
 }
@@ -84,6 +109,7 @@ fn angle_weight(view: &PacketView<'_>, points: &Points, from_eye_m: Lanes) -> La
 struct Texels {
     depth: Lanes,
     color: [Lanes; 3],
+    alpha: Lanes,
 }
 
 #[inline(always)]
@@ -108,9 +134,7 @@ fn add(
     let weights = bilinear.map(|weight| weight * of_view);
     let at = |tap: usize| [columns[1 + tap % 2], rows[1 + tap / 2]];
     let texels: [Texels; 4] = match view.face_of_codes(places) {
-        Some((depth, codes)) => {
-            std::array::from_fn(|tap| texels_of_face(depth, codes, number_of(at(tap), places.size[0])))
-        }
+        Some(face) => std::array::from_fn(|tap| texels_of_face(&face, number_of(at(tap), places.size[0]))),
         None => std::array::from_fn(|tap| texels_anywhere(view, places, lanes, at(tap))),
     };
     let edges = edge_part.map(|edge_part| {
@@ -160,7 +184,11 @@ impl Sums {
         let tolerance = self.tolerance;
         let sees = is_known & (!is_surface | nearer.cmple(tolerance));
         self.all += either(sees, weight, Lanes::ZERO);
-        self.covered += either(is_surface & difference.cmple(tolerance), weight, Lanes::ZERO);
+        let covered = either(is_surface & difference.cmple(tolerance), weight, Lanes::ZERO);
+        self.covered += covered;
+        if self.has_alpha {
+            self.opaque += covered * texels.alpha;
+        }
         let fit = (difference + DEPTH_EPSILON).recip();
         let fit = match self.refinements.angles {
             true => (fit - 1.0 / (DEPTH_CUT + DEPTH_EPSILON)).max(CUT_WEIGHT * fit),
@@ -169,8 +197,10 @@ impl Sums {
         let weight = either(is_surface, weight * fit * edge_part, Lanes::ZERO);
         self.weight += weight;
         self.difference = self.difference.min(either(is_surface, difference, Lanes::INFINITY));
+        let shown = if self.has_alpha { weight * texels.alpha } else { weight };
+        self.shown += shown;
         for (sum, color) in self.color.iter_mut().zip(texels.color) {
-            *sum += weight * color;
+            *sum += shown * color;
         }
     }
 }
@@ -193,12 +223,14 @@ fn depth_of(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [
 
 /// Texels of one face with coded colours.
 #[inline(always)]
-fn texels_of_face(depth: &[f32], codes: &[[u8; 4]], at: [u32; 4]) -> Texels {
-    let depth_of = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
-    let code_of = |lane: usize| codes.get(at[lane] as usize).map_or(0, |&code| u32::from_le_bytes(code));
+fn texels_of_face(face: &CodedFace<'_>, at: [u32; 4]) -> Texels {
+    let depth_of = |lane: usize| face.depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
+    let code_of = |lane: usize| face.codes.get(at[lane] as usize).map_or(0, |&code| u32::from_le_bytes(code));
+    let codes = [code_of(0), code_of(1), code_of(2), code_of(3)];
     Texels {
         depth: Lanes::new(depth_of(0), depth_of(1), depth_of(2), depth_of(3)),
-        color: bytes([code_of(0), code_of(1), code_of(2), code_of(3)]),
+        color: bytes(codes),
+        alpha: if face.has_alpha { fourth_bytes(codes) / 255.0 } else { Lanes::ONE },
     }
 }
 
@@ -214,16 +246,19 @@ fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, 
         (texels[lane], depths[lane]) = (texel, depth);
         counted |= u32::from(depth > BACKGROUND && depth < UNKNOWN) << lane;
     }
-    Texels { depth: Lanes::from_array(depths), color: colors(view, places, counted, &texels) }
+    let (color, alpha) = colors(view, places, counted, &texels);
+    Texels { depth: Lanes::from_array(depths), color, alpha }
 }
 
-/// Red, green and blue: codes up to 255, or light; 0 in other lanes.
-fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4]) -> [Lanes; 3] {
+/// Red, green and blue: codes up to 255, or light; 0 in other lanes. And alpha.
+fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4]) -> ([Lanes; 3], Lanes) {
     let mut codes = [0u32; 4];
+    let mut alpha = [1.0; 4];
     let mut light = [[0.0; 4]; 3];
     let mut are_codes = true;
     for lane in lanes_of(lanes) {
         let Some(face) = view.faces[places.face.of(lane)] else { continue };
+        alpha[lane] = face.alpha(texels[lane]);
         if let ColorTexels::Codes(of_face) = &face.color {
             codes[lane] = u32::from_le_bytes(of_face[texels[lane]]);
         } else {
@@ -232,5 +267,5 @@ fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4
             (0..3).for_each(|channel| light[channel][lane] = color[channel]);
         }
     }
-    if are_codes { bytes(codes) } else { light.map(Lanes::from_array) }
+    (if are_codes { bytes(codes) } else { light.map(Lanes::from_array) }, Lanes::from_array(alpha))
 }

@@ -72,6 +72,12 @@ pub(crate) fn bytes(numbers: [u32; 4]) -> [Lanes; 3] {
     [byte(0), byte(1), byte(2)]
 }
 
+/// The highest byte of each number.
+#[inline(always)]
+pub(crate) fn fourth_bytes(numbers: [u32; 4]) -> Lanes {
+    to_lanes(bytemuck::cast(numbers.map(|number| number >> 24)))
+}
+
 /// Exponent and part of normal numbers above 0: each is 2^exponent · part, with a part from √½ to √2.
 #[inline(always)]
 fn split(lanes: Lanes) -> (Lanes, Lanes) {
@@ -121,6 +127,7 @@ mod tests {
             let bits = [0, 1, 2, 3].map(|lane| (4 * at + lane).wrapping_mul(2_654_435_761));
             let each_byte = [0, 8, 16].map(|shift| Lanes::from_array(bits.map(|bits| (bits >> shift & 0xff) as f32)));
             assert_eq!(bytes(bits), each_byte);
+            assert_eq!(fourth_bytes(bits).to_array(), bits.map(|bits| (bits >> 24) as f32));
             let below = bits.map(|bits| bits as f32 / 2.1);
             assert_eq!(to_whole(Lanes::from_array(below)), below.map(|below| below as u32));
             let around = bits.map(|bits| (bits % 1_000_003) as f32 / 97.0 - 3.0);

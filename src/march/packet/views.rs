@@ -50,9 +50,17 @@ pub(crate) struct PacketView<'a> {
     pub(crate) width: [u32; 8],
     /// Empty for colours that are light.
     pub(crate) codes: [&'a [[u8; 4]]; 8],
+    has_alpha: [bool; 8],
     maps: [Map; 7],
     /// The projection of all images, if it is one.
     alike: Option<Map>,
+}
+
+/// Texels of an image whose colours are codes.
+pub(crate) struct CodedFace<'a> {
+    pub(crate) depth: &'a [f32],
+    pub(crate) codes: &'a [[u8; 4]],
+    pub(crate) has_alpha: bool,
 }
 
 /// Numbers of faces, a byte for each lane.
@@ -172,6 +180,7 @@ impl<'a> PacketView<'a> {
                 Some(ColorTexels::Codes(codes)) => &codes[..],
                 _ => &[],
             }),
+            has_alpha: std::array::from_fn(|at| of(at).is_some_and(|face| face.has_alpha)),
             maps: faces.map(map),
             alike,
         }
@@ -378,12 +387,12 @@ impl<'a> PacketView<'a> {
         Occupancies { empty: known & before | near | centre, occupied: known & !(near | before) }
     }
 
-    /// Inverse depths and colours of the face of all four places, if colours are codes.
+    /// The face of all four places, if its colours are codes.
     #[inline(always)]
-    pub(crate) fn face_of_codes(&self, places: &Places) -> Option<(&'a [f32], &'a [[u8; 4]])> {
+    pub(crate) fn face_of_codes(&self, places: &Places) -> Option<CodedFace<'a>> {
         let face = places.face.only().filter(|_| places.exist == ALL && self.are_small)?;
-        let (depth, codes) = (self.depth[face], self.codes[face]);
-        (codes.len() == depth.len()).then_some((depth, codes))
+        let (depth, codes, has_alpha) = (self.depth[face], self.codes[face], self.has_alpha[face]);
+        (codes.len() == depth.len()).then_some(CodedFace { depth, codes, has_alpha })
     }
 
     /// Lanes, of those tested, whose segments it proves empty.
@@ -504,14 +513,17 @@ pub(crate) struct PacketViews<'a> {
     /// Number of the view nearest to the eye, the first of several.
     pub(crate) nearest: Option<usize>,
     pub(crate) are_codes: bool,
+    pub(crate) has_alpha: bool,
 }
 
 impl<'a> PacketViews<'a> {
     pub(crate) fn new(views: &'a ActiveViews<'a>) -> PacketViews<'a> {
+        let packet_views: Vec<PacketView<'_>> = views.views.iter().map(PacketView::new).collect();
         PacketViews {
-            views: views.views.iter().map(PacketView::new).collect(),
             nearest: views.nearest_number(),
             are_codes: matches!(views.coding, ColorCoding::Codes(_)),
+            has_alpha: packet_views.iter().any(|view| view.has_alpha.contains(&true)),
+            views: packet_views,
         }
     }
 }
