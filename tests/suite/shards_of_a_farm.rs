@@ -104,8 +104,10 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     // Cut short; of older images than there are; without --resume.
     fs::write(&file, &bytes[..bytes.len() - 1]).unwrap();
     assert_eq!(run(line), (false, report.clone()));
-    let image = folder.join("a/px/d.0010.exr");
-    fs::write(&image, fs::read(&image).unwrap()).unwrap();
+    for face in ["px", "ny"] {
+        let image = folder.join(format!("b/{face}/c.0015.exr"));
+        fs::write(&image, fs::read(&image).unwrap()).unwrap();
+    }
     assert_eq!(run(line), (false, report.clone()));
     assert_eq!(run(line), (true, report.clone()));
     assert_eq!(run(&line.replace(" --resume", "")), (false, report));
