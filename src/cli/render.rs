@@ -10,7 +10,8 @@ mod subject;
 mod truth;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::check_stdout;
@@ -62,16 +63,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Box::new(LightFieldSubject::open(args, input, &decoder)?)
     };
     let mut truth = TruthRun::open(&args.truth, subject.method())?;
-    let jobs = match &truth {
+    let all = match &truth {
         Some(truth) => {
             let frames = subject.reference_frames(args.frames.frames);
             truth.jobs(frames, subject.frames().unwrap_or(ALL_FRAMES), global)?
         }
         None => args.jobs(subject.as_ref(), global)?,
     };
-    subject.check(&jobs, global)?;
-    let mut pictures = Pictures::open(args, &jobs, (subject.fps(), subject.tone()))?;
-    args.check_outputs(&jobs, &pictures)?;
+    subject.check(&all, global)?;
+    let mut pictures = Pictures::open(args, &all, (subject.fps(), subject.tone()))?;
+    args.check_outputs(&all, &pictures)?;
+    let jobs = args.of_shard(&all)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
     let rows = jobs.iter().map(|job| job.request.cameras.len() as u64 * u64::from(job.size[1])).sum();
@@ -80,7 +82,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let tone = subject.tone();
     let mut renderer = subject.renderer(gpu.as_ref())?;
-    for job in &jobs {
+    for job in jobs {
         let rendered = renderer.render(job, truth.as_mut(), &progress)?;
         if let Some(truth) = &mut truth {
             let pictures = rendered.compared.as_ref().unwrap_or(&rendered.images);
@@ -142,7 +144,17 @@ impl Args {
         if self.results_to_stdout() + usize::from(self.json) > 1 {
             return refuse("only one result fits standard output: name files for the others");
         }
+        if self.shard.is_some() && self.output.as_deref() == Some(Path::new("-")) {
+            return refuse("--shard renders a part of the pictures: name a pattern such as view.%04d.png, or a folder");
+        }
         self.output.iter().chain(&self.contact_sheet).try_for_each(|path| check_stdout(path, false))
+    }
+
+    /// What is rendered of all jobs.
+    fn of_shard<'j>(&self, all: &'j [Job]) -> Result<&'j [Job]> {
+        let Some(shard) = self.shard else { return Ok(all) };
+        let Range { start, end } = shard.range(all.len() as u64, "frame")?;
+        Ok(&all[start as usize..end as usize])
     }
 
     fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {
