@@ -46,6 +46,8 @@ pub struct Args {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
+    pub effort: EffortArgs,
+    #[command(flatten)]
     pub dataset: DatasetArgs,
     #[command(flatten)]
     pub depth: DepthArgs,
@@ -53,8 +55,6 @@ pub struct Args {
     pub color: ColorArgs,
     #[command(flatten)]
     pub material: MaterialArgs,
-    #[command(flatten)]
-    pub effort: EffortArgs,
     #[command(flatten)]
     pub shards: ShardArgs,
 }

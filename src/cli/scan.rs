@@ -40,11 +40,11 @@ pub struct Args {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
+    pub memory: MemoryArgs,
+    #[command(flatten)]
     pub dataset: DatasetArgs,
     #[command(flatten)]
     pub depth: DepthArgs,
-    #[command(flatten)]
-    pub memory: MemoryArgs,
 }
 
 #[derive(Serialize)]
