@@ -187,12 +187,10 @@ impl Args {
     /// What the cameras see, in these frames; of a still scene in all that they ask for.
     fn jobs(&self, subject: &dyn Subject, global: &GlobalArgs) -> Result<Vec<Job>> {
         let (frames, mut cameras) = (subject.frames(), self.cameras.cameras(subject.fps())?);
-        if cameras.is_empty() {
-            let (camera, words) = subject.own_camera()?;
-            global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
-            cameras.push(TimedCamera { camera, frames: None });
-        }
         let available = frames.unwrap_or(ALL_FRAMES);
+        if cameras.is_empty() {
+            cameras = self.own_cameras(subject, available, global)?;
+        }
         if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MOST_STILL_FRAMES) {
             return Err(Error::Usage(format!(
                 "--frames {asked}: {} pictures of a still scene, where {MOST_STILL_FRAMES} are the most",
@@ -217,6 +215,26 @@ impl Args {
             Ok(Job { request: FrameRequest { cameras, ..request }, names, size, references: Vec::new() })
         };
         (0..).zip(requests).map(job).collect()
+    }
+
+    /// The camera of the subject, in each frame where it moves.
+    fn own_cameras(
+        &self,
+        subject: &dyn Subject,
+        available: FrameRange,
+        global: &GlobalArgs,
+    ) -> Result<Vec<TimedCamera>> {
+        let first = FrameRange { first: available.first, last: available.first };
+        let asked = self.frames.frames.and_then(|asked| asked.intersect(available)).unwrap_or(first);
+        let (camera, words) = subject.own_camera(asked.first)?;
+        global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
+        let of = |frame: u32| {
+            let (camera, _) = subject.own_camera(frame)?;
+            Ok(TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) })
+        };
+        let all: Vec<TimedCamera> = asked.iter().map(of).collect::<Result<_>>()?;
+        let moves = all.iter().any(|timed| timed.camera != camera);
+        Ok(if moves { all } else { vec![TimedCamera { camera, frames: None }] })
     }
 }
 

@@ -37,9 +37,9 @@ pub struct Args {
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
-    pub coding: CodingArgs,
-    #[command(flatten)]
     pub store: StoreArgs,
+    #[command(flatten)]
+    pub coding: CodingArgs,
 }
 
 #[derive(Serialize)]

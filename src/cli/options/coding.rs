@@ -17,6 +17,8 @@ pub struct CodingArgs {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
+    pub effort: EffortArgs,
+    #[command(flatten)]
     pub dataset: DatasetArgs,
     #[command(flatten)]
     pub depth: DepthArgs,
@@ -24,8 +26,6 @@ pub struct CodingArgs {
     pub color: ColorArgs,
     #[command(flatten)]
     pub material: MaterialArgs,
-    #[command(flatten)]
-    pub effort: EffortArgs,
 }
 
 impl CodingArgs {
