@@ -1,48 +1,133 @@
 //! Numbers in JSON reports. JSON has no infinities: such a number is null, and the key beside it that ends in `_is` has "inf" or
 //! "-inf". NaN, a number that there is none of, is null alone. CSV has the words in the cells.
 
+use std::io::{self, Write};
 use std::time::Duration;
 
 use serde::{Serialize, Serializer};
+use serde_json::Value;
+use serde_json::ser::{Formatter, PrettyFormatter};
 
 use crate::error::{Error, Result};
 
-/// An infinite number on its way to a report, and the word that stands for it there.
-const INFINITIES: [(&str, &str); 2] = [("∞", "inf"), ("-∞", "-inf")];
-
 /// Indented, with a newline at its end.
 pub fn pretty(value: &impl Serialize) -> Result<String> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-    Ok(text.lines().map(|line| finite(line) + "\n").collect())
+    let mut text = Vec::new();
+    let written = value.serialize(&mut serde_json::Serializer::with_formatter(&mut text, Indented::default()));
+    text.push(b'\n');
+    written
+        .map_err(|error| error.to_string())
+        .and_then(|()| String::from_utf8(text).map_err(|error| error.to_string()))
+        .map_err(|error| Error::invalid(format!("JSON: {error}")))
 }
 
-/// A line of indented JSON, an entry, with null for an infinite number and the word in a further entry.
-fn finite(line: &str) -> String {
-    let (entry, comma) = line.strip_suffix(',').map_or((line, ""), |entry| (entry, ","));
-    let infinite = INFINITIES.iter().find_map(|(sign, word)| Some((entry.strip_suffix(&format!("\"{sign}\""))?, word)));
-    match infinite {
-        None => line.to_owned(),
-        Some((before, word)) => match before.strip_suffix("\": ") {
-            Some(key) => format!("{key}\": null,\n{key}_is\": \"{word}\"{comma}"),
-            None => format!("{before}null{comma}"),
-        },
+/// Writes indented JSON. Reports have no bytes but the words of infinite numbers: they become null, and an entry of their own.
+#[derive(Default)]
+struct Indented {
+    plain: PrettyFormatter<'static>,
+    /// Of the entry that is written now.
+    key: String,
+    is_in_key: bool,
+    /// Of the value that was written last, if it is infinite.
+    word: Option<String>,
+}
+
+impl Formatter for Indented {
+    fn begin_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.plain.begin_array(writer)
+    }
+
+    fn end_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.plain.end_array(writer)
+    }
+
+    fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, is_first: bool) -> io::Result<()> {
+        self.plain.begin_array_value(writer, is_first)
+    }
+
+    fn end_array_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.word = None;
+        self.plain.end_array_value(writer)
+    }
+
+    fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.plain.begin_object(writer)
+    }
+
+    fn end_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.plain.end_object(writer)
+    }
+
+    fn begin_object_key<W: ?Sized + Write>(&mut self, writer: &mut W, is_first: bool) -> io::Result<()> {
+        self.key.clear();
+        self.is_in_key = true;
+        self.plain.begin_object_key(writer, is_first)
+    }
+
+    fn end_object_key<W: ?Sized + Write>(&mut self, _: &mut W) -> io::Result<()> {
+        self.is_in_key = false;
+        Ok(())
+    }
+
+    fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.plain.begin_object_value(writer)
+    }
+
+    fn end_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.plain.end_object_value(writer)?;
+        let Some(word) = self.word.take() else { return Ok(()) };
+        self.plain.begin_object_key(writer, false)?;
+        write!(writer, "\"{}\"", word_key(&self.key))?;
+        self.plain.begin_object_value(writer)?;
+        write!(writer, "\"{word}\"")?;
+        self.plain.end_object_value(writer)
+    }
+
+    fn write_string_fragment<W: ?Sized + Write>(&mut self, writer: &mut W, fragment: &str) -> io::Result<()> {
+        if self.is_in_key {
+            self.key.push_str(fragment);
+        }
+        writer.write_all(fragment.as_bytes())
+    }
+
+    fn write_byte_array<W: ?Sized + Write>(&mut self, writer: &mut W, word: &[u8]) -> io::Result<()> {
+        self.word = Some(String::from_utf8_lossy(word).into_owned());
+        self.write_null(writer)
     }
 }
 
-/// The word of an infinite number, other text as it is.
-pub fn word(text: &str) -> &str {
-    INFINITIES.iter().find(|(sign, _)| *sign == text).map_or(text, |(_, word)| word)
+/// The key beside that of a number.
+fn word_key(key: &str) -> String {
+    format!("{key}_is")
+}
+
+fn word(value: f64) -> Option<&'static str> {
+    value.is_infinite().then_some(if value > 0.0 { "inf" } else { "-inf" })
+}
+
+/// Puts a number into an object, as [`pretty`] writes those of a struct.
+pub fn put(object: &mut Value, key: &str, value: f64) {
+    object[key] = value.into();
+    if let Some(word) = word(value) {
+        object[word_key(key)] = word.into();
+    }
+}
+
+/// The word of a number that is null, by its key.
+pub fn read_word<'v>(object: &'v Value, key: &str) -> Option<&'v str> {
+    object.get(word_key(key))?.as_str()
 }
 
 /// A number of a report, by its key: infinite where it is null and the key beside it says so.
-pub fn read_number(object: &serde_json::Value, key: &str) -> Option<f64> {
-    match object.get(format!("{key}_is")).and_then(serde_json::Value::as_str) {
+pub fn read_number(object: &Value, key: &str) -> Option<f64> {
+    match read_word(object, key) {
         Some("inf") => Some(f64::INFINITY),
         Some("-inf") => Some(f64::NEG_INFINITY),
         _ => object.get(key)?.as_f64(),
     }
 }
 
+/// A number of a report. An infinite one goes to the serialiser as the bytes of its word, which each format writes in its own way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub f64);
 
@@ -55,10 +140,10 @@ impl Number {
 
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0 {
-            value if value.is_finite() => serializer.serialize_f64(value),
-            value if value.is_nan() => serializer.serialize_none(),
-            value => serializer.serialize_str(INFINITIES[usize::from(value < 0.0)].0),
+        match word(self.0) {
+            Some(word) => serializer.serialize_bytes(word.as_bytes()),
+            None if self.0.is_nan() => serializer.serialize_none(),
+            None => serializer.serialize_f64(self.0),
         }
     }
 }
@@ -89,18 +174,22 @@ mod tests {
         let list = [1.5, f64::INFINITY, f64::NEG_INFINITY].map(Number);
         let [psnr_db, limit, none] = [f64::INFINITY, f64::NEG_INFINITY, f64::NAN].map(Number);
         let text = pretty(&Report { name: "inf", db: [], psnr_db, limit, list, none }).unwrap();
-        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let value: Value = serde_json::from_str(&text).unwrap();
         let expected = serde_json::json!({
             "name": "inf", "db": [], "psnr_db": null, "psnr_db_is": "inf", "limit": null, "limit_is": "-inf",
             "list": [1.5, null, null], "none": null,
         });
         assert_eq!(value, expected);
+        assert!(text.contains("\n  \"psnr_db\": null,\n  \"psnr_db_is\": \"inf\",\n"), "{text}");
+        let mut value = value;
+        put(&mut value, "put_db", f64::NEG_INFINITY);
+        put(&mut value, "finite", 1.5);
+        assert_eq!([&value["put_db_is"], &value["finite"]], [&Value::from("-inf"), &Value::from(1.5)]);
         let read = |key: &str| read_number(&value, key);
         assert_eq!(
-            [read("psnr_db"), read("limit"), read("none")],
-            [Some(f64::INFINITY), Some(f64::NEG_INFINITY), None]
+            [read("psnr_db"), read("limit"), read("put_db"), read("none")],
+            [Some(f64::INFINITY), Some(f64::NEG_INFINITY), Some(f64::NEG_INFINITY), None]
         );
-        assert_eq!([word("∞"), word("a")], ["inf", "a"]);
         assert_eq!(serde_json::to_string(&Number::shortest(0.1)).unwrap(), "0.1");
         assert_eq!(Number::shortest(f32::INFINITY).0, f64::INFINITY);
     }

@@ -29,6 +29,11 @@ pub fn try_map_at_once_with<J: Send, T: Send, S>(
     init: impl Fn() -> S + Sync + Send,
     f: impl Fn(&mut S, J) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
+    if jobs.len() <= 1 || rayon::current_num_threads() == 1 {
+        // On the caller's thread: waking another takes longer than a small job.
+        let mut state = init();
+        return jobs.into_iter().map(|job| f(&mut state, job)).collect();
+    }
     // The first failed job so far: later ones are skipped, earlier ones still run.
     let failed = AtomicUsize::new(usize::MAX);
     let run = |state: &mut S, (order, job): (usize, J)| {

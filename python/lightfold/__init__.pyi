@@ -82,6 +82,7 @@ def encode(
     color: _Entries | None = None,
     depth: _Entries | None = None,
     material: _Entries | None = None,
+    alpha: _Entries | None = None,
     name: str | None = None,
     fps: float = 24.0,
     first_frame: int = 0,

@@ -71,7 +71,7 @@ impl Container {
         self.streams.iter().map(|stream| stream.clone_ref(py)).collect()
     }
 
-    /// The stream of a kind ("color", "depth" or "material"), probe (a name) and face ("px", "nx", "py", "ny", "pz", "nz" or
+    /// The stream of a kind ("color", "depth", "material" or "alpha"), probe (a name) and face ("px", "nx", "py", "ny", "pz", "nz" or
     /// "view"). Probe and face may be left out where one stream fits without them.
     ///
     /// Raises `KeyError` where no stream fits, or several do.
@@ -94,7 +94,7 @@ impl Container {
                 Err(PyKeyError::new_err(format!("{} streams of {kind} fit: name a probe and a face", others + 1)))
             }
             (None, _) if StreamKind::from_name(kind).is_none() => {
-                Err(PyKeyError::new_err(format!("no kind \"{kind}\": color, depth or material")))
+                Err(PyKeyError::new_err(format!("no kind \"{kind}\": color, depth, material or alpha")))
             }
             (None, _) => Err(PyKeyError::new_err(none())),
         }

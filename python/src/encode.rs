@@ -23,13 +23,14 @@ const POLL: Duration = Duration::from_millis(100);
 
 /// Encodes arrays into a container; returns its figures, as `lightfold encode --json` prints them.
 ///
-/// `color`, `depth` and `material` have one entry for each probe, `None` where it has no such images. An entry is the frames of
-/// the probe's view, or a dict with the frames of faces of its cube map. Frames are an array with a first axis of frames, or a
+/// `color`, `depth`, `material` and `alpha` have one entry for each probe, `None` where it has no such images. An entry is the frames
+/// of the probe's view, or a dict with the frames of faces of its cube map. Frames are an array with a first axis of frames, or a
 /// sequence of images:
 ///
 /// - depth: (frames, height, width), distances in metres, inf for background
 /// - color: (frames, height, width, 3), floats of linear Rec. 709 light, or uint8 codes of sRGB
 /// - material: (frames, height, width, 3), weights of reflection and refraction, 0 to 1, and index of refraction, 1 to 3
+/// - alpha: (frames, height, width), 0 to 1, by which the probe's color is multiplied
 ///
 /// `probes` are names or `Probe` objects; one probe may be left out. `name` (that of the file unless given), `fps` (24) and
 /// `first_frame` (0) describe the dataset. All other arguments are settings, spelled as the options of `lightfold encode`, such as
@@ -53,7 +54,7 @@ const POLL: Duration = Duration::from_millis(100);
 #[pyfunction]
 #[pyo3(
     signature = (path, probes=None, **arguments),
-    text_signature = "(path, probes=None, *, color=None, depth=None, material=None, name=None, fps=24.0, first_frame=0, **settings)"
+    text_signature = "(path, probes=None, *, color=None, depth=None, material=None, alpha=None, name=None, fps=24.0, first_frame=0, **settings)"
 )]
 pub fn encode<'py>(
     py: Python<'py>,
@@ -62,9 +63,8 @@ pub fn encode<'py>(
     arguments: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let mut given = Given::new(arguments);
-    let kinds = [StreamKind::Color, StreamKind::Depth, StreamKind::Material];
     let mut entries = Vec::new();
-    for kind in kinds {
+    for kind in StreamKind::ALL {
         entries.push((kind, given.take::<Bound<'py, PyAny>>(kind.name())?));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -151,10 +151,11 @@ impl Frames<'_> {
             let image = Image::new(&image?, self.kind)?;
             let shape = image.array.shape();
             let size = match (self.kind, shape) {
-                (StreamKind::Depth, &[height, width]) => [width, height],
+                (StreamKind::Depth | StreamKind::Alpha, &[height, width]) => [width, height],
                 (StreamKind::Color | StreamKind::Material, &[height, width, 3]) => [width, height],
                 (kind, shape) => {
-                    let samples = if kind == StreamKind::Depth { "" } else { ", 3" };
+                    let is_single = matches!(kind, StreamKind::Depth | StreamKind::Alpha);
+                    let samples = if is_single { "" } else { ", 3" };
                     return refuse(format!(
                         "{place}: frame {frame} has the shape {shape:?}, (height, width{samples}) was expected"
                     ));
@@ -175,6 +176,7 @@ impl Frames<'_> {
             StreamKind::Depth => self.encoder.add_depth(self.probe, face, size),
             StreamKind::Color => self.encoder.add_color(self.probe, face, size),
             StreamKind::Material => self.encoder.add_material(self.probe, face, size),
+            StreamKind::Alpha => self.encoder.add_alpha(self.probe, face, size),
         }
     }
 }
@@ -194,7 +196,7 @@ impl<'py> Image<'py> {
         let is_bytes = found.str()? == "uint8";
         let class: char = found.getattr("kind")?.extract()?;
         let dtype = match (kind, class) {
-            (StreamKind::Depth | StreamKind::Material, 'f') => "float32",
+            (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, 'f') => "float32",
             (StreamKind::Color, 'f') => "float16",
             (StreamKind::Color, _) if is_bytes => "uint8",
             _ => {
@@ -214,6 +216,7 @@ impl<'py> Image<'py> {
             }
             StreamKind::Color => self.with(|light: &[f16]| encoder.push_color(stream, light.as_chunks().0)),
             StreamKind::Material => self.with(|values: &[f32]| encoder.push_material(stream, values.as_chunks().0)),
+            StreamKind::Alpha => self.with(|alpha: &[f32]| encoder.push_alpha(stream, alpha)),
         }?
         .map_err(named)
     }

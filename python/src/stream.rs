@@ -83,7 +83,7 @@ impl Stream {
     fn dimensions(&self) -> Vec<usize> {
         let [width, height] = self.info().size().map(|side| side as usize);
         match self.info().kind {
-            StreamKind::Depth => vec![height, width],
+            StreamKind::Depth | StreamKind::Alpha => vec![height, width],
             StreamKind::Color | StreamKind::Material => vec![height, width, 3],
         }
     }
@@ -133,7 +133,7 @@ impl Stream {
         match (self.info().kind, self.info().is_half_float()) {
             (StreamKind::Color, Some(true)) => dtype::<f16>(py),
             (StreamKind::Color, _) => dtype::<u8>(py),
-            (StreamKind::Depth | StreamKind::Material, _) => dtype::<f32>(py),
+            (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, _) => dtype::<f32>(py),
         }
     }
 
@@ -232,12 +232,14 @@ impl Stream {
             (StreamKind::Material, _) if bytes => {
                 self.decode_as::<u8>(frame, &target, |p| PixelsMut::Material8(p.as_chunks_mut().0))
             }
+            (StreamKind::Alpha, _) if single => self.decode_as::<f32>(frame, &target, |p| PixelsMut::Alpha(p)),
+            (StreamKind::Alpha, _) if bytes => self.decode_as::<u8>(frame, &target, |p| PixelsMut::Alpha8(p)),
             (kind, is_half) => {
                 let types = match (kind, is_half) {
                     (StreamKind::Depth, _) => "float32 and uint16",
                     (StreamKind::Color, Some(true)) => "float16 and float32",
                     (StreamKind::Color, _) => "uint8, float16 and float32",
-                    (StreamKind::Material, _) => "float32 and uint8",
+                    (StreamKind::Material | StreamKind::Alpha, _) => "float32 and uint8",
                 };
                 refuse(format!("{} does not decode to {asked}: {types} are possible", self.__repr__()))
             }

@@ -125,7 +125,8 @@ class Stub(unittest.TestCase):
         node = next(node for node in STUB.body if getattr(node, "name", None) == "encode")
         known = {argument.arg for argument in node.args.kwonlyargs}
         # Of files and of the command line alone; work from memory is not resumed, and is no shard.
-        known |= {"clip", "color_space", "color_tables", "depth_tables", "frames", "resume", "shard", "shard_by"}
+        known |= {"clip", "color_space", "color_tables", "depth_tables", "frames", "resume", "shard", "shard_by", "shard_frames",
+                  "shard_probe", "shard_stream"}
         sources = PYTHON.parent / "src"
         if not sources.is_dir():
             self.skipTest("not in a clone")

@@ -11,7 +11,8 @@ use crate::cli::progress::Progress;
 use crate::cli::unfinished_folder::UnfinishedFolder;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::error::Result;
+use crate::encode::Shard;
+use crate::error::{Error, Result};
 use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
@@ -40,13 +41,21 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     plan.manifest()?;
     if manifest.is_file() {
         let old = Manifest::read(&args.output)?;
+        let bytes = std::fs::read(&manifest).map_err(|error| Error::io(&manifest, error))?;
+        if args.shard.is_some() && bytes != plan.manifest()?.to_json()?.into_bytes() {
+            return refuse(format!(
+                "{}: it holds another dataset than this capture, whose shards would be mixed with it: name a new folder",
+                args.output.display()
+            ));
+        }
         plan.check_replaces(&old).map_err(|error| error.context(args.output.display()))?;
     }
     args.notes(&scene, &plan).iter().for_each(|note| global.note(note));
     let loaded = start.elapsed();
     let progress = Progress::start(global, "capturing", plan.image_count())?;
     let work = Work { plan: &plan, scene: &scene, args, global, progress: &progress };
-    let summary = work.capture(PartialFolder::open(&args.output, UNFINISHED)?)?;
+    let part = args.shard.map_or_else(String::new, |Shard { number, count }| format!(".{number}-of-{count}"));
+    let summary = work.capture(PartialFolder::open_part(&args.output, UNFINISHED, &part)?)?;
     drop(progress);
     let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
     global.report(args.json, report, || text(&args.output, &plan, &summary, &report))?;

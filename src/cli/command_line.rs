@@ -144,7 +144,28 @@ pub fn has_result_on_stdout(matches: &ArgMatches) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
+
+    #[test]
+    fn an_option_stands_below_the_same_heading_in_every_command() {
+        // Of options that commands share. A heading goes on over the options after it, also those of the next group.
+        const BELOW_NONE: [&str; 8] = ["effort", "frames", "json", "memory", "missing", "output", "resume", "threads"];
+        let root = command();
+        let (mut commands, mut known) = (vec![&root], BTreeMap::new());
+        while let Some(command) = commands.pop() {
+            commands.extend(command.get_subcommands());
+            for option in command.get_opts() {
+                let (Some(long), Some(help)) = (option.get_long(), option.get_help()) else { continue };
+                let (heading, name) = (option.get_help_heading(), command.get_name());
+                assert!(heading.is_none() || !BELOW_NONE.contains(&long), "--{long} of {name} is below {heading:?}");
+                let (first, of) = known.entry((long, help.to_string())).or_insert((heading, name));
+                assert_eq!(*first, heading, "--{long} of {of} and of {name}");
+            }
+        }
+        assert!(known.len() > 200, "{}", known.len());
+    }
 
     #[test]
     fn results_on_standard_output_are_known_from_the_arguments() {

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::{
-    ColorArgs, DatasetArgs, DepthArgs, EffortArgs, EncodeOutputArgs, MaterialArgs, PresetArgs, SequenceInputArgs,
-    ShardArgs, Target, Unfinished, check_stdout, parse_kind,
+    CodingArgs, EncodeOutputArgs, SequenceInputArgs, ShardArgs, Target, Unfinished, check_stdout,
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -31,30 +30,21 @@ const SMALLER: &str = "a lower --psnr or a higher --max-error";
     lightfold encode scene -o small.lfold --preset small --clip\n  \
     lightfold encode scene -o scene.lfold --missing hold\n  \
     lightfold encode scene -o scene.lfold --resume\n  \
-    lightfold encode scene --shard 3/8 -o scene-3.lfold\n\n\
+    lightfold encode scene --shard 3/8 -o scene-3.lfold\n  \
+    lightfold encode scene --shard 1/2 --shard-frames 0-383 -o scene-1.lfold\n\n\
     An encode that stops early, by a signal, a full disk or an invalid frame, keeps its complete chunks beside the output. \
-    The same command with --resume continues after them and writes the same bytes.")]
+    The same command with --resume continues after them and writes the same bytes. A shard that is complete, with the same \
+    options, and newer than its images is not encoded again.\n\n\
+    A shard has an even share of all segments, by --shard-by; or what --shard-probe, --shard-stream and --shard-frames say. Of such \
+    shards each stream and frame has to be in one; pack names those that are in none, or in two.")]
 pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it
     #[arg(value_name = "MANIFEST")]
     pub input: PathBuf,
     #[command(flatten)]
     pub output: EncodeOutputArgs,
-    /// Only streams of these kinds: color, depth, material, alpha
-    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
-    pub stream: Vec<StreamKind>,
     #[command(flatten)]
-    pub preset: PresetArgs,
-    #[command(flatten)]
-    pub dataset: DatasetArgs,
-    #[command(flatten)]
-    pub depth: DepthArgs,
-    #[command(flatten)]
-    pub color: ColorArgs,
-    #[command(flatten)]
-    pub material: MaterialArgs,
-    #[command(flatten)]
-    pub effort: EffortArgs,
+    pub coding: CodingArgs,
     #[command(flatten)]
     pub shards: ShardArgs,
 }
@@ -104,28 +94,15 @@ impl<C: SequenceCodec> Encodes for EncodeSequence<C> {
 
 impl Encodes for Args {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
-        let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-        let (mut depth, mut color, mut effort) = (self.depth.clone(), self.color.clone(), self.effort);
-        let mut store = self.output.container.store.clone();
-        self.preset.fill((&mut depth, &mut color), (&mut effort, &mut store));
-        depth.apply(&mut options, &mut settings)?;
-        color.apply(&mut options, &mut settings)?;
-        self.material.apply(&mut settings);
-        self.dataset.apply(&mut options);
-        effort.apply(&mut settings);
-        store.apply(&mut settings);
-        if !self.stream.is_empty() {
-            settings.kinds = self.stream.clone();
-        }
-        Ok((options, settings))
+        self.coding.settings(&self.output.container.store)
     }
 
     fn open(&self, options: &SourceOptions) -> Result<Source> {
-        self.dataset.open(&self.input, options)
+        self.coding.dataset.open(&self.input, options)
     }
 
     fn smaller(&self) -> &'static str {
-        if self.preset.is_small() { SMALLER } else { "--preset small" }
+        if self.coding.preset.is_small() { SMALLER } else { "--preset small" }
     }
 
     fn target(&self) -> Target<'_> {
@@ -134,6 +111,7 @@ impl Encodes for Args {
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let start = Instant::now();
     let (options, settings) = args.settings()?;
     if args.output.container.path.exists()
         && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.container.path.canonicalize().ok()
@@ -142,7 +120,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let mut source = args.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    let part = part(&args.shards, &source, &settings, global)?;
+    let part = args.shards.part(&source, &settings)?;
+    let path = &args.output.container.path;
+    if let Some(part) = part.as_ref().filter(|_| args.output.resume)
+        && let Some(summary) = encode::complete_shard(part, path)
+    {
+        let report = EncodeReport::new(summary, start.elapsed().as_secs_f64());
+        let words = || format!("{}: this shard is complete; nothing was left to encode", path.display());
+        return global.report(args.output.container.store.json, &report, words).map(|()| ExitStatus::Passed);
+    }
+    let part = with_scans(part, args.shards.scan.as_deref(), (&source, &settings), global)?;
     let smaller = Some(args.smaller());
     Encode { source: &source, part, settings: &settings, target: args.target(), smaller, global }.run()
 }
@@ -157,18 +144,17 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
 }
 
 /// What is encoded of the source, where that is a shard, or where scans were made before.
-fn part<'a>(
-    shards: &ShardArgs,
-    source: &'a Source,
-    settings: &EncodeSettings,
+fn with_scans<'a>(
+    part: Option<Part<'a>>,
+    scan: Option<&Path>,
+    (source, settings): (&'a Source, &EncodeSettings),
     global: &GlobalArgs,
 ) -> Result<Option<Part<'a>>> {
-    let known = match &shards.scan {
+    let known = match scan {
         Some(path) => Some(ScanFile::read(path)?.scans(source, settings).map_err(|error| error.in_file(path))?),
         None => None,
     };
-    let Some(shard) = shards.shard else { return Ok(known.map(|scans| Part::whole(source, scans))) };
-    let part = Part::shard(source, settings, shard, shards.shard_by)?;
+    let Some(part) = part else { return Ok(known.map(|scans| Part::whole(source, scans))) };
     if settings.depends_on_processor() {
         global.note(
             "texture blocks depend on the processor: use machines with the same instruction sets, or pack refuses",

@@ -21,7 +21,7 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
         && let Some((file, pixels)) = source.unnamed_alpha()
     {
         let file = file.display();
-        let instead = "name it by `alpha` in the manifest's `files` to keep it";
+        let instead = "name it by files.alpha in the manifest to keep it";
         global.note(format_args!(
             "warning: {file}: alpha is below 1 in {}, and is dropped: {instead}",
             counted(pixels, "pixel")

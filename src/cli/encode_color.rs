@@ -15,7 +15,7 @@ use crate::image::StreamKind;
     Channels are found by their usual names: R, G, B, or layers such as rgba, Combined and beauty; Y alone is gray.")]
 pub struct Args {
     /// Encoding of the values [default: linear light for EXR, sRGB for PNG]
-    #[arg(long, value_parser = one_of(COLOR_SPACES))]
+    #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
     pub color_space: Option<ColorSpace>,
     #[command(flatten)]
     pub color: ColorArgs,

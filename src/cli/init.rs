@@ -1,5 +1,7 @@
 //! `lightfold init DIR`: a manifest for a folder of images.
 
+mod cameras;
+
 use std::path::{Path, PathBuf};
 
 use crate::cli::progress::Progress;
@@ -14,9 +16,10 @@ use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\
-    Finds image sequences by the frame numbers in their names, probes and faces by folders or names, panoramas, crosses and \
-    strips by shape, colour and depth by channels, cameras by the attribute worldToCamera; and checks the manifest as \
-    inspect --check does. What images cannot tell is printed, one line each: correct it in the manifest.")]
+    Finds image sequences by the frame numbers in their names, probes and faces by folders or names, panoramas, also of two \
+    eyes, crosses and strips by shape, colour and depth by channels, and the space of colour by chromaticities. Cameras are those \
+    of the attributes worldToCamera and worldToNDC, or of a file in DIR: transforms.json, images.txt of COLMAP, or USD in text. \
+    Checks the manifest as inspect --check does. What images cannot tell is printed, one line each: correct it in the manifest.")]
 pub struct Args {
     /// The folder of images
     #[arg(value_name = "DIR")]
@@ -40,11 +43,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{}: a folder of images was expected", args.folder.display()));
     }
     let mut proposal = discover::propose(&args.folder)?;
+    // What each image states of its own camera counts before what lies beside it.
+    if !proposal.unsure_of_cameras.is_empty() {
+        cameras::place(&args.folder, &mut proposal);
+    }
     let file = if is_standard_output { &inside } else { to };
     if !is_below(file, &args.folder) {
         proposal = proposal.outside(&args.folder)?;
     }
-    let Proposal { manifest, mut unsure } = proposal;
+    let Proposal { manifest, mut unsure, unsure_of_cameras } = proposal;
+    unsure.extend(unsure_of_cameras);
     let (manifest, doubts) = match checked(&manifest, file, global) {
         Ok((manifest, doubts)) => (manifest, doubts),
         Err(Error::Interrupted) => return Err(Error::Interrupted),

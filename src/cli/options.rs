@@ -3,6 +3,7 @@
 mod camera;
 mod channels;
 mod choice;
+mod coding;
 mod color;
 mod dataset;
 mod depth;
@@ -21,6 +22,7 @@ mod stream;
 pub use camera::{CameraArgs, parse_aspect, parse_point};
 pub use channels::ChannelArgs;
 pub use choice::{Choices, one_of, word_of};
+pub use coding::CodingArgs;
 pub use color::ColorArgs;
 pub use dataset::DatasetArgs;
 pub use depth::{

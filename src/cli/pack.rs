@@ -33,13 +33,13 @@ pub struct Args {
     #[command(flatten)]
     pub output: OutputArgs,
     #[command(flatten)]
+    pub effort: EffortArgs,
+    #[command(flatten)]
     pub bound: BoundArgs,
     #[command(flatten)]
     pub model: ModelArgs,
     #[command(flatten)]
     pub steps: DepthStepArgs,
-    #[command(flatten)]
-    pub effort: EffortArgs,
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {

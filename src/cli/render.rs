@@ -10,7 +10,8 @@ mod subject;
 mod truth;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::options::check_stdout;
@@ -62,16 +63,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Box::new(LightFieldSubject::open(args, input, &decoder)?)
     };
     let mut truth = TruthRun::open(&args.truth, subject.method())?;
-    let jobs = match &truth {
+    let all = match &truth {
         Some(truth) => {
             let frames = subject.reference_frames(args.frames.frames);
             truth.jobs(frames, subject.frames().unwrap_or(ALL_FRAMES), global)?
         }
         None => args.jobs(subject.as_ref(), global)?,
     };
-    subject.check(&jobs, global)?;
-    let mut pictures = Pictures::open(args, &jobs, (subject.fps(), subject.tone()))?;
-    args.check_outputs(&jobs, &pictures)?;
+    subject.check(&all, global)?;
+    let mut pictures = Pictures::open(args, &all, (subject.fps(), subject.tone()))?;
+    args.check_outputs(&all, &pictures)?;
+    let jobs = args.of_shard(&all)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
     let rows = jobs.iter().map(|job| job.request.cameras.len() as u64 * u64::from(job.size[1])).sum();
@@ -80,7 +82,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let tone = subject.tone();
     let mut renderer = subject.renderer(gpu.as_ref())?;
-    for job in &jobs {
+    for job in jobs {
         let rendered = renderer.render(job, truth.as_mut(), &progress)?;
         if let Some(truth) = &mut truth {
             let pictures = rendered.compared.as_ref().unwrap_or(&rendered.images);
@@ -142,7 +144,17 @@ impl Args {
         if self.results_to_stdout() + usize::from(self.json) > 1 {
             return refuse("only one result fits standard output: name files for the others");
         }
+        if self.shard.is_some() && self.output.as_deref() == Some(Path::new("-")) {
+            return refuse("--shard renders a part of the pictures: name a pattern such as view.%04d.png, or a folder");
+        }
         self.output.iter().chain(&self.contact_sheet).try_for_each(|path| check_stdout(path, false))
+    }
+
+    /// What is rendered of all jobs.
+    fn of_shard<'j>(&self, all: &'j [Job]) -> Result<&'j [Job]> {
+        let Some(shard) = self.shard else { return Ok(all) };
+        let Range { start, end } = shard.range(all.len() as u64, "frame")?;
+        Ok(&all[start as usize..end as usize])
     }
 
     fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {
@@ -175,12 +187,10 @@ impl Args {
     /// What the cameras see, in these frames; of a still scene in all that they ask for.
     fn jobs(&self, subject: &dyn Subject, global: &GlobalArgs) -> Result<Vec<Job>> {
         let (frames, mut cameras) = (subject.frames(), self.cameras.cameras(subject.fps())?);
-        if cameras.is_empty() {
-            let (camera, words) = subject.own_camera()?;
-            global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
-            cameras.push(TimedCamera { camera, frames: None });
-        }
         let available = frames.unwrap_or(ALL_FRAMES);
+        if cameras.is_empty() {
+            cameras = self.own_cameras(subject, available, global)?;
+        }
         if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MOST_STILL_FRAMES) {
             return Err(Error::Usage(format!(
                 "--frames {asked}: {} pictures of a still scene, where {MOST_STILL_FRAMES} are the most",
@@ -205,6 +215,26 @@ impl Args {
             Ok(Job { request: FrameRequest { cameras, ..request }, names, size, references: Vec::new() })
         };
         (0..).zip(requests).map(job).collect()
+    }
+
+    /// The camera of the subject, in each frame where it moves.
+    fn own_cameras(
+        &self,
+        subject: &dyn Subject,
+        available: FrameRange,
+        global: &GlobalArgs,
+    ) -> Result<Vec<TimedCamera>> {
+        let first = FrameRange { first: available.first, last: available.first };
+        let asked = self.frames.frames.and_then(|asked| asked.intersect(available)).unwrap_or(first);
+        let (camera, words) = subject.own_camera(asked.first)?;
+        global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
+        let of = |frame: u32| {
+            let (camera, _) = subject.own_camera(frame)?;
+            Ok(TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) })
+        };
+        let all: Vec<TimedCamera> = asked.iter().map(of).collect::<Result<_>>()?;
+        let moves = all.iter().any(|timed| timed.camera != camera);
+        Ok(if moves { all } else { vec![TimedCamera { camera, frames: None }] })
     }
 }
 

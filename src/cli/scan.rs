@@ -5,13 +5,12 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::options::{DatasetArgs, DepthArgs, MemoryArgs, check_report, parse_shard};
+use crate::cli::options::{CodingArgs, StoreArgs, check_report, parse_shard};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::source::SourceOptions;
-use crate::encode::{self, EncodeSettings, ScanFile, Shard};
-use crate::error::Result;
+use crate::encode::{self, ScanFile, Shard};
+use crate::error::{Error, Result};
 use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
@@ -19,7 +18,8 @@ use crate::report::coding_map::counted;
     lightfold encode film --scan scan.json --shard 3/8 -o film-3.lfold\n  \
     lightfold scan film --shard 3/8 -o scan-3.json\n  \
     lightfold scan --merge scan-*.json -o scan.json\n\n\
-    Near, far and recurring distances of a probe follow from all its frames. Give scan the depth options of encode.")]
+    Near, far and recurring distances of a probe follow from all its frames. Give scan the options of encode: \
+    those of colour, material, effort and compression have no effect on it. --merge needs the scans of all shards.")]
 pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it; with --merge, scans of shards
     #[arg(value_name = "MANIFEST", required = true)]
@@ -36,15 +36,10 @@ pub struct Args {
     /// Keep what the output has of an earlier scan, and scan the rest
     #[arg(long)]
     pub resume: bool,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
     #[command(flatten)]
-    pub dataset: DatasetArgs,
+    pub store: StoreArgs,
     #[command(flatten)]
-    pub depth: DepthArgs,
-    #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub coding: CodingArgs,
 }
 
 #[derive(Serialize)]
@@ -55,12 +50,12 @@ struct Report {
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    check_report(&args.output, args.json)?;
+    check_report(&args.output, args.store.json)?;
     let start = Instant::now();
     let (count, what) =
         if args.merge { (merge(&args.inputs, &args.output)?, "scan") } else { (scan(args, global)?, "image") };
     let report = Report { images: count, seconds: start.elapsed().as_secs_f64() };
-    global.report(args.json, &report, || {
+    global.report(args.store.json, &report, || {
         format!("{}: {}, {:.2} s", args.output.display(), counted(count, what), report.seconds)
     })?;
     Ok(ExitStatus::Passed)
@@ -69,10 +64,23 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 fn merge(inputs: &[PathBuf], output: &Path) -> Result<u64> {
     let mut scans = inputs.iter().map(|path| Ok((path, ScanFile::read(path)?)));
     let Some(first) = scans.next() else { return refuse("--merge needs scans") };
-    let (_, mut merged) = first?;
+    let (first, mut merged) = first?;
+    let mut unfinished = merged.is_unfinished().then_some(first);
     for scan in scans {
         let (path, scan) = scan?;
+        unfinished = unfinished.or(scan.is_unfinished().then_some(path));
         merged.merge(scan).map_err(|error| error.in_file(path))?;
+    }
+    if let Some(missing) = merged.missing() {
+        return Err(match unfinished {
+            Some(path) => Error::busy(
+                path,
+                format!("this scan has not ended, and none has {missing}: wait for it, or run it again with `resume`"),
+            ),
+            None => Error::invalid(format!(
+                "none of these scans has {missing}: scan the missing shards, and name the scans of all"
+            )),
+        });
     }
     save(&merged, output)?;
     Ok(inputs.len() as u64)
@@ -82,11 +90,8 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let [input] = args.inputs.as_slice() else {
         return refuse("one dataset was expected; --merge joins scans of shards");
     };
-    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-    args.depth.apply(&mut options, &mut settings)?;
-    args.dataset.apply(&mut options);
-    settings.memory = args.memory.get();
-    let mut source = args.dataset.open(input, &options)?;
+    let (options, settings) = args.coding.settings(&args.store)?;
+    let mut source = args.coding.dataset.open(input, &options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
     let mut scan = ScanFile::new(&source, &settings);
     let in_file = args.output != Path::new("-");
@@ -103,7 +108,10 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let images = ScanFile::images(&source, &settings, args.shard)?;
     let progress = Progress::start(global, "scanning", images)?;
     let mut keep = |scan: &ScanFile| if in_file { scan.write(&args.output) } else { Ok(()) };
-    scan.scan(&source, &settings, args.shard, &progress, &mut keep)?;
+    let read = scan.scan(&source, &settings, args.shard, &progress, &mut keep)?;
+    if args.resume && read == 0 {
+        global.note(format_args!("{}: the scan is complete; nothing was left to scan", args.output.display()));
+    }
     save(&scan, &args.output)?;
     Ok(images)
 }

@@ -68,6 +68,7 @@ impl HalfKey {
         self.0 ^ flip
     }
 
+    #[inline(always)]
     pub fn to_half(self) -> f16 {
         f16::from_bits(self.to_bits())
     }

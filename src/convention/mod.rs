@@ -80,8 +80,7 @@ fn stated(source: &Source) -> values::Stated {
     let depth = source.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
     let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
     let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
-    let (background, scale, invalid) = (source.rules.background, source.rules.scale, source.rules.invalid);
-    values::Stated { background, scale, range_m: [near, far], invalid }
+    values::Stated { rules: source.rules, range_m: [near, far] }
 }
 
 fn check_light(source: &Source, values: &light::ColorValues) -> Finding {

@@ -202,14 +202,11 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
 fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> Kept {
     let values = DepthValues::count(plane, stated);
     let hash = hash_of(plane, |value| value.to_bits());
-    let metres = plane.map(|&value| {
-        if value == f32::INFINITY || value == stated.background {
-            f32::INFINITY
-        } else if value > 0.0 {
-            (f64::from(value) * stated.scale) as f32
-        } else {
-            f32::NAN
-        }
+    let farthest = stated.rules.farthest(plane);
+    let metres = plane.map(|&value| match stated.rules.units(value) {
+        units if units >= farthest => f32::INFINITY,
+        units if units > 0.0 => (f64::from(units) * stated.rules.scale.abs()) as f32,
+        _ => f32::NAN,
     });
     let borders = Borders::new(plane.width().min(plane.height()), |x, y| metres.get(x, y));
     let size = [metres.width(), metres.height()];

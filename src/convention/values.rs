@@ -1,7 +1,7 @@
 //! Checks values of depth: invalid ones, an undeclared background, near and far.
 
 use super::finding::{Finding, Verdict, listed, percent};
-use crate::dataset::InvalidDepth;
+use crate::dataset::{DepthRules, InvalidDepth};
 use crate::image::DepthPlane;
 
 /// The farthest value is a background where at least this share of all pixels has exactly it,
@@ -45,8 +45,10 @@ const SCALES: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DepthValues {
     pub pixels: u64,
-    /// Pixels of the declared background, or +inf.
+    /// Pixels of the declared background, of +inf, or of a value too far for a surface.
     pub background: u64,
+    /// Such a value; 0 where there is none.
+    pub too_far: f32,
     pub not_a_number: u64,
     pub zero: u64,
     pub negative: u64,
@@ -68,14 +70,10 @@ pub struct DepthValues {
 /// What the manifest declares of depth values.
 #[derive(Debug, Clone, Copy)]
 pub struct Stated {
-    /// Besides +inf.
-    pub background: f32,
-    /// Metres per unit.
-    pub scale: f64,
+    /// By which files are read.
+    pub rules: DepthRules,
     /// Near and far in metres; 0 and +inf where not declared.
     pub range_m: [f64; 2],
-    /// Treatment of pixels that are neither surface nor background.
-    pub invalid: InvalidDepth,
 }
 
 impl Stated {
@@ -87,11 +85,13 @@ impl Stated {
 impl DepthValues {
     pub fn count(stored: &DepthPlane, stated: &Stated) -> DepthValues {
         let mut found = DepthValues { pixels: stored.data().len() as u64, ..DepthValues::default() };
+        let farthest = stated.rules.farthest(stored);
+        if farthest.is_finite() {
+            found.too_far = farthest;
+        }
         for &value in stored.data() {
-            let is_background = value == f32::INFINITY || value == stated.background;
-            // Below 0 where values in front of the camera are negative.
-            let value = if stated.scale < 0.0 { -value } else { value };
-            if is_background || value == f32::INFINITY {
+            let value = stated.rules.units(value);
+            if value >= farthest {
                 found.background += 1;
             } else if value.is_nan() {
                 found.not_a_number += 1;
@@ -101,7 +101,7 @@ impl DepthValues {
                 found.negative += 1;
             } else {
                 let whole = u64::from(value.fract() == 0.0);
-                let outside = u64::from(stated.is_outside(f64::from(value) * stated.scale.abs()));
+                let outside = u64::from(stated.is_outside(f64::from(value) * stated.rules.scale.abs()));
                 let one = DepthValues { surfaces: 1, whole, outside, at_max: 1, ..DepthValues::default() };
                 found = found.add(DepthValues { min: Some(value), max: value, ..one });
             }
@@ -115,6 +115,7 @@ impl DepthValues {
         DepthValues {
             pixels: self.pixels + other.pixels,
             background: self.background + other.background,
+            too_far: self.too_far.max(other.too_far),
             not_a_number: self.not_a_number + other.not_a_number,
             zero: self.zero + other.zero,
             negative: self.negative + other.negative,
@@ -130,7 +131,7 @@ impl DepthValues {
 }
 
 pub fn check(values: &DepthValues, stated: &Stated) -> Vec<Finding> {
-    vec![invalid(values, stated.invalid), background(values, stated), near_far(values, stated)]
+    vec![invalid(values, stated.rules.invalid), background(values, stated), near_far(values, stated)]
 }
 
 fn share(count: u64, values: &DepthValues) -> f64 {
@@ -181,20 +182,22 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
         ("farthest", f64::from(values.max)),
     ];
     let max = values.max;
+    let of_all = format!("{} of all pixels are the background", percent(share(values.background, values)));
     let often = at_max >= BACKGROUND_SHARE && values.at_max > 16;
     let gap = values.next_max > 0.0 && values.next_max < max * BACKGROUND_GAP;
-    let usual = USUAL_BACKGROUNDS.contains(&max) || f64::from(max) * stated.scale.abs() == stated.range_m[1];
+    let usual = USUAL_BACKGROUNDS.contains(&max) || f64::from(max) * stated.rules.scale.abs() == stated.range_m[1];
     let (verdict, says) = if values.surfaces == 0 {
         (Verdict::CannotTell, "there is no surface at all".to_owned())
     } else if often && max == 1.0 {
         let buffer = "that is the depth buffer of a graphics library, not a length";
         (Verdict::Suspect, format!("no value is above 1 and {} are exactly 1: {buffer}", percent(at_max)))
     } else if often && (gap || usual) {
-        let max = if max < 1e16 { max.to_string() } else { format!("{max:e}") };
         let exactly = format!("{} of all pixels are exactly {max}", percent(at_max));
         (Verdict::Suspect, format!("{exactly}: if nothing is there, \"background\" is {max}"))
+    } else if values.too_far > 0.0 {
+        (Verdict::Fine, format!("{of_all}: {:e} is too far for a surface", values.too_far))
     } else {
-        (Verdict::Fine, format!("{} of all pixels are the background", percent(share(values.background, values))))
+        (Verdict::Fine, of_all)
     };
     Finding::new("depth.background", verdict, says).with(&figures)
 }
@@ -204,7 +207,7 @@ fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
     let Some(nearest) = values.min else {
         return Finding::new("depth.near_far", Verdict::CannotTell, "there is no surface at all");
     };
-    let [min, max] = [nearest, values.max].map(|value| f64::from(value) * stated.scale.abs());
+    let [min, max] = [nearest, values.max].map(|value| f64::from(value) * stated.rules.scale.abs());
     let outside = values.outside as f64 / values.surfaces.max(1) as f64;
     let figures = [("nearest_m", min), ("farthest_m", max), ("outside", outside)];
     let seen = format!("surfaces lie {min:.4} m to {max:.4} m away");
@@ -234,8 +237,15 @@ mod tests {
     use crate::image::Plane;
 
     fn stated() -> Stated {
-        let range_m = [0.0, f64::INFINITY];
-        Stated { background: f32::INFINITY, scale: 1.0, range_m, invalid: InvalidDepth::Refuse }
+        let rules =
+            DepthRules { background: f32::INFINITY, scale: 1.0, farthest_m: 1e10, invalid: InvalidDepth::Refuse };
+        Stated { rules, range_m: [0.0, f64::INFINITY] }
+    }
+
+    fn with_rules(change: impl Fn(&mut DepthRules)) -> Stated {
+        let mut stated = stated();
+        change(&mut stated.rules);
+        stated
     }
 
     fn plane(value: impl Fn(u32) -> f32) -> DepthPlane {
@@ -264,10 +274,10 @@ mod tests {
             let bad = plane(|at| if at == 70 { odd } else { 1.25 + at as f32 * 0.001 });
             assert_eq!(verdicts(&bad, &stated())[0], Verdict::Suspect, "{odd}");
             for invalid in [InvalidDepth::Far, InvalidDepth::Near] {
-                assert_eq!(verdicts(&bad, &Stated { invalid, ..stated() })[0], Verdict::Fine, "{odd}");
+                assert_eq!(verdicts(&bad, &with_rules(|rules| rules.invalid = invalid))[0], Verdict::Fine, "{odd}");
             }
         }
-        let declared = Stated { background: 0.0, ..stated() };
+        let declared = with_rules(|rules| rules.background = 0.0);
         assert_eq!(verdicts(&plane(|at| at as f32 * 0.01), &declared)[0], Verdict::Fine);
     }
 
@@ -287,11 +297,20 @@ mod tests {
 
     #[test]
     fn backgrounds_that_nobody_declared() {
-        for far in [1e10, 65_504.0, 1000.0, 500.0, f32::MAX] {
+        for far in [1e9, 65_504.0, 1000.0, 500.0] {
             let bad = plane(|at| if at < 400 { far } else { 1.25 + at as f32 * 0.001 });
             assert_eq!(verdicts(&bad, &stated())[1], Verdict::Suspect, "{far}");
-            let declared = Stated { background: far, ..stated() };
+            let declared = with_rules(|rules| rules.background = far);
             assert_eq!(verdicts(&bad, &declared)[1], Verdict::Fine, "{far}");
+        }
+        // What is read as background is none of the surfaces.
+        for far in [1e10, 1e30, f32::MAX] {
+            let sky = plane(|at| if at < 400 { far } else { 1.25 + at as f32 * 0.001 });
+            let found = check(&DepthValues::count(&sky, &stated()), &stated());
+            assert!(found.iter().all(|finding| finding.verdict == Verdict::Fine), "{far}: {found:?}");
+            assert!(found[1].says.ends_with(&format!(": {far:e} is too far for a surface")), "{}", found[1].says);
+            let behind = with_rules(|rules| rules.scale = -1.0);
+            assert_eq!(verdicts(&sky.map(|value| -value), &behind), [Verdict::Fine; 3], "{far}");
         }
         // A wall at right angles to the view, the farthest of all, is no background.
         let wall = plane(|at| (1.25 + at as f32 * 0.01).min(7.5));
@@ -309,13 +328,13 @@ mod tests {
         let millimetres = metres.map(|value| value * 1000.0);
         let found = check(&DepthValues::count(&millimetres, &stated), &stated).pop().unwrap();
         assert!(found.says.contains("0.001 times"), "{}", found.says);
-        let sky = plane(|at| if at == 9 { 1e30 } else { 1.25 + at as f32 * 0.001 });
+        let sky = plane(|at| if at == 9 { 3e8 } else { 1.25 + at as f32 * 0.001 });
         let found = check(&DepthValues::count(&sky, &stated), &stated).pop().unwrap();
-        assert!(found.verdict == Verdict::Suspect && found.says.contains("1.0e30 m"), "{}", found.says);
+        assert!(found.verdict == Verdict::Suspect && found.says.contains("3.0e8 m"), "{}", found.says);
         let whole = plane(|at| 400.0 + (at / 2) as f32);
         let found = verdicts(&whole, &Stated { range_m: [0.0, f64::INFINITY], ..stated });
         assert_eq!(found[2], Verdict::Suspect);
-        let scaled = Stated { scale: 0.001, ..stated };
+        let scaled = Stated { range_m: stated.range_m, ..with_rules(|rules| rules.scale = 0.001) };
         assert_eq!(verdicts(&whole.map(|v| v + 600.0), &scaled)[2], Verdict::Fine);
     }
 }

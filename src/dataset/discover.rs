@@ -5,9 +5,11 @@
 //! 1. `sequences`: files with frame numbers, and the kinds of images that the first of each holds.
 //! 2. `names`: for each kind one pattern with `{probe}` and `{face}`.
 //! 3. `poses`: cameras, where EXR files state them.
-//! 4. Here: frames, projection by names and shape, values of depth by the first image.
+//! 4. `panoramas`: two eyes in one image.
+//! 5. Here: frames, projection by names and shape, values of depth by the first image.
 
 mod names;
+mod panoramas;
 mod poses;
 mod sequences;
 
@@ -24,7 +26,8 @@ use crate::error::{Error, Result};
 use crate::image::channels::find_named;
 use crate::image::layout::face_size;
 use crate::image::{
-    ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, Projection, ReadLimits, StreamKind, exr, png,
+    ColorPlane, ColorSpace, DepthKind, DepthPlane, Eye, Face, FaceLayout, Plane, Projection, ReadLimits, StereoLayout,
+    StreamKind, exr, png,
 };
 
 /// Frames per second where no file states any.
@@ -39,6 +42,8 @@ pub struct Proposal {
     pub manifest: Manifest,
     /// What images cannot tell, or what was left out: a sentence each.
     pub unsure: Vec<String>,
+    /// The same of cameras alone: where they stand, and their lenses.
+    pub unsure_of_cameras: Vec<String>,
 }
 
 impl Proposal {
@@ -114,7 +119,7 @@ impl Draft<'_> {
         let faces = self.faces()?;
         let names = self.probe_names()?;
         let stereo_parts = self.kinds.values().all(|(files, _)| files[0].has_eyes) && names.len() == 1;
-        let (projection, layout) = self.projection(size, &faces)?;
+        let (projection, layout, stereo) = self.projection(size, &faces, names.len())?;
         let frames = self.frames(&names)?;
         let all = frames.values().copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default();
         let depth = self.depth(projection, stereo_parts)?;
@@ -124,6 +129,9 @@ impl Draft<'_> {
             let first = self.first_file(name);
             let place = first.map(|(of, face)| poses::of(of, face, frames.unwrap_or(all), &self.limits)).transpose()?;
             let mut probe = Probe { name: name.clone(), frames, ..place.flatten().unwrap_or_default() };
+            if projection == Projection::Perspective {
+                probe.intrinsics = first.and_then(|(of, _)| poses::lens(of, size, frames.unwrap_or(all), &self.limits));
+            }
             if probe.position.is_none() && probe.poses.is_empty() {
                 probe.position = Some([0.0; 3]);
             }
@@ -133,7 +141,12 @@ impl Draft<'_> {
             probes = EYES.map(|eye| Probe { name: eye.into(), ..probes[0].clone() }).to_vec();
             self.unsure.push("the files hold two eyes, which became the probes left and right".into());
         }
-        self.note_poses(&probes, projection);
+        if stereo.is_some() {
+            let eyes = EYES.into_iter().zip([Eye::Left, Eye::Right]);
+            probes = eyes.map(|(name, eye)| Probe { name: name.into(), eye: Some(eye), ..probes[0].clone() }).collect();
+            self.unsure.push("both eyes have one position: move each by half their distance".into());
+        }
+        let unsure_of_cameras = unsure_of_cameras(&probes, projection);
         let fps = self.fps();
         let channel = stereo_parts.then(|| "{probe}".to_owned());
         let color = self.color_space().map(|space| ColorInfo { space: Some(space), layer: None });
@@ -158,7 +171,7 @@ impl Draft<'_> {
                 .iter()
                 .any(|(face, word)| face.name() != word)
                 .then(|| faces.iter().map(|(face, word)| (face.name().to_owned(), word.clone())).collect()),
-            stereo: None,
+            stereo,
             depth,
             color,
             material: None,
@@ -175,7 +188,7 @@ impl Draft<'_> {
             extra: None,
         };
         manifest.validate()?;
-        Ok(Proposal { manifest, unsure: self.unsure })
+        Ok(Proposal { manifest, unsure: self.unsure, unsure_of_cameras })
     }
 
     fn name(&self) -> String {
@@ -273,25 +286,32 @@ impl Draft<'_> {
         &mut self,
         size: (u32, u32),
         faces: &BTreeMap<Face, String>,
-    ) -> Result<(Projection, Option<FaceFiles>)> {
+        probes: usize,
+    ) -> Result<(Projection, Option<FaceFiles>, Option<StereoLayout>)> {
         if !faces.is_empty() {
             if faces.iter().any(|(face, word)| face.name() != word) {
                 let words: Vec<String> = faces.iter().map(|(face, word)| format!("{word} = {}", face.name())).collect();
                 self.unsure.push(format!("the faces were taken as {}", words.join(", ")));
             }
-            return Ok((Projection::Cubemap, Some(FaceFiles::Six)));
+            return Ok((Projection::Cubemap, Some(FaceFiles::Six), None));
         }
         let (width, height) = size;
         let is = |layout| face_size(layout, width, height).is_ok();
         Ok(if is(FaceLayout::Strip) {
-            (Projection::Cubemap, Some(FaceFiles::Strip))
+            (Projection::Cubemap, Some(FaceFiles::Strip), None)
         } else if is(FaceLayout::Cross) && self.has_empty_corners(size)? {
-            (Projection::Cubemap, Some(FaceFiles::Cross))
+            (Projection::Cubemap, Some(FaceFiles::Cross), None)
         } else if u64::from(width) == 2 * u64::from(height) {
             self.unsure.push("images twice as wide as high were taken for equirectangular panoramas".into());
-            (Projection::Equirect, None)
+            (Projection::Equirect, None, None)
+        } else if let Some((stereo, words)) = panoramas::stereo(size)
+            && probes == 1
+            && panoramas::are_alike(&self.shades()?, stereo)
+        {
+            self.unsure.push(words.into());
+            (Projection::Equirect, None, Some(stereo))
         } else {
-            (Projection::Perspective, None)
+            (Projection::Perspective, None, None)
         })
     }
 
@@ -319,6 +339,20 @@ impl Draft<'_> {
             StreamKind::Material | StreamKind::Alpha => return Ok(false),
         };
         Ok(varies(values.data()) && corners(&|x, y| values.get(x, y)))
+    }
+
+    /// The first image in gray, of colour or of inverse depth; black where nothing is, or of material alone.
+    fn shades(&self) -> Result<Plane<f32>> {
+        let first = |kind| self.kinds.get(&kind).map(|(files, _)| files[0]);
+        if let Some(file) = first(StreamKind::Color) {
+            return Ok(self
+                .read_color(file)?
+                .map(|pixel| pixel.map(|value| value.to_f32().max(0.0).ln_1p()).iter().sum()));
+        }
+        match first(StreamKind::Depth) {
+            Some(file) => Ok(self.read_depth(file)?.map(|value| value.abs().max(1e-6).recip())),
+            None => Ok(Plane::filled(2, 2, 0.0)),
+        }
     }
 
     fn read_color(&self, files: &Found) -> Result<ColorPlane> {
@@ -384,25 +418,15 @@ impl Draft<'_> {
             self.unsure.push("PNG colour was taken for sRGB".into());
             return Some(ColorSpace::Srgb);
         }
-        None
-    }
-
-    fn note_poses(&mut self, probes: &[Probe], projection: Projection) {
-        let without = probes.iter().filter(|probe| probe.poses.is_empty() && probe.position == Some([0.0; 3])).count();
-        if without > 0 {
+        let primaries = exr::read_primaries(&files[0].first).ok()?;
+        let space = ColorSpace::of_light(primaries);
+        if space.is_none() {
+            let stated = primaries.to_array();
             self.unsure.push(format!(
-                "no file states where {}: \"position\" is 0, 0, 0",
-                match probes.len() {
-                    1 => "the probe stands".to_owned(),
-                    all => format!("{without} of {all} probes stand"),
-                }
+                "colour has the chromaticities {stated:?} that its files state, of no space with a name"
             ));
         }
-        if projection == Projection::Perspective {
-            self.unsure.push(
-                "no file states the lens: give \"fov_y_deg\" or \"intrinsics\", or planar depth stays planar".into(),
-            );
-        }
+        space.filter(|space| *space != ColorSpace::LinearRec709)
     }
 
     /// Pattern of files of normals of the same probes and faces.
@@ -421,6 +445,23 @@ impl Draft<'_> {
         let all_there = names.iter().all(|name| named.probes().contains(name));
         Ok((all_there && named.faces == self.faces()? && named.left_out.is_empty()).then_some(named.text))
     }
+}
+
+fn unsure_of_cameras(probes: &[Probe], projection: Projection) -> Vec<String> {
+    let mut unsure = Vec::new();
+    let without = probes.iter().filter(|probe| probe.poses.is_empty() && probe.position == Some([0.0; 3])).count();
+    if without > 0 {
+        let stand = match probes.len() {
+            1 => "the probe stands".to_owned(),
+            all => format!("{without} of {all} probes stand"),
+        };
+        unsure.push(format!("no file states where {stand}: \"position\" is 0, 0, 0"));
+    }
+    if projection == Projection::Perspective && probes.iter().any(|probe| probe.intrinsics.is_none()) {
+        let give = "give \"fov_y_deg\" or \"intrinsics\", or planar depth stays planar";
+        unsure.push(format!("no file states the lens: {give}"));
+    }
+    unsure
 }
 
 /// The 64-bit number with the digits that print a 32-bit one.

@@ -15,5 +15,5 @@ pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::{Manifest, Pose};
 pub use missing::Missing;
 pub(crate) use pixels::planar_to_distance;
-pub use pixels::{InvalidColor, InvalidDepth};
+pub use pixels::{DepthRules, InvalidColor, InvalidDepth};
 pub use source::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};

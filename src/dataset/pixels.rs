@@ -46,7 +46,7 @@ impl InvalidColor {
 /// No surface is as far, in metres, unless a manifest states so: values such as 1e30 mean that nothing is there.
 pub(super) const FARTHEST_M: f64 = 1e10;
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRules {
     /// Value in the file that means "nothing there", besides +inf.
     pub background: f32,
@@ -59,7 +59,7 @@ pub struct DepthRules {
 
 impl DepthRules {
     /// Distance in units of the file, above 0 in front of the camera; +inf for the background.
-    fn units(&self, stored: f32) -> f32 {
+    pub fn units(&self, stored: f32) -> f32 {
         if stored == f32::INFINITY || stored == self.background {
             return f32::INFINITY;
         }
@@ -68,7 +68,7 @@ impl DepthRules {
 
     /// What an image has as its background where none but +inf is declared, in units of the file: its farthest value, if no
     /// surface can be as far. +inf where there is none.
-    fn farthest(&self, plane: &DepthPlane) -> f32 {
+    pub fn farthest(&self, plane: &DepthPlane) -> f32 {
         if self.background.is_finite() {
             return f32::INFINITY;
         }

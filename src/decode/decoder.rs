@@ -1,9 +1,11 @@
 //! An open container, from which units and images of streams are decoded.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::container::{ByteSource, OpenLimits, ProbeEntry, Reader};
 use crate::decode::face::FaceDecoder;
+use crate::decode::pixels::Conversion;
 use crate::decode::unit::UnitDecoder;
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries};
@@ -34,6 +36,8 @@ use crate::streams::{self, FootageInfo, StreamInfo, StreamKind};
 pub struct Decoder {
     reader: Reader,
     streams: Vec<StreamInfo>,
+    /// Of each stream; neighbours with the same header share one, and its tables.
+    conversions: Vec<Arc<Conversion>>,
     footage: FootageInfo,
 }
 
@@ -102,7 +106,12 @@ impl Decoder {
         let streams = streams::streams(reader.index()).map_err(named)?;
         streams::check_memory(&streams, reader.index(), reader.file_bytes, reader.limits).map_err(named)?;
         let footage = FootageInfo::read(reader.index()).map_err(named)?;
-        Ok(Decoder { reader, streams, footage })
+        let mut conversions: Vec<Arc<Conversion>> = Vec::new();
+        for stream in &streams {
+            let shared = conversions.last().filter(|last| last.header == stream.header).map(Arc::clone);
+            conversions.push(shared.unwrap_or_else(|| Arc::new(Conversion::new(stream.header.clone()))));
+        }
+        Ok(Decoder { reader, streams, conversions, footage })
     }
 
     /// All streams, in the order of the stream table.
@@ -175,17 +184,21 @@ impl Decoder {
     /// # Panics
     /// If `unit` is not below [`StreamInfo::unit_count`].
     pub fn unit<'a>(&'a self, stream: &'a StreamInfo, unit: u32) -> UnitDecoder<'a> {
-        UnitDecoder::new(&self.reader, stream, unit, Vec::new())
+        self.unit_with_buffer(stream, unit, Vec::new())
     }
 
     /// As [`Self::unit`], with the chunk memory of another unit's [`UnitDecoder::into_buffer`].
     #[doc(hidden)]
     pub fn unit_with_buffer<'a>(&'a self, stream: &'a StreamInfo, unit: u32, buffer: Vec<u8>) -> UnitDecoder<'a> {
-        UnitDecoder::new(&self.reader, stream, unit, buffer)
+        UnitDecoder::new((&self.reader, self.conversion(stream)), stream, unit, buffer)
     }
 
     /// A decoder of whole images of a stream.
     pub fn face<'a>(&'a self, stream: &'a StreamInfo) -> FaceDecoder<'a> {
-        FaceDecoder::new(&self.reader, stream)
+        FaceDecoder::new((&self.reader, self.conversion(stream)), stream)
+    }
+
+    fn conversion(&self, stream: &StreamInfo) -> &Conversion {
+        &self.conversions[stream.index as usize]
     }
 }

@@ -34,19 +34,14 @@ pub enum Picture {
 pub struct FaceDecoder<'a> {
     stream: &'a StreamInfo,
     units: Vec<UnitDecoder<'a>>,
-    conversion: Conversion,
+    conversion: &'a Conversion,
     selected_pixels: u64,
 }
 
 impl<'a> FaceDecoder<'a> {
-    pub(super) fn new(reader: &'a Reader, stream: &'a StreamInfo) -> FaceDecoder<'a> {
-        let units = (0..stream.entry.unit_count()).map(|unit| UnitDecoder::new(reader, stream, unit, Vec::new()));
-        FaceDecoder {
-            stream,
-            units: units.collect(),
-            conversion: Conversion::new(stream.header.clone()),
-            selected_pixels: 0,
-        }
+    pub(super) fn new(of @ (_, conversion): (&'a Reader, &'a Conversion), stream: &'a StreamInfo) -> FaceDecoder<'a> {
+        let units = (0..stream.entry.unit_count()).map(|unit| UnitDecoder::new(of, stream, unit, Vec::new()));
+        FaceDecoder { stream, units: units.collect(), conversion, selected_pixels: 0 }
     }
 
     /// Decodes a frame into a slice of width × height pixels.
@@ -59,15 +54,17 @@ impl<'a> FaceDecoder<'a> {
         pixels.check_size(size)?;
         let entry = &self.stream.entry;
         let [columns, _] = entry.grid();
-        // A row of units is converted as soon as it is decoded.
         let bands = pixels.bands(width as usize * entry.unit_height as usize);
-        let bands = self.units.chunks_mut(columns as usize).zip(bands).collect();
+        let bands: Vec<_> = self.units.chunks_mut(columns as usize).zip(bands).collect();
+        // Without a row of units for each thread, the units of a row are decoded in parallel, too.
+        let are_few = bands.len() < rayon::current_num_threads();
         try_map_ordered(bands, |(units, mut pixels): (&mut [UnitDecoder<'a>], PixelsMut<'_>)| {
-            let units = try_map_ordered(units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| {
+            if are_few {
+                try_map_ordered(units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| unit.decode(frame))?;
+            }
+            // A unit that shows the frame has nothing to decode; pixels are converted while they are in the cache.
+            units.iter_mut().try_for_each(|unit| {
                 unit.decode(frame)?;
-                Ok(&*unit)
-            })?;
-            units.iter().try_for_each(|unit| {
                 let [left, _, columns, rows] = unit.rect();
                 self.conversion.write(unit.pixels(), [left, 0, columns, rows], &mut pixels, width)
             })
@@ -90,7 +87,7 @@ impl<'a> FaceDecoder<'a> {
             Ok(&*unit)
         })?;
         self.selected_pixels += units.iter().map(|unit| unit.pixel_count()).sum::<u64>();
-        picture(stream, &units)
+        picture(self.conversion, stream, &units)
     }
 
     /// As [`Self::decode_filtered`]; `None` where a selected unit needs a damaged chunk, which [`Self::damaged`] then lists.
@@ -108,7 +105,7 @@ impl<'a> FaceDecoder<'a> {
         })?;
         let Some(units) = units.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
         self.selected_pixels += units.iter().map(|unit| unit.pixel_count()).sum::<u64>();
-        picture(stream, &units).map(Some)
+        picture(self.conversion, stream, &units).map(Some)
     }
 
     #[doc(hidden)]
@@ -139,9 +136,8 @@ fn select<'d, 'a>(
     all.filter(|(unit, _)| filter.wants(stream, *unit, frame)).map(|(_, unit)| unit).collect()
 }
 
-fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Result<Picture> {
+fn picture(conversion: &Conversion, stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Result<Picture> {
     let [width, height] = stream.size();
-    let conversion = Conversion::new(stream.header.clone());
     let fill = |mut target: PixelsMut<'_>| {
         units.iter().try_for_each(|unit| conversion.write(unit.pixels(), unit.rect(), &mut target, width))
     };

@@ -28,7 +28,7 @@ pub struct UnitDecoder<'a> {
     frames: FrameRange,
     rect: [u32; 4],
     state: State,
-    conversion: Conversion,
+    conversion: &'a Conversion,
 }
 
 #[derive(Debug)]
@@ -57,7 +57,12 @@ macro_rules! with_state {
 }
 
 impl<'a> UnitDecoder<'a> {
-    pub(super) fn new(reader: &'a Reader, stream: &StreamInfo, unit: u32, buffer: Vec<u8>) -> UnitDecoder<'a> {
+    pub(super) fn new(
+        (reader, conversion): (&'a Reader, &'a Conversion),
+        stream: &StreamInfo,
+        unit: u32,
+        buffer: Vec<u8>,
+    ) -> UnitDecoder<'a> {
         let rect @ [_, _, width, height] = stream.entry.unit_rect(unit);
         let (size, area) = ([width, height], stream.unit_area(unit));
         let state = match &stream.header {
@@ -80,7 +85,7 @@ impl<'a> UnitDecoder<'a> {
             },
         };
         let source = ChunkSource::new(reader, reader.index().unit_chunks(stream.index, unit), buffer);
-        UnitDecoder { source, frames: stream.frames, rect, state, conversion: Conversion::new(stream.header.clone()) }
+        UnitDecoder { source, frames: stream.frames, rect, state, conversion }
     }
 
     /// Decodes `frame` into [`Self::pixels`]; returns the number of pixels written.

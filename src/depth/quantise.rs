@@ -81,12 +81,17 @@ impl DepthRange {
 
     /// The distance in metres that a surface's code means: near · (far/near)^(code/65534), exact at both ends.
     pub fn metres(self, code: u16) -> f32 {
+        self.metres_within(self.log_span(), code)
+    }
+
+    /// The same, with the logarithm of the span at hand.
+    fn metres_within(self, log_span: f64, code: u16) -> f32 {
         match code {
             BACKGROUND_CODE => f32::INFINITY,
             0 => self.near_m,
             FAR_CODE => self.far_m,
             _ => {
-                let log = self.log_span() * f64::from(code) / f64::from(FAR_CODE);
+                let log = log_span * f64::from(code) / f64::from(FAR_CODE);
                 (f64::from(self.near_m) * libm::exp(log)) as f32
             }
         }
@@ -98,14 +103,21 @@ impl DepthRange {
     }
 }
 
+const CODES: usize = 1 << 16;
+
+/// The metres of all codes.
 #[derive(Debug, Clone)]
 pub struct CodeTable {
-    pub metres: Vec<f32>,
+    metres: Box<[f32; CODES]>,
 }
 
 impl CodeTable {
     pub fn new(range: DepthRange, background: f32) -> CodeTable {
-        let mut metres: Vec<f32> = (0..=u16::MAX).map(|code| range.metres(code)).collect();
+        let log_span = range.log_span();
+        let mut metres = Box::new([f32::INFINITY; CODES]);
+        for (code, metres) in (0..).zip(&mut metres[..usize::from(BACKGROUND_CODE)]) {
+            *metres = range.metres_within(log_span, code);
+        }
         metres[usize::from(BACKGROUND_CODE)] = background;
         CodeTable { metres }
     }
@@ -136,9 +148,10 @@ impl Quantiser {
         let span = far_bits - near_bits;
         let mut first_bits = Vec::with_capacity(usize::from(u16::MAX) + 1);
         first_bits.push(near_bits);
+        let log_span = range.log_span();
         for code in 1..=FAR_CODE {
             // Aim at the boundary below the code, then walk to the first float that reaches it.
-            let log = range.log_span() * (f64::from(code) - 0.5) / f64::from(FAR_CODE);
+            let log = log_span * (f64::from(code) - 0.5) / f64::from(FAR_CODE);
             let aim = (f64::from(range.near_m) * libm::exp(log)) as f32;
             let mut bits = aim.clamp(range.near_m, range.far_m).to_bits();
             while bits > near_bits && range.code(f32::from_bits(bits)) >= code {

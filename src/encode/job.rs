@@ -63,6 +63,17 @@ pub struct EncodeSummary {
     pub coding: Duration,
 }
 
+impl EncodeSummary {
+    pub(super) fn count(&mut self, stream: &StreamEntry, header: &CodecHeader) {
+        let frames = u64::from(stream.frame_count);
+        let pixels = frames * u64::from(stream.width) * u64::from(stream.height);
+        self.frames += frames;
+        self.raw_bytes += pixels * header.raw_pixel_bytes();
+        self.color_pixels += if stream.kind == StreamKind::Color as u8 { pixels } else { 0 };
+        self.streams += 1;
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EncodeReport {
     #[serde(flatten)]
@@ -443,7 +454,6 @@ impl<W: Write> Job<'_, W> {
             .filter(|_| group.frames.last < MAX_FRAME)
             .ok_or_else(|| Error::unsupported(format!("frames {}: numbers must be below 2^31", group.frames)))?;
         let [unit_width, unit_height] = self.settings.unit_size(group.kind, [group.width, group.height]);
-        let pixels = u64::from(frame_count) * u64::from(group.width) * u64::from(group.height);
         let mut streams = Vec::new();
         for &face in &group.faces {
             let entry = StreamEntry {
@@ -459,10 +469,7 @@ impl<W: Write> Job<'_, W> {
                 unit_height,
                 codec_header: header.write().into(),
             };
-            self.summary.frames += u64::from(frame_count);
-            self.summary.raw_bytes += pixels * header.raw_pixel_bytes();
-            self.summary.color_pixels += if group.kind == StreamKind::Color { pixels } else { 0 };
-            self.summary.streams += 1;
+            self.summary.count(&entry, header);
             streams.push((self.writer.add_stream(entry.clone()), entry));
         }
         self.note_footage(group);

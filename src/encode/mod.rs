@@ -12,6 +12,7 @@
 #![doc(hidden)]
 
 mod budget;
+mod complete;
 mod configuration;
 mod depth_range;
 mod encoder;
@@ -25,10 +26,12 @@ mod scan;
 mod scan_file;
 mod settings;
 mod shard;
+mod shard_choice;
 mod source;
 pub mod tile_quality;
 mod unit;
 
+pub use complete::complete_shard;
 pub use depth_range::keep_few_planar_depths;
 pub use encoder::{Encoder, EncoderStream, ProbePose};
 pub use first_frames::check as check_first_frames;
@@ -43,4 +46,5 @@ pub use settings::{
     TileSize,
 };
 pub use shard::{Shard, ShardBy};
+pub use shard_choice::ShardChoice;
 pub use source::{FrameSource, GroupRef, selected_groups};

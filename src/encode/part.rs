@@ -7,6 +7,7 @@ use crate::dataset::{ProbeInfo, SourceGroup};
 use crate::encode::order::Order;
 use crate::encode::scan::Scans;
 use crate::encode::shard::{Shard, ShardBy, groups_of_shard};
+use crate::encode::shard_choice::ShardChoice;
 use crate::encode::source::FrameSource;
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::Result;
@@ -16,10 +17,10 @@ use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
 
 /// Groups of a source, or some frames of these.
 pub struct Part<'a> {
-    source: &'a dyn FrameSource,
-    groups: Vec<SourceGroup>,
+    pub(super) source: &'a dyn FrameSource,
+    pub(super) groups: Vec<SourceGroup>,
     scans: Scans,
-    shard: Option<ShardEntry>,
+    pub(super) shard: Option<ShardEntry>,
 }
 
 impl<'a> Part<'a> {
@@ -40,6 +41,31 @@ impl<'a> Part<'a> {
     ) -> Result<Part<'a>> {
         let order = Order::of(source, settings);
         let groups = groups_of_shard(&order, |kind| settings.segment_frames(kind), shard, by)?;
+        Part::of_groups(source, settings, (&order, groups), shard)
+    }
+
+    /// One shard, of which is said what it has, without scans. Whether all shards together have everything once is found
+    /// where they are joined.
+    ///
+    /// # Errors
+    /// As [`ShardChoice::groups`].
+    pub fn chosen(
+        source: &'a dyn FrameSource,
+        settings: &EncodeSettings,
+        shard: Shard,
+        choice: &ShardChoice,
+    ) -> Result<Part<'a>> {
+        let order = Order::of(source, settings);
+        let groups = choice.groups(source, &order, |kind| settings.segment_frames(kind))?;
+        Part::of_groups(source, settings, (&order, groups), shard)
+    }
+
+    fn of_groups(
+        source: &'a dyn FrameSource,
+        settings: &EncodeSettings,
+        (order, groups): (&Order<'_>, Vec<SourceGroup>),
+        Shard { number, count }: Shard,
+    ) -> Result<Part<'a>> {
         let streams = order.0.iter().enumerate().flat_map(|(at, ordered)| {
             let SourceGroup { kind, probe, faces, frames, .. } = ordered.group.group;
             faces.iter().map(move |&face| WholeStream {
@@ -52,7 +78,6 @@ impl<'a> Part<'a> {
             })
         });
         let job = digest_bytes(&configuration::to_bytes(&configuration::of(source, settings).0)?);
-        let Shard { number, count } = shard;
         let entry = ShardEntry { job, number, count, streams: streams.collect() };
         Ok(Part { source, groups, scans: Scans::default(), shard: Some(entry) })
     }

@@ -19,7 +19,7 @@ use crate::image::{FrameRange, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Frames of a part, which is scanned again where a scan was stopped.
 const PART_FRAMES: u32 = 16;
 
@@ -30,7 +30,22 @@ pub struct ScanFile {
     lightfold_scan: u32,
     /// Digest of all that the parts follow from, but for the files.
     footage: String,
+    /// All image sequences of the footage, whether they are scanned or not.
+    whole: Vec<Sequence>,
+    /// Whether it was stopped, or goes on, before its shard is scanned.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_unfinished: bool,
     parts: Vec<ScannedFrames>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sequence {
+    probe: String,
+    /// Names of the faces, with commas.
+    faces: String,
+    /// First and last.
+    frames: [u32; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,7 +68,10 @@ impl ScannedFrames {
 impl ScanFile {
     /// A scan of no frames yet.
     pub fn new(source: &dyn FrameSource, settings: &EncodeSettings) -> ScanFile {
-        ScanFile { lightfold_scan: VERSION, footage: footage(source, settings), parts: Vec::new() }
+        let whole =
+            selected_groups(source, &of_depth(settings)).iter().map(|group| sequence(source, group.group)).collect();
+        let footage = footage(source, settings);
+        ScanFile { lightfold_scan: VERSION, footage, whole, is_unfinished: false, parts: Vec::new() }
     }
 
     /// # Errors
@@ -93,7 +111,8 @@ impl ScanFile {
         Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
     }
 
-    /// Adds the parts of a shard that are not there, and calls `save` after each. The monitor advances by one for each image.
+    /// Adds the parts of a shard that are not there, and calls `save` after each. Answers how many images it has read; the monitor
+    /// advances by one for each image of the shard.
     pub fn scan(
         &mut self,
         source: &dyn FrameSource,
@@ -101,7 +120,9 @@ impl ScanFile {
         shard: Option<Shard>,
         monitor: &dyn Monitor,
         save: &mut dyn FnMut(&ScanFile) -> Result<()>,
-    ) -> Result<()> {
+    ) -> Result<u64> {
+        self.is_unfinished = true;
+        let mut read = 0;
         let settings = of_depth(settings);
         let order = Order::of(source, &settings);
         for Segment { ordered, frames, .. } in segments(&order, shard)? {
@@ -119,9 +140,44 @@ impl ScanFile {
             let found = scan_probe(source, &groups, budget::ScanLimits { keep_bytes: 0, ..limits }, monitor)?.found;
             self.parts.insert(behind, ScannedFrames { probe, faces, frames: [frames.first, frames.last], found });
             monitor.advance(images);
+            read += images;
             save(self)?;
         }
-        Ok(())
+        self.is_unfinished = false;
+        Ok(read)
+    }
+
+    /// Whether it was stopped, or goes on, before its shard is scanned.
+    pub fn is_unfinished(&self) -> bool {
+        self.is_unfinished
+    }
+
+    /// The frames that are not scanned, in words; `None` where all are.
+    pub fn missing(&self) -> Option<String> {
+        let of_sequence = |sequence: &Sequence| {
+            let runs: Vec<String> = self.gaps(sequence).map(|[first, last]| format!("{first}-{last}")).collect();
+            let Sequence { probe, faces, .. } = sequence;
+            (!runs.is_empty()).then(|| format!("frames {} of probe {probe}, face {faces}", few(&runs)))
+        };
+        let sequences: Vec<String> = self.whole.iter().filter_map(of_sequence).collect();
+        (!sequences.is_empty()).then(|| few(&sequences))
+    }
+
+    /// The parts of a sequence, in the order of their frames.
+    fn parts_of<'a>(&'a self, sequence: &'a Sequence) -> impl Iterator<Item = &'a ScannedFrames> {
+        self.parts.iter().filter(|part| (&part.probe, &part.faces) == (&sequence.probe, &sequence.faces))
+    }
+
+    /// Runs of frames that no part has.
+    fn gaps<'a>(&'a self, sequence: &'a Sequence) -> impl Iterator<Item = [u32; 2]> {
+        let [first, last] = sequence.frames.map(u64::from);
+        let ends = self.parts_of(sequence).map(|part| part.frames.map(u64::from)).chain([[last + 1; 2]]);
+        let gaps = ends.scan(first, |next, [from, to]| {
+            let gap = [*next, from];
+            *next = to + 1;
+            Some(gap)
+        });
+        gaps.filter(|[from, end]| from < end).map(|[from, end]| [from as u32, (end - 1) as u32])
     }
 
     /// Adds the parts of another scan of the same footage.
@@ -132,6 +188,7 @@ impl ScanFile {
         if self.footage != other.footage {
             return Err(Error::invalid("a scan of other footage or with other settings than the first one"));
         }
+        self.is_unfinished = false;
         for part in other.parts {
             match self.parts.binary_search_by(|known| known.place().cmp(&part.place())) {
                 Err(at) => self.parts.insert(at, part),
@@ -158,22 +215,15 @@ impl ScanFile {
                 "a scan of other footage, or made with other settings or by another version of lightfold: scan again",
             ));
         }
+        if let Some(missing) = self.missing() {
+            let message = format!("the scan lacks {missing}: scan the missing shards, and merge them");
+            return Err(Error::invalid(message));
+        }
         let mut found: BTreeMap<usize, FoundDepth> = BTreeMap::new();
         for GroupRef { group, .. } in selected_groups(source, &of_depth(settings)) {
-            let (probe, faces) = (source.probes()[group.probe].name.as_str(), faces_of(group));
-            let mut next = u64::from(group.frames.first);
-            let parts = self.parts.iter().filter(|part| (part.probe.as_str(), &part.faces) == (probe, &faces));
             let of_probe = found.entry(group.probe).or_insert_with(FoundDepth::nothing);
-            for part in parts {
-                if u64::from(part.frames[0]) == next {
-                    *of_probe = std::mem::replace(of_probe, FoundDepth::nothing()).union(&part.found);
-                    next = u64::from(part.frames[1]) + 1;
-                }
-            }
-            if next <= u64::from(group.frames.last) {
-                return Err(Error::invalid(format!(
-                    "the scan ends before frame {next} of probe {probe}, face {faces}: scan the missing shards, and merge them"
-                )));
+            for part in self.parts_of(&sequence(source, group)) {
+                *of_probe = std::mem::replace(of_probe, FoundDepth::nothing()).union(&part.found);
             }
         }
         Ok(found.into_iter().map(|(probe, found)| (probe, found.scan())).collect())
@@ -214,6 +264,18 @@ fn segments(order: &Order<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
 
 fn faces_of(group: &SourceGroup) -> String {
     group.faces.iter().map(|face| face.name()).collect::<Vec<_>>().join(",")
+}
+
+fn sequence(source: &dyn FrameSource, group: &SourceGroup) -> Sequence {
+    let probe = source.probes()[group.probe].name.clone();
+    Sequence { probe, faces: faces_of(group), frames: [group.frames.first, group.frames.last] }
+}
+
+/// The first of these words, and that there are more.
+fn few(words: &[String]) -> String {
+    const MOST: usize = 4;
+    let more = if words.len() > MOST { ", …" } else { "" };
+    words.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ") + more
 }
 
 fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {

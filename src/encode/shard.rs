@@ -1,8 +1,10 @@
 //! Cuts work on a source into shards, between segments of its streams.
 
+use std::ops::Range;
+
 use crate::dataset::SourceGroup;
 use crate::encode::order::Order;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, counted};
 use crate::image::{FrameRange, StreamKind};
 
 /// What shards are cut along.
@@ -24,6 +26,31 @@ pub struct Shard {
     /// From 1 to `count`.
     pub number: u32,
     pub count: u32,
+}
+
+impl Shard {
+    /// Which of so many things in a row are this shard's: as many as any other has, or one more or less. `what` names one of
+    /// them in the error.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a number out of range, and where there are more shards than things.
+    pub fn range(self, total: u64, what: &str) -> Result<Range<u64>> {
+        self.check(total, || format!("{} make at most {}", counted(total, what), counted(total, "shard")))?;
+        let end_of = |number: u32| (u128::from(total) * u128::from(number) / u128::from(self.count)) as u64;
+        Ok(end_of(self.number - 1)..end_of(self.number))
+    }
+
+    /// Refuses a number out of range, and more shards than there can be, in these words.
+    fn check(self, most: u64, words: impl FnOnce() -> String) -> Result<()> {
+        let Shard { number, count } = self;
+        if !(1..=count).contains(&number) {
+            return Err(Error::Usage(format!("`shard` {number}/{count}: shards count from 1 to {count}")));
+        }
+        if u64::from(count) > most {
+            return Err(Error::Usage(format!("`shard` {number}/{count}: {}", words())));
+        }
+        Ok(())
+    }
 }
 
 /// Frames of a group.
@@ -114,16 +141,11 @@ fn pieces(order: &Order<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) ->
 }
 
 /// The pieces of a shard: neighbours, with as even a share of the pixels as whole pieces allow, and at least one.
-fn of_shard(pieces: &[Piece], Shard { number, count }: Shard) -> Result<&[Piece]> {
-    if !(1..=count).contains(&number) {
-        return Err(Error::Usage(format!("`shard` {number}/{count}: shards count from 1 to {count}")));
-    }
-    if count as usize > pieces.len() {
-        return Err(Error::Usage(format!(
-            "`shard` {number}/{count}: these streams can be cut into at most {} shards, or into more by another `shard_by`",
-            pieces.len()
-        )));
-    }
+fn of_shard(pieces: &[Piece], shard: Shard) -> Result<&[Piece]> {
+    shard.check(pieces.len() as u64, || {
+        format!("these streams can be cut into at most {} shards, or into more by another `shard_by`", pieces.len())
+    })?;
+    let Shard { number, count } = shard;
     let total: u64 = pieces.iter().map(|piece| piece.pixels).sum();
     let (mut start, mut done) = (0, 0);
     for shard in 1..=count {
@@ -164,6 +186,21 @@ mod tests {
         }
         for (number, count) in [(1, 3), (0, 2), (3, 2)] {
             assert!(of_shard(&of(&[1, 1]), Shard { number, count }).is_err());
+            assert!(Shard { number, count }.range(2, "picture").is_err());
+        }
+    }
+
+    #[test]
+    fn ranges_follow_each_other_and_are_even() {
+        for (total, count) in [(7, 3), (3, 3), (u64::MAX, 5), (1000, 7)] {
+            let ranges = (1..=count).map(|number| Shard { number, count }.range(total, "picture").unwrap());
+            let mut next = 0;
+            for range in ranges {
+                assert_eq!(range.start, next);
+                assert!((range.end - range.start).abs_diff(total / u64::from(count)) <= 1, "{range:?}");
+                next = range.end;
+            }
+            assert_eq!(next, total);
         }
     }
 }

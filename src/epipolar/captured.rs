@@ -38,9 +38,9 @@ impl CapturedSources {
         let Some(&first) = images.first() else {
             return Err(Error::Usage("name the probes whose images are the source views".into()));
         };
-        let (camera, size) = (seen(reference.images[first].camera), reference.images[first].size);
+        let (camera, size) = (seen(reference.images[first].camera(frame)), reference.images[first].size);
         let right = camera.axes()[1];
-        let cameras: Vec<Camera> = images.iter().map(|&image| seen(reference.images[image].camera)).collect();
+        let cameras: Vec<Camera> = images.iter().map(|&image| seen(reference.images[image].camera(frame))).collect();
         let along = |camera: &Camera| (camera.eye() - cameras[0].eye()).dot(right);
         let by_place = |a: &&Camera, b: &&Camera| along(a).total_cmp(&along(b));
         let (Some(left), Some(last)) = (cameras.iter().min_by(by_place), cameras.iter().max_by(by_place)) else {
@@ -159,7 +159,7 @@ fn seen(camera: Camera) -> Camera {
 
 /// The image of a probe that stands so many metres to the right of the middle.
 fn source(reference: &mut Reference, (image, frame): (usize, u32), offset_m: f64) -> Result<SourceView> {
-    let (camera, [width, height]) = (reference.images[image].camera, reference.images[image].size);
+    let (camera, [width, height]) = (reference.images[image].camera(frame), reference.images[image].size);
     let truth = reference.truth(image, frame)?;
     let distances = reference.distance_m(image, frame)?.ok_or_else(|| {
         let named = &reference.images[image];

@@ -1,13 +1,13 @@
 //! Images of a container, in metres and linear light.
 
 use crate::container::ProbeEntry;
-use crate::dataset::{ProbeInfo, planar_to_distance};
+use crate::dataset::{Pose, ProbeInfo, planar_to_distance};
 use crate::decode::{Decoder, Picture};
 use crate::depth::CodeTable;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane, Primaries};
 use crate::streams::convert::{color_light, material_values};
-use crate::streams::{CodecHeader, ColorFormat, StreamInfo};
+use crate::streams::{CodecHeader, ColorFormat, FootageInfo, FramePose, StreamInfo};
 
 #[derive(Debug)]
 pub struct DecodedImages {
@@ -15,12 +15,14 @@ pub struct DecodedImages {
     pub probes: Vec<ProbeInfo>,
 }
 
-pub(super) fn probe_info(entry: &ProbeEntry) -> ProbeInfo {
+pub(super) fn probe_info(entry: &ProbeEntry, footage: &FootageInfo) -> ProbeInfo {
+    let poses = footage.poses.iter().filter(|pose| pose.probe == entry.name);
+    let pose = |of: &FramePose| Pose { frame: of.frame, position: of.position, orientation: of.orientation };
     ProbeInfo {
         name: entry.name.clone(),
         position: entry.position,
         orientation: entry.orientation,
-        poses: Vec::new(),
+        poses: poses.map(pose).collect(),
         frames: FrameRange { first: entry.frames[0], last: entry.frames[1] },
         intrinsics: (entry.intrinsics != [0.0; 4]).then_some(entry.intrinsics),
     }
@@ -28,7 +30,7 @@ pub(super) fn probe_info(entry: &ProbeEntry) -> ProbeInfo {
 
 impl DecodedImages {
     pub fn new(decoder: Decoder) -> DecodedImages {
-        let probes = decoder.reader().index().probes.iter().map(probe_info).collect();
+        let probes = decoder.reader().index().probes.iter().map(|entry| probe_info(entry, decoder.footage())).collect();
         DecodedImages { decoder, probes }
     }
 

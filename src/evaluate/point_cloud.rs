@@ -36,6 +36,7 @@ pub fn write_ply(
         let color = reference.truth(image, frame)?.color;
         let steps = CodeSteps::new(ToneMap::default());
         let [width, height] = about.size;
+        let camera = about.camera(frame);
         let row = |y: u32| {
             let mut bytes = Vec::new();
             for x in 0..width {
@@ -44,7 +45,7 @@ pub fn write_ply(
                     continue;
                 }
                 let at = [(x, width), (y, height)].map(|(at, of)| (f64::from(at) + 0.5) / f64::from(of));
-                let point = (about.camera.eye() + about.camera.direction(at) * metres).as_vec3();
+                let point = (camera.eye() + camera.direction(at) * metres).as_vec3();
                 bytes.extend(point.to_array().into_iter().flat_map(f32::to_le_bytes));
                 bytes.extend(color.get(x, y).map(|light| steps.code(light.to_f32())));
             }
@@ -96,7 +97,7 @@ mod tests {
             }
             let vertex = vertices.next().unwrap();
             let float = |at: usize| f64::from(f32::from_le_bytes(*vertex[at..].first_chunk().unwrap()));
-            let expected = about.camera.eye() + about.face.direction(x, y, 8).normalize() * metres;
+            let expected = about.camera(0).eye() + about.face.direction(x, y, 8).normalize() * metres;
             assert!((DVec3::new(float(0), float(4), float(8)) - expected).length() < 1e-5);
             let steps = CodeSteps::new(ToneMap::default());
             assert_eq!(&vertex[12..], color.get(x, y).map(|light| steps.code(light.to_f32())));

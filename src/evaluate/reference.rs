@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::container::header::is_container;
-use crate::dataset::{ProbeInfo, Source, SourceOptions};
+use crate::dataset::{Pose, ProbeInfo, Source, SourceOptions};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::decoded_images::{DecodedImages, probe_info};
@@ -23,12 +23,29 @@ const CENTRE_TOLERANCE: f64 = 0.01;
 pub struct ReferenceImage {
     pub probe: String,
     pub face: Face,
-    /// The axes of a cube face are mirrored, as its image is.
-    pub camera: Camera,
+    /// By frame; of a still probe that of its first frame alone.
+    cameras: Vec<(u32, Camera)>,
     pub size: [u32; 2],
     pub frames: FrameRange,
     /// Group of files (or stream of a container) by kind, and its index there.
     groups: [Option<[usize; 2]>; 3],
+}
+
+impl ReferenceImage {
+    /// The camera in a frame; the axes of a cube face are mirrored, as its image is. Before and after the frames of a moving probe it
+    /// stands as in the nearest of them.
+    pub fn camera(&self, frame: u32) -> Camera {
+        let after = self.cameras.partition_point(|(of, _)| *of <= frame);
+        self.cameras[after.saturating_sub(1)].1
+    }
+
+    /// The cameras with their frames: one for each frame of a moving probe, one for all frames of a still one.
+    pub fn cameras(&self) -> impl Iterator<Item = (FrameRange, Camera)> {
+        let is_still = self.cameras.len() == 1;
+        self.cameras.iter().map(move |&(frame, camera)| {
+            (if is_still { self.frames } else { FrameRange { first: frame, last: frame } }, camera)
+        })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +111,7 @@ impl Reference {
                 images.push(ReferenceImage {
                     probe: probe.name.clone(),
                     face,
-                    camera: camera(source.projection(), probe, face, size)?,
+                    cameras: cameras(source.projection(), probe, face, (size, group.frames))?,
                     size,
                     frames: group.frames,
                     groups: [Some([at, place]), of(StreamKind::Depth), of(StreamKind::Material)],
@@ -122,7 +139,7 @@ impl Reference {
             images.push(ReferenceImage {
                 probe: probe.name.clone(),
                 face: stream.face,
-                camera: camera(projection, probe, stream.face, stream.size())?,
+                cameras: cameras(projection, probe, stream.face, (stream.size(), stream.frames))?,
                 size: stream.size(),
                 frames: stream.frames,
                 groups: [Some([at, 0]), of(StreamKind::Depth), of(StreamKind::Material)],
@@ -205,20 +222,38 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
     })
 }
 
-/// The camera that took an image of a container, as people see it: faces of cube maps are stored mirrored.
-pub fn upright_camera(decoder: &Decoder, stream: &StreamInfo) -> Result<Camera> {
-    let probe = probe_info(decoder.probe(stream));
+/// The camera that took an image of a container in a frame, as people see it: faces of cube maps are stored mirrored.
+pub fn upright_camera(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<Camera> {
+    let probe = probe_info(decoder.probe(stream), decoder.footage());
+    let (pose, size) = (probe.pose(frame), stream.size());
     match stream.face {
-        Face::View => camera(Projection::Perspective, &probe, stream.face, stream.size()),
-        face => camera(Projection::Cubemap, &probe, face, stream.size()).map(Camera::mirrored),
+        Face::View => camera(Projection::Perspective, (&probe, pose), stream.face, size),
+        face => camera(Projection::Cubemap, (&probe, pose), face, size).map(Camera::mirrored),
     }
 }
 
-fn camera(projection: Projection, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {
+/// The cameras of a probe's image by frame, one alone where it stands still.
+fn cameras(
+    projection: Projection,
+    probe: &ProbeInfo,
+    face: Face,
+    (size, frames): ([u32; 2], FrameRange),
+) -> Result<Vec<(u32, Camera)>> {
+    let count = if probe.poses.is_empty() { 1 } else { usize::MAX };
+    let poses = frames.iter().take(count).map(|frame| probe.pose(frame));
+    poses.map(|pose| Ok((pose.frame, camera(projection, (probe, pose), face, size)?))).collect()
+}
+
+fn camera(
+    projection: Projection,
+    (probe, pose): (&ProbeInfo, Pose),
+    face: Face,
+    [width, height]: [u32; 2],
+) -> Result<Camera> {
     let named = |error: Error| error.context(format!("probe {}", probe.name));
-    let turn = rotation(probe.orientation)
+    let turn = rotation(pose.orientation)
         .ok_or_else(|| named(Error::invalid("its orientation is no quaternion of length 1")))?;
-    let (eye, axes) = (DVec3::from_array(probe.position), face.axes().map(|axis| turn * axis));
+    let (eye, axes) = (DVec3::from_array(pose.position), face.axes().map(|axis| turn * axis));
     if face != Face::View || projection == Projection::Cubemap {
         return Camera::with_axes(eye, axes, Lens::new(90.0)).map_err(named);
     }
@@ -248,6 +283,7 @@ fn cached<T: Clone>(
 mod tests {
     use super::*;
     use crate::dataset::cameras::PlacedCamera;
+    use crate::encode::{EncodeSettings, encode};
     use crate::image::ImageProjection;
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Pass, Scene};
@@ -262,9 +298,9 @@ mod tests {
         assert_eq!(reference.images.len(), 2 * 6);
         let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
         for (at, image) in reference.images.to_vec().iter().enumerate() {
-            assert_eq!(image.camera.eye(), PLAN.positions()[at / 6]);
+            assert_eq!(image.camera(1).eye(), PLAN.positions()[at / 6]);
             for (column, row) in [(0, 0), (7, 0), (3, 6)] {
-                let seen = image.camera.direction([column, row].map(|at| (f64::from(at) + 0.5) / 8.0));
+                let seen = image.camera(0).direction([column, row].map(|at| (f64::from(at) + 0.5) / 8.0));
                 let expected = image.face.direction(column, row, 8).normalize();
                 assert!((seen - expected).length() < 1e-12, "{seen} {expected}");
             }
@@ -305,9 +341,9 @@ mod tests {
         let tangent = 20f64.to_radians().tan();
         let corner = DVec3::new(-1.0, -tangent, -1.5 * tangent).normalize();
         assert!(
-            (image.camera.direction([1.0, 1.0]) - corner).length() < 1e-9,
+            (image.camera(0).direction([1.0, 1.0]) - corner).length() < 1e-9,
             "{}",
-            image.camera.direction([1.0, 1.0])
+            image.camera(0).direction([1.0, 1.0])
         );
         assert_eq!(reference.distance_m(0, 0).unwrap(), None);
     }
@@ -323,10 +359,43 @@ mod tests {
         std::fs::write(folder.path().join("lightfield.json"), json.to_string()).unwrap();
         let reference = Reference::open(folder.path()).unwrap();
         let model = ImageProjection::Pinhole { size: [12, 8], intrinsics: [11.0, 12.0, 5.0, 4.5] };
-        let camera = &reference.images[0].camera;
+        let camera = reference.images[0].camera(0);
         for at in [[0.0, 0.0], [12.0, 8.0], [5.0, 4.5], [3.5, 7.5]] {
             let seen = camera.direction([at[0] / 12.0, at[1] / 8.0]);
             assert!((seen - model.unproject(at).normalize()).length() < 1e-12, "{seen}");
+        }
+    }
+
+    #[test]
+    fn images_of_moving_probes_are_seen_from_the_pose_of_their_frame() {
+        let folder = tempfile::tempdir().unwrap();
+        let manifest = perspective(folder.path());
+        let mut json: serde_json::Value = serde_json::from_str(&manifest.to_json().unwrap()).unwrap();
+        let half = 0.5f64.sqrt();
+        let probe = json["probes"][0].as_object_mut().unwrap();
+        probe.remove("position");
+        probe.remove("orientation");
+        probe.insert(
+            "poses".into(),
+            serde_json::json!([
+                { "frame": 0, "position": [1.0, 2.0, 3.0] },
+                { "frame": 1, "position": [4.0, 5.0, 6.0], "orientation": [0.0, half, 0.0, half] },
+            ]),
+        );
+        std::fs::write(folder.path().join("lightfield.json"), json.to_string()).unwrap();
+        let encoded = folder.path().join("moving.lfold");
+        let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
+        let file = std::fs::File::create(&encoded).unwrap();
+        encode(&source, &EncodeSettings::default(), file, &Silent).unwrap();
+        for path in [folder.path(), &encoded] {
+            let reference = Reference::open(path).unwrap();
+            let image = &reference.images[0];
+            let eyes = [0, 1, 9].map(|frame| image.camera(frame).eye().to_array());
+            assert_eq!(eyes, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [4.0, 5.0, 6.0]]);
+            assert!((image.camera(0).axes()[0] - DVec3::NEG_Z).length() < 1e-12);
+            assert!((image.camera(1).axes()[0] - DVec3::NEG_X).length() < 1e-12);
+            let frames: Vec<_> = image.cameras().map(|(frames, _)| [frames.first, frames.last]).collect();
+            assert_eq!(frames, [[0, 0], [1, 1]]);
         }
     }
 

@@ -73,12 +73,10 @@ impl OutputFolder {
         let io = |error| Error::io(path, error);
         #[cfg(unix)]
         std::fs::set_permissions(self.work.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755)).map_err(io)?;
-        if path.exists() {
-            return move_into(self.work.path(), path, &|_| true).map_err(io);
+        if rename_or_move_into(self.work.path(), path, &|_| true).map_err(io)? {
+            // There is nothing left to remove under the old name.
+            let _ = self.work.keep();
         }
-        std::fs::rename(self.work.path(), path).map_err(io)?;
-        // There is nothing left to remove under the old name.
-        let _ = self.work.keep();
         Ok(())
     }
 }
@@ -93,8 +91,21 @@ pub fn name_final_path(error: Error, from: &Path, to: &Path) -> Error {
     }
 }
 
+/// Gives a folder its final name, and answers true; or moves its content, except for names that are not wanted, where there is a
+/// folder of that name, which another process may have made a moment ago.
+pub fn rename_or_move_into(from: &Path, to: &Path, is_wanted: &dyn Fn(&OsStr) -> bool) -> std::io::Result<bool> {
+    if !to.exists() {
+        match std::fs::rename(from, to) {
+            Ok(()) => return Ok(true),
+            Err(error) if !to.is_dir() => return Err(error),
+            Err(_) => {}
+        }
+    }
+    move_into(from, to, is_wanted).map(|()| false)
+}
+
 /// Moves the content of a folder, except for names that are not wanted.
-pub fn move_into(from: &Path, to: &Path, is_wanted: &dyn Fn(&OsStr) -> bool) -> std::io::Result<()> {
+fn move_into(from: &Path, to: &Path, is_wanted: &dyn Fn(&OsStr) -> bool) -> std::io::Result<()> {
     std::fs::create_dir_all(to)?;
     for entry in std::fs::read_dir(from)? {
         let entry = entry?;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::atomic::parent_of;
 use super::lock::{Locked, open_locked};
-use super::output_folder::{MadeFolders, move_into, name_final_path};
+use super::output_folder::{MadeFolders, name_final_path, rename_or_move_into};
 use crate::error::{Error, Result};
 
 /// Names in and around an unfinished folder.
@@ -123,12 +123,10 @@ impl PartialFolder {
         let io = |error| Error::io(output, error);
         self.keep = true;
         self.kind.remove_foreign(&self.path).map_err(io)?;
-        if output.exists() {
-            move_into(&self.path, output, &|name| name != state).map_err(io)?;
-            return std::fs::remove_dir_all(&self.path).map_err(io);
+        match rename_or_move_into(&self.path, output, &|name| name != state).map_err(io)? {
+            true => std::fs::remove_file(output.join(state)).map_err(io),
+            false => std::fs::remove_dir_all(&self.path).map_err(io),
         }
-        std::fs::rename(&self.path, output).map_err(io)?;
-        std::fs::remove_file(output.join(state)).map_err(io)
     }
 }
 

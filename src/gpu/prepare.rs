@@ -33,7 +33,7 @@ const MOST_UNPACKED: u64 = 128 << 20;
 /// Bytes that a chunk takes at most while it is prepared, but for what any chunk takes.
 pub fn prepared_bytes(stream: &StreamInfo, entry: &ChunkEntry) -> u64 {
     match &stream.header {
-        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) => {
+        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
             let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
             (2 * u64::from(width) * u64::from(height)).saturating_mul(entry.key.frame_count.into()).min(MOST_UNPACKED)
         }

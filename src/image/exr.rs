@@ -151,6 +151,8 @@ pub struct FileHeader {
     pub fps: Option<f64>,
     /// `worldToCamera`, row by row, for row vectors: the camera's x is right and y is up.
     pub world_to_camera: Option<[f32; 16]>,
+    /// `worldToNDC`, in the same way: the image is −1 to 1, or 0 to 1.
+    pub world_to_ndc: Option<[f32; 16]>,
 }
 
 pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
@@ -166,6 +168,7 @@ pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
             .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
             .filter(|fps| *fps > 0.0 && fps.is_finite()),
         world_to_camera: headers.iter().find_map(|header| header.own_attributes.world_to_camera),
+        world_to_ndc: headers.iter().find_map(|header| header.own_attributes.world_to_normalized_device),
     })
 }
 

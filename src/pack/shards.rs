@@ -138,6 +138,9 @@ impl Joined<'_> {
                     }
                     Some(&(earlier, of_earlier)) => {
                         let earlier = &inputs[earlier];
+                        if earlier.index().streams[of_earlier as usize].frame_count != stream.frame_count {
+                            return Err(joined.overlap(reader, stream, number));
+                        }
                         if chunks_of(earlier, of_earlier) != chunks_of(reader, at) {
                             let message = format!(
                                 "its {} differs from that of {}: encode this shard again",
@@ -170,7 +173,10 @@ impl Joined<'_> {
                             ..part.clone()
                         }
                 };
-                if part.first_frame < next || !entry.as_ref().is_none_or(like) {
+                if part.first_frame < next {
+                    return Err(self.overlap(reader, part, number));
+                }
+                if !entry.as_ref().is_none_or(like) {
                     let message = format!("its {} does not continue that of the other shards", name_of(reader, stream));
                     return Err(Error::invalid(message).in_file(reader.path()));
                 }
@@ -192,6 +198,15 @@ impl Joined<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Two shards with the same frames.
+    fn overlap(&self, reader: &Reader, part: &StreamEntry, number: u32) -> Error {
+        let name = name_of(reader, &self.whole[number as usize]);
+        let (first, last) = (part.first_frame, part.end_frame() - 1);
+        let message =
+            format!("another shard has some of the frames {first}-{last} of its {name}: shards must not overlap");
+        Error::invalid(message).in_file(reader.path())
     }
 
     /// Inputs of which chunks are taken: not those that ran twice.
@@ -257,7 +272,9 @@ fn missing(shards: &[ShardEntry]) -> String {
     let words: Vec<String> = missing.iter().take(12).map(u32::to_string).collect();
     let more = if missing.len() > words.len() { ", …" } else { "" };
     match missing.len() {
-        0 => format!("the {count} shards are not of one division: use one `shard_by` for all"),
+        0 => format!(
+            "the {count} shards are not of one division: use one `shard_by` for all, or give one of them what is missing"
+        ),
         1 => format!("shard {} of {count} is missing", words[0]),
         _ => format!("shards {}{more} of {count} are missing", words.join(", ")),
     }

@@ -22,11 +22,17 @@ pub fn of_records(records: impl IntoIterator<Item = Vec<String>>) -> Result<Stri
 pub fn of_objects(columns: &[&str], objects: &[impl Serialize]) -> Result<String> {
     let mut records = vec![columns.iter().map(|column| column.replace('.', "_")).collect()];
     for object in objects {
-        let object = serde_json::to_value(object).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-        let cell = |column: &&str| match column.split('.').try_fold(&object, |object, key| object.get(key)) {
-            None | Some(Value::Null) => String::new(),
-            Some(Value::String(text)) => json::word(text).to_owned(),
-            Some(other) => other.to_string(),
+        let object: Value =
+            serde_json::from_str(&json::pretty(object)?).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+        let cell = |column: &&str| {
+            let (outer, key) = column.rsplit_once('.').map_or(("", *column), |(outer, key)| (outer, key));
+            let mut outer = outer.split('.').filter(|key| !key.is_empty());
+            let Some(object) = outer.try_fold(&object, |object, key| object.get(key)) else { return String::new() };
+            match object.get(key) {
+                None | Some(Value::Null) => json::read_word(object, key).unwrap_or_default().to_owned(),
+                Some(Value::String(text)) => text.clone(),
+                Some(other) => other.to_string(),
+            }
         };
         records.push(columns.iter().map(cell).collect());
     }
@@ -48,9 +54,17 @@ mod tests {
 
     #[test]
     fn keys_become_columns_and_missing_ones_empty_cells() {
-        let objects =
-            [json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }), json!({ "a": null, "d": json::Number(f64::INFINITY) })];
-        assert_eq!(of_objects(&["a", "b.c", "d"], &objects).unwrap(), "a,b_c,d\n1,2.5,\"x,y\"\n,,inf\n");
+        let objects = [
+            json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }),
+            json!({ "a": null, "b": { "c": null, "c_is": "-inf" }, "d": null, "d_is": "inf" }),
+        ];
+        assert_eq!(of_objects(&["a", "b.c", "d"], &objects).unwrap(), "a,b_c,d\n1,2.5,\"x,y\"\n,-inf,inf\n");
+        #[derive(Serialize)]
+        struct Object {
+            e_db: json::Number,
+        }
+        let objects = [f64::INFINITY, 2.5].map(|value| Object { e_db: json::Number(value) });
+        assert_eq!(of_objects(&["e_db"], &objects).unwrap(), "e_db\ninf\n2.5\n");
     }
 
     #[test]

@@ -59,6 +59,7 @@ impl FootagePlan {
             samples: COLOR_SAMPLES,
             depth: DepthKind::Distance,
             far_m: f64::INFINITY,
+            part: None,
         })
     }
 

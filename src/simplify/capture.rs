@@ -104,9 +104,9 @@ impl Capture {
             let image = &reference.images[at];
             CaptureImage {
                 name: format!("probe {}, {}, frame {frame}", image.probe, image.face.name()),
-                eye: image.camera.eye(),
+                eye: image.camera(frame).eye(),
                 size: image.size,
-                camera: Some(image.camera),
+                camera: Some(image.camera(frame)),
             }
         };
         let images = indices.iter().map(image).collect();
@@ -286,5 +286,5 @@ fn distances(reference: &mut Reference, image: usize, frame: u32) -> Result<(Cam
             named.face.name()
         ))
     })?;
-    Ok((reference.images[image].camera, distances_m))
+    Ok((reference.images[image].camera(frame), distances_m))
 }

@@ -142,6 +142,8 @@ fn commands() -> Result<(), Failed> {
         "nodes-linear",
         "depth-w3-boxes",
         "blocks",
+        "alpha",
+        "alpha-beyond-a-byte",
         "predictive",
         "predictive-odd-sizes",
         "transform8-chunks-of-cells",

@@ -116,7 +116,9 @@ fn alpha_has_files_of_its_own_where_colour_has_none() {
         fine(&format!("decode a.lfold -o {format} --stream alpha --format {format}"), folder.path());
         let decoded = Manifest::read(&folder.path().join(format)).unwrap();
         assert!(decoded.files.alpha.unwrap().ends_with(name));
-        fine(&format!("diff a.lfold {format} --stream alpha --exact --common"), folder.path());
+        // Shares of 255 are no half floats.
+        let exact = if format == "exr" { " --exact" } else { " --max-error 0" };
+        fine(&format!("diff a.lfold {format} --stream alpha --common{exact}"), folder.path());
     }
     // A gray matte, and colour of its own files.
     let matte = folder.path().join("matte");
@@ -139,7 +141,7 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
     footage(&path);
     write_manifest(&path, json!({ "color": "c.%04d.exr" }));
     let said = fine("encode in -o a.lfold", folder.path());
-    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by `alpha`"]);
+    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by files.alpha"]);
     for frame in 0..FRAMES {
         exr::write_color(&path.join(format!("d.{frame:04}.exr")), &rgba(frame).map(|&[r, g, b, _]| [r, g, b])).unwrap();
     }

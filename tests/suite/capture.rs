@@ -15,7 +15,7 @@ use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan};
 use tempfile::TempDir;
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 use crate::convention::checked;
 
 /// Three probes, one of them turned by no multiple of a right angle.
@@ -96,6 +96,39 @@ fn a_capture_is_what_the_demo_captures() {
     fine("capture courtyard --position 0,1.5,0 --frames 0-1 --size 24 -o a/cap --threads 3", place.path());
     assert_eq!(files(&place.path().join("demo")), files(&place.path().join("a/cap")));
     assert_eq!(fs::read_dir(place.path().join("a")).unwrap().count(), 1, "something is left beside it");
+}
+
+#[test]
+fn shards_capture_the_files_of_one_run() {
+    let place = place();
+    let line = "capture courtyard --cameras cameras.json --frames 6-7 --size 16 --samples 1";
+    fine(&format!("{line} -o whole"), place.path());
+    let whole = files(&place.path().join("whole"));
+    let shard = |number: u32, count: u32, folder: &str| {
+        let output = fine(&format!("{line} --shard {number}/{count} -o {folder} --json"), place.path());
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["images"].as_u64().unwrap()
+    };
+    // At one time, and one of them again.
+    let together = std::thread::scope(|scope| {
+        let started = [3, 1, 2].map(|number| scope.spawn(move || shard(number, 3, "parts")));
+        started.map(|one| one.join().unwrap())
+    });
+    assert_eq!(together.iter().sum::<u64>(), 72);
+    shard(1, 3, "parts");
+    assert!(files(&place.path().join("parts")) == whole, "other files than one run");
+    // An even share of 36 views of 2 images each, of more probes than one.
+    assert_eq!(shard(2, 5, "some"), 14);
+    let some = files(&place.path().join("some"));
+    assert!(some.len() == 15 && some.iter().all(|file| whole.contains(file)), "{}", some.len());
+    assert_eq!(fs::read_dir(place.path()).unwrap().count(), 4, "something is left beside them");
+    let early = lightfold(&["encode", "some", "-o", "a.lfold"], place.path());
+    assert_eq!(early.status.code(), Some(75), "{}", String::from_utf8_lossy(&early.stderr));
+    let said = refused(&format!("{line} --shard 1/37 -o parts"), place.path());
+    assert!(said.contains("--shard 1/37: 36 views make at most 36 shards"), "{said}");
+    let said = refused(&format!("{} --shard 1/3 -o parts", line.replace("6-7", "6")), place.path());
+    assert!(said.contains("it holds another dataset"), "{said}");
+    assert!(files(&place.path().join("parts")) == whole, "a refusal changed them");
 }
 
 #[test]

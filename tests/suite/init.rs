@@ -9,7 +9,9 @@ use exr::prelude::{
 use half::f16;
 use lightfold::dataset::manifest::{Background, FaceFiles, Unit};
 use lightfold::dataset::{DepthKind, Manifest, Projection};
-use lightfold::image::{ColorPlane, Face, ImageProjection, Plane, exr as ours, png};
+use lightfold::image::{
+    ColorPlane, ColorSpace, Eye, Face, ImageProjection, Plane, Primaries, StereoLayout, exr as ours, png,
+};
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
@@ -217,6 +219,116 @@ fn two_eyes_in_parts_become_two_probes() {
     assert_eq!(found.color.unwrap().layer.as_deref(), Some("{probe}"));
     assert_eq!(found.depth.unwrap().channel.as_deref(), Some("{probe}"));
     encodes(folder.path());
+}
+
+#[test]
+fn panoramas_of_two_eyes_by_their_halves() {
+    let scene = |x: u32, y: u32| ((x % 64) as f32 * 0.3).sin() * 0.2 + ((y % 32) as f32 * 0.2).cos() * 0.3 + 0.5;
+    for (size, layout) in [([64, 64], StereoLayout::OverUnder), ([128, 32], StereoLayout::SideBySide)] {
+        let folder = TempDir::new().unwrap();
+        let set = folder.path().join("in");
+        std::fs::create_dir_all(&set).unwrap();
+        for frame in 0..2 {
+            let image = gray(size[0], size[1], |x, y| scene(x, y) + (y / 32 + x / 64) as f32 * 0.01);
+            ours::write_color(&set.join(format!("vr.{frame}.exr")), &image).unwrap();
+        }
+        let said = init(folder.path());
+        assert_says(&said, &["unsure:", "panoramas of two eyes", "both eyes have one position"]);
+        let found = manifest(&set);
+        assert_eq!((found.stereo, found.projection), (Some(layout), Projection::Equirect));
+        let eyes: Vec<_> = found.probes.iter().map(|probe| (probe.name.as_str(), probe.eye)).collect();
+        assert_eq!(eyes, [("left", Some(Eye::Left)), ("right", Some(Eye::Right))]);
+        encodes(folder.path());
+    }
+    // A square picture is not two.
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    std::fs::create_dir_all(&set).unwrap();
+    ours::write_color(&set.join("a.0.exr"), &gray(64, 64, |x, y| (x + y * y) as f32 / 4200.0)).unwrap();
+    init(folder.path());
+    assert_eq!((manifest(&set).stereo, manifest(&set).projection), (None, Projection::Perspective));
+}
+
+#[test]
+fn the_space_of_colour_by_its_chromaticities() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    std::fs::create_dir_all(&set).unwrap();
+    let path = set.join("a.0.exr");
+    let image = gray(8, 6, |x, _| x as f32 / 8.0);
+    for space in ColorSpace::ALL.into_iter().filter(|space| *space != ColorSpace::Srgb) {
+        ours::write_color_of(&path, &image, space.primaries()).unwrap();
+        init(folder.path());
+        let expected = (space != ColorSpace::LinearRec709).then_some(space);
+        assert_eq!(manifest(&set).color.and_then(|color| color.space), expected);
+    }
+    let odd = Primaries { red: [0.7, 0.3], ..Primaries::REC709 };
+    ours::write_color_of(&path, &image, odd).unwrap();
+    assert_says(&init(folder.path()), &["unsure: colour has the chromaticities", "0.7", "no space with a name"]);
+    assert_eq!(manifest(&set).color, None);
+}
+
+#[test]
+fn a_lens_by_its_attributes() {
+    let folder = TempDir::new().unwrap();
+    let mut attributes = LayerAttributes::default();
+    attributes.world_to_camera =
+        Some([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, -2.0, 0.0, 1.0]);
+    // Of 8 by 6 pixels: 10 pixels at distance 1, along -Z.
+    attributes.world_to_normalized_device =
+        Some([2.5, 0.0, 0.0, 0.0, 0.0, 10.0 / 3.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, -2.5, -20.0 / 3.0, -0.1, 0.0]);
+    let light = |at: usize| at as f32 / 64.0;
+    write(&folder.path().join("in/a.0.exr"), attributes, &[("R", &light), ("G", &light), ("B", &light)]);
+    let said = init(folder.path());
+    let found = &manifest(&folder.path().join("in")).probes[0];
+    let intrinsics = found.intrinsics.unwrap();
+    assert!(intrinsics.iter().zip([10.0, 10.0, 4.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-5), "{intrinsics:?}");
+    assert_eq!(found.position, Some([1.0, 2.0, 0.0]));
+    assert!(!said.contains("lens") && !said.contains("where"), "{said}");
+    encodes(folder.path());
+}
+
+#[test]
+fn cameras_of_a_file_beside_the_images() {
+    let folder = TempDir::new().unwrap();
+    let set = folder.path().join("in");
+    std::fs::create_dir_all(&set).unwrap();
+    for frame in 1..4 {
+        ours::write_color(&set.join(format!("view.{frame:04}.exr")), &gray(8, 6, |x, _| x as f32 / 8.0)).unwrap();
+    }
+    let frame = |at: u32| {
+        let matrix = [[1, 0, 0, at], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]];
+        serde_json::json!({ "file_path": format!("images/view.{at:04}.png"), "transform_matrix": matrix })
+    };
+    let write = |frames: &[u32]| {
+        let frames: Vec<_> = frames.iter().map(|at| frame(*at)).collect();
+        let file = serde_json::json!({ "w": 8, "h": 6, "fl_x": 10, "frames": frames });
+        std::fs::write(set.join("transforms.json"), file.to_string()).unwrap();
+    };
+    // In any order.
+    write(&[3, 1, 2]);
+    let said = init(folder.path());
+    assert_says(&said, &["unsure: the cameras are those of transforms.json"]);
+    assert!(!said.contains("no file states the lens") && !said.contains("stands"), "{said}");
+    let found = &manifest(&set).probes[0];
+    let places: Vec<_> = found.poses.iter().map(|pose| (pose.frame, pose.position)).collect();
+    assert_eq!(places, [(1, [1.0, 2.0, 3.0]), (2, [2.0, 2.0, 3.0]), (3, [3.0, 2.0, 3.0])]);
+    assert_eq!((found.intrinsics, found.position), (Some([10.0, 10.0, 4.0, 3.0]), None));
+    encodes(folder.path());
+    write(&[1, 2]);
+    assert_says(&init(folder.path()), &["transforms.json was left out", "nor one for each frame", "the probe stands"]);
+    std::fs::write(set.join("transforms.json"), "{").unwrap();
+    assert_says(&init(folder.path()), &["transforms.json was left out:"]);
+    std::fs::remove_file(set.join("transforms.json")).unwrap();
+
+    // COLMAP, of one camera that stands still, under the name of the probe.
+    std::fs::write(set.join("cameras.txt"), "1 PINHOLE 8 6 10 10 4 3\n").unwrap();
+    let probe = &manifest(&set).probes[0].name;
+    std::fs::write(set.join("images.txt"), format!("1 1 0 0 0 -1 -2 -3 1 {probe}.png\n\n")).unwrap();
+    init(folder.path());
+    let found = &manifest(&set).probes[0];
+    assert_eq!((found.position, found.intrinsics), (Some([1.0, 2.0, 3.0]), Some([10.0, 10.0, 4.0, 3.0])));
+    assert!(found.poses.is_empty());
 }
 
 #[test]

@@ -164,7 +164,7 @@ fn rows_of_frames_are_what_a_decoder_does() {
         let bytes = encoded(&StreamKind::ALL, &settings);
         let decoder = decoder(&bytes);
         let inspection = inspected(&decoder, ALL_ROWS).unwrap();
-        assert_eq!(inspection.rows.len(), 6 * FRAMES as usize);
+        assert_eq!(inspection.rows.len(), 8 * FRAMES as usize);
         for stats in &inspection.streams {
             let stream = stats.stream;
             let rows: Vec<_> = inspection.rows.iter().filter(|row| row.stream.index == stream.index).collect();
@@ -237,8 +237,8 @@ fn counts_are_those_of_the_picture() {
         let boxed = row.stream.index == px.stream.index && row.frame % 4 != 0;
         assert_eq!(row.cost.aabbs > 0, boxed, "frame {}", row.frame);
     }
-    assert_eq!(inspection.totals(None).frames, 6 * frames);
-    assert_eq!(inspection.totals(None).raw_bytes, 2 * frames * 32 * 32 * (3 + 4 + 3));
+    assert_eq!(inspection.totals(None).frames, 8 * frames);
+    assert_eq!(inspection.totals(None).raw_bytes, 2 * frames * 32 * 32 * (3 + 4 + 3 + 1));
 }
 
 #[test]
@@ -409,7 +409,7 @@ fn json_has_the_keys_that_scripts_depend_on() {
     let text = stdout(&lightfold(&["inspect", "a.lfold", "--json", "--per-frame", "--verify"], folder.path()));
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["bytes"], bytes.len());
-    assert_eq!((&json["frames"], &json["probes"]), (&60.into(), &1.into()));
+    assert_eq!((&json["frames"], &json["probes"]), (&80.into(), &1.into()));
     for key in ["raw_bytes", "ratio_percent", "name", "fps", "projection", "format_version", "chunks"] {
         assert!(!json[key].is_null(), "{key}");
     }
@@ -421,6 +421,7 @@ fn json_has_the_keys_that_scripts_depend_on() {
         let more = match stream["kind"].as_str().unwrap() {
             "color" => "keyframes_per_cell static_cells min_psnr_db transfer exposure_ev".to_owned(),
             "depth" => format!("{temporal} near_m far_m background depth_kind"),
+            "alpha" => "error_bound_codes window keyframe_interval constant_units predicted_blocks".to_owned(),
             _ => temporal.to_owned(),
         };
         for key in always.split_whitespace().chain(more.split_whitespace()) {
@@ -433,7 +434,7 @@ fn json_has_the_keys_that_scripts_depend_on() {
     let depth = &json["streams"][2];
     assert_eq!((&depth["near_m"], &depth["background_is"]), (&1.0.into(), &"inf".into()));
     assert_eq!(json["kinds"]["color"]["temporal_bytes"], json["kinds"]["color"]["bytes"]);
-    assert_eq!(json["frame_rows"].as_array().unwrap().len(), 60);
+    assert_eq!(json["frame_rows"].as_array().unwrap().len(), 80);
     assert_eq!(json["frame_rows"][0]["keyframe_units"], 4);
     assert_eq!(json["verify"]["damaged"], serde_json::json!([]));
     assert_eq!(json["probe_list"][0]["position"], serde_json::json!([1.0, 2.0, 3.0]));
@@ -449,7 +450,7 @@ fn csv_has_a_row_for_each_stream_or_frame() {
         (headings, rows)
     };
     let (headings, rows) = parse(stdout(&lightfold(&["inspect", "a.lfold", "--csv"], folder.path())));
-    assert_eq!(rows.len(), 6);
+    assert_eq!(rows.len(), 8);
     let at = |name: &str| headings.iter().position(|heading| heading == name).unwrap();
     assert_eq!((&rows[0][at("kind")], &rows[0][at("keyframes_per_cell_max")]), ("color", "10"));
     assert_eq!((&rows[2][at("background")], &rows[2][at("static_cells")]), ("inf", ""));

@@ -26,6 +26,7 @@ use lightfold::scene::{
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::capture::files;
 use crate::commands::{fine, refused};
 
 const VIEWS: u32 = 7;
@@ -289,14 +290,17 @@ fn report(line: &str, folder: &Path) -> Value {
 }
 
 #[test]
-fn quilts_have_the_bytes_of_their_halves_joined() {
+fn parts_have_the_files_of_the_whole_and_quilts_join_them() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     let said = report(&format!("{LINE} --views 12 --baseline 0.3 --quilt 4x3 -o q.png --json"), at);
     assert!(said["quilt"].as_str().unwrap().ends_with("q_qs4x3a0.75.png"), "{said}");
-    for half in ["0-5", "6-11"] {
-        fine(&format!("{LINE} --views 12 --baseline 0.3 --view-range {half} -o v/%04d.png"), at);
+    // Three machines, one of which ran twice.
+    for part in ["5-8", "0-4", "9-11", "5-8"] {
+        fine(&format!("{LINE} --views 12 --baseline 0.3 --view-range {part} -o v/%04d.png"), at);
     }
+    fine(&format!("{LINE} --views 12 --baseline 0.3 -o whole/%04d.png"), at);
+    assert!(files(&at.join("v")) == files(&at.join("whole")), "parts have other files than one run");
     fine("quilt v/%04d.png --quilt 4x3 -o joined.png", at);
     let bytes = |name: &str| std::fs::read(at.join(name)).unwrap();
     assert_eq!(bytes("q_qs4x3a0.75.png"), bytes("joined_qs4x3a0.75.png"));

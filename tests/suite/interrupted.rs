@@ -10,6 +10,8 @@ use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
+use crate::commands::fine;
+
 const FRAMES: u32 = 40;
 
 /// A dataset, a folder to write to, and an encode of many small chunks.
@@ -165,6 +167,29 @@ fn signals_leave_what_is_complete_and_say_so() {
             assert_eq!(chunks(&words), taken_over(&resumed), "{words}{resumed}");
         }
     }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_killed_shard_resumes_and_all_join_to_the_same_bytes() {
+    let place = Place::new();
+    let whole = place.whole();
+    let folder = place.folder.path();
+    for shard in ["1/3", "2/3", "3/3"] {
+        let is_killed = shard == "2/3";
+        if is_killed {
+            let child = place.at_work(&["--shard", shard]);
+            signal(&child, "-KILL");
+            assert_eq!(end(child).0, None);
+            assert_eq!(place.names(), STATE);
+        }
+        let done = place.run(&["--shard", shard, "--resume"]);
+        assert!(done.status.success(), "{}", said(&done));
+        assert_eq!(said(&done).contains("resuming after "), is_killed, "{}", said(&done));
+        fs::rename(place.out().join("a.lfold"), folder.join(format!("{}.lfold", &shard[..1]))).unwrap();
+    }
+    fine("pack 1.lfold 2.lfold 3.lfold -o joined.lfold", folder);
+    assert!(fs::read(folder.join("joined.lfold")).unwrap() == whole, "other bytes");
 }
 
 #[test]

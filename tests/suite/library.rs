@@ -151,7 +151,7 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
             assert!(face.decode_into(0, PixelsMut::DepthCodes(&mut codes)).is_err());
         }
     }
-    assert_eq!(lightfold::inspect::statistics(&decoder).unwrap().streams.len(), 6);
+    assert_eq!(lightfold::inspect::statistics(&decoder).unwrap().streams.len(), 8);
 }
 
 #[test]

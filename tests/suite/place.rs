@@ -55,6 +55,10 @@ fn cameras_are_written_and_what_they_cover_is_told() {
     // The table has the same cameras, and standard output the same file.
     let text = String::from_utf8(fine(&format!("{SMALL} --cameras 3 -o again.json"), folder.path()).stdout).unwrap();
     assert!(text.contains("Coverage") && text.contains("again.json"), "{text}");
+    // In percent of what is reachable.
+    let of_reachable = format!("{:.2}", 100.0 * report["coverage_of_reachable"].as_f64().unwrap());
+    let last = text.lines().find(|line| line.trim_start().starts_with("02 ")).unwrap();
+    assert_eq!(last.split_whitespace().nth(5), Some(of_reachable.as_str()), "{text}");
     let piped = fine(&format!("{SMALL} --cameras 3 -q -o -"), folder.path());
     let written = fs::read(folder.path().join("cameras.json")).unwrap();
     assert!(piped.stdout == written && piped.stderr.is_empty());

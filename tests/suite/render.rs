@@ -59,6 +59,40 @@ fn pictures_do_not_depend_on_threads_acceleration_or_what_is_out_of_sight() {
 }
 
 #[test]
+fn shards_render_the_pictures_of_one_run() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let line = format!("render a.lfold {EYE} --frames 0-2");
+    for (output, name) in [("%04d.png", "pattern"), ("", "folder")] {
+        fine(&format!("{line} -o {name}/one/{output}"), at);
+        // One of them twice.
+        let frames = [2, 1, 2].map(|shard| {
+            let told = report(&format!("{line} --shard {shard}/2 -o {name}/parts/{output} --stats --json"), at);
+            number(&told, "/frames")
+        });
+        assert_eq!(frames, [2.0, 1.0, 2.0]);
+        let read = |folder: &str| {
+            let folder = at.join(name).join(folder);
+            files(&folder)
+                .into_iter()
+                .map(|file| (std::fs::read(folder.join(&file)).unwrap(), file))
+                .collect::<Vec<_>>()
+        };
+        assert!(read("one") == read("parts") && read("one").len() == 3, "{name}: other pictures than one run");
+    }
+    for (more, words) in [
+        ("--shard 1/4 -o v/%04d.png", "--shard 1/4: 3 frames make at most 3 shards"),
+        ("--shard 1/3 -o v.png", "one file, and --shard writes some of many"),
+        ("--shard 1/3 -o -", "--shard renders a part of the pictures"),
+    ] {
+        let said = refused(&format!("{line} {more}"), at);
+        assert!(said.contains(words), "{said}");
+    }
+    assert_eq!(files(at), ["a.lfold", "captured", "folder", "pattern"]);
+}
+
+#[test]
 fn figures_are_told() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();

@@ -106,8 +106,8 @@ fn encoded_with(folder: &Path, settings: &EncodeSettings) -> Decoder {
     Decoder::new(Reader::from_memory(bytes).unwrap()).unwrap()
 }
 
-fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, renderer: &mut dyn Renderer) -> Rendered {
-    let request = FrameRequest { frame: 0, cameras: vec![image.camera] };
+fn picture(playback: &mut Playback<'_>, camera: Camera, renderer: &mut dyn Renderer) -> Rendered {
+    let request = FrameRequest { frame: 0, cameras: vec![camera] };
     playback.show(&request, renderer, &Silent).unwrap().pictures.remove(0)
 }
 
@@ -125,7 +125,7 @@ fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
             let truth = reference.truth(at, 0).unwrap();
             let distance_m = reference.distance_m(at, 0).unwrap();
             let mut by = renderer(method, image.size, distance_m);
-            let rendered = picture(&mut playback, image, by.as_mut());
+            let rendered = picture(&mut playback, image.camera(0), by.as_mut());
             sum.merge(&Similarity::of(&rendered.image, &truth, tone).unwrap()).unwrap();
         }
         assert_eq!(sum.images, 6);
@@ -217,10 +217,9 @@ fn beside_a_probe(decoder: &Decoder, reference: &Reference, specular: SpecularMo
     let mut playback = Playback::new(decoder, PlaybackOptions::default()).unwrap();
     let images = reference.images.iter().filter(|image| image.probe == "00");
     let of_image = |image: &ReferenceImage| {
-        let mut image = image.clone();
-        image.camera = image.camera.moved(DVec3::X * right_m);
+        let camera = image.camera(0).moved(DVec3::X * right_m);
         let options = PictureOptions { size: image.size, specular, ..PictureOptions::default() };
-        picture(&mut playback, &image, &mut CpuRenderer::new(options))
+        picture(&mut playback, camera, &mut CpuRenderer::new(options))
     };
     images.map(of_image).collect()
 }
@@ -282,7 +281,7 @@ fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let options = PictureOptions { size: image.size, specular, ..PictureOptions::default() };
-            let rendered = picture(&mut playback, image, &mut CpuRenderer::new(options));
+            let rendered = picture(&mut playback, image.camera(0), &mut CpuRenderer::new(options));
             sum.merge(&Similarity::of(&rendered.image, &reference.truth(at, 0).unwrap(), tone).unwrap()).unwrap();
         }
         sum
@@ -354,7 +353,7 @@ fn a_probe_that_takes_part_comes_back_code_by_code() {
     for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == "03") {
         for (name, method) in METHODS {
             let distance_m = reference.distance_m(at, 0).unwrap();
-            let rendered = picture(&mut playback, image, renderer(method, image.size, distance_m).as_mut());
+            let rendered = picture(&mut playback, image.camera(0), renderer(method, image.size, distance_m).as_mut());
             let field = &playback.player.field;
             let ColorCoding::Codes(tone) = field.coding else { panic!("8-bit colour was asked for") };
             let Some(ColorTexels::Codes(texels)) = field.views[0].faces[image.face as usize].as_ref().map(|f| &f.color)

@@ -2,17 +2,25 @@
 
 use lightfold::Error;
 use lightfold::container::Reader;
-use lightfold::encode::{self, Part, ScanFile, Shard, ShardBy};
+use lightfold::encode::{self, Part, ScanFile, Shard, ShardBy, ShardChoice};
+use lightfold::image::{FrameRange, StreamKind};
 use lightfold::monitor::Silent;
 use lightfold::pack::{PackSettings, pack};
 
 use crate::resume_footage::{Footage, all, dataset};
 use crate::samples::Random;
 
+/// A shard, encoded.
+fn encoded(footage: &Footage, part: Part<'_>) -> Vec<u8> {
+    let (source, settings) = (footage.source(), &footage.settings);
+    let probes: Vec<usize> = (0..source.probes().len()).collect();
+    let part = part.with_scans(encode::scan_probes(&source, settings, &probes, &Silent).unwrap());
+    encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0
+}
+
 /// All shards, encoded; `None` where the footage cannot be cut so.
 fn shards(footage: &Footage, count: u32, by: ShardBy) -> Option<Vec<Vec<u8>>> {
     let (source, settings) = (footage.source(), &footage.settings);
-    let probes: Vec<usize> = (0..source.probes().len()).collect();
     let mut shards = Vec::new();
     for number in 1..=count {
         let part = match Part::shard(&source, settings, Shard { number, count }, by) {
@@ -20,8 +28,7 @@ fn shards(footage: &Footage, count: u32, by: ShardBy) -> Option<Vec<Vec<u8>>> {
             Err(Error::Usage(_)) if number == 1 => return None,
             Err(error) => panic!("{error}"),
         };
-        let part = part.with_scans(encode::scan_probes(&source, settings, &probes, &Silent).unwrap());
-        shards.push(encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0);
+        shards.push(encoded(footage, part));
     }
     Some(shards)
 }
@@ -74,6 +81,55 @@ fn the_transform_codec_is_cut_in_time_every_fourth_chunk() {
 }
 
 #[test]
+fn shards_of_chosen_probes_kinds_and_frames_join_to_one_encode() {
+    let footage = dataset();
+    let (source, settings) = (footage.source(), &footage.settings);
+    let whole = encode::encode(&source, settings, Vec::new(), &Silent).unwrap().0;
+    let shard = |number, probes: &[&str], kinds: &[StreamKind], frames: Option<[u32; 2]>| {
+        let choice = ShardChoice {
+            probes: probes.iter().map(|&name| name.to_owned()).collect(),
+            kinds: kinds.to_vec(),
+            frames: frames.map(|[first, last]| FrameRange { first, last }),
+        };
+        Part::chosen(&source, settings, Shard { number, count: 4 }, &choice).map(|part| encoded(&footage, part))
+    };
+    let others = [StreamKind::Depth, StreamKind::Material];
+    let files = [
+        shard(1, &[], &[StreamKind::Color], None),
+        shard(2, &["a"], &others, Some([10, 15])),
+        shard(3, &["a"], &others, Some([16, 20])),
+        shard(4, &["b"], &others, None),
+    ]
+    .map(Result::unwrap);
+    assert!(joined(&[3, 1, 0, 2, 1].map(|at: usize| files[at].clone())).unwrap() == whole);
+    let message = refused(&files[..3]);
+    assert!(message.contains("shard 4 of 4 is missing: frame 13 of depth of probe b"), "{message}");
+    // All four numbers, and still not all frames.
+    let less = shard(3, &["a"], &others, Some([19, 20])).unwrap();
+    let message = refused(&[files[0].clone(), files[1].clone(), less, files[3].clone()]);
+    assert!(message.contains("give one of them what is missing: frame 16 of depth of probe a"), "{message}");
+    for more in [[10, 12], [13, 18]] {
+        let message = refused(&[&files[..], &[shard(3, &["a"], &others, Some(more)).unwrap()]].concat());
+        assert!(message.contains("shards must not overlap"), "{message}");
+    }
+    for (probes, kinds, frames, words) in [
+        (
+            &["a"][..],
+            &others[..],
+            Some([10, 16]),
+            "`shard_frames` 10-16: depth of probe a can end at frame 15 or 18, not at 16",
+        ),
+        (&[], &others, Some([12, 20]), "depth of probe a begins anew at frame 10 or 13, not at 12"),
+        (&[], &[], Some([10, 15]), "color of probe a can end at frame 20, not at 15"),
+        (&["c"], &[], None, "`shard_probe` c: the probes are a, b"),
+        (&["b"], &[], Some([10, 12]), "no stream has the probes, kinds and frames"),
+    ] {
+        let message = shard(1, probes, kinds, frames).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
+}
+
+#[test]
 fn what_is_missing_or_does_not_belong_is_named() {
     let mut footage = dataset();
     let files = shards(&footage, 4, ShardBy::Segment).unwrap();
@@ -87,7 +143,7 @@ fn what_is_missing_or_does_not_belong_is_named() {
     let other_cut = shards(&footage, 4, ShardBy::Probe);
     assert!(other_cut.is_none(), "two probes cannot make four shards");
     let message = refused(&[&shards(&footage, 2, ShardBy::Time).unwrap()[..1], &files[..1]].concat());
-    assert!(message.contains("different divisions") || message.contains("does not continue"), "{message}");
+    assert!(message.contains("different divisions") || message.contains("overlap"), "{message}");
     footage.settings.search.min_psnr_db += 1.0;
     let others = shards(&footage, 4, ShardBy::Segment).unwrap();
     let message = refused(&[&files[..3], &others[3..]].concat());
@@ -113,7 +169,7 @@ fn scans_of_shards_merge_to_the_scan_of_all_and_serve_encodes() {
     }
     let first = scan(Some(Shard { number: 1, count: 3 }));
     let message = first.scans(&source, settings).unwrap_err().to_string();
-    assert!(message.contains("the scan ends before frame"), "{message}");
+    assert!(message.contains("the scan lacks frames 1"), "{message}");
     let scans = scan(None).scans(&source, settings).unwrap();
     let part = Part::whole(&source, scans);
     assert!(encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0 == whole, "a scan changes the container");

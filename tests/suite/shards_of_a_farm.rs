@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 use crate::resume_footage::dataset;
 
 #[test]
@@ -16,6 +16,9 @@ fn a_farm_writes_the_bytes_of_one_machine() {
     }
     let message = refused("encode . --clip --scan scan-2.json -o no.lfold", folder);
     assert!(message.contains("scan-2.json") && message.contains("merge them"), "{message}");
+    let message = refused("scan --merge scan-1.json scan-3.json -o scan.json", folder);
+    assert!(message.contains("none of these scans has frames 1") && message.contains("of probe "), "{message}");
+    assert!(!folder.join("scan.json").exists());
     fine("scan --merge scan-3.json scan-1.json scan-2.json scan-1.json -o scan.json", folder);
     fine("scan . -o all.json", folder);
     assert_eq!(fs::read(folder.join("scan.json")).unwrap(), fs::read(folder.join("all.json")).unwrap());
@@ -41,4 +44,99 @@ fn a_farm_writes_the_bytes_of_one_machine() {
     let message = refused("encode . --clip --shard 4/3 -o no.lfold", folder);
     assert!(message.contains("write I/N with I from 1 to N"), "{message}");
     assert!(!folder.join("no.lfold").exists());
+}
+
+#[test]
+fn scans_that_have_not_ended_may_be_merged_later() {
+    let footage = dataset();
+    let folder = footage.folder.path();
+    // The options of encode, of which some have no effect on it.
+    fine("scan . -o scan.json --clip --depth-codec quadtree --psnr 45 --lzma2=1 --preset small", folder);
+    let whole = fs::read(folder.join("scan.json")).unwrap();
+    let mut scan: serde_json::Value = serde_json::from_slice(&whole).unwrap();
+    scan["parts"].as_array_mut().unwrap().pop();
+    scan["is_unfinished"] = true.into();
+    fs::write(folder.join("part.json"), scan.to_string()).unwrap();
+    let early = lightfold(&["scan", "--merge", "part.json", "-o", "merged.json"], folder);
+    let said = String::from_utf8(early.stderr).unwrap();
+    assert_eq!(early.status.code(), Some(75), "{said}");
+    assert!(said.contains("part.json: this scan has not ended, and none has frames 13-19 of probe b, face "), "{said}");
+    assert!(!folder.join("merged.json").exists());
+    for (words, is_said) in [("nothing was left to scan", false), ("nothing was left to scan", true)] {
+        let said = String::from_utf8(fine("scan . -o part.json --resume", folder).stderr).unwrap();
+        assert_eq!(said.contains(words), is_said, "{said}");
+        assert!(fs::read(folder.join("part.json")).unwrap() == whole, "other bytes");
+    }
+    fine("scan --merge part.json -o merged.json", folder);
+    assert!(fs::read(folder.join("merged.json")).unwrap() == whole, "other bytes");
+}
+
+#[test]
+fn a_shard_that_is_complete_is_not_encoded_again() {
+    let footage = dataset();
+    let folder = footage.folder.path();
+    let file = folder.join("a.lfold");
+    let line = "encode . --clip --shard 2/3 --resume --json -o a.lfold";
+    // Whether it was complete already, and its report without times.
+    let run = |line: &str| {
+        let done = fine(line, folder);
+        let mut report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+        let is_complete = report["coding_thread_seconds"] == 0.0;
+        for key in [
+            "seconds",
+            "reading_thread_seconds",
+            "scanning_thread_seconds",
+            "coding_thread_seconds",
+            "peak_memory_bytes",
+            "resumed_chunks",
+        ] {
+            report.as_object_mut().unwrap().remove(key);
+        }
+        (is_complete, report)
+    };
+    let (is_complete, report) = run(line);
+    let (bytes, written) = (fs::read(&file).unwrap(), fs::metadata(&file).unwrap().modified().unwrap());
+    assert!(!is_complete);
+    assert_eq!(run(line), (true, report.clone()));
+    let said = String::from_utf8(fine(&line.replace(" --json", ""), folder).stderr).unwrap();
+    assert!(said.contains("a.lfold: this shard is complete; nothing was left to encode"), "{said}");
+    assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), written, "it was written again");
+    // Cut short; of older images than there are; without --resume.
+    fs::write(&file, &bytes[..bytes.len() - 1]).unwrap();
+    assert_eq!(run(line), (false, report.clone()));
+    for face in ["px", "ny"] {
+        let image = folder.join(format!("b/{face}/c.0015.exr"));
+        fs::write(&image, fs::read(&image).unwrap()).unwrap();
+    }
+    assert_eq!(run(line), (false, report.clone()));
+    assert_eq!(run(line), (true, report.clone()));
+    assert_eq!(run(&line.replace(" --resume", "")), (false, report));
+    assert!(fs::read(&file).unwrap() == bytes, "other bytes");
+    // Another shard, other settings.
+    for (from, to) in [("2/3", "1/3"), ("--shard 2/3", "--shard 2/3 --shard-by time"), ("--clip", "--clip --psnr 30")] {
+        assert!(!run(&line.replace(from, to)).0, "{to}");
+        assert!(!run(line).0, "after {to}");
+    }
+}
+
+#[test]
+fn a_studio_says_what_a_shard_has() {
+    let footage = dataset();
+    let folder = footage.folder.path();
+    let options = "encode . --clip --depth-codec quadtree --keyframe-interval 3";
+    fine(&format!("{options} -o one.lfold"), folder);
+    for (number, choice) in [
+        (1, "--shard-stream color"),
+        (2, "--shard-stream depth,material --shard-frames 10-15"),
+        (3, "--shard-stream depth,material --shard-frames 16-20"),
+    ] {
+        fine(&format!("{options} --shard {number}/3 {choice} -o {number}.lfold"), folder);
+    }
+    fine("pack 2.lfold 3.lfold 1.lfold -o joined.lfold", folder);
+    let read = |name: &str| fs::read(folder.join(name)).unwrap();
+    assert!(read("joined.lfold") == read("one.lfold"), "other bytes");
+    let said = refused(&format!("{options} --shard 1/2 --shard-frames 10-14 --shard-stream depth -o no.lfold"), folder);
+    assert!(said.contains("--shard-frames 10-14: depth of probe a can end at frame 12 or 15, not at 14"), "{said}");
+    refused(&format!("{options} --shard-frames 10-15 -o no.lfold"), folder);
+    refused(&format!("{options} --shard 1/2 --shard-by time --shard-probe a -o no.lfold"), folder);
 }

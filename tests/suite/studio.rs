@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use exr::prelude::{Blocks, Compression, FlatSamples, IntegerBounds, Vec2};
 use half::f16;
 use lightfold::dataset::{Source, SourceOptions, StreamKind};
-use lightfold::image::{Face, ImageProjection};
+use lightfold::image::{Face, ImageProjection, exr as ours};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
@@ -428,6 +428,20 @@ fn a_moving_camera_has_a_pose_for_each_frame() {
     assert_eq!(said, "");
     assert_eq!(decoded.probes()[0].poses, probe.poses);
     check_view(&decoded);
+    // Pictures are taken, and compared, from the pose of their frame.
+    fine("render film.lfold --frames 2-3 --size 16 -o own.%04d.exr", studio.0.path());
+    for frame in [2, 3] {
+        let read =
+            |name: String| ours::read_color(&studio.0.path().join(name), &Default::default(), &Default::default());
+        let [shown, taken] =
+            [format!("own.{frame:04}.exr"), format!("in/m.{frame:04}.exr")].map(|name| read(name).unwrap());
+        let error = shown.data().as_flattened().iter().zip(taken.data().as_flattened());
+        let most = error.map(|(a, b)| (a.to_f32() - b.to_f32()).abs()).fold(0.0, f32::max);
+        assert!(most < 0.02, "frame {frame}: {most}");
+    }
+    let report = fine("render film.lfold --reference in --null --json", studio.0.path()).stdout;
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert!(report["reference"]["psnr_db"].as_f64().unwrap() > 40.0, "{report}");
 }
 
 #[test]

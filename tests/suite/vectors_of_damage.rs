@@ -109,7 +109,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("probe-position", edited(|i| i.probes[0].position[1] = f64::INFINITY), "position or orientation is inf"));
     all.push(("probe-orientation", edited(|i| i.probes[0].orientation[3] = f64::NAN), "orientation is NaN"));
     all.push(("probe-intrinsics", edited(|i| i.probes[0].intrinsics[0] = f64::NAN), "a probe's intrinsics is NaN"));
-    all.push(("stream-kind", edited(|i| i.streams[0].kind = 3), "a stream of kind 3 and face 0 is unknown"));
+    all.push(("stream-kind", edited(|i| i.streams[0].kind = 3), "a stream of kind 3 uses codec 'DAAB'"));
+    all.push(("stream-kind-unknown", edited(|i| i.streams[0].kind = 4), "a stream of kind 4 and face 0 is unknown"));
     all.push(("stream-face", edited(|i| i.streams[0].face = 7), "a stream of kind 1 and face 7 is unknown"));
     all.push(("stream-probe", edited(|i| i.streams[0].probe = 1), "a stream names probe 1, the file has 1"));
     all.push(("stream-no-width", edited(|i| i.streams[0].width = 0), "each must be 1 to 16384"));

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::cli::options::{self, Choices, FrameArgs, one_of, parse_point};
+use crate::cli::options::{self, Choices, FrameArgs, one_of, parse_point, parse_shard};
 use crate::dataset::manifest::parse_frame_rate;
+use crate::encode::Shard;
 use crate::image::{DepthKind, Projection};
 use crate::scene::Pass;
 
@@ -18,7 +19,8 @@ use crate::scene::Pass;
     lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
     lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
     lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
-    lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
+    lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n  \
+    lightfold capture scene.glb --cameras cameras.json --shard 3/8 -o cap\n\n\
     SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence.\n\n\
     --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
     camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\", \"shift\" (the middle of the image \
@@ -30,7 +32,11 @@ use crate::scene::Pass;
     Colour is the mean of a pixel's samples. All else is sampled by one ray through the pixel centre, unfiltered. The \
     result does not depend on the number of threads.\n\n\
     A capture that stops early keeps its images beside DIR. The same command with --resume continues and writes the same \
-    bytes. A dataset in DIR is replaced only by one that has all of its images."
+    bytes. A dataset in DIR is replaced only by one that has all of its images.\n\n\
+    With --shard I/N machines capture a share of the images each, by probe, then by frame, into one new folder. Images of a \
+    shard appear in DIR when all of them are captured, with the manifest of all images, which every shard writes with the same \
+    bytes. When all N shards have run, in any order, DIR has the files of one run; before that, commands that \
+    need a missing image end with exit code 75."
 )]
 pub struct Args {
     /// A file (glTF, GLB, OBJ) or a built-in scene
@@ -53,6 +59,9 @@ pub struct Args {
     pub animation: Option<String>,
     #[command(flatten)]
     pub frames: FrameArgs,
+    /// Capture one shard of the images, such as 3/8, into the folder of all shards
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
     /// Frames per second
     #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_fps)]
     pub fps: f64,

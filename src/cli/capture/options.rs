@@ -88,7 +88,7 @@ impl Args {
         let fps = self.fps;
         let wanted = || wanted_frames(&cameras, || frames_of_animation(scene.duration_s(), fps));
         let frames = self.frames.frames.map_or_else(wanted, Ok)?;
-        Ok(CapturePlan {
+        let plan = CapturePlan {
             name: self.name(),
             fps,
             frames,
@@ -100,7 +100,10 @@ impl Args {
             samples: self.samples,
             depth: self.depth,
             far_m: self.far.unwrap_or(f64::INFINITY),
-        })
+            part: None,
+        };
+        let part = self.shard.map(|shard| shard.range(plan.request_count(), "view")).transpose()?;
+        Ok(CapturePlan { part, ..plan })
     }
 
     fn name(&self) -> String {

@@ -18,14 +18,15 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
     #[command(flatten)]
-    pub channels: ChannelArgs,
-    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
-    #[arg(long, value_parser = one_of(COLOR_SPACES))]
-    pub color_space: Option<ColorSpace>,
-    #[command(flatten)]
     pub missing: MissingArgs,
     #[command(flatten)]
     pub frames: FrameArgs,
+    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
+    #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
+    pub color_space: Option<ColorSpace>,
+    // Groups with headings come last: a heading goes on until the next.
+    #[command(flatten)]
+    pub channels: ChannelArgs,
 }
 
 impl DatasetArgs {

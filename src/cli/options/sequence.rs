@@ -51,9 +51,10 @@ pub struct SequenceInputArgs {
     #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face, help_heading = "Sequence")]
     pub face: Face,
     #[command(flatten)]
-    pub images: ImageArgs,
-    #[command(flatten)]
     pub effort: EffortArgs,
+    // Groups with headings come last: a heading goes on until the next.
+    #[command(flatten)]
+    pub images: ImageArgs,
 }
 
 #[derive(Debug, Clone, Args)]

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use crate::encode::{Shard, ShardBy};
+use super::parse_kind;
+use crate::encode::{EncodeSettings, FrameSource, Part, Shard, ShardBy, ShardChoice};
+use crate::error::Result;
+use crate::image::{FrameRange, StreamKind};
 
 const SHARD_BYS: &Choices<ShardBy> = &[
     ("auto", ShardBy::Segment, "Streams and segments of these in time: the most even shards"),
@@ -32,7 +35,34 @@ pub struct ShardArgs {
     /// What shards are cut along
     #[arg(long, value_name = "WHAT", value_parser = one_of(SHARD_BYS), default_value = "auto", requires = "shard")]
     pub shard_by: ShardBy,
+    /// Probes of this shard, which then has what is said of it, in place of an even share
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "shard", conflicts_with = "shard_by")]
+    pub shard_probe: Vec<String>,
+    /// Kinds of streams of this shard: color, depth, material
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = parse_kind, requires = "shard",
+        conflicts_with = "shard_by")]
+    pub shard_stream: Vec<StreamKind>,
+    /// Frames of this shard, which begin and end where keyframes let all its streams be cut
+    #[arg(long, value_name = "A-B", requires = "shard", conflicts_with = "shard_by")]
+    pub shard_frames: Option<FrameRange>,
     /// Depth ranges found by scan; without them each shard reads all depth images of its probes
     #[arg(long, value_name = "FILE")]
     pub scan: Option<PathBuf>,
+}
+
+impl ShardArgs {
+    /// The shard that is asked for, without scans.
+    pub fn part<'a>(&self, source: &'a dyn FrameSource, settings: &EncodeSettings) -> Result<Option<Part<'a>>> {
+        let Some(shard) = self.shard else { return Ok(None) };
+        let choice = ShardChoice {
+            probes: self.shard_probe.clone(),
+            kinds: self.shard_stream.clone(),
+            frames: self.shard_frames,
+        };
+        match choice == ShardChoice::default() {
+            true => Part::shard(source, settings, shard, self.shard_by),
+            false => Part::chosen(source, settings, shard, &choice),
+        }
+        .map(Some)
+    }
 }

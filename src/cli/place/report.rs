@@ -170,7 +170,7 @@ impl Report<'_> {
         };
         let aside = if self.is_written(placement) { "" } else { ", for comparison: not written" };
         format!(
-            "{}: {of}{aside}. In percent; reachable: coverage {}{within}",
+            "{}: {of}{aside}. In percent of what is reachable, which is of all surfaces: coverage {}{within}",
             self.args.scene,
             percent(reachable.coverage)
         )
@@ -185,6 +185,8 @@ impl Report<'_> {
         let is_diffuse = placement.lighting == Lighting::Diffuse;
         let beside = if is_diffuse { ">Weighted|>Within" } else { ">Seen" };
         let mut table = Table::new(&format!("Camera|>x|>y|>z|>Gain|>Coverage|{beside}"));
+        let reachable = placement.reachable;
+        let share = |value: f64, of: f64| percent(value / of.max(f64::MIN_POSITIVE));
         let bounds = self.search.region.bounds();
         let diagonal_m = (bounds.max - bounds.min).length();
         for (at, placed) in placement.cameras.iter().enumerate() {
@@ -192,9 +194,12 @@ impl Report<'_> {
             let Figures { coverage, seen, weighted, within } = placed.figures;
             let mark = if at < placement.started { " (given)" } else { "" };
             let name = if self.is_written(placement) { self.set.name_of(at) } else { at.to_string() };
-            let beside = if is_diffuse { vec![weighted, within] } else { vec![seen] };
-            let shares = [placed.gain, coverage].into_iter().chain(beside).map(percent);
-            table.row([format!("{name}{mark}"), x, y, z].into_iter().chain(shares));
+            let beside = match is_diffuse {
+                true => vec![share(weighted, reachable.weighted), share(within, reachable.within)],
+                false => vec![share(seen, reachable.seen)],
+            };
+            let shares = [placed.gain, coverage].map(|value| share(value, reachable.coverage));
+            table.row([format!("{name}{mark}"), x, y, z].into_iter().chain(shares).chain(beside));
         }
         table
     }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::options::{Given, MarchArgs, ProjectionArgs, TruthArgs, ViewArgs, parse_size};
 use crate::cli::device::{DEVICES, GpuArgs};
-use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of};
+use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
+use crate::encode::Shard;
 use crate::gpu::device::DeviceChoice;
 
 #[derive(Debug, clap::Args)]
@@ -19,6 +20,7 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --camera transforms.json --frames 0-95 -o - | ffmpeg -i - film.mp4\n  \
     lightfold render film.lfold --projection vr180 --stereo side-by-side --size 2048 -o vr.png\n  \
     lightfold render film.lfold --projection equirect --stereo over-under --aov depth -o all.exr\n  \
+    lightfold render film.lfold --camera path.json --shard 3/8 -o view.%04d.exr\n  \
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
     lightfold render film.lfold --camera path.json --aov depth,normal,holes -o view.%04d.exr\n  \
@@ -43,7 +45,7 @@ use crate::gpu::device::DeviceChoice;
     rays. The aspect of --size WxH overrides that of a camera.\n\n\
     The number in a file name is the frame. If several cameras share a frame, it is the index of the image in the path, from \
     0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
-    PNG; name a pattern for EXR.\n\n\
+    PNG; name a pattern for EXR. With --shard figures, --trace and --contact-sheet are of the pictures of the shard.\n\n\
     EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
     straight alpha. Alpha is 1, also for background and for holes filled with what is behind them; it is 0 where nothing is known, and \
     in holes with --holes nearest, which keeps their light in EXR images, or blank. With --background transparent it is the part of \
@@ -75,6 +77,9 @@ pub struct Args {
     pub size: Option<(u32, Option<u32>)>,
     #[command(flatten)]
     pub frames: FrameArgs,
+    /// Render one shard of the pictures, such as 3/8, into a pattern or a folder
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
     #[command(flatten)]
     pub projection: ProjectionArgs,
     #[command(flatten)]

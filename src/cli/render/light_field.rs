@@ -96,7 +96,7 @@ impl Subject for LightFieldSubject<'_> {
     }
 
     /// That of the first probe's face nz, or of its perspective image.
-    fn own_camera(&self) -> Result<(Camera, String)> {
+    fn own_camera(&self, frame: u32) -> Result<(Camera, String)> {
         let probe = self.playback.player.field.views.first().map(|view| view.probe);
         let images = || {
             let of_probe = |stream: &&StreamInfo| Some(stream.probe) == probe && stream.kind == StreamKind::Color;
@@ -106,7 +106,7 @@ impl Subject for LightFieldSubject<'_> {
         let image = ahead.ok_or_else(|| Error::Usage("name a camera: no probe has colour and depth".into()))?;
         let face = if image.face == Face::View { String::new() } else { format!(", face {}", image.face.name()) };
         let words = format!("rendering the view of probe {}{face}", self.decoder.probe(image).name);
-        Ok((upright_camera(self.decoder, image)?, words))
+        Ok((upright_camera(self.decoder, image, frame)?, words))
     }
 
     fn tone(&self) -> ToneMap {

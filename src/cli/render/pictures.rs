@@ -99,7 +99,7 @@ impl Pictures {
                 }
                 Destination::StandardOutput(stream)
             }
-            (Some(path), None) => Self::files(path, &numbers, args.projection.stereo.is_some())?,
+            (Some(path), None) => Self::files(path, &numbers, args)?,
         };
         if let Some(sheet) = &args.contact_sheet
             && sheet != Path::new("-")
@@ -118,7 +118,7 @@ impl Pictures {
         })
     }
 
-    fn files(path: &Path, numbers: &[u32], is_stereo: bool) -> Result<Destination> {
+    fn files(path: &Path, numbers: &[u32], args: &Args) -> Result<Destination> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let has_eyes = has_word(path);
         let Some(format) = FileFormat::of(path) else {
@@ -134,6 +134,12 @@ impl Pictures {
         };
         let pattern = Pattern::parse(&name.replace(WORD_FIELD, "")).map_err(|error| error.in_file(path))?;
         let count = numbers.len();
+        if !pattern.has_field() && args.shard.is_some() {
+            return refuse(format!(
+                "{}: one file, and --shard writes some of many; name a pattern such as view.%04d.png, or a folder",
+                path.display(),
+            ));
+        }
         if !pattern.has_field() && count != 1 {
             return refuse(format!(
                 "{}: one file, and {count} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
@@ -148,7 +154,7 @@ impl Pictures {
                 path.display(),
             ));
         }
-        if has_eyes && !is_stereo {
+        if has_eyes && args.projection.stereo.is_none() {
             return refuse(format!(
                 "{}: {WORD_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
                 path.display()

@@ -104,7 +104,7 @@ impl Subject for QuadSubject<'_> {
         asked.or(Some(FrameRange { first: self.scene.frame, last: self.scene.frame }))
     }
 
-    fn own_camera(&self) -> Result<(Camera, String)> {
+    fn own_camera(&self, _frame: u32) -> Result<(Camera, String)> {
         refuse("name a camera, with --eye and --look-at, or a file of cameras with --camera")
     }
 

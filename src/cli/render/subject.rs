@@ -29,8 +29,8 @@ pub trait Subject {
         asked
     }
 
-    /// The camera of a picture where none is asked for, and its words.
-    fn own_camera(&self) -> Result<(Camera, String)>;
+    /// The camera of a picture of a frame where none is asked for, and its words.
+    fn own_camera(&self, frame: u32) -> Result<(Camera, String)>;
 
     fn tone(&self) -> ToneMap;
 

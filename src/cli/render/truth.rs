@@ -98,12 +98,12 @@ impl TruthRun {
                 };
                 match jobs.iter_mut().find(same) {
                     Some(job) => {
-                        job.request.cameras.push(image.camera);
+                        job.request.cameras.push(image.camera(frame));
                         job.names.push(name);
                         job.references.push(at);
                     }
                     None => jobs.push(Job {
-                        request: FrameRequest { frame, cameras: vec![image.camera] },
+                        request: FrameRequest { frame, cameras: vec![image.camera(frame)] },
                         names: vec![name],
                         size: image.size,
                         references: vec![at],

@@ -1,7 +1,7 @@
 //! Runs commands of this program as processes of their own.
 
 use std::ffi::OsString;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::cli::EXIT_INTERRUPTED;
+use crate::cli::global::EXIT_RETRY;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::report::tradeoff::runner::{Runner, shell_line};
@@ -88,7 +89,12 @@ impl Runner for Children<'_> {
             let said = String::from_utf8_lossy(&said);
             let said = said.trim().lines().last().unwrap_or_default();
             let said = said.strip_prefix("lightfold: ").unwrap_or(said);
-            return Err(failed(if said.is_empty() { format!("it failed ({status})") } else { said.to_owned() }));
+            let said = if said.is_empty() { format!("it failed ({status})") } else { said.to_owned() };
+            // What may succeed later is no fault of the point.
+            return Err(match status.code() == Some(EXIT_RETRY.into()) {
+                true => Error::io("", std::io::Error::new(ErrorKind::WouldBlock, said)).context(shell_line(words)),
+                false => failed(said),
+            });
         }
         serde_json::from_slice(&out).map_err(|error| failed(format!("its report is no JSON: {error}")))
     }
@@ -131,4 +137,27 @@ fn read(from: Option<impl Read>) -> Vec<u8> {
         let _ = from.read_to_end(&mut bytes);
     }
     bytes
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use crate::cli::global::{EXIT_BAD_INPUT, exit_code};
+    use crate::monitor::Silent;
+
+    #[test]
+    fn what_a_child_may_try_again_its_parent_may_too() {
+        let shell = Children { program: "/bin/sh".into(), monitor: &Silent, start: Instant::now() };
+        let run = |script: &str| shell.run(&["-c".into(), script.into()]);
+        for (code, expected) in [(75, EXIT_RETRY), (2, EXIT_BAD_INPUT), (1, EXIT_BAD_INPUT), (130, EXIT_INTERRUPTED)] {
+            let error = run(&format!("echo 'lightfold: a: the disk is full' >&2; exit {code}")).unwrap_err();
+            assert_eq!(exit_code(&error), expected, "{error}");
+            let said = error.to_string();
+            assert!(
+                code == 130 || said.starts_with("lightfold -c ") && said.ends_with(": a: the disk is full"),
+                "{said}"
+            );
+        }
+        assert_eq!(run("echo '{\"a\": 1}'").unwrap()["a"], 1);
+    }
 }

@@ -1,9 +1,9 @@
-//! Poses of cameras from the attribute `worldToCamera` of EXR files.
+//! Poses of cameras from the attribute `worldToCamera` of EXR files, and their lenses from `worldToNDC` beside it.
 //!
 //! The matrix is for row vectors; x of the camera is right, y is up. Its z is not used, as some renderers look along it and
 //! others along its opposite: in a right-handed world the viewing direction is that of up × right.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DMat4, DQuat, DVec3};
 
 use super::sequences::Found;
 use crate::dataset::manifest::{Pose, Probe};
@@ -37,10 +37,54 @@ pub fn of(files: &Found, face: Face, frames: [u32; 2], limits: &ReadLimits) -> R
     Ok(is_whole.then(|| Probe { poses, ..Probe::default() }))
 }
 
+/// fx, fy, cx, cy in pixels of images of a size; `None` where the first file does not state them, or another lens than the last.
+pub fn lens(files: &Found, size: (u32, u32), frames: [u32; 2], limits: &ReadLimits) -> Option<[f64; 4]> {
+    let of = |frame: u32| {
+        let header = exr::read_header(&files.file(frame).ok()?, limits).ok()?;
+        intrinsics(header.world_to_camera?, header.world_to_ndc?, [size.0, size.1].map(f64::from))
+    };
+    let [first, last] = frames.map(of);
+    let [first, last] = [first?, last?];
+    first.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-3 * size.0.max(size.1) as f64).then_some(first)
+}
+
+fn intrinsics(to_camera: [f32; 16], to_ndc: [f32; 16], size: [f64; 2]) -> Option<[f64; 4]> {
+    // As they stand there, column by column, these are matrices for column vectors.
+    let [to_camera, to_ndc] = [to_camera, to_ndc].map(|matrix| DMat4::from_cols_array(&matrix.map(f64::from)));
+    let matrices = match is_transposed(|row, column| to_camera.col(row)[column]) {
+        true => [to_camera.transpose(), to_ndc.transpose()],
+        false => [to_camera, to_ndc],
+    };
+    let projection = matrices[1] * matrices[0].inverse();
+    // All is divided by a multiple of the camera's z.
+    let weight = projection.z_axis.w;
+    let is_perspective = projection.x_axis.w.abs().max(projection.y_axis.w.abs()) < 1e-3 * weight.abs();
+    if !is_perspective || !projection.is_finite() {
+        return None;
+    }
+    let centre = [projection.z_axis.x / weight, projection.z_axis.y / weight];
+    let (least, span) = match centre {
+        [x, y] if x.abs().max(y.abs()) < 0.25 => (-1.0, 2.0),
+        [x, y] if (x - 0.5).abs().max((y - 0.5).abs()) < 0.25 => (0.0, 1.0),
+        _ => return None,
+    };
+    let [across, up] = [projection.x_axis.x / weight, projection.y_axis.y / weight];
+    let [fx, fy] = [(across, size[0]), (up, size[1])].map(|(scale, pixels)| scale.abs() / span * pixels);
+    let [left, bottom] = centre.map(|at| (at - least) / span);
+    // Where x grows to the right, y does so upward or downward.
+    let top = if (across > 0.0) == (up > 0.0) { 1.0 - bottom } else { bottom };
+    let found = [fx, fy, left * size[0], top * size[1]];
+    (found.iter().all(|value| value.is_finite()) && fx > 0.0 && fy > 0.0).then_some(found)
+}
+
+/// Whether a matrix is for column vectors, as some write it.
+fn is_transposed(at: impl Fn(usize, usize) -> f64) -> bool {
+    (0..3).all(|axis| at(3, axis) == 0.0) && (0..3).any(|axis| at(axis, 3) != 0.0)
+}
+
 fn pose(matrix: [f32; 16], face: Face, frame: u32) -> Option<Pose> {
     let at = |row: usize, column: usize| f64::from(matrix[4 * row + column]);
-    // Some write the transpose, for column vectors.
-    let is_transposed = (0..3).all(|axis| at(3, axis) == 0.0) && (0..3).any(|axis| at(axis, 3) != 0.0);
+    let is_transposed = is_transposed(at);
     let at = |row: usize, column: usize| if is_transposed { at(column, row) } else { at(row, column) };
     let axes = [0, 1, 2].map(|column| DVec3::new(at(0, column), at(1, column), at(2, column)));
     let lengths = axes.map(DVec3::length);
@@ -89,6 +133,47 @@ mod tests {
             assert_eq!(pose(along_x, Face::Px, 7).unwrap().orientation, [0.0, 0.0, 0.0, 1.0]);
         }
         assert_eq!(pose([0.0; 16], Face::View, 0), None);
+    }
+
+    #[test]
+    fn lenses_of_images_of_both_ranges() {
+        let (size, wanted) = ([200.0, 100.0], [150.0, 120.0, 110.0, 40.0]);
+        let to_camera = DMat4::from_translation(DVec3::new(-1.0, -2.0, -3.0));
+        // Of a camera that looks along -Z; then along +Z, of which the matrix of the camera has the other sign.
+        for z in [-1.0, 1.0] {
+            let to_camera = DMat4::from_scale(DVec3::new(1.0, 1.0, -z)) * to_camera;
+            for (least, span, up) in [(-1.0, 2.0, 1.0), (0.0, 1.0, 1.0), (0.0, 1.0, -1.0)] {
+                let top = if up > 0.0 { 1.0 - wanted[3] / size[1] } else { wanted[3] / size[1] };
+                let [x, y] = [wanted[0] / size[0], up * wanted[1] / size[1]].map(|scale| span * scale);
+                let [centre_x, centre_y] = [wanted[2] / size[0], top].map(|at| least + span * at);
+                let to_ndc = DMat4::from_cols_array(&[
+                    x,
+                    0.0,
+                    0.0,
+                    0.0,
+                    0.0,
+                    y,
+                    0.0,
+                    0.0,
+                    centre_x * z,
+                    centre_y * z,
+                    z,
+                    z,
+                    0.0,
+                    0.0,
+                    -0.1,
+                    0.0,
+                ]) * to_camera;
+                let rows = |matrix: DMat4| matrix.to_cols_array().map(|value| value as f32);
+                for [a, b] in [[to_camera, to_ndc], [to_camera.transpose(), to_ndc.transpose()]] {
+                    let found = intrinsics(rows(a), rows(b), size).unwrap();
+                    assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}, {z} {least} {up}");
+                }
+            }
+        }
+        let still = DMat4::IDENTITY.to_cols_array().map(|value| value as f32);
+        assert_eq!(intrinsics(still, still, size), None, "it is orthographic");
+        assert_eq!(intrinsics([0.0; 16], still, size), None);
         assert_eq!(pose([f32::NAN; 16], Face::View, 0), None);
     }
 }

@@ -35,11 +35,11 @@ use crate::image::{DepthKind, ToneMap, Transfer};
 use crate::math::random::Random;
 use crate::monitor::Monitor;
 use crate::streams::{
-    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader,
-    NodeHeader,
+    AlphaHeader, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader,
+    MaterialHeader, NodeHeader,
 };
 
-/// Faces of a probe, each with a stream of depth, of colour and of material.
+/// Faces of a probe, each with a stream of depth, of colour, of material and of alpha.
 const FACES: u8 = 6;
 /// Frames requested of each stream.
 const VISITS: u32 = 6;
@@ -150,7 +150,8 @@ fn random_container(random: &mut Random) -> Result<Vec<u8>> {
     writer.add_probe(probe)?;
     let mut chunks = Vec::new();
     for face in 0..FACES {
-        for header in [depth_header(random)?, color_header(random), material_header(random)] {
+        let alpha = CodecHeader::Alpha(AlphaHeader { keyframe_interval: 8 });
+        for header in [depth_header(random)?, color_header(random), material_header(random), alpha] {
             add_stream(&mut writer, face, &header, &mut chunks, random)?;
         }
     }
@@ -375,7 +376,10 @@ fn records<T: BoxTexel>(layout: Layout, size: [u32; 2], count: u32, random: &mut
 }
 
 fn is_predictive(header: &CodecHeader) -> bool {
-    matches!(header, CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }))
+    matches!(
+        header,
+        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_)
+    )
 }
 
 fn tables_of(header: &CodecHeader) -> Option<&Tables> {

@@ -138,9 +138,13 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
     }
 }
 
-/// What depth is coded in; none for boxes.
+/// What depth and alpha are coded in; none for boxes.
 fn part_word(header: &CodecHeader) -> Option<&'static str> {
-    let CodecHeader::Depth(header) = header else { return None };
+    let header = match header {
+        CodecHeader::Depth(header) => header,
+        CodecHeader::Alpha(_) => return Some("block"),
+        CodecHeader::Color(_) | CodecHeader::Material(_) => return None,
+    };
     match header.coding {
         DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => None,
         DepthCoding::Blocks | DepthCoding::Predictive(_) => Some("block"),

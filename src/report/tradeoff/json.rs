@@ -8,7 +8,7 @@ use super::kind::{self, Measured};
 use super::schedule::FailedPoint;
 use super::store::StoredPoint;
 use super::study::Results;
-use crate::json::Number;
+use crate::json::put;
 
 #[derive(Serialize)]
 pub struct Report<'a> {
@@ -35,12 +35,12 @@ fn values(of: &Measured) -> Value {
         value["kind"] = json!(stream.name());
     }
     for measure in of.kind.measures {
-        value[measure.name] = match of.value(measure.name) {
-            None => Value::Null,
-            Some(kind::Value::Count(count)) => json!(count),
-            Some(kind::Value::Number(number)) => json!(Number(number)),
-            Some(kind::Value::Runs(runs)) => json!(runs),
-        };
+        match of.value(measure.name) {
+            None => value[measure.name] = Value::Null,
+            Some(kind::Value::Count(count)) => value[measure.name] = json!(count),
+            Some(kind::Value::Number(number)) => put(&mut value, measure.name, number),
+            Some(kind::Value::Runs(runs)) => value[measure.name] = json!(runs),
+        }
     }
     value
 }

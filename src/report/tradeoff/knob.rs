@@ -47,7 +47,7 @@ pub struct Knob {
     pub usual: &'static [&'static str],
 }
 
-pub const ALL_STREAMS: &[StreamKind] = &[StreamKind::Color, StreamKind::Depth, StreamKind::Material];
+pub const ALL_STREAMS: &[StreamKind] = &StreamKind::ALL;
 
 impl Knob {
     pub const fn new(

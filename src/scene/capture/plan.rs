@@ -2,6 +2,7 @@
 //!
 //! Near and far are not in the manifest: `encode` finds them for each probe, which is finer than one pair for all.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use glam::DVec3;
@@ -38,6 +39,8 @@ pub struct CapturePlan {
     pub depth: DepthKind,
     /// Metres or `+inf`; surfaces beyond are background, except in colour: a backdrop is seen, not reconstructed.
     pub far_m: f64,
+    /// Which of [`Self::request_count`] requests are captured, by probe, then by frame, then by face; `None` for all.
+    pub part: Option<Range<u64>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -183,17 +186,38 @@ impl CapturePlan {
         if self.projection == Projection::Cubemap { &Face::CUBE } else { &[Face::View] }
     }
 
-    /// All requests of a frame, in order of probes and faces.
+    /// The requests of a frame that are captured, in order of probes and faces.
     pub fn requests(&self, frame: u32) -> impl Iterator<Item = FrameRequest> + '_ {
-        let looks = move |probe: &usize| self.frames_of(*probe).is_some_and(|frames| frames.contains(frame));
-        let probes = (0..self.cameras.cameras.len()).filter(looks);
-        probes.flat_map(move |probe| self.faces().iter().map(move |&face| FrameRequest { probe, face, frame }))
+        let faces = self.faces();
+        let firsts = (0..self.cameras.cameras.len()).scan(0, move |next, probe| {
+            let first = *next;
+            *next += self.requests_of(probe);
+            Some((probe, first))
+        });
+        let of_frame = firsts.filter_map(move |(probe, first)| {
+            let frames = self.frames_of(probe).filter(|frames| frames.contains(frame))?;
+            Some((probe, first + u64::from(frame - frames.first) * faces.len() as u64))
+        });
+        let numbered = of_frame.flat_map(move |(probe, first)| {
+            (first..).zip(faces).map(move |(number, &face)| (number, FrameRequest { probe, face, frame }))
+        });
+        let is_captured = move |number: &u64| self.part.as_ref().is_none_or(|part| part.contains(number));
+        numbered.filter(move |(number, _)| is_captured(number)).map(|(_, request)| request)
     }
 
+    fn requests_of(&self, camera: usize) -> u64 {
+        self.frames_of(camera).map_or(0, FrameRange::count) * self.faces().len() as u64
+    }
+
+    /// Requests of all probes, whether they are captured or not.
+    pub fn request_count(&self) -> u64 {
+        (0..self.cameras.cameras.len()).map(|camera| self.requests_of(camera)).sum()
+    }
+
+    /// Images that are captured.
     pub fn image_count(&self) -> u64 {
-        let frames = |camera| self.frames_of(camera).map_or(0, |frames| frames.count());
-        let frames: u64 = (0..self.cameras.cameras.len()).map(frames).sum();
-        frames * self.faces().len() as u64 * self.passes.len() as u64
+        let requests = self.part.as_ref().map_or_else(|| self.request_count(), |part| part.end - part.start);
+        requests * self.passes.len() as u64
     }
 
     pub fn viewpoint(&self, request: &FrameRequest) -> Viewpoint {
@@ -242,8 +266,21 @@ impl CapturePlan {
     /// Names and values of all settings that images depend on.
     pub fn options(&self) -> Vec<(&'static str, String)> {
         // Destructured so that a new field is not forgotten here.
-        let CapturePlan { name, fps, frames, projection, size, cameras, fov_y_deg, passes, samples, depth, far_m } =
-            self;
+        let CapturePlan {
+            name,
+            fps,
+            frames,
+            projection,
+            size,
+            cameras,
+            fov_y_deg,
+            passes,
+            samples,
+            depth,
+            far_m,
+            part,
+        } = self;
+        let all = 0..self.request_count();
         let [width, height] = size;
         let passes: Vec<&str> = passes.iter().map(|pass| pass.name()).collect();
         vec![
@@ -259,6 +296,7 @@ impl CapturePlan {
             ("`samples`", samples.to_string()),
             ("`depth`", depth.name().to_owned()),
             ("`far`", if far_m.is_finite() { format!("{far_m} m") } else { "none".to_owned() }),
+            ("the range of `shard`", format!("{:?}", part.as_ref().unwrap_or(&all))),
         ]
     }
 }
@@ -294,7 +332,24 @@ mod tests {
             samples: 1,
             depth: DepthKind::Distance,
             far_m: f64::INFINITY,
+            part: None,
         }
+    }
+
+    #[test]
+    fn parts_have_the_requests_of_the_whole_by_probe_and_frame() {
+        let requests = |part: Option<Range<u64>>| {
+            let plan = CapturePlan { part, ..plan() };
+            let found: Vec<FrameRequest> = plan.frames.iter().flat_map(|frame| plan.requests(frame)).collect();
+            assert_eq!(plan.image_count(), found.len() as u64 * plan.passes.len() as u64);
+            found
+        };
+        let mut whole = requests(None);
+        whole.sort_by_key(|request| (request.probe, request.frame, request.face as u8));
+        for (at, request) in (0..).zip(&whole) {
+            assert_eq!(requests(Some(at..at + 1)), [*request]);
+        }
+        assert_eq!((whole.len() as u64, requests(Some(3..30)).len()), (plan().request_count(), 27));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Writes a capture: images, each renamed when it is complete, and the manifest. Their bytes follow from plan and
 //! scene alone; images of an earlier run can be kept.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::plan::{CapturePlan, FrameRequest};
@@ -110,7 +111,7 @@ struct Job {
 }
 
 impl CapturePlan {
-    /// Captures everything into an existing folder. The monitor advances by one for each image. On an error, complete
+    /// Captures the images of the plan's part into an existing folder, and writes the manifest of all. The monitor advances by one for each image. On an error, complete
     /// images stay. In memory are at most sixteen time samples, and 1 GiB of images or one face.
     pub fn write(
         &self,
@@ -123,20 +124,17 @@ impl CapturePlan {
         let run = CaptureRun { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
         run.make_folders()?;
         let mut sum = CaptureSummary::NOTHING;
-        let mut left = self.frames.iter();
+        let frames: Vec<u32> = self.frames.iter().filter(|&frame| self.requests(frame).next().is_some()).collect();
         let static_scene = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
-        loop {
-            let frames: Vec<u32> = left.by_ref().take(self.frames_at_once()).collect();
-            let Some(&first) = frames.first() else { break };
+        for frames in frames.chunks(self.frames_at_once(frames.len())) {
             let requests = frames.iter().flat_map(|&frame| self.requests(frame)).collect();
             let jobs = try_map_at_once(requests, self.images_at_once(), |request| run.missing(request, existing))?;
             let is_needed = |frame: u32| jobs.iter().any(|job| job.request.frame == frame && !job.passes.is_empty());
             let moves = |frame: u32| static_scene.is_none() && is_needed(frame);
-            let at = |&frame: &u32| moves(frame).then(|| scene.at(f64::from(frame) / self.fps));
-            let times: Vec<Option<SceneAtTime>> = frames.iter().map(at).collect();
+            let at = |&frame: &u32| moves(frame).then(|| (frame, scene.at(f64::from(frame) / self.fps)));
+            let times: BTreeMap<u32, SceneAtTime> = frames.iter().filter_map(at).collect();
             let done = try_map_at_once(jobs, self.images_at_once(), |job| {
-                let own = times[(job.request.frame - first) as usize].as_ref();
-                run.make(own.or(static_scene.as_ref()), &job)
+                run.make(times.get(&job.request.frame).or(static_scene.as_ref()), &job)
             })?;
             sum = done.into_iter().fold(sum, CaptureSummary::and);
         }
@@ -145,10 +143,10 @@ impl CapturePlan {
         Ok(sum)
     }
 
-    /// Frames captured together, so that all threads have work.
-    fn frames_at_once(&self) -> usize {
-        let images = self.cameras.cameras.len() * self.faces().len();
-        (2 * rayon::current_num_threads()).div_ceil(images.max(1)).clamp(1, MAX_TIME_SAMPLES)
+    /// Frames captured together, of so many in all, so that all threads have work.
+    fn frames_at_once(&self, frames: usize) -> usize {
+        let images = self.image_count() / (self.passes.len() * frames).max(1) as u64;
+        (2 * rayon::current_num_threads()).div_ceil(images.max(1) as usize).clamp(1, MAX_TIME_SAMPLES)
     }
 
     fn images_at_once(&self) -> usize {
@@ -295,6 +293,7 @@ mod tests {
             samples: 2,
             depth: DepthKind::Distance,
             far_m: f64::INFINITY,
+            part: None,
         }
     }
 
@@ -359,7 +358,7 @@ mod tests {
     #[test]
     fn images_at_work_fit_into_memory() {
         assert_eq!(CapturePlan { size: [16_384; 2], ..plan() }.images_at_once(), 1);
-        assert!(plan().images_at_once() >= 1 && plan().frames_at_once() <= MAX_TIME_SAMPLES);
+        assert!(plan().images_at_once() >= 1 && plan().frames_at_once(3) <= MAX_TIME_SAMPLES);
     }
 
     #[test]

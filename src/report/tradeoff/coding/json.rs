@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::recommend::Advice;
 use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
-use crate::json::Number;
+use crate::json::put;
 use crate::report::tradeoff::json::point;
 
 pub fn advice(advice: &Advice<'_>) -> Value {
@@ -19,16 +19,17 @@ pub fn advice(advice: &Advice<'_>) -> Value {
 
 pub fn tile_psnr(found: &TilePsnr) -> Value {
     let model = |psnr: &PsnrDistribution| {
-        json!({
+        let mut model = json!({
             "mean_db": psnr.mean_db(),
-            "min_db": Number(psnr.min_db),
-            "p05_db": Number(psnr.quantile_db(0.05)),
-            "p50_db": Number(psnr.quantile_db(0.5)),
-            "p95_db": Number(psnr.quantile_db(0.95)),
             "exact_tiles": psnr.exact,
             "unmodelled_tiles": psnr.unmodelled,
             "histogram": psnr.histogram(),
-        })
+        });
+        put(&mut model, "min_db", psnr.min_db);
+        for (key, share) in [("p05_db", 0.05), ("p50_db", 0.5), ("p95_db", 0.95)] {
+            put(&mut model, key, psnr.quantile_db(share));
+        }
+        model
     };
     let models: Map<_, _> = TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
     json!({ "count": found.tiles(), "bin_db": BIN_DB, "exact_counts_as_db": EXACT_DB, "models": models })

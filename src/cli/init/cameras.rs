@@ -1,0 +1,108 @@
+//! Poses and lenses of proposed probes from a file of cameras that lies beside the images.
+//!
+//! Enters: a proposal whose images do not state their cameras. Leaves: the same with the cameras of the file, by name of the probe,
+//! or by frame where there is one probe.
+
+use std::path::{Path, PathBuf};
+
+use crate::dataset::Pose;
+use crate::dataset::discover::Proposal;
+use crate::dataset::manifest::{Manifest, Probe};
+use crate::error::Result;
+use crate::evaluate::cameras::{self, FileCamera};
+use crate::image::Projection;
+use crate::image::sequence::split_number;
+
+/// Names of files of cameras; any of USD in text, too.
+const NAMES: [&str; 2] = ["transforms.json", "images.txt"];
+
+/// Gives probes the cameras of a file in the folder, if there is one, and says so.
+pub fn place(folder: &Path, proposal: &mut Proposal) {
+    let [file] = &files(folder)[..] else { return };
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    match read(file, &proposal.manifest) {
+        Ok(Some(probes)) => {
+            proposal.manifest.probes = probes;
+            proposal.unsure_of_cameras =
+                vec![format!("the cameras are those of {name}, with the lens of the first frame")];
+        }
+        Ok(None) => proposal.unsure_of_cameras.push(format!(
+            "{name} was left out: its cameras have neither the names of the probes, nor one for each frame of one probe"
+        )),
+        Err(error) => proposal.unsure_of_cameras.push(format!("{name} was left out: {error}")),
+    }
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let is_of_cameras = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        NAMES.contains(&name.as_str()) || name.ends_with(".usda")
+    };
+    let all = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    all.filter(is_of_cameras).collect()
+}
+
+/// The probes with cameras of a file; `None` where its cameras are those of others.
+fn read(file: &Path, manifest: &Manifest) -> Result<Option<Vec<Probe>>> {
+    let cameras = cameras::read(file, manifest.fps)?;
+    let named = |probe: &Probe| {
+        let mut of_name = cameras.iter().filter(|camera| stem(&camera.name) == probe.name);
+        let camera = of_name.next()?;
+        of_name.next().is_none().then(|| still(probe, camera, manifest))
+    };
+    if let Some(probes) = manifest.probes.iter().map(named).collect() {
+        return Ok(Some(probes));
+    }
+    let [probe] = &manifest.probes[..] else { return Ok(None) };
+    let frames = manifest.frame_range();
+    let poses: Option<Vec<(Pose, &FileCamera)>> = match &cameras[..] {
+        [only] if only.timed.frames.is_none_or(|of| of == frames) => {
+            return Ok(Some(vec![still(probe, only, manifest)]));
+        }
+        all => frames.iter().map(|frame| Some((frame, of_frame(all, frame)?))).map(|of| of.map(pose)).collect(),
+    };
+    let Some(poses) = poses else { return Ok(None) };
+    let intrinsics = poses.first().and_then(|(_, camera)| lens(camera, manifest)).or(probe.intrinsics);
+    let poses = poses.into_iter().map(|(pose, _)| pose).collect();
+    Ok(Some(vec![Probe { position: None, orientation: None, poses, intrinsics, ..probe.clone() }]))
+}
+
+/// The one camera of a frame: by the frames that it states, else by the number in the name of its picture.
+fn of_frame(cameras: &[FileCamera], frame: u32) -> Option<&FileCamera> {
+    let is_of = |camera: &&FileCamera| match camera.timed.frames {
+        Some(frames) => frames.contains(frame),
+        None => split_number(&camera.name).is_some_and(|(_, number, _)| number.parse() == Ok(frame)),
+    };
+    let mut found = cameras.iter().filter(is_of);
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// What a camera, or its picture, is called, without folders and ending.
+fn stem(name: &str) -> &str {
+    let name = name.rsplit('/').next().unwrap_or(name);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+fn pose((frame, camera): (u32, &FileCamera)) -> (Pose, &FileCamera) {
+    let of = &camera.timed.camera;
+    let orientation = of.orientation().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    (Pose { frame, position: of.eye().to_array(), orientation }, camera)
+}
+
+fn still(probe: &Probe, camera: &FileCamera, manifest: &Manifest) -> Probe {
+    let of = &camera.timed.camera;
+    let intrinsics = lens(camera, manifest).or(probe.intrinsics);
+    Probe {
+        position: Some(of.eye().to_array()),
+        orientation: of.orientation(),
+        intrinsics,
+        poses: Vec::new(),
+        ..probe.clone()
+    }
+}
+
+/// fx, fy, cx, cy of perspective images.
+fn lens(camera: &FileCamera, manifest: &Manifest) -> Option<[f64; 4]> {
+    let is_perspective = manifest.projection == Projection::Perspective;
+    is_perspective.then(|| camera.timed.camera.intrinsics(manifest.size.map(f64::from)))
+}

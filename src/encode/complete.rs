@@ -1,0 +1,65 @@
+//! Shards that an earlier run has encoded to the end, so that a repeated command has nothing left to do.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::SystemTime;
+
+use crate::container::Reader;
+use crate::encode::job::EncodeSummary;
+use crate::encode::part::Part;
+use crate::image::StreamKind;
+use crate::streams::shard::SHARD;
+use crate::streams::{CodecHeader, FootageInfo};
+
+/// Figures of the shard in a container: `None` unless it is this shard, whole, with the same settings, and newer than all files
+/// that it follows from.
+pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary> {
+    let reader = Reader::open(container).ok()?;
+    let index = reader.index();
+    if index.attributes.get(SHARD)? != part.shard.as_ref()?.write() {
+        return None;
+    }
+    let wanted: BTreeSet<_> = part
+        .groups
+        .iter()
+        .flat_map(|group| {
+            group.faces.iter().map(move |&face| (group.kind as u8, group.probe as u16, face as u8, group.frames))
+        })
+        .map(|(kind, probe, face, frames)| (kind, probe, face, frames.first, frames.count()))
+        .collect();
+    let there = index
+        .streams
+        .iter()
+        .map(|stream| (stream.kind, stream.probe, stream.face, stream.first_frame, u64::from(stream.frame_count)));
+    let written = std::fs::metadata(container).and_then(|meta| meta.modified()).ok()?;
+    if there.collect::<BTreeSet<_>>() != wanted || has_newer_files(part, written) {
+        return None;
+    }
+    let footage = FootageInfo::read(index).ok()?;
+    let mut summary = EncodeSummary {
+        bytes: reader.file_bytes,
+        clipped_pixels: footage.clipped_pixels.unwrap_or(0),
+        resumed_chunks: index.chunks.len() as u64,
+        ..EncodeSummary::default()
+    };
+    for stream in &index.streams {
+        summary.count(stream, &CodecHeader::read(stream).ok()?);
+    }
+    Some(summary)
+}
+
+/// Whether a file was changed since, or cannot be looked at: one of the part's, or a depth image of its probes, by which near and
+/// far of all frames are found.
+fn has_newer_files(part: &Part<'_>, written: SystemTime) -> bool {
+    let probes = part.probes_of_depth();
+    let depth = part.source.groups().iter();
+    let depth = depth.filter(|group| group.kind == StreamKind::Depth && probes.contains(&group.probe));
+    let mut files =
+        part.groups.iter().chain(depth).flat_map(|group| group.frames.iter().map(move |frame| (group, frame)));
+    let modified = |path: &Path| std::fs::metadata(path).and_then(|meta| meta.modified());
+    files.any(|(group, frame)| match part.source.file(group, frame) {
+        Ok(Some(path)) => modified(&path).map_or(true, |time| time > written),
+        Ok(None) => false,
+        Err(_) => true,
+    })
+}
