@@ -17,7 +17,7 @@ use crate::report::coding_map::counted;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\
     Finds image sequences by the frame numbers in their names, probes and faces by folders or names, panoramas, also of two \
-    eyes, crosses and strips by shape, colour and depth by channels, and the space of colour by chromaticities. Cameras are those \
+    eyes, crosses and strips by shape, colour, depth and alpha by channels, and the space of colour by chromaticities. Cameras are those \
     of the attributes worldToCamera and worldToNDC, or of a file in DIR: transforms.json, images.txt of COLMAP, or USD in text. \
     Checks the manifest as inspect --check does. What images cannot tell is printed, one line each: correct it in the manifest.")]
 pub struct Args {
@@ -77,11 +77,16 @@ fn is_below(file: &Path, folder: &Path) -> bool {
 
 /// The manifest as the checks settle it, and what they suspect.
 fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Manifest, Vec<String>)> {
-    let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
+    let mut manifest = manifest.clone();
+    let mut source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
+    if source.unnamed_alpha().is_some() {
+        manifest.files.alpha.clone_from(&manifest.files.color);
+        source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
+    }
     let steps =
         convention::steps(&source, &convention::Choice { max_probes: convention::MAX_PROBES, ..Default::default() })?;
     let progress = Progress::start(global, "checking", steps)?;
-    let (manifest, report) = convention::settle::settle(manifest.clone(), file, &progress)?;
+    let (manifest, report) = convention::settle::settle(manifest, file, &progress)?;
     let doubts = report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
     Ok((manifest, doubts))
 }

@@ -137,10 +137,10 @@ impl Conversion {
                 rows(codes, rect, out, stride, |row, out| each(row, out, |code| convert::material_value(&code)));
             }
             (UnitPixels::Alpha(codes), PixelsMut::Alpha8(out), _) => {
-                copy(codes, rect, out, stride, |&code| convert::alpha_byte(code));
+                rows(codes, rect, out, stride, |row, out| each(row, out, convert::alpha_byte));
             }
             (UnitPixels::Alpha(codes), PixelsMut::Alpha(out), _) => {
-                copy(codes, rect, out, stride, |&code| convert::alpha_value(code));
+                rows(codes, rect, out, stride, |row, out| each(row, out, convert::alpha_value));
             }
             _ => {
                 let message = "pixels of the stream cannot be converted into a slice of this kind";

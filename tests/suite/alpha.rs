@@ -142,6 +142,10 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
     write_manifest(&path, json!({ "color": "c.%04d.exr" }));
     let said = fine("encode in -o a.lfold", folder.path());
     assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by files.alpha"]);
+    std::fs::remove_file(path.join("lightfield.json")).unwrap();
+    fine("init in", folder.path());
+    let proposed = Manifest::read(&path).unwrap().files;
+    assert!(proposed.alpha.is_some() && proposed.alpha == proposed.color);
     for frame in 0..FRAMES {
         exr::write_color(&path.join(format!("d.{frame:04}.exr")), &rgba(frame).map(|&[r, g, b, _]| [r, g, b])).unwrap();
     }

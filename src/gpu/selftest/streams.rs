@@ -376,10 +376,7 @@ fn records<T: BoxTexel>(layout: Layout, size: [u32; 2], count: u32, random: &mut
 }
 
 fn is_predictive(header: &CodecHeader) -> bool {
-    matches!(
-        header,
-        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_)
-    )
+    matches!(header, CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_))
 }
 
 fn tables_of(header: &CodecHeader) -> Option<&Tables> {
