@@ -36,7 +36,7 @@ const FORMATS: &Choices<CameraFormat> = &[
     IN is recognised by its content: a container, a dataset, or a file of cameras in any of the formats. Without --format OUT is one \
     by its name: transforms*.json, other .json files are lightfold's, .glb, .usda, and a folder is COLMAP's.\n\n\
     A perspective probe is one camera, a cube map six of 90 degrees, which see its faces the right way round; in datasets they are \
-    stored mirrored. Pictures in transforms.json and images.txt have the names that render gives them: lightfold render film.lfold \
+    stored mirrored. A probe that moves has them in each frame. Pictures in transforms.json and images.txt have the names that render gives them: lightfold render film.lfold \
     --camera transforms.json -o images/view.%04d.png.\n\n\
     World coordinates stay as they are, in metres; USD files may state another unit, or that Z is up. Cameras with distortion and \
     orthographic ones are refused. Clip planes are written and not read. Times of glTF become frames by --fps, time codes of USD are \

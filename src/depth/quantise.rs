@@ -115,8 +115,8 @@ impl CodeTable {
     pub fn new(range: DepthRange, background: f32) -> CodeTable {
         let log_span = range.log_span();
         let mut metres = Box::new([f32::INFINITY; CODES]);
-        for (code, metres) in (0..).zip(&mut metres[..usize::from(BACKGROUND_CODE)]) {
-            *metres = range.metres_within(log_span, code);
+        for code in 0..BACKGROUND_CODE {
+            metres[usize::from(code)] = range.metres_within(log_span, code);
         }
         metres[usize::from(BACKGROUND_CODE)] = background;
         CodeTable { metres }

@@ -139,8 +139,10 @@ fn read(from: Option<impl Read>) -> Vec<u8> {
     bytes
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
+    #![cfg(unix)]
+
     use super::*;
     use crate::cli::global::{EXIT_BAD_INPUT, exit_code};
     use crate::monitor::Silent;

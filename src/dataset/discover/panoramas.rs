@@ -2,7 +2,8 @@
 
 use crate::image::{Plane, StereoLayout};
 
-/// Correlation of the pictures of two eyes at least. Halves of other images have sky and ground, or different walls.
+/// Agreement of the pictures of two eyes at least, where 1 is that of equal ones (concordance, Lin 1989). Halves of other images have
+/// sky and ground, or different walls.
 const ALIKE: f64 = 0.8;
 
 /// Where the eyes would be in an image of this shape, each with a panorama twice as wide as high, and in words.
@@ -36,7 +37,8 @@ pub fn are_alike(shades: &Plane<f32>, layout: StereoLayout) -> bool {
         let [a, b] = [0, 1].map(|eye| pair[eye] - mean[eye]);
         (together, left, right) = (together + a * b, left + a * a, right + b * b);
     }
-    together >= ALIKE * (left * right).sqrt() && left > 0.0 && right > 0.0
+    let apart = count * (mean[0] - mean[1]).powi(2);
+    2.0 * together >= ALIKE * (left + right + apart) && together > 0.0
 }
 
 #[cfg(test)]
@@ -45,7 +47,7 @@ mod tests {
 
     #[test]
     fn halves_that_show_the_same_are_eyes() {
-        let scene = |x: f32, y: f32| (x * 0.3).sin() + (y * 0.2).cos();
+        let scene = |x: f32, y: f32| (x * 0.3).sin() + (y * 0.13).cos();
         let over = |shift: f32| {
             Plane::from_fn(64, 64, |x, y| scene(x as f32 + if y < 32 { 0.0 } else { shift }, (y % 32) as f32))
         };
