@@ -92,7 +92,9 @@ mod tests {
             let (short, long) = (help("-h"), help("--help"));
             let count = short.lines().count();
             assert!(count <= 40, "{name:?} -h has {count} lines:\n{short}");
-            assert!(short.lines().all(|line| line.chars().count() <= 100), "{short}");
+            // clap does not wrap the line of usage.
+            let fits = |line: &str| line.chars().count() <= 100 || line.starts_with("Usage: ");
+            assert!(short.lines().all(fits), "{short}");
             assert!(short.trim_end().ends_with(MORE), "{short}");
             assert!(long.contains("--progress <FORM>") && !long.contains(MORE), "{long}");
             assert!(name.is_some() || long.contains("Exit codes: "), "{long}");
