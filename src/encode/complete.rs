@@ -14,6 +14,8 @@ use crate::streams::{CodecHeader, FootageInfo};
 /// Figures of the shard in a container: `None` unless it is this shard, whole, with the same settings, and newer than all files
 /// that it follows from.
 pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary> {
+    // Neither a pipe nor standard input.
+    let written = std::fs::metadata(container).ok().filter(std::fs::Metadata::is_file)?.modified().ok()?;
     let reader = Reader::open(container).ok()?;
     let index = reader.index();
     if index.attributes.get(SHARD)? != part.shard.as_ref()?.write() {
@@ -31,7 +33,6 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
         .streams
         .iter()
         .map(|stream| (stream.kind, stream.probe, stream.face, stream.first_frame, u64::from(stream.frame_count)));
-    let written = std::fs::metadata(container).and_then(|meta| meta.modified()).ok()?;
     if there.collect::<BTreeSet<_>>() != wanted || has_newer_files(part, written) {
         return None;
     }

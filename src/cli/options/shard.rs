@@ -35,14 +35,14 @@ pub struct ShardArgs {
     /// What shards are cut along
     #[arg(long, value_name = "WHAT", value_parser = one_of(SHARD_BYS), default_value = "auto", requires = "shard")]
     pub shard_by: ShardBy,
-    /// Probes of this shard, which then has what is said of it, in place of an even share
+    /// Give this shard these probes, in place of an even share
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "shard", conflicts_with = "shard_by")]
     pub shard_probe: Vec<String>,
-    /// Kinds of streams of this shard: color, depth, material
+    /// Give this shard streams of these kinds: color, depth, material
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = parse_kind, requires = "shard",
         conflicts_with = "shard_by")]
     pub shard_stream: Vec<StreamKind>,
-    /// Frames of this shard, which begin and end where keyframes let all its streams be cut
+    /// Give this shard these frames, which begin and end where all its streams can be cut
     #[arg(long, value_name = "A-B", requires = "shard", conflicts_with = "shard_by")]
     pub shard_frames: Option<FrameRange>,
     /// Depth ranges found by scan; without them each shard reads all depth images of its probes
