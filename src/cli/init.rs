@@ -51,7 +51,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if !is_below(file, &args.folder) {
         proposal = proposal.outside(&args.folder)?;
     }
-    let Proposal { manifest, mut unsure, unsure_of_cameras } = proposal;
+    let Proposal { mut manifest, mut unsure, unsure_of_cameras } = proposal;
+    if has_alpha(&manifest, file) {
+        manifest.files.alpha.clone_from(&manifest.files.color);
+    }
     unsure.extend(unsure_of_cameras);
     let (manifest, doubts) = match checked(&manifest, file, global) {
         Ok((manifest, doubts)) => (manifest, doubts),
@@ -66,6 +69,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
+/// Whether the first file of colour has alpha below 1. One that cannot be read is found by the checks.
+fn has_alpha(manifest: &Manifest, file: &Path) -> bool {
+    let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default());
+    source.is_ok_and(|source| source.unnamed_alpha().is_some())
+}
+
 /// Whether a file lies directly in a folder.
 fn is_below(file: &Path, folder: &Path) -> bool {
     let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -77,16 +86,11 @@ fn is_below(file: &Path, folder: &Path) -> bool {
 
 /// The manifest as the checks settle it, and what they suspect.
 fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Manifest, Vec<String>)> {
-    let mut manifest = manifest.clone();
-    let mut source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
-    if source.unnamed_alpha().is_some() {
-        manifest.files.alpha.clone_from(&manifest.files.color);
-        source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
-    }
+    let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
     let steps =
         convention::steps(&source, &convention::Choice { max_probes: convention::MAX_PROBES, ..Default::default() })?;
     let progress = Progress::start(global, "checking", steps)?;
-    let (manifest, report) = convention::settle::settle(manifest, file, &progress)?;
+    let (manifest, report) = convention::settle::settle(manifest.clone(), file, &progress)?;
     let doubts = report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
     Ok((manifest, doubts))
 }

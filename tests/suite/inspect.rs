@@ -491,14 +491,15 @@ fn the_report_fits_a_terminal() {
     let text = stdout(&lightfold(&["inspect", "a.lfold", "--verify"], folder.path()));
     assert!(text.lines().all(|line| line.chars().count() <= 100 && !line.ends_with(' ')));
     insta::assert_snapshot!(text, @r"
-    small: cubemap at 24 fps, 1 probe, 6 streams, 60 images
-    18.38 kB of 204.80 kB raw (8.98%), 56 chunks, 15.73 kB saved by sharing, 351 B head and index
+    small: cubemap at 24 fps, 1 probe, 8 streams, 80 images
+    18.59 kB of 225.28 kB raw (8.25%), 62 chunks, 15.89 kB saved by sharing, 393 B head and index
 
     Kind      Streams  Images        Raw  Temporal      %    Stored      %
     color           2      20   61.44 kB  11.63 kB  18.93  11.63 kB  18.93
     depth           2      20   81.92 kB   3.03 kB   3.70   3.03 kB   3.70
     material        2      20   61.44 kB   3.38 kB   5.49   3.38 kB   5.49
-    all             6      60  204.80 kB  18.03 kB   8.81  18.03 kB   8.81
+    alpha           2      20   20.48 kB     161 B   0.79     161 B   0.79
+    all             8      80  225.28 kB  18.19 kB   8.08  18.19 kB   8.08
 
     Probe  Kind      Face  Frames   Size   Stored      %  Keys  AABBs  Upd. %  Static  Empty  Units
     00     color     px       0-9  32x32  8.51 kB  27.70    13      -   32.50       3      -      4
@@ -507,17 +508,27 @@ fn the_report_fits_a_terminal() {
     00     depth     nz       0-9  32x32     18 B   0.04    12      0   30.00       4      4      4
     00     material  px       0-9  32x32  3.38 kB  10.99    12     14   35.62       2      2      4
     00     material  nz       0-9  32x32      0 B   0.00    12     14   35.62       2      2      4
+    00     alpha     px       0-9  32x32    161 B   1.57     3      0   47.50       0      0      1
+    00     alpha     nz       0-9  32x32      0 B   0.00     3      0   47.50       0      0      1
+
+    Coding         Blocks 8x8  Pixels %  Bytes %  Bits a pixel
+    same                  168     52.50     1.38         0.003
+    plane                  82     25.62     2.44         0.011
+    changed plane           2      0.62     2.41         0.448
+    quarters               12      3.75    19.03         0.589
+    pixels                 56     17.50    74.74         0.496
 
     color: 8 bits, srgb, exposure 0 EV, at least 100 dB, cell 16x16
     depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1.000 to 10.00 m
     material: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16
+    alpha: predictive, without loss, keyframe every 4, tile 32x32
 
-    56 chunks verified (0 of LZMA2, 0 of Zstandard), 0 B outside of chunks
+    62 chunks verified (0 of LZMA2, 0 of Zstandard), 0 B outside of chunks
     ");
     let arguments = ["inspect", "a.lfold", "--per-frame", "--frames", "3-5", "--face", "px", "--stream", "color,depth"];
     insta::assert_snapshot!(stdout(&lightfold(&arguments, folder.path())), @r"
-    small: cubemap at 24 fps, 1 probe, 2 of 6 streams, 20 images
-    11.52 kB of 71.68 kB raw (16.07%), 16 chunks, 5.26 kB saved by sharing, 351 B head and index
+    small: cubemap at 24 fps, 1 probe, 2 of 8 streams, 20 images
+    11.52 kB of 71.68 kB raw (16.07%), 16 chunks, 5.26 kB saved by sharing, 393 B head and index
 
     Probe  Kind   Face  Frame  Keys  AABBs  Updated pixels       %  Bytes
     00     color  px        3     1      -             256   25.00    772
