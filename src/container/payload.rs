@@ -34,6 +34,21 @@ impl Payload {
         self
     }
 
+    /// Parts of these lengths, one behind the other, which share the memory; together they are no longer than the payload.
+    pub fn split(self, lengths: impl Iterator<Item = usize>) -> Vec<Payload> {
+        let Range { mut start, end } = self.range;
+        let memory = match self.backing {
+            Backing::Own(memory) => Arc::new(memory),
+            Backing::Shared(memory) => memory,
+        };
+        let next = |length: usize| {
+            let part = start..(start + length).min(end);
+            start = part.end;
+            Payload::shared(&memory, part)
+        };
+        lengths.map(next).collect()
+    }
+
     /// The memory, for the next chunk to be read into; none where it is shared.
     pub fn into_spare(self) -> Vec<u8> {
         match self.backing {
@@ -83,6 +98,8 @@ mod tests {
         assert_eq!(*shared, [2, 3]);
         assert_eq!(shared.clone().into_vec(), [2, 3]);
         assert!(shared.into_spare().is_empty());
+        let parts = Payload::from(vec![1, 2, 3]).skip(1).split([0, 1, 2].into_iter());
+        assert_eq!(parts.into_iter().map(Payload::into_vec).collect::<Vec<_>>(), [vec![], vec![2], vec![3]]);
         let front = Payload::front_of(vec![9, 8, 7], 2);
         assert_eq!(*front, [9, 8]);
         assert_eq!(front.clone().into_spare(), [9, 8, 7]);

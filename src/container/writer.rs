@@ -10,6 +10,7 @@ use crate::container::header::{FOOT_BYTES, Foot};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
 use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks, identity};
 use crate::container::limits::{self, OpenLimits};
+use crate::container::payload::Payload;
 use crate::container::serialize::write_head;
 use crate::error::{Error, Result};
 
@@ -22,7 +23,7 @@ pub struct PackedChunk {
     /// Its row of the table, without the offset.
     entry: ChunkEntry,
     identity: Identity,
-    stored: Vec<u8>,
+    stored: Payload,
 }
 
 impl PackedChunk {
@@ -43,10 +44,11 @@ impl PackedChunk {
         let (storage, stored) = compression.compress(payload, kind)?;
         let (stored_bytes, crc32) = (stored.len() as u32, crc32fast::hash(&stored));
         let entry = ChunkEntry { key, offset: 0, stored_bytes, raw_bytes, crc32, storage };
-        Ok(PackedChunk { identity: identity(&entry, &stored), entry, stored })
+        Ok(PackedChunk { identity: identity(&entry, &stored), entry, stored: stored.into() })
     }
 
-    pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: Vec<u8>) -> Result<PackedChunk> {
+    pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: impl Into<Payload>) -> Result<PackedChunk> {
+        let stored = stored.into();
         if stored.len() != entry.stored_bytes as usize {
             return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
         }

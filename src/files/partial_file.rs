@@ -14,6 +14,9 @@ const PARTIAL: &str = "partial";
 /// Ending of its journal's name.
 const JOURNAL: &str = "journal";
 
+/// Bytes that are written at once.
+const BUFFER_BYTES: usize = 1 << 20;
+
 /// How much of an unfinished file and of its journal is intact, from the start.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct IntactBytes {
@@ -79,7 +82,7 @@ impl PartialFile {
         Ok(PartialFile {
             output: output.to_path_buf(),
             path,
-            writer: BufWriter::new(file),
+            writer: BufWriter::with_capacity(BUFFER_BYTES, file),
             keep: journal.is_some(),
             journal_path,
             journal,

@@ -5,8 +5,8 @@ use std::io::Write;
 
 use crate::container::compression::DEFAULT_LZMA2_LEVEL;
 use crate::container::{
-    Attributes, ChunkEntry, ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
-    StreamEntry, Writer,
+    Attributes, ChunkEntry, ChunkKey, Compression, EncodedChunk, PackedChunk, Payload, PayloadKind, ProbeEntry, Reader,
+    Storage, StreamEntry, Writer,
 };
 use crate::decode::memory;
 use crate::error::{Error, Result};
@@ -240,6 +240,19 @@ impl Copier<'_> {
                 PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), (compression, kind))
             }
         }
+    }
+
+    /// Copies chunks, each with its new stream, that lie one behind the other.
+    pub fn copy_run(&self, chunks: &[(ChunkEntry, u32)]) -> Result<Vec<PackedChunk>> {
+        if self.repack != Repack::Keep {
+            return chunks.iter().map(|(chunk, stream)| self.copy(chunk, *stream)).collect();
+        }
+        let entries: Vec<ChunkEntry> = chunks.iter().map(|(chunk, _)| *chunk).collect();
+        let stored = self.reader.fetch_stored_run(&entries)?.into_iter();
+        let packed = |((chunk, stream), stored): (&(ChunkEntry, u32), Payload)| {
+            PackedChunk::stored(chunk, ChunkKey { stream: *stream, ..chunk.key }, stored)
+        };
+        chunks.iter().zip(stored).map(packed).collect()
     }
 
     fn flatten(&self, chunk: &ChunkEntry, stream: u32, flattener: &Flattener) -> Result<Vec<PackedChunk>> {

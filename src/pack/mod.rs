@@ -18,7 +18,7 @@ pub use join::{PackReport, PackSettings, PackSummary, Repack};
 /// Writes all streams of `inputs` into `out`: shards of one encode as the container that it would have written, all others one
 /// after the other. Then probes of one name must agree; streams of one kind, probe and face must not occur twice. Name, frame
 /// rate and projection are the first input's. The monitor advances by one for each chunk.
-pub fn pack<W: Write>(
+pub fn pack<W: Write + Send>(
     inputs: &[Reader],
     settings: &PackSettings,
     out: W,

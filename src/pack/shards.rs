@@ -3,14 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Write;
 
-use crate::container::{ChunkEntry, ChunkKey, Reader, StreamEntry, Writer};
+use crate::container::{ChunkEntry, ChunkKey, PackedChunk, Reader, StreamEntry, Writer};
 use crate::error::{Error, Result};
 use crate::image::{Face, StreamKind};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
-use crate::pack::join::{Copier, PackSettings, PackSummary, batch_length, limits, merge_attributes};
+use crate::pack::join::{Copier, PackSettings, PackSummary, Repack, batch_length, limits, merge_attributes};
 use crate::streams;
 use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
+
+/// Bytes of chunks that are read together where they lie one behind the other, so that a call to the system costs little.
+const RUN_BYTES: u64 = 512 << 10;
 
 /// Streams of the whole, and where the chunks of each lie.
 pub(super) struct Joined<'a> {
@@ -68,7 +71,7 @@ pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>
 }
 
 /// Writes the whole into `out`.
-pub(super) fn join<W: Write>(
+pub(super) fn join<W: Write + Send>(
     joined: &Joined<'_>,
     settings: &PackSettings,
     out: W,
@@ -90,19 +93,30 @@ pub(super) fn join<W: Write>(
     let (chunks_at_once, batch_bytes) = limits(joined.inputs, settings)?;
     let chunks = joined.chunks()?;
     let mut left = chunks.as_slice();
-    while !left.is_empty() {
-        let (batch, rest) = left.split_at(batch_length(left, batch_bytes, |source| &source.chunk));
+    let pack = |run: &[Source]| {
+        monitor.check()?;
+        let copier = Copier { reader: &joined.inputs[run[0].input], repack: settings.repack, monitor };
+        copier.copy_run(&run.iter().map(|source| (source.chunk, source.stream)).collect::<Vec<_>>())
+    };
+    let mut packed: Vec<Vec<PackedChunk>> = Vec::new();
+    // One batch is written while the next is read.
+    loop {
+        let (batch, rest) = left.split_at(batch_length(left, batch_bytes / 2, |source| &source.chunk));
         left = rest;
-        let packed = try_map_at_once(batch.iter().collect(), chunks_at_once, |source: &Source| {
-            monitor.check()?;
-            let copier = Copier { reader: &joined.inputs[source.input], repack: settings.repack, monitor };
-            copier.copy(&source.chunk, source.stream)
-        })?;
-        for chunk in &packed {
-            writer.push(chunk)?;
-            monitor.advance(1);
+        let write = || {
+            packed.iter().flatten().try_for_each(|chunk| {
+                monitor.advance(1);
+                writer.push(chunk)
+            })
+        };
+        let runs = runs(batch, if settings.repack == Repack::Keep { RUN_BYTES } else { 0 });
+        let (written, next) = rayon::join(write, || try_map_at_once(runs, chunks_at_once, pack));
+        written?;
+        summary.chunks += packed.iter().map(|run| run.len() as u64).sum::<u64>();
+        packed = next?;
+        if packed.is_empty() {
+            break;
         }
-        summary.chunks += packed.len() as u64;
     }
     for (name, value) in merge_attributes(joined.used_inputs())?.iter() {
         writer.set_attribute(name, value.to_vec());
@@ -241,6 +255,29 @@ pub(super) struct Source {
     pub stream: u32,
 }
 
+/// Chunks that lie one behind the other in their file, of at most so many bytes together, or one.
+fn runs(mut chunks: &[Source], most_bytes: u64) -> Vec<&[Source]> {
+    let mut runs = Vec::new();
+    while let Some(first) = chunks.first() {
+        let mut bytes = u64::from(first.chunk.stored_bytes);
+        let continues = |pair: &&[Source]| {
+            bytes += u64::from(pair[1].chunk.stored_bytes);
+            pair[0].is_before(&pair[1]) && bytes <= most_bytes
+        };
+        let (run, rest) = chunks.split_at(1 + chunks.windows(2).take_while(continues).count());
+        runs.push(run);
+        chunks = rest;
+    }
+    runs
+}
+
+impl Source {
+    /// Whether the other lies behind this one in its file.
+    fn is_before(&self, other: &Source) -> bool {
+        self.input == other.input && self.chunk.offset + u64::from(self.chunk.stored_bytes) == other.chunk.offset
+    }
+}
+
 fn key_of(stream: &WholeStream) -> (u8, u16, u8) {
     (stream.kind, stream.probe, stream.face)
 }
@@ -277,5 +314,27 @@ fn missing(shards: &[ShardEntry]) -> String {
         ),
         1 => format!("shard {} of {count} is missing", words[0]),
         _ => format!("shards {}{more} of {count} are missing", words.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::container::Storage;
+
+    #[test]
+    fn runs_are_neighbours_of_one_file_up_to_a_limit() {
+        let source = |(input, offset)| {
+            let key = ChunkKey { stream: 0, unit: 0, first_frame: 0, frame_count: 1 };
+            let (storage, stored_bytes, raw_bytes, crc32) = (Storage::Raw, 10, 10, 0);
+            Source { input, chunk: ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage }, stream: 0 }
+        };
+        // A gap, the same bytes again, another file.
+        let chunks = [(0, 16), (0, 26), (0, 36), (0, 50), (0, 50), (1, 60), (1, 70)].map(source);
+        let lengths = |most| runs(&chunks, most).iter().map(|run| run.len()).collect::<Vec<_>>();
+        assert_eq!(lengths(100), [3, 1, 1, 2]);
+        assert_eq!(lengths(20), [2, 1, 1, 1, 2]);
+        assert_eq!(lengths(0), [1; 7]);
+        assert!(runs(&[], 20).is_empty());
     }
 }
