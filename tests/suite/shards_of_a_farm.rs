@@ -113,7 +113,7 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     assert_eq!(run(&line.replace(" --resume", "")), (false, report));
     assert!(fs::read(&file).unwrap() == bytes, "other bytes");
     // Another shard, other settings.
-    for (from, to) in [("2/3", "1/3"), ("--shard 2/3", "--shard 2/3 --shard-by time"), ("--clip", "--clip --psnr 30")] {
+    for (from, to) in [("2/3", "1/3"), ("2/3", "3/3"), ("--clip", "--clip --psnr 30")] {
         assert!(!run(&line.replace(from, to)).0, "{to}");
         assert!(!run(line).0, "after {to}");
     }

@@ -437,7 +437,8 @@ fn a_moving_camera_has_a_pose_for_each_frame() {
             [format!("own.{frame:04}.exr"), format!("in/m.{frame:04}.exr")].map(|name| read(name).unwrap());
         let error = shown.data().as_flattened().iter().zip(taken.data().as_flattened());
         let most = error.map(|(a, b)| (a.to_f32() - b.to_f32()).abs()).fold(0.0, f32::max);
-        assert!(most < 0.02, "frame {frame}: {most}");
+        // Colour has 40 dB by default.
+        assert!(most < 0.06, "frame {frame}: {most}");
     }
     let report = fine("render film.lfold --reference in --null --json", studio.0.path()).stdout;
     let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
