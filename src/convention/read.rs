@@ -76,7 +76,7 @@ struct Kept {
 }
 
 enum Values {
-    Depth(DepthValues, FaceSamples),
+    Depth(Box<(DepthValues, FaceSamples)>),
     Color(ColorValues),
 }
 
@@ -95,7 +95,9 @@ pub fn chosen_probes(source: &Source, choice: &Choice) -> Result<Vec<usize>> {
 
 pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>> {
     let probes = chosen_probes(source, choice)?;
-    let wanted = |group: &&SourceGroup| group.kind != StreamKind::Material && probes.contains(&group.probe);
+    let wanted = |group: &&SourceGroup| {
+        matches!(group.kind, StreamKind::Color | StreamKind::Depth) && probes.contains(&group.probe)
+    };
     let frame = |group: &SourceGroup| {
         let frame = choice.frame.unwrap_or(group.frames.first);
         group.frames.contains(frame).then_some(frame)
@@ -146,7 +148,8 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
                 None => {}
             }
             match values {
-                Values::Depth(values, samples) => {
+                Values::Depth(depth) => {
+                    let (values, samples) = *depth;
                     let surfaces = values.min.is_some_and(|nearest| nearest < values.max);
                     let shows = if surfaces { Shows::Surfaces } else { Shows::Background };
                     shown.insert((probe.name.clone(), face), shows);
@@ -212,7 +215,8 @@ fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated:
     let size = [metres.width(), metres.height()];
     let known = probe.and_then(|probe| probe.projection(face, size));
     let projection = known.unwrap_or(ImageProjection::CubeFace { face, size });
-    Kept { face, borders, hash, values: Values::Depth(values, FaceSamples::new(face, &metres, projection)) }
+    let samples = FaceSamples::new(face, &metres, projection);
+    Kept { face, borders, hash, values: Values::Depth(Box::new((values, samples))) }
 }
 
 fn color_face(face: Face, plane: &ColorPlane) -> Kept {

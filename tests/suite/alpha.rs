@@ -143,7 +143,9 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
     let said = fine("encode in -o a.lfold", folder.path());
     assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by files.alpha"]);
     std::fs::remove_file(path.join("lightfield.json")).unwrap();
-    fine("init in", folder.path());
+    let said = String::from_utf8(fine("init in", folder.path()).stderr).unwrap();
+    assert!(!said.contains("the checks ended early"), "{said}");
+    fine("inspect in --check", folder.path());
     let proposed = Manifest::read(&path).unwrap().files;
     assert!(proposed.alpha.is_some() && proposed.alpha == proposed.color);
     for frame in 0..FRAMES {

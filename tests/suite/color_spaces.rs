@@ -25,7 +25,7 @@ fn all_magnitudes(frame: u32) -> ColorPlane {
     Plane::from_fn(SIDE, SIDE, |x, y| {
         [0, 1, 2].map(|channel| {
             let at = 3 * ((frame * SIDE + y) * SIDE + x) + channel;
-            f16::from_bits((7 * at % INFINITE) as u16 | if at % 2 == 0 { 0 } else { 0x8000 })
+            f16::from_bits((7 * at % INFINITE) as u16 | if at.is_multiple_of(2) { 0 } else { 0x8000 })
         })
     })
 }

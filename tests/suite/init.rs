@@ -271,12 +271,29 @@ fn the_space_of_colour_by_its_chromaticities() {
 #[test]
 fn a_lens_by_its_attributes() {
     let folder = TempDir::new().unwrap();
-    let mut attributes = LayerAttributes::default();
-    attributes.world_to_camera =
-        Some([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, -2.0, 0.0, 1.0]);
-    // Of 8 by 6 pixels: 10 pixels at distance 1, along -Z.
-    attributes.world_to_normalized_device =
-        Some([2.5, 0.0, 0.0, 0.0, 0.0, 10.0 / 3.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, -2.5, -20.0 / 3.0, -0.1, 0.0]);
+    let attributes = LayerAttributes {
+        world_to_camera: Some([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, -2.0, 0.0, 1.0]),
+        // Of 8 by 6 pixels: 10 pixels at distance 1, along -Z.
+        world_to_normalized_device: Some([
+            2.5,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            10.0 / 3.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            -1.0,
+            -1.0,
+            -2.5,
+            -20.0 / 3.0,
+            -0.1,
+            0.0,
+        ]),
+        ..LayerAttributes::default()
+    };
     let light = |at: usize| at as f32 / 64.0;
     write(&folder.path().join("in/a.0.exr"), attributes, &[("R", &light), ("G", &light), ("B", &light)]);
     let said = init(folder.path());

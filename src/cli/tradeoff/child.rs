@@ -139,10 +139,8 @@ fn read(from: Option<impl Read>) -> Vec<u8> {
     bytes
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
-    #![cfg(unix)]
-
     use super::*;
     use crate::cli::global::{EXIT_BAD_INPUT, exit_code};
     use crate::monitor::Silent;

@@ -45,7 +45,7 @@ pub fn lens(files: &Found, size: (u32, u32), frames: [u32; 2], limits: &ReadLimi
     };
     let [first, last] = frames.map(of);
     let [first, last] = [first?, last?];
-    first.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-3 * size.0.max(size.1) as f64).then_some(first)
+    first.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-3 * f64::from(size.0.max(size.1))).then_some(first)
 }
 
 fn intrinsics(to_camera: [f32; 16], to_ndc: [f32; 16], size: [f64; 2]) -> Option<[f64; 4]> {
