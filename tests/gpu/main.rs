@@ -165,13 +165,13 @@ fn commands() -> Result<(), Failed> {
             }
         }
     }
-    let report: serde_json::Value = serde_json::from_str(&lightfold(&["selftest", "--streams", "18", "--json"])?)?;
+    let report: serde_json::Value = serde_json::from_str(&lightfold(&["selftest", "--streams", "24", "--json"])?)?;
     let kernels = report["kernels"].as_array().map_or(0, Vec::len);
     let passed = |cases: &Vec<serde_json::Value>| {
         cases.len() >= hard_cases::table().len() && cases.iter().all(|c| c["passed"] == true)
     };
     let all_passed = report["hard_cases"].as_array().is_some_and(passed);
-    match report["failed"] == false && kernels >= ROWS.len() && all_passed && report["streams"][0]["streams"] == 18 {
+    match report["failed"] == false && kernels >= ROWS.len() && all_passed && report["streams"][0]["streams"] == 24 {
         true => Ok(()),
         false => Err(report.to_string().into()),
     }

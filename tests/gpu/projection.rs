@@ -93,6 +93,8 @@ fn words(views: &[View]) -> [Vec<u32>; 2] {
             rows += 1;
             faces.extend([0, 0, 0, 0, texels.size[0], texels.size[1], 0, 0, 0, number as u32]);
             faces.extend(texels.map.scale.iter().chain(&texels.map.centre).map(|value| value.to_bits()));
+            // No alpha.
+            faces.extend([0, 0]);
         }
         all.extend(row);
     }
