@@ -139,7 +139,8 @@ fn read(from: Option<impl Read>) -> Vec<u8> {
     bytes
 }
 
-#[cfg(all(test, unix))]
+#[cfg(unix)]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::cli::global::{EXIT_BAD_INPUT, exit_code};
