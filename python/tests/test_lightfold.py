@@ -174,6 +174,7 @@ class Encode(Folder):
         material = np.broadcast_to(np.array([0.5, 0.25, 1.5]), (2, 8, 8, 3))
         stream = self.encode(material=[material]).stream("material")
         np.testing.assert_allclose(stream.decode(1), material[1], atol=0.005)
+        self.assertEqual(stream.decode(1, np.uint8)[0, 0].tolist()[:2], [128, 64])
 
     def test_alpha(self):
         alpha = np.broadcast_to(np.linspace(0, 1, 8), (2, 4, 8))
@@ -183,7 +184,6 @@ class Encode(Folder):
         np.testing.assert_array_equal(stream.decode(0, np.uint8), np.round(255 * alpha[0]).astype(np.uint8))
         with self.assertRaisesRegex(lightfold.Error, "has an alpha of 2: 0 to 1 was expected"):
             self.encode(alpha=[2 * np.ones((1, 4, 8))])
-        self.assertEqual(stream.decode(1, np.uint8)[0, 0].tolist()[:2], [128, 64])
 
     def test_settings_reach_the_stream(self):
         depth = np.broadcast_to(np.linspace(1, 4, 256).reshape(1, 16, 16), (2, 16, 16))
