@@ -213,14 +213,15 @@ impl Export<'_> {
             return self.write_into(output, |folder| Destination::Dataset(folder.to_path_buf()));
         };
         let streams = self.request.streams;
-        let images: u64 = streams.iter().map(|part| part.frames.count()).sum();
+        let sequences = decode::file_sequences(streams);
+        let images: u64 = sequences.iter().map(|frames| frames.count()).sum();
         if !pattern.has_field() && images != 1 {
             return refuse(format!(
                 "{}: one file for {images} images; name a pattern such as depth.%04d.exr, or a folder",
                 output.display()
             ));
         }
-        if streams.len() != 1 {
+        if sequences.len() != 1 {
             return refuse(format!(
                 "{}: a pattern names the files of one stream, {} are selected; use --probe, --face and --stream, or name a \
                  folder",

@@ -20,7 +20,7 @@ use crate::decode::units::{DecodeSummary, Decoded, DecodedPart, jobs_at_once};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::picture_stream::{PictureStream, StreamFormat};
-use crate::image::sequence::Pattern;
+use crate::image::sequence::{FrameRange, Pattern};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::StreamInfo;
@@ -144,6 +144,11 @@ struct FileJob<'a> {
     of: StreamFrames<'a>,
     /// Alpha beside colour.
     alpha: Option<&'a StreamInfo>,
+}
+
+/// Frames of each sequence of files that streams become: colour and alpha of a face share theirs.
+pub fn file_sequences(streams: &[StreamFrames<'_>]) -> Vec<FrameRange> {
+    file_jobs(streams).iter().map(|job| job.of.frames).collect()
 }
 
 /// Colour takes the alpha of its face along where it has the same frames.

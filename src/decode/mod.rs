@@ -34,7 +34,7 @@ pub use damage::{DamagedChunk, FrameRanges, MissingImages, OnDamage};
 pub use decoder::Decoder;
 pub use face::{FaceDecoder, Picture};
 #[cfg(feature = "encode")]
-pub use files::{Destination, decode_to_files, decode_to_stream};
+pub use files::{Destination, decode_to_files, decode_to_stream, file_sequences};
 pub use images::{ImageSource, Images, OnCpu};
 #[cfg(feature = "encode")]
 pub use manifest::{FileCoding, FileFormat, has_decoded};

@@ -102,6 +102,10 @@ fn png_files_have_colour_that_is_not_multiplied() {
         }
         assert!(a > 0 || (red, green) == (0, 0));
     }
+    // Into files of a pattern, too.
+    fine("decode a.lfold -o c.%d.png", folder.path());
+    let one = png::read_rgba8(&folder.path().join("c.1.png"), &ReadLimits::default()).unwrap();
+    assert_eq!(one, codes);
     fine("encode out -o b.lfold --psnr 60", folder.path());
     fine("diff a.lfold b.lfold --stream alpha --exact", folder.path());
     fine("diff a.lfold b.lfold --stream color --min-psnr 40", folder.path());
