@@ -35,7 +35,7 @@ impl Shard {
     /// # Errors
     /// [`Error::Usage`] for a number out of range, and where there are more shards than things.
     pub fn range(self, total: u64, what: &str) -> Result<Range<u64>> {
-        self.check(total, || format!("{} make at most {}", counted(total, what), counted(total, "shard")))?;
+        self.check(total, || format!("there can be at most {}, one for each {what}", counted(total, "shard")))?;
         let end_of = |number: u32| (u128::from(total) * u128::from(number) / u128::from(self.count)) as u64;
         Ok(end_of(self.number - 1)..end_of(self.number))
     }

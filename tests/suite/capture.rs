@@ -125,7 +125,7 @@ fn shards_capture_the_files_of_one_run() {
     let early = lightfold(&["encode", "some", "-o", "a.lfold"], place.path());
     assert_eq!(early.status.code(), Some(75), "{}", String::from_utf8_lossy(&early.stderr));
     let said = refused(&format!("{line} --shard 1/37 -o parts"), place.path());
-    assert!(said.contains("--shard 1/37: 36 views make at most 36 shards"), "{said}");
+    assert!(said.contains("--shard 1/37: there can be at most 36 shards, one for each view"), "{said}");
     let said = refused(&format!("{} --shard 1/3 -o parts", line.replace("6-7", "6")), place.path());
     assert!(said.contains("it holds another dataset"), "{said}");
     assert!(files(&place.path().join("parts")) == whole, "a refusal changed them");

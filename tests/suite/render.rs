@@ -82,7 +82,7 @@ fn shards_render_the_pictures_of_one_run() {
         assert!(read("one") == read("parts") && read("one").len() == 3, "{name}: other pictures than one run");
     }
     for (more, words) in [
-        ("--shard 1/4 -o v/%04d.png", "--shard 1/4: 3 frames make at most 3 shards"),
+        ("--shard 1/4 -o v/%04d.png", "--shard 1/4: there can be at most 3 shards, one for each frame"),
         ("--shard 1/3 -o v.png", "one file, and --shard writes some of many"),
         ("--shard 1/3 -o -", "--shard renders a part of the pictures"),
     ] {
