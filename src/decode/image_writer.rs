@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use half::f16;
 
@@ -14,7 +15,7 @@ use crate::image::exr;
 use crate::image::picture_stream::CodePicture;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
 use crate::image::{ColorPlane, LightMatrix, Plane, Primaries};
-use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, StreamInfo, convert};
 
 const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
 
@@ -26,16 +27,17 @@ pub(super) struct WrittenFile {
 /// Between the domain of a codec and that of a file.
 enum Table {
     Metres(CodeTable),
-    /// Of 8-bit codes, which are light first where a file has other codes.
-    Light(Box<DecodeTable>, EncodeTable),
-    /// Of half floats in PNG.
-    Codes(EncodeTable),
+    /// Of 8-bit codes.
+    Light(Box<DecodeTable>),
     None,
 }
 
 pub(super) struct ImageWriter {
     format: FileFormat,
     table: Table,
+    /// Of the codes in PNG files.
+    tone: ToneMap,
+    codes: OnceLock<EncodeTable>,
     /// Of light in files.
     primaries: Primaries,
     /// To them.
@@ -45,15 +47,19 @@ pub(super) struct ImageWriter {
 impl ImageWriter {
     pub fn new(stream: &StreamInfo, coding: FileCoding, own: Primaries) -> ImageWriter {
         let (format, primaries) = (coding.format, coding.primaries(own));
-        let table = match &stream.header {
-            CodecHeader::Depth(header) => Table::Metres(CodeTable::new(header.range, header.background)),
-            CodecHeader::Color(header) => match header.format {
-                ColorFormat::EightBit(tone) => Table::Light(Box::new(DecodeTable::new(&tone)), EncodeTable::new(&tone)),
-                ColorFormat::Half { .. } => Table::Codes(EncodeTable::new(&ToneMap::default())),
-            },
-            CodecHeader::Material(_) | CodecHeader::Alpha(_) => Table::None,
+        let usual = ToneMap::default();
+        let (table, tone) = match &stream.header {
+            CodecHeader::Depth(header) => (Table::Metres(CodeTable::new(header.range, header.background)), usual),
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => {
+                (Table::Light(Box::new(DecodeTable::new(tone))), *tone)
+            }
+            CodecHeader::Color(_) | CodecHeader::Material(_) | CodecHeader::Alpha(_) => (Table::None, usual),
         };
-        ImageWriter { format, table, primaries, matrix: own.conversion_to(primaries) }
+        ImageWriter { format, table, tone, codes: OnceLock::new(), primaries, matrix: own.conversion_to(primaries) }
+    }
+
+    fn code_table(&self) -> &EncodeTable {
+        self.codes.get_or_init(|| EncodeTable::new(&self.tone))
     }
 
     /// Writes a file, and its folder where there is none.
@@ -102,7 +108,7 @@ impl ImageWriter {
     /// Light of the primaries of files.
     fn light(&self, picture: Picture) -> Result<ColorPlane> {
         let light = match (picture, &self.table) {
-            (Picture::Color8(codes), Table::Light(table, _)) => convert::color_light(&codes, table),
+            (Picture::Color8(codes), Table::Light(table)) => convert::color_light(&codes, table),
             (Picture::ColorHalf(light), _) => light,
             // A stream's pictures and its table are of one kind.
             _ => return Err(Error::invalid("a picture of another kind than its stream")),
@@ -115,25 +121,21 @@ impl ImageWriter {
 
     /// A picture in codes, and the number of clipped pixels.
     pub fn codes(&self, picture: Picture) -> Result<(CodePicture, u64)> {
-        match (picture, &self.table) {
-            (Picture::Depth(codes), _) => Ok((CodePicture::Gray16(codes), 0)),
-            (Picture::Material(codes), _) => Ok((CodePicture::Rgb8(codes), 0)),
-            (Picture::Color8(codes), _) if self.matrix.is_none() => Ok((CodePicture::Rgb8(codes), 0)),
-            (Picture::Alpha(codes), _) => Ok((CodePicture::Gray16(codes.map(|&code| 257 * u16::from(code))), 0)),
-            (picture, Table::Light(_, table) | Table::Codes(table)) => {
-                let (codes, clipped) = convert::color_codes(&self.light(picture)?, table);
+        match picture {
+            Picture::Depth(codes) => Ok((CodePicture::Gray16(codes), 0)),
+            Picture::Material(codes) => Ok((CodePicture::Rgb8(codes), 0)),
+            Picture::Color8(codes) if self.matrix.is_none() => Ok((CodePicture::Rgb8(codes), 0)),
+            Picture::Alpha(codes) => Ok((CodePicture::Gray16(codes.map(|&code| 257 * u16::from(code))), 0)),
+            picture => {
+                let (codes, clipped) = convert::color_codes(&self.light(picture)?, self.code_table());
                 Ok((CodePicture::Rgb8(codes), clipped))
             }
-            _ => Err(Error::invalid("a picture of another kind than its stream")),
         }
     }
 
     /// Colour that is not multiplied by alpha, with it; and the number of pixels whose light is above 1 before it is divided.
     fn codes_and_alpha(&self, picture: Picture, alpha: &Plane<u8>) -> Result<(CodePicture, u64)> {
-        let (Table::Light(_, table) | Table::Codes(table)) = &self.table else {
-            return Err(Error::invalid("alpha beside another picture than colour"));
-        };
-        let light = self.light(picture)?;
+        let (light, table) = (self.light(picture)?, self.code_table());
         let clipped = light.data().iter().filter(|pixel| pixel.iter().any(|&value| table.is_clipped(value))).count();
         let straight = light.zip(alpha, |light, code| {
             let scale = if code == 0 { 0.0 } else { convert::alpha_value(code.into()).recip() };
