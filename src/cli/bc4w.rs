@@ -70,7 +70,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let source = args.input.open(StreamKind::Depth, &options)?;
     let target = output.map(|path| Target { path, unfinished: Unfinished::Discard, json: args.store.json });
-    let encode = |target| Encode { source: &source, part: None, settings: &settings, target, smaller: None, global };
+    let encode =
+        |target| Encode { source: &source, part: None, settings: &settings, target, time: None, smaller: None, global };
     match target {
         Some(target) if !args.stats => encode(target).run(),
         target => {

@@ -139,7 +139,7 @@ fn note_losses(args: &Args, decoded: &Decoded) {
     let Some(output) = &args.output else { return };
     if decoded.clipped_pixels > 0 {
         output::note(format_args!(
-            "{}: {} did not fit 8 bits and were clipped; --format exr keeps half floats",
+            "{}: {} did not fit 8 bits, or were brighter than their alpha, and were clipped; --format exr keeps all light",
             output.display(),
             counted(decoded.clipped_pixels, "colour pixel")
         ));

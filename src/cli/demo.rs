@@ -131,7 +131,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let captured = start.elapsed();
     let source = Source::open(&places.scene, &SourceOptions::default())?;
     let target = Target { path: &places.container, unfinished: Unfinished::Discard, json: false };
-    Encode { source: &source, part: None, settings: &settings, target, smaller: None, global }.encode()?;
+    Encode { source: &source, part: None, settings: &settings, target, time: None, smaller: None, global }.encode()?;
     let encoded = start.elapsed();
     let decoder = Decoder::open(&places.container)?;
     decode(&decoder, &places.decoded, global)?;

@@ -1,7 +1,7 @@
 //! `lightfold encode MANIFEST -o OUT`: a dataset, all its streams, one container.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use crate::cli::options::{
     CodingArgs, EncodeOutputArgs, SequenceInputArgs, ShardArgs, Target, Unfinished, check_stdout,
@@ -111,12 +111,11 @@ impl Encodes for Args {
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    let start = Instant::now();
+    let (start, begun) = (Instant::now(), SystemTime::now());
     let (options, settings) = args.settings()?;
-    if args.output.container.path.exists()
-        && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.container.path.canonicalize().ok()
-    {
-        return refuse(format!("{}: the input manifest would be overwritten", args.output.container.path.display()));
+    let inputs = [manifest::manifest_path(&args.input)].into_iter().chain(args.shards.scan.clone());
+    if is_one_of(&args.output.container.path, inputs) {
+        return refuse(format!("{}: an input file would be overwritten", args.output.container.path.display()));
     }
     let mut source = args.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
@@ -131,7 +130,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let part = with_scans(part, args.shards.scan.as_deref(), (&source, &settings), global)?;
     let smaller = Some(args.smaller());
-    Encode { source: &source, part, settings: &settings, target: args.target(), smaller, global }.run()
+    // By which `encode::complete_shard` sees whether an image has changed since.
+    let time = part.as_ref().filter(|part| part.is_shard()).map(|_| begun);
+    Encode { source: &source, part, settings: &settings, target: args.target(), time, smaller, global }.run()
 }
 
 /// Runs a command that needs no further checks.
@@ -140,7 +141,8 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     let mut source = command.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
     let smaller = Some(command.smaller());
-    Encode { source: &source, part: None, settings: &settings, target: command.target(), smaller, global }.run()
+    Encode { source: &source, part: None, settings: &settings, target: command.target(), time: None, smaller, global }
+        .run()
 }
 
 /// What is encoded of the source, where that is a shard, or where scans were made before.
@@ -176,6 +178,8 @@ pub struct Encode<'a> {
     pub part: Option<Part<'a>>,
     pub settings: &'a EncodeSettings,
     pub target: Target<'a>,
+    /// Of the container's last change; `None` for that of its end.
+    pub time: Option<SystemTime>,
     /// What makes the container smaller, if anything.
     pub smaller: Option<&'a str>,
     pub global: &'a GlobalArgs,
@@ -199,7 +203,7 @@ impl Encode<'_> {
 
     pub fn encode(&self) -> Result<EncodeReport> {
         let Target { path, unfinished, .. } = self.target;
-        if self.is_input(path) {
+        if is_one_of(path, self.source.files()) {
             return refuse(format!("{}: an input file would be overwritten", path.display()));
         }
         self.note_block_bound();
@@ -232,12 +236,6 @@ impl Encode<'_> {
         }
     }
 
-    fn is_input(&self, path: &Path) -> bool {
-        let Ok(output) = path.canonicalize() else { return false };
-        let same = |file: PathBuf| file.canonicalize().is_ok_and(|file| file == output);
-        self.source.files().any(same)
-    }
-
     /// Blocks lose more than the search for keyframes allows.
     fn note_block_bound(&self) {
         let searched_db = self.settings.search.min_psnr_db;
@@ -261,7 +259,14 @@ impl Encode<'_> {
     fn encode_whole(&self, file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
         let done = encode::encode(self.frames(), self.settings, file, progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.target.path))?;
-        file.commit().map(|()| summary)
+        self.commit(&mut file).map(|()| summary)
+    }
+
+    fn commit(&self, file: &mut OutputFile) -> Result<()> {
+        match self.time {
+            Some(time) => file.commit_as_of(time),
+            None => file.commit(),
+        }
     }
 
     /// Resumes if asked, and keeps complete chunks on failure.
@@ -305,7 +310,7 @@ impl Encode<'_> {
         let done = encode::encode_resumable(self.frames(), self.settings, resumable, progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,
-            Ok(summary) => match file.commit() {
+            Ok(summary) => match self.commit(&mut file) {
                 Ok(()) => return Ok(summary),
                 Err(error) if !file.is_resumable() => return Err(error),
                 Err(error) => Stopped { error, kept: Kept::Chunks("all chunks".to_owned()) },
@@ -329,6 +334,12 @@ impl Encode<'_> {
             }
         }
     }
+}
+
+/// Whether a file that exists is one of others.
+pub fn is_one_of(path: &Path, mut files: impl Iterator<Item = PathBuf>) -> bool {
+    let Ok(path) = path.canonicalize() else { return false };
+    files.any(|file| file.canonicalize().is_ok_and(|file| file == path))
 }
 
 /// An error that leaves an earlier unfinished encode as it was.

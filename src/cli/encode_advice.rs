@@ -31,7 +31,7 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
     let findings = convention::check_values(source, &choice, &Silent).unwrap_or_default();
     let is_coded = |check: &str| {
         let of = |kind: StreamKind| settings.kinds.contains(&kind) && check.starts_with(kind.name());
-        StreamKind::ALL.into_iter().any(of)
+        StreamKind::ALL.into_iter().any(of) || check == "positions"
     };
     for finding in findings.iter().filter(|finding| finding.verdict == Verdict::Suspect && is_coded(finding.check)) {
         global.note(format_args!("warning: {}: {}", finding.check, finding.says));
@@ -48,7 +48,7 @@ pub fn note_size(
     // Kinds may share files.
     let mut files = HashSet::new();
     for group in encode::selected_groups(source, settings) {
-        files.extend(group.group.frames.iter().filter_map(|frame| source.file(group.group, frame).ok()?));
+        files.extend(group.group.frames.iter().flat_map(|frame| source.files(group.group, frame).unwrap_or_default()));
     }
     let source_bytes: u64 = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
     if bytes > source_bytes && source_bytes > 0 {

@@ -68,7 +68,8 @@ pub fn propose(folder: &Path) -> Result<Proposal> {
     let mut unsure = Vec::new();
     let found = sequences::find(folder, &limits, &mut unsure)?;
     if found.is_empty() {
-        return Err(Error::invalid("no .exr or .png file with a frame number was found in it").in_file(folder));
+        let message = "no .exr or .png file with a frame number, such as beauty.0001.exr, was found in it";
+        return Err(Error::invalid(message).in_file(folder));
     }
     let mut kinds = BTreeMap::new();
     for kind in StreamKind::ALL {
@@ -78,11 +79,10 @@ pub fn propose(folder: &Path) -> Result<Proposal> {
         }
         let named = names::name(&chosen.iter().map(|of| of.text.as_str()).collect::<Vec<_>>())
             .map_err(|error| error.context(format!("the files of {}", kind.name())).in_file(folder))?;
-        unsure.extend(
-            named.left_out.iter().map(|at| {
-                format!("{} was left out: its name is of another form than {}", chosen[*at].text, named.text)
-            }),
-        );
+        unsure.extend(named.left_out.iter().map(|at| {
+            let (text, kind) = (&chosen[*at].text, kind.name());
+            format!("{kind} of {text} was left out: its name is of another form than {}", named.text)
+        }));
         kinds.insert(kind, (chosen, named));
     }
     if kinds.is_empty() {
@@ -272,9 +272,14 @@ impl Draft<'_> {
                         "{text} has the frames {own_first}-{own_last}, of which {first}-{last} are used"
                     ));
                 }
-                if let Some(missing) = (first..=last).find(|frame| !of.frames.contains(frame)) {
-                    self.unsure
-                        .push(format!("{} lacks frame {missing}: \"missing\" chooses what takes its place", of.text));
+                let missing: Vec<u32> = (first..=last).filter(|frame| !of.frames.contains(frame)).collect();
+                if let Some(frame) = missing.first() {
+                    let more =
+                        if missing.len() > 1 { format!(" and {} more", missing.len() - 1) } else { String::new() };
+                    self.unsure.push(format!(
+                        "{} lacks frame {frame}{more}: \"missing\" chooses what takes its place",
+                        of.text
+                    ));
                 }
             }
             frames.insert(name.clone(), [first, last]);
@@ -418,7 +423,10 @@ impl Draft<'_> {
             self.unsure.push("PNG colour was taken for sRGB".into());
             return Some(ColorSpace::Srgb);
         }
-        let primaries = exr::read_primaries(&files[0].first).ok()?;
+        let Some(primaries) = exr::read_stated_primaries(&files[0].first).ok()? else {
+            self.unsure.push("colour states no chromaticities, and was taken for linear light of Rec. 709".into());
+            return None;
+        };
         let space = ColorSpace::of_light(primaries);
         if space.is_none() {
             let stated = primaries.to_array();

@@ -3,7 +3,9 @@
 use half::f16;
 
 use crate::error::{Error, Result};
-use crate::image::{AlphaPlane, ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer, unit_alpha,
+};
 
 /// Treatment of depth that is NaN, zero, negative or −inf and is not the background.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -27,13 +29,13 @@ impl InvalidDepth {
     }
 }
 
-/// Treatment of colour and alpha that is NaN, and of material values that are not finite.
+/// Treatment of colour that is NaN, of alpha beyond 0 to 1, and of material values that are not finite.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum InvalidColor {
     /// An error that names file and pixel.
     #[default]
     Refuse,
-    /// The component becomes 0.
+    /// The component becomes 0; alpha above 1 becomes 1.
     Black,
 }
 
@@ -190,16 +192,25 @@ pub(super) fn check_material(plane: &mut MaterialPlane, invalid: InvalidColor) -
     Ok(())
 }
 
-/// NaN is an error or 0.
+/// Every value must be within 0 to 1, or becomes the nearest that is, NaN 0.
 pub(super) fn check_alpha(plane: &mut AlphaPlane, invalid: InvalidColor) -> Result<()> {
     let width = plane.width();
-    for (index, alpha) in plane.data_mut().iter_mut().enumerate().filter(|(_, alpha)| alpha.is_nan()) {
-        match invalid {
-            InvalidColor::Black => *alpha = 0.0,
-            InvalidColor::Refuse => {
-                return Err(Error::invalid(format!("alpha at {} is not a number", pixel(index, width))));
+    for (index, alpha) in plane.data_mut().iter_mut().enumerate() {
+        *alpha = match unit_alpha(*alpha) {
+            Ok(alpha) => alpha,
+            // What is not a number is not above 0.
+            Err(_) if invalid == InvalidColor::Black => {
+                if *alpha > 0.0 {
+                    1.0
+                } else {
+                    0.0
+                }
             }
-        }
+            Err(words) => {
+                let message = format!("{} {words}; set `invalid_color` to black to clamp it", pixel(index, width));
+                return Err(Error::invalid(message));
+            }
+        };
     }
     Ok(())
 }

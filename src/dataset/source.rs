@@ -283,16 +283,27 @@ impl Source {
         })
     }
 
-    /// Alpha of the files beside those of a group of colour; `None` where the source has none of the frame.
+    /// Alpha of a file of colour: 0 where its own file is missing and black stands in its place; `None` where the source has none.
     fn alpha_beside(&self, color: &SourceGroup, frame: u32) -> Result<Option<AlphaPlane>> {
+        let Some(group) = self.group_beside(color) else { return Ok(None) };
+        if !group.frames.contains(frame) {
+            let message =
+                "the alpha of this frame is missing, by which colour is multiplied: set `missing` to hold or black";
+            return Err(Error::invalid(message));
+        }
+        let (width, height) = self.file_size;
+        match self.file(group, frame)? {
+            Some(path) => self.alpha_file(&path, group).map(Some).map_err(|error| error.in_file(&path)),
+            None => Ok(Some(Plane::filled(width, height, 0.0))),
+        }
+    }
+
+    /// The group of alpha that has the faces of one of colour.
+    fn group_beside(&self, color: &SourceGroup) -> Option<&SourceGroup> {
         let is_beside = |group: &&SourceGroup| {
             (group.kind, group.probe, &group.faces) == (StreamKind::Alpha, color.probe, &color.faces)
         };
-        let Some(group) = self.groups.iter().find(is_beside).filter(|group| group.frames.contains(frame)) else {
-            return Ok(None);
-        };
-        let Some(path) = self.path(StreamKind::Alpha, group, frame)? else { return Ok(None) };
-        self.alpha_file(&path, group).map(Some).map_err(|error| error.in_file(&path))
+        self.groups.iter().find(is_beside)
     }
 
     /// The first file of colour, and its pixels with an alpha below 1, where the dataset names no alpha. None where there are none.
@@ -302,6 +313,10 @@ impl Source {
         }
         let color = self.groups.iter().find(|group| group.kind == StreamKind::Color)?;
         let path = self.path(StreamKind::Color, color, color.frames.first).ok()??;
+        // A gray file is colour here, and no matte.
+        if png::is_png(&path) && !png::has_alpha(&path, &self.limits).ok()? {
+            return None;
+        }
         let alpha = self.alpha_file(&path, color).ok()?;
         let below = alpha.data().iter().filter(|alpha| **alpha < 1.0).count() as u64;
         (below > 0).then_some((path, below))
@@ -422,6 +437,19 @@ impl Source {
     /// The file of a frame, or of that in its place; `None` where it is missing and black stands in its place.
     pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
         self.path(group.kind, group, frame)
+    }
+
+    /// The files that pixels of a frame follow from: its own, and that of the alpha by which colour of a PNG file is multiplied, which
+    /// may be the same.
+    pub fn files_of(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
+        let own = self.file(group, frame)?;
+        let is_multiplied = group.kind == StreamKind::Color && own.as_deref().is_some_and(png::is_png);
+        let alpha = self.group_beside(group).filter(|alpha| is_multiplied && alpha.frames.contains(frame));
+        let beside = match alpha {
+            Some(alpha) => self.file(alpha, frame)?,
+            None => None,
+        };
+        Ok(own.into_iter().chain(beside).collect())
     }
 
     /// Frames of a group whose file is missing, and the frame in their place; `None` for black.

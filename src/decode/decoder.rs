@@ -176,7 +176,7 @@ impl Decoder {
 
     /// Whether the probe of a stream moves.
     pub(crate) fn moves(&self, stream: &StreamInfo) -> bool {
-        self.footage.moves(&self.probe(stream).name)
+        !self.footage.poses_of(&self.probe(stream).name).is_empty()
     }
 
     /// A decoder of one unit (tile or cell), numbered row by row from 0.

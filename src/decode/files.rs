@@ -1,6 +1,7 @@
 //! Writes decoded images into EXR or PNG files, and the manifest that makes a folder of them a dataset again; or those of one stream
 //! into a pipe. Colour and alpha of a face go into one file: colour is multiplied by alpha in EXR files, and not in PNG files.
 
+use std::collections::{HashMap, HashSet};
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -78,44 +79,43 @@ pub fn decode_to_files(
 ) -> Result<Decoded> {
     let format = coding.format;
     let written = Written::default();
-    let each = |part: &StreamFrames<'_>| memory::stream_bytes(decoder, part.stream) + memory::file_bytes(part.stream);
-    let at_once = jobs_at_once(decoder, memory, || streams.iter().map(each).max())?;
-    let parts =
-        try_map_at_once(file_jobs(streams), at_once, |FileJob { of: StreamFrames { stream, frames }, alpha }| {
-            let writer = ImageWriter::new(stream, coding, decoder.primaries());
-            let pattern = destination.pattern(decoder, stream, format)?;
-            let mut face = source.open(decoder, stream)?;
-            let mut alpha_face = alpha.map(|alpha| source.open(decoder, alpha)).transpose()?;
-            let mut missing = FrameRanges::default();
-            for frame in frames.iter() {
-                monitor.check()?;
-                let picture = face.decode_intact(frame, filter)?;
-                let beside = alpha_face.as_mut().map(|face| face.decode_intact(frame, filter)).transpose()?;
-                // A file needs all of its channels.
-                let written_file = match (picture, &beside) {
-                    (Some(picture), None) => Some(writer.write_new(&pattern.path(frame), picture, None)?),
-                    (Some(picture), Some(Some(Picture::Alpha(alpha)))) => {
-                        Some(writer.write_new(&pattern.path(frame), picture, Some(alpha))?)
-                    }
-                    _ => None,
-                };
-                match written_file {
-                    Some(file) => {
-                        written.bytes.fetch_add(file.bytes, Ordering::Relaxed);
-                        written.clipped_pixels.fetch_add(file.clipped_pixels, Ordering::Relaxed);
-                    }
-                    None => missing.push(frame),
+    let jobs = file_jobs(streams);
+    let at_once = jobs_at_once(decoder, memory, || jobs.iter().map(|job| job.memory_bytes(decoder)).max())?;
+    let parts = try_map_at_once(jobs, at_once, |FileJob { of: StreamFrames { stream, frames }, alpha }| {
+        let writer = ImageWriter::new(stream, coding, decoder.primaries());
+        let pattern = destination.pattern(decoder, stream, format)?;
+        let mut face = source.open(decoder, stream)?;
+        let mut alpha_face = alpha.map(|alpha| source.open(decoder, alpha)).transpose()?;
+        let mut missing = FrameRanges::default();
+        for frame in frames.iter() {
+            monitor.check()?;
+            let picture = face.decode_intact(frame, filter)?;
+            let beside = alpha_face.as_mut().map(|face| face.decode_intact(frame, filter)).transpose()?;
+            // A file needs all of its channels.
+            let written_file = match (picture, &beside) {
+                (Some(picture), None) => Some(writer.write_new(&pattern.path(frame), picture, None)?),
+                (Some(picture), Some(Some(Picture::Alpha(alpha)))) => {
+                    Some(writer.write_new(&pattern.path(frame), picture, Some(alpha))?)
                 }
-                monitor.advance(1 + u64::from(beside.is_some()));
-            }
-            let part = |stream: &StreamInfo, face: &dyn Images| {
-                let (pixels, frames) = (face.selected_pixels(), frames.count() - missing.count());
-                let summary = DecodeSummary { frames, pixels, bytes_out: 0, cost: face.cost() };
-                DecodedPart { stream: stream.index, summary, damaged: face.damaged(), missing: missing.clone() }
+                _ => None,
             };
-            let beside = alpha.zip(alpha_face).map(|(stream, face)| part(stream, &*face));
-            Ok(std::iter::once(part(stream, &*face)).chain(beside).collect::<Vec<_>>())
-        })?;
+            match written_file {
+                Some(file) => {
+                    written.bytes.fetch_add(file.bytes, Ordering::Relaxed);
+                    written.clipped_pixels.fetch_add(file.clipped_pixels, Ordering::Relaxed);
+                }
+                None => missing.push(frame),
+            }
+            monitor.advance(1 + u64::from(beside.is_some()));
+        }
+        let part = |stream: &StreamInfo, face: &dyn Images| {
+            let (pixels, frames) = (face.selected_pixels(), frames.count() - missing.count());
+            let summary = DecodeSummary { frames, pixels, bytes_out: 0, cost: face.cost() };
+            DecodedPart { stream: stream.index, summary, damaged: face.damaged(), missing: missing.clone() }
+        };
+        let beside = alpha.zip(alpha_face).map(|(stream, face)| part(stream, &*face));
+        Ok(std::iter::once(part(stream, &*face)).chain(beside).collect::<Vec<_>>())
+    })?;
     let mut decoded = Decoded::of(parts.into_iter().flatten().collect());
     decoded.summary.bytes_out = written.bytes.into_inner();
     decoded.clipped_pixels = written.clipped_pixels.into_inner();
@@ -146,6 +146,15 @@ struct FileJob<'a> {
     alpha: Option<&'a StreamInfo>,
 }
 
+impl FileJob<'_> {
+    fn memory_bytes(&self, decoder: &Decoder) -> u64 {
+        let of = |stream: &StreamInfo| memory::stream_bytes(decoder, stream) + memory::file_bytes(stream);
+        // Light while alpha is put beside it.
+        let beside = |alpha| of(alpha) + 6 * memory::stream_pixels(alpha);
+        of(self.of.stream) + self.alpha.map_or(0, beside)
+    }
+}
+
 /// Frames of each sequence of files that streams become: colour and alpha of a face share theirs.
 pub fn file_sequences(streams: &[StreamFrames<'_>]) -> Vec<FrameRange> {
     file_jobs(streams).iter().map(|job| job.of.frames).collect()
@@ -153,12 +162,19 @@ pub fn file_sequences(streams: &[StreamFrames<'_>]) -> Vec<FrameRange> {
 
 /// Colour takes the alpha of its face along where it has the same frames.
 fn file_jobs<'a>(streams: &[StreamFrames<'a>]) -> Vec<FileJob<'a>> {
-    let is_taken = |alpha: &&StreamFrames<'_>| streams.iter().any(|color| color.has_alpha(alpha));
+    let place = |part: &StreamFrames<'_>| (part.stream.probe, part.stream.face, part.frames.first, part.frames.last);
+    let of_kind = |kind| streams.iter().filter(move |part| part.stream.kind == kind);
+    let colors: HashSet<_> = of_kind(StreamKind::Color).map(place).collect();
+    let alphas: HashMap<_, _> = of_kind(StreamKind::Alpha).map(|part| (place(part), part.stream)).collect();
     let job = |of: &StreamFrames<'a>| {
-        let alpha = streams.iter().find(|alpha| of.has_alpha(alpha)).map(|alpha| alpha.stream);
-        FileJob { of: *of, alpha }
+        let alpha = alphas.get(&place(of)).copied();
+        match of.stream.kind {
+            StreamKind::Color => Some(FileJob { of: *of, alpha }),
+            StreamKind::Alpha if colors.contains(&place(of)) => None,
+            _ => Some(FileJob { of: *of, alpha: None }),
+        }
     };
-    streams.iter().filter(|part| !is_taken(part)).map(job).collect()
+    streams.iter().filter_map(job).collect()
 }
 
 /// Decodes the only stream of a request into a pipe, frame by frame: codes as in PNG files.

@@ -133,15 +133,20 @@ impl ImageWriter {
         }
     }
 
-    /// Colour that is not multiplied by alpha, with it; and the number of pixels whose light is above 1 before it is divided.
+    /// Colour that is not multiplied by alpha, with it; and the number of pixels that lose light: it does not fit the codes once it is
+    /// divided, also by half a code of alpha more, or there is no alpha to divide it by.
     fn codes_and_alpha(&self, picture: Picture, alpha: &Plane<u8>) -> Result<(CodePicture, u64)> {
         let (light, table) = (self.light(picture)?, self.code_table());
-        let clipped = light.data().iter().filter(|pixel| pixel.iter().any(|&value| table.is_clipped(value))).count();
+        let is_lost = |(light, code): &(&[f16; 3], &u8)| {
+            let most = 255.0 / (f32::from(**code) + 0.5);
+            light.iter().any(|value| table.is_clipped(f16::from_f32(value.to_f32() * most)))
+        };
+        let clipped = light.data().iter().zip(alpha.data()).filter(is_lost).count() as u64;
         let straight = light.zip(alpha, |light, code| {
             let scale = if code == 0 { 0.0 } else { convert::alpha_value(code.into()).recip() };
             let [r, g, b] = light.map(|value| table.code(f16::from_f32(value.to_f32() * scale)));
             [r, g, b, code]
         })?;
-        Ok((CodePicture::Rgba8(straight), clipped as u64))
+        Ok((CodePicture::Rgba8(straight), clipped))
     }
 }

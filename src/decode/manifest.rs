@@ -1,5 +1,6 @@
 //! The manifest of a decoded dataset.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde_json::json;
@@ -10,7 +11,7 @@ use crate::decode::selection::StreamFrames;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::ToneMap;
 use crate::image::{ColorSpace, Face, Primaries};
-use crate::streams::{CodecHeader, ColorFormat, FramePose, Projection, StreamKind};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, FramePose, Projection, StreamKind};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FileFormat {
@@ -65,16 +66,16 @@ pub fn has_decoded(manifest: &Manifest) -> bool {
 }
 
 /// Its `extra` holds the streams' coding, so that a later comparison can use the same codes. An error says why there is
-/// none: PNG files hold codes that a manifest cannot describe, streams differ in size, or cube faces are not square.
+/// none: PNG files hold codes that a manifest cannot describe, streams differ in size, cube faces are not square, or some faces have
+/// kinds or frames that others do not.
 pub(super) fn manifest_of(
     decoder: &Decoder,
     streams: &[StreamFrames<'_>],
     files_coding: FileCoding,
 ) -> Result<Manifest, &'static str> {
-    const NO_STREAM: &str = "no stream was decoded";
     let format = files_coding.format;
     let index = decoder.reader().index();
-    let size = streams.first().ok_or(NO_STREAM)?.stream.size();
+    let size = streams.first().ok_or("no stream was decoded")?.stream.size();
     let cube = index.projection == 0;
     if streams.iter().any(|part| part.stream.size() != size) {
         return Err("the streams differ in size");
@@ -82,96 +83,51 @@ pub(super) fn manifest_of(
     if cube && size[0] != size[1] {
         return Err("the cube faces are not square");
     }
-    let mut files = manifest::Files::default();
-    let (mut depth, mut color, mut material) = (None, None, None);
-    let mut coding = serde_json::Map::new();
-    let mut ranges = serde_json::Map::new();
-    for part in streams {
-        let stream = part.stream;
-        let pattern = Some(file_pattern(decoder, stream.kind, format));
-        match (&stream.header, format) {
-            (CodecHeader::Depth(header), _) => {
-                let (near, far) = (header.range.near_m(), header.range.far_m());
-                let name = format!("{}/{}", decoder.probe(stream).name, stream.face.name());
-                ranges.insert(name, json!({ "near_m": near, "far_m": far }));
-                if format == FileFormat::Exr {
-                    files.depth = pattern;
-                    let background = match header.background {
-                        f32::INFINITY => manifest::Background::default(),
-                        value => manifest::Background::Value(f64::from(value)),
-                    };
-                    depth = Some(manifest::DepthInfo { kind: header.kind, background, ..Default::default() });
-                }
-            }
-            (CodecHeader::Color(header), _) => {
-                // PNG files of half floats hold sRGB codes as well.
-                let srgb = match header.format {
-                    ColorFormat::EightBit(tone) => tone == ToneMap::default(),
-                    ColorFormat::Half { .. } => true,
-                };
-                coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
-                let space = match format {
-                    // Where it has no name, the files' chromaticities tell.
-                    FileFormat::Exr => ColorSpace::of_light(files_coding.primaries(decoder.primaries())),
-                    FileFormat::Png if srgb => Some(ColorSpace::Srgb),
-                    FileFormat::Png => continue,
-                };
-                files.color = pattern;
-                color = space.map(|space| manifest::ColorInfo { space: Some(space), layer: None });
-            }
-            (CodecHeader::Material(_), FileFormat::Exr) => {
-                files.material = pattern;
-                material = Some(manifest::MaterialInfo { channels: manifest::MaterialChannels::default() });
-            }
-            (CodecHeader::Material(_), FileFormat::Png) => {}
-            (CodecHeader::Alpha(_), _) => {
-                let is_beside = streams.iter().any(|color| color.has_alpha(part));
-                let kind = if is_beside { StreamKind::Color } else { StreamKind::Alpha };
-                let own = file_pattern(decoder, kind, format);
-                if files.alpha.replace(own.clone()).is_some_and(|other| other != own) {
-                    return Err("alpha of some faces has no colour of the same frames");
-                }
-            }
-        }
-    }
-    if files == manifest::Files::default() {
+    let listed = listed(streams, format);
+    let Some(all) = listed.iter().map(|part| part.frames).reduce(FrameRange::hull) else {
         return Err(
             "a manifest cannot describe what these PNG files hold: depth codes, weights, or colour with another \
                     transfer function or exposure than sRGB",
         );
+    };
+    if !is_complete(&listed) {
+        return Err("some faces have kinds or frames that others do not");
     }
-    if !ranges.is_empty() {
-        coding.insert("depth".into(), ranges.into());
+    let mut files = manifest::Files::default();
+    let (mut depth, mut color, mut material) = (None, None, None);
+    let has_color = listed.iter().any(|part| part.stream.kind == StreamKind::Color);
+    for stream in listed.iter().map(|part| part.stream) {
+        let pattern = Some(file_pattern(decoder, stream.kind, format));
+        match &stream.header {
+            CodecHeader::Depth(header) => {
+                files.depth = pattern;
+                let background = match header.background {
+                    f32::INFINITY => manifest::Background::default(),
+                    value => manifest::Background::Value(f64::from(value)),
+                };
+                depth = Some(manifest::DepthInfo { kind: header.kind, background, ..Default::default() });
+            }
+            CodecHeader::Color(_) => {
+                let space = match format {
+                    // Where it has no name, the files' chromaticities tell.
+                    FileFormat::Exr => ColorSpace::of_light(files_coding.primaries(decoder.primaries())),
+                    FileFormat::Png => Some(ColorSpace::Srgb),
+                };
+                files.color = pattern;
+                color = space.map(|space| manifest::ColorInfo { space: Some(space), layer: None });
+            }
+            CodecHeader::Material(_) => {
+                files.material = pattern;
+                material = Some(manifest::MaterialInfo { channels: manifest::MaterialChannels::default() });
+            }
+            CodecHeader::Alpha(_) if has_color => {
+                files.alpha = Some(file_pattern(decoder, StreamKind::Color, format));
+            }
+            CodecHeader::Alpha(_) => files.alpha = pattern,
+        }
     }
-    let all = streams.iter().map(|part| part.frames).reduce(FrameRange::hull).ok_or(NO_STREAM)?;
     let present: Vec<Face> =
-        Face::CUBE.into_iter().filter(|face| streams.iter().any(|part| part.stream.face == *face)).collect();
-    let mut probes = Vec::new();
-    let mut frames_of: Vec<Option<FrameRange>> = vec![None; index.probes.len()];
-    for &StreamFrames { stream, frames } in streams {
-        let known = &mut frames_of[stream.probe];
-        *known = Some(known.map_or(frames, |known| known.hull(frames)));
-    }
-    for (probe, frames) in index.probes.iter().zip(frames_of) {
-        let Some(frames) = frames else { continue };
-        let known = probe.intrinsics.iter().any(|&value| value != 0.0);
-        let poses =
-            decoder.footage().poses.iter().filter(|pose| pose.probe == probe.name && frames.contains(pose.frame));
-        let poses: Vec<manifest::Pose> = poses
-            .map(|&FramePose { frame, position, orientation, .. }| manifest::Pose { frame, position, orientation })
-            .collect();
-        let stands = poses.is_empty();
-        let is_turned = probe.orientation != [0.0, 0.0, 0.0, 1.0];
-        probes.push(manifest::Probe {
-            name: probe.name.clone(),
-            position: stands.then_some(probe.position),
-            frames: (frames != all).then_some([frames.first, frames.last]),
-            orientation: (stands && is_turned).then_some(probe.orientation),
-            poses,
-            intrinsics: known.then_some(probe.intrinsics),
-            ..manifest::Probe::default()
-        });
-    }
+        Face::CUBE.into_iter().filter(|face| listed.iter().any(|part| part.stream.face == *face)).collect();
     Ok(Manifest {
         schema: None,
         lightfield: manifest::MANIFEST_VERSION,
@@ -190,9 +146,87 @@ pub(super) fn manifest_of(
         alpha: None,
         missing: None,
         files,
-        probes,
-        extra: Some(json!({ "lightfold": coding })),
+        probes: probes_of(decoder, &listed, all),
+        extra: Some(json!({ "lightfold": coding_of(decoder, streams) })),
     })
+}
+
+/// Streams whose files a manifest describes: of PNG files colour in sRGB codes, which are those of half floats, too, and its alpha.
+fn listed<'a>(streams: &[StreamFrames<'a>], format: FileFormat) -> Vec<StreamFrames<'a>> {
+    let is_other = |header: &CodecHeader| match header {
+        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => *tone != ToneMap::default(),
+        _ => false,
+    };
+    let has_other_color = streams.iter().any(|part| is_other(&part.stream.header));
+    let is_listed = |part: &&StreamFrames<'_>| match (format, part.stream.kind) {
+        (FileFormat::Exr, _) => true,
+        (FileFormat::Png, StreamKind::Color | StreamKind::Alpha) => !has_other_color,
+        (FileFormat::Png, StreamKind::Depth | StreamKind::Material) => false,
+    };
+    streams.iter().filter(is_listed).copied().collect()
+}
+
+/// Whether all faces of all probes have the same kinds, and those of a probe the same frames, as a manifest's do.
+fn is_complete(listed: &[StreamFrames<'_>]) -> bool {
+    let kinds: BTreeSet<_> = listed.iter().map(|part| part.stream.kind).collect();
+    let faces: BTreeSet<_> = listed.iter().map(|part| part.stream.face).collect();
+    let mut of_probes: BTreeMap<usize, (FrameRange, BTreeSet<_>)> = BTreeMap::new();
+    for &StreamFrames { stream, frames } in listed {
+        let (of_probe, places) = of_probes.entry(stream.probe).or_insert((frames, BTreeSet::new()));
+        if *of_probe != frames {
+            return false;
+        }
+        places.insert((stream.kind, stream.face));
+    }
+    of_probes.values().all(|(_, places)| places.len() == kinds.len() * faces.len())
+}
+
+/// The probes of streams, which have the frames `all` unless they say otherwise.
+fn probes_of(decoder: &Decoder, listed: &[StreamFrames<'_>], all: FrameRange) -> Vec<manifest::Probe> {
+    let frames_of: BTreeMap<usize, FrameRange> = listed.iter().map(|part| (part.stream.probe, part.frames)).collect();
+    let probe_of = |(at, frames): (usize, FrameRange)| {
+        let probe = &decoder.reader().index().probes[at];
+        let known = probe.intrinsics.iter().any(|&value| value != 0.0);
+        let poses = decoder.footage().poses_of(&probe.name).iter().filter(|pose| frames.contains(pose.frame));
+        let poses: Vec<manifest::Pose> = poses
+            .map(|&FramePose { frame, position, orientation, .. }| manifest::Pose { frame, position, orientation })
+            .collect();
+        let stands = poses.is_empty();
+        let is_turned = probe.orientation != [0.0, 0.0, 0.0, 1.0];
+        manifest::Probe {
+            name: probe.name.clone(),
+            position: stands.then_some(probe.position),
+            frames: (frames != all).then_some([frames.first, frames.last]),
+            orientation: (stands && is_turned).then_some(probe.orientation),
+            poses,
+            intrinsics: known.then_some(probe.intrinsics),
+            ..manifest::Probe::default()
+        }
+    };
+    frames_of.into_iter().map(probe_of).collect()
+}
+
+/// Format of colour, and near and far of depth, of all streams.
+fn coding_of(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> serde_json::Map<String, serde_json::Value> {
+    let mut coding = serde_json::Map::new();
+    let mut ranges = serde_json::Map::new();
+    for stream in streams.iter().map(|part| part.stream) {
+        match &stream.header {
+            CodecHeader::Depth(header) => {
+                let (near, far) = (header.range.near_m(), header.range.far_m());
+                let name = format!("{}/{}", decoder.probe(stream).name, stream.face.name());
+                ranges.insert(name, json!({ "near_m": near, "far_m": far }));
+            }
+            CodecHeader::Color(header) => {
+                coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
+            }
+            CodecHeader::Material(_) | CodecHeader::Alpha(_) => {}
+        }
+    }
+    if !ranges.is_empty() {
+        coding.insert("depth".into(), ranges.into());
+    }
+    coding
 }
 
 fn color_coding(format: &ColorFormat, cell: u32) -> serde_json::Value {

@@ -69,17 +69,21 @@ pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
     stream.memory_bytes(index).saturating_add(reading)
 }
 
+/// Pixels of an image.
+pub fn stream_pixels(stream: &StreamInfo) -> u64 {
+    u64::from(stream.entry.width) * u64::from(stream.entry.height)
+}
+
 /// Bytes for writing an image into a file: 4-byte metres, half floats or three floats a pixel, as they are, by channel in the
 /// writer, and compressed.
 pub fn file_bytes(stream: &StreamInfo) -> u64 {
-    let pixels = u64::from(stream.entry.width) * u64::from(stream.entry.height);
     let converted = match &stream.header {
         CodecHeader::Depth(_) => 4,
         CodecHeader::Material(_) => 12,
         CodecHeader::Color(_) => 6,
         CodecHeader::Alpha(_) => 2,
     };
-    3 * pixels * converted
+    3 * stream_pixels(stream) * converted
 }
 
 /// Bytes of an open container: its index, and the whole file where it came through a pipe.

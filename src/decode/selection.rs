@@ -23,15 +23,6 @@ pub struct StreamFrames<'a> {
     pub frames: FrameRange,
 }
 
-impl StreamFrames<'_> {
-    /// Whether `alpha` is that of this colour: of the same face and frames.
-    pub fn has_alpha(&self, alpha: &StreamFrames<'_>) -> bool {
-        (self.stream.kind, alpha.stream.kind) == (StreamKind::Color, StreamKind::Alpha)
-            && (self.stream.probe, self.stream.face) == (alpha.stream.probe, alpha.stream.face)
-            && self.frames == alpha.frames
-    }
-}
-
 impl Selection {
     pub fn choose<'a>(&self, decoder: &'a Decoder) -> Result<Vec<StreamFrames<'a>>> {
         let name = |stream: &StreamInfo| decoder.probe(stream).name.as_str();

@@ -90,9 +90,11 @@ impl GroupNeed {
             StreamKind::Material => (12, 3),
             StreamKind::Alpha => (4, 2),
         };
+        // Its values as 4 codes of 16 bits and as floats, and colour that is multiplied by it.
+        let alpha = if is_multiplied(source, group) { 18 } else { 0 };
         // A file is decoded as a whole: its values, and 4 bytes a pixel for one channel while it is unpacked. Then each face
         // as it is read and as it is coded.
-        let frame = source.file_pixels() * (read + 4) + pixels * (read + coded);
+        let frame = source.file_pixels() * (read + 4 + alpha) + pixels * (read + coded);
         let (held, search) = match (group.kind, settings.color_codec) {
             (StreamKind::Color, ColorCodec::Transform) => transform_state(group, settings),
             (StreamKind::Color, ColorCodec::Cells) => (color_state(group, settings), 0),
@@ -123,6 +125,12 @@ impl GroupNeed {
         };
         Need { what, fixed: self.state + kept, each: self.frame, instead }
     }
+}
+
+/// Whether alpha is read with a frame of colour.
+fn is_multiplied(source: &dyn FrameSource, group: &SourceGroup) -> bool {
+    let files = group.frames.iter().map(|frame| source.files(group, frame).unwrap_or_default());
+    files.map(|files| files.len()).find(|count| *count > 0).is_some_and(|count| count > 1)
 }
 
 /// Refuses groups that would not fit into the settings' memory.

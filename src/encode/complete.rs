@@ -7,15 +7,17 @@ use std::time::SystemTime;
 use crate::container::Reader;
 use crate::encode::job::EncodeSummary;
 use crate::encode::part::Part;
+use crate::encode::source::missing_frames;
 use crate::image::StreamKind;
 use crate::streams::shard::SHARD;
 use crate::streams::{CodecHeader, FootageInfo};
 
-/// Figures of the shard in a container: `None` unless it is this shard, whole, with the same settings, and newer than all files
-/// that it follows from.
+/// Figures of the shard in a container: `None` unless it is this shard, whole, with the same settings and missing frames, and newer
+/// than all files that it follows from. The time of a container is that before its first file was read
+/// ([`crate::files::OutputFile::commit_as_of`]).
 pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary> {
     // Neither a pipe nor standard input.
-    let written = std::fs::metadata(container).ok().filter(std::fs::Metadata::is_file)?.modified().ok()?;
+    let read_from = std::fs::metadata(container).ok().filter(std::fs::Metadata::is_file)?.modified().ok()?;
     let reader = Reader::open(container).ok()?;
     let index = reader.index();
     if index.attributes.get(SHARD)? != part.shard.as_ref()?.write() {
@@ -33,10 +35,14 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
         .streams
         .iter()
         .map(|stream| (stream.kind, stream.probe, stream.face, stream.first_frame, u64::from(stream.frame_count)));
-    if there.collect::<BTreeSet<_>>() != wanted || has_newer_files(part, written) {
+    if there.collect::<BTreeSet<_>>() != wanted || has_newer_files(part, read_from) {
         return None;
     }
     let footage = FootageInfo::read(index).ok()?;
+    let missing: BTreeSet<_> = part.groups.iter().flat_map(|group| missing_frames(part, group)).collect();
+    if !footage.missing_frames.iter().eq(&missing) {
+        return None;
+    }
     let mut summary = EncodeSummary {
         bytes: reader.file_bytes,
         clipped_pixels: footage.clipped_pixels.unwrap_or(0),
@@ -51,16 +57,15 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
 
 /// Whether a file was changed since, or cannot be looked at: one of the part's, or a depth image of its probes, by which near and
 /// far of all frames are found.
-fn has_newer_files(part: &Part<'_>, written: SystemTime) -> bool {
+fn has_newer_files(part: &Part<'_>, read_from: SystemTime) -> bool {
     let probes = part.probes_of_depth();
     let depth = part.source.groups().iter();
     let depth = depth.filter(|group| group.kind == StreamKind::Depth && probes.contains(&group.probe));
     let mut files =
         part.groups.iter().chain(depth).flat_map(|group| group.frames.iter().map(move |frame| (group, frame)));
     let modified = |path: &Path| std::fs::metadata(path).and_then(|meta| meta.modified());
-    files.any(|(group, frame)| match part.source.file(group, frame) {
-        Ok(Some(path)) => modified(&path).map_or(true, |time| time > written),
-        Ok(None) => false,
+    files.any(|(group, frame)| match part.source.files(group, frame) {
+        Ok(paths) => paths.iter().any(|path| modified(path).map_or(true, |time| time >= read_from)),
         Err(_) => true,
     })
 }

@@ -19,7 +19,7 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn 
     for group in selected_groups(source, settings) {
         let group = group.group;
         for frame in group.frames.iter() {
-            if source.file(group, frame)?.is_some() {
+            if !source.files(group, frame)?.is_empty() {
                 jobs.push((group, frame));
                 break;
             }

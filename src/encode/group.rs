@@ -94,8 +94,8 @@ impl<'a> GroupCoder<'a> {
         let numbers = levels.numbers(codes.data()).map_err(|at| {
             let (x, y) = (at % width as usize, at / width as usize);
             Error::invalid(format!(
-                "pixel ({x}, {y}) has a depth that was not there when the images were looked through: encode again, with \
-                 images that do not change meanwhile"
+                "pixel ({x}, {y}) has a depth that was not there when the images were looked through: scan and \
+                 encode again, with images that do not change meanwhile"
             ))
         })?;
         Plane::new(width, height, numbers.into_owned())
@@ -111,9 +111,9 @@ impl<'a> GroupCoder<'a> {
     ) -> Result<(Vec<Coded>, u64)> {
         let named = |error: Error| {
             let error = error.context(name_frame(source, self.group, frame));
-            match source.file(self.group, frame) {
-                Ok(Some(file)) => error.in_file(file),
-                _ => error,
+            match source.files(self.group, frame).unwrap_or_default().first() {
+                Some(file) => error.in_file(file),
+                None => error,
             }
         };
         let coded: Result<Vec<Coded>> = match self.group.kind {

@@ -22,7 +22,7 @@ use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
 use crate::encode::order::Order;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
-use crate::encode::source::{FrameSource, GroupRef, selected_groups};
+use crate::encode::source::{FrameSource, GroupRef, missing_frames, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::{Error, Result};
@@ -30,7 +30,7 @@ use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
-use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, FramePose, MissingFrame};
+use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, FramePose};
 
 /// Units whose last chunks are made together; a killed process loses no more.
 const FINISH_UNITS: usize = 64;
@@ -488,10 +488,7 @@ impl<W: Write> Job<'_, W> {
             position,
             orientation,
         }));
-        for (frame, held) in self.source.missing_frames(group) {
-            let missing = |&face: &Face| MissingFrame { probe: probe.clone(), kind: group.kind, face, frame, held };
-            self.footage.missing_frames.extend(group.faces.iter().map(missing));
-        }
+        self.footage.missing_frames.extend(missing_frames(self.source, group));
     }
 }
 

@@ -82,6 +82,11 @@ impl<'a> Part<'a> {
         Ok(Part { source, groups, scans: Scans::default(), shard: Some(entry) })
     }
 
+    /// Whether it is one shard.
+    pub fn is_shard(&self) -> bool {
+        self.shard.is_some()
+    }
+
     /// Numbers of the probes of which it has depth, ascending.
     pub fn probes_of_depth(&self) -> Vec<usize> {
         let of_depth = self.groups.iter().filter(|group| group.kind == StreamKind::Depth);
@@ -160,8 +165,8 @@ impl FrameSource for Part<'_> {
         self.source.read_alpha(group, frame)
     }
 
-    fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
-        self.source.file(group, frame)
+    fn files(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
+        self.source.files(group, frame)
     }
 
     fn scans(&self) -> Option<&Scans> {

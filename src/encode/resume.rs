@@ -31,9 +31,12 @@ use crate::fingerprint::Fingerprint;
 use crate::image::StreamKind;
 use crate::monitor::Monitor;
 
-/// Size and time of a file, by which a change is noticed; zeros for frames in memory.
+/// Sizes and times of the files of a frame, by which a change is noticed; zeros for frames in memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Stamp {
+pub(super) struct Stamp([FileStamp; 2]);
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct FileStamp {
     bytes: u64,
     /// Nanoseconds since 1970; 0 where the system does not tell.
     modified: i64,
@@ -41,17 +44,23 @@ pub(super) struct Stamp {
 
 impl Stamp {
     pub fn of(source: &dyn FrameSource, group: &SourceGroup, frame: u32) -> Result<Stamp> {
-        source.file(group, frame)?.map_or(Ok(Stamp::default()), |path| Stamp::of_file(&path))
+        let mut stamp = Stamp::default();
+        for (of_file, path) in stamp.0.iter_mut().zip(source.files(group, frame)?) {
+            *of_file = FileStamp::of(&path)?;
+        }
+        Ok(stamp)
     }
+}
 
-    fn of_file(path: &Path) -> Result<Stamp> {
+impl FileStamp {
+    fn of(path: &Path) -> Result<FileStamp> {
         let metadata = std::fs::metadata(path).map_err(|error| Error::io(path, error))?;
         let modified = match metadata.modified().map(|time| time.duration_since(UNIX_EPOCH)) {
             Ok(Ok(after)) => i64::try_from(after.as_nanos()).unwrap_or(i64::MAX),
             Ok(Err(before)) => -i64::try_from(before.duration().as_nanos()).unwrap_or(i64::MAX),
             Err(_) => 0,
         };
-        Ok(Stamp { bytes: metadata.len(), modified })
+        Ok(FileStamp { bytes: metadata.len(), modified })
     }
 }
 
@@ -84,7 +93,7 @@ impl SearchNote {
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct FrameNote {
-    /// The file before it was read.
+    /// Of its files before they were read.
     pub stamp: Stamp,
     /// Colour pixels that did not fit 8 bits.
     pub clipped: u64,
@@ -201,9 +210,11 @@ impl Completed {
         if note.stamp == now {
             return Ok(());
         }
-        let file = source.file(group, frame)?.unwrap_or_default();
+        let mut files: Vec<String> =
+            source.files(group, frame)?.iter().map(|file| file.display().to_string()).collect();
+        files.dedup();
         let name = name_frame(source, group, frame);
-        Err(configuration::other(&format!("{} ({name}) has changed since", file.display())))
+        Err(configuration::other(&format!("{} ({name}) has changed since", files.join(" or "))))
     }
 
     /// Refuses changed files that complete chunks depend on. Forgets scans of changed files that no chunk depends on.

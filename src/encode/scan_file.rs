@@ -216,8 +216,11 @@ impl ScanFile {
             ));
         }
         if let Some(missing) = self.missing() {
-            let message = format!("the scan lacks {missing}: scan the missing shards, and merge them");
-            return Err(Error::invalid(message));
+            let instead = match self.is_unfinished {
+                true => "run the same scan with `resume`",
+                false => "scan the missing shards, and merge them",
+            };
+            return Err(Error::invalid(format!("the scan lacks {missing}: {instead}")));
         }
         let mut found: BTreeMap<usize, FoundDepth> = BTreeMap::new();
         for GroupRef { group, .. } in selected_groups(source, &of_depth(settings)) {

@@ -70,7 +70,7 @@ fn not_cut(all: FrameRange, part: FrameRange, length: u32) -> Option<String> {
         return Some(format!("begins anew at frame {nearest}, not at {}", part.first));
     }
     if part.last != all.last && behind(part.last + 1) != 0 {
-        let before = (part.last - behind(part.last)).checked_sub(1).filter(|&before| before >= all.first);
+        let before = (part.last - behind(part.last)).checked_sub(1).filter(|&before| before >= part.first);
         let after = (part.last - behind(part.last)).saturating_add(length - 1).min(all.last);
         let nearest = or(before.into_iter().chain([after]).collect());
         return Some(format!("can end at frame {nearest}, not at {}", part.last));
@@ -94,6 +94,7 @@ mod tests {
             (20, 20, "begins anew at frame 19, not at 20"),
             (3, 9, "can end at frame 10, not at 9"),
             (3, 12, "can end at frame 10 or 18, not at 12"),
+            (11, 12, "can end at frame 18, not at 12"),
             (11, 19, "can end at frame 18 or 20, not at 19"),
         ] {
             assert_eq!(words(first, last).as_deref(), Some(expected));

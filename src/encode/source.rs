@@ -7,7 +7,8 @@ use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
 use crate::encode::scan::Scans;
 use crate::error::Result;
-use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection};
+use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection};
+use crate::streams::MissingFrame;
 
 /// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
 pub trait FrameSource: Sync {
@@ -76,12 +77,13 @@ pub trait FrameSource: Sync {
     /// As for [`Self::read_depth`].
     fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>>;
 
-    /// The file of a frame, or of that in its place; `None` in memory, and for black.
+    /// The files that pixels of a frame follow from, or of that in its place: its own, and for colour of a PNG file that of its alpha.
+    /// None in memory, and for black.
     ///
     /// # Errors
     /// The group has no such frame.
-    fn file(&self, _group: &SourceGroup, _frame: u32) -> Result<Option<PathBuf>> {
-        Ok(None)
+    fn files(&self, _group: &SourceGroup, _frame: u32) -> Result<Vec<PathBuf>> {
+        Ok(Vec::new())
     }
 
     /// Scans of its depth that were made before; `None` where the encoder is to scan.
@@ -162,8 +164,8 @@ impl FrameSource for Source {
         self.read_alpha(group, frame)
     }
 
-    fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
-        self.file(group, frame)
+    fn files(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
+        self.files_of(group, frame)
     }
 
     fn configuration(&self) -> Vec<(&'static str, String)> {
@@ -187,6 +189,16 @@ impl GroupRef<'_> {
 pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Vec<GroupRef<'a>> {
     let groups = source.groups().iter().enumerate().map(|(at, group)| GroupRef { at, group });
     groups.filter(|group| settings.kinds.contains(&group.group.kind)).collect()
+}
+
+/// Missing frames of a group, as a container lists them.
+pub(super) fn missing_frames(source: &dyn FrameSource, group: &SourceGroup) -> Vec<MissingFrame> {
+    let probe = &source.probes()[group.probe].name;
+    let of_frame = |(frame, held)| {
+        let of_face = move |&face: &Face| MissingFrame { probe: probe.clone(), kind: group.kind, face, frame, held };
+        group.faces.iter().map(of_face)
+    };
+    source.missing_frames(group).into_iter().flat_map(of_frame).collect()
 }
 
 pub(super) fn name_frame(source: &dyn FrameSource, group: &SourceGroup, frame: u32) -> String {

@@ -15,14 +15,22 @@ pub struct DecodedImages {
     pub probes: Vec<ProbeInfo>,
 }
 
-pub(super) fn probe_info(entry: &ProbeEntry, footage: &FootageInfo) -> ProbeInfo {
-    let poses = footage.poses.iter().filter(|pose| pose.probe == entry.name);
-    let pose = |of: &FramePose| Pose { frame: of.frame, position: of.position, orientation: of.orientation };
+fn probe_info(entry: &ProbeEntry, footage: &FootageInfo) -> ProbeInfo {
+    let poses = footage.poses_of(&entry.name).iter().map(pose).collect();
+    ProbeInfo { poses, ..still_probe(entry) }
+}
+
+pub(super) fn pose(&FramePose { frame, position, orientation, .. }: &FramePose) -> Pose {
+    Pose { frame, position, orientation }
+}
+
+/// A probe without the poses of its frames.
+pub(super) fn still_probe(entry: &ProbeEntry) -> ProbeInfo {
     ProbeInfo {
         name: entry.name.clone(),
         position: entry.position,
         orientation: entry.orientation,
-        poses: poses.map(pose).collect(),
+        poses: Vec::new(),
         frames: FrameRange { first: entry.frames[0], last: entry.frames[1] },
         intrinsics: (entry.intrinsics != [0.0; 4]).then_some(entry.intrinsics),
     }

@@ -8,7 +8,7 @@ use crate::container::header::is_container;
 use crate::dataset::{Pose, ProbeInfo, Source, SourceOptions};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
-use crate::evaluate::decoded_images::{DecodedImages, probe_info};
+use crate::evaluate::decoded_images::{DecodedImages, pose, still_probe};
 use crate::image::{
     ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Primaries, Projection, StreamKind,
 };
@@ -224,11 +224,12 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
 
 /// The camera that took an image of a container in a frame, as people see it: faces of cube maps are stored mirrored.
 pub fn upright_camera(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<Camera> {
-    let probe = probe_info(decoder.probe(stream), decoder.footage());
-    let (pose, size) = (probe.pose(frame), stream.size());
+    let probe = still_probe(decoder.probe(stream));
+    let moved = decoder.footage().pose(&probe.name, frame).map(pose);
+    let (of_frame, size) = (moved.unwrap_or_else(|| probe.pose(frame)), stream.size());
     match stream.face {
-        Face::View => camera(Projection::Perspective, (&probe, pose), stream.face, size),
-        face => camera(Projection::Cubemap, (&probe, pose), face, size).map(Camera::mirrored),
+        Face::View => camera(Projection::Perspective, (&probe, of_frame), stream.face, size),
+        face => camera(Projection::Cubemap, (&probe, of_frame), face, size).map(Camera::mirrored),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use super::partial_file::{IntactBytes, PartialFile};
 use crate::error::{Error, Result};
@@ -93,6 +94,15 @@ impl OutputFile {
         }
     }
 
+    /// As [`Self::commit`], with `time` as that of the last change, as where a later run compares it with the times of its sources.
+    /// Of a pipe or device it is left alone.
+    pub fn commit_as_of(&mut self, time: SystemTime) -> Result<()> {
+        if let Sink::Partial(partial) = &mut self.sink {
+            partial.modified = Some(time);
+        }
+        self.commit()
+    }
+
     /// Renames the file to the output after its bytes have reached the disk. After an error it can still be kept.
     pub fn commit(&mut self) -> Result<()> {
         let written = match &mut self.sink {
@@ -121,6 +131,8 @@ impl Write for OutputFile {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
 
     #[test]
@@ -137,6 +149,11 @@ mod tests {
         file.write_all(b"whole").unwrap();
         file.commit().unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"whole");
+        let before = SystemTime::now() - Duration::from_secs(9);
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"later").unwrap();
+        file.commit_as_of(before).unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use super::atomic::parent_of;
 use super::lock::{Locked, open_locked};
@@ -41,6 +42,8 @@ pub struct PartialFile {
     sync_error: Option<String>,
     keep: bool,
     pub is_committed: bool,
+    /// When the output was last changed, if not when it was.
+    pub modified: Option<SystemTime>,
 }
 
 fn beside(output: &Path, end: &str) -> Result<PathBuf> {
@@ -89,6 +92,7 @@ impl PartialFile {
             is_locked,
             sync_error: None,
             is_committed: false,
+            modified: None,
         })
     }
 
@@ -165,6 +169,10 @@ impl PartialFile {
 
     pub fn commit(&mut self) -> std::io::Result<()> {
         self.writer.flush()?;
+        if let Some(time) = self.modified {
+            // Some network file systems refuse: the file then counts as newer than it is, and is whole all the same.
+            let _ = self.writer.get_ref().set_modified(time);
+        }
         self.sync()?;
         std::fs::rename(&self.path, &self.output)?;
         (self.keep, self.is_committed) = (true, true);

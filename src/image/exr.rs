@@ -50,22 +50,28 @@ pub fn read_color_and_primaries(
     limits: &ReadLimits,
 ) -> Result<(ColorPlane, Primaries)> {
     let (reader, file_len) = open(path)?;
-    let primaries = primaries_of(reader.headers());
+    let primaries = stated_primaries(reader.headers()).map(|stated| stated.unwrap_or(Primaries::REC709));
     let plane = decode(reader, file_len, limits, f16::ZERO, |names| find_color(names, select));
     plane.and_then(|plane| Ok((plane, primaries?))).map_err(|error| named(error, path))
 }
 
 /// The primaries of a file's `chromaticities`; those of Rec. 709 where it has none.
 pub fn read_primaries(path: &Path) -> Result<Primaries> {
-    let (reader, _) = open(path)?;
-    primaries_of(reader.headers()).map_err(|error| named(error, path))
+    Ok(read_stated_primaries(path)?.unwrap_or(Primaries::REC709))
 }
 
-fn primaries_of(headers: &[Header]) -> Result<Primaries> {
+/// The primaries of a file's `chromaticities`, where it has any.
+pub fn read_stated_primaries(path: &Path) -> Result<Option<Primaries>> {
+    let (reader, _) = open(path)?;
+    stated_primaries(reader.headers()).map_err(|error| named(error, path))
+}
+
+fn stated_primaries(headers: &[Header]) -> Result<Option<Primaries>> {
     let stated = headers.first().and_then(|header| header.shared_attributes.chromaticities);
-    let Some(Chromaticities { red, green, blue, white }) = stated else { return Ok(Primaries::REC709) };
+    let Some(Chromaticities { red, green, blue, white }) = stated else { return Ok(None) };
     let values = [red, green, blue, white].map(|Vec2(x, y)| [x, y]);
     Primaries::from_array(std::array::from_fn(|at| values[at / 2][at % 2]))
+        .map(Some)
         .map_err(|error| error.context("`color_space` takes their place"))
 }
 

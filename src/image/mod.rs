@@ -32,7 +32,7 @@ pub use cube::Face;
 pub use kind::{DepthKind, Projection, StreamKind};
 pub use layout::{Eye, FaceLayout, StereoLayout};
 pub use limits::ReadLimits;
-pub use plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, NormalPlane, Plane};
+pub use plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, NormalPlane, Plane, unit_alpha};
 pub use primaries::{LightMatrix, Primaries};
 pub use projection::ImageProjection;
 pub use sequence::{FrameRange, Pattern, Sequence};

@@ -24,6 +24,15 @@ pub type AlphaPlane = Plane<f32>;
 /// Unit vectors in world axes; zero for the background.
 pub type NormalPlane = Plane<[f32; 3]>;
 
+/// Alpha within 0 to 1; half floats and filters may have left it a little beyond. `Err` says what it is instead.
+pub fn unit_alpha(alpha: f32) -> std::result::Result<f32, String> {
+    if (-0.002..=1.002).contains(&alpha) {
+        Ok(alpha.clamp(0.0, 1.0))
+    } else {
+        Err(format!("has an alpha of {alpha}: 0 to 1 was expected"))
+    }
+}
+
 impl<T> Plane<T> {
     /// Wraps `data`, whose length must be `width * height`.
     pub fn new(width: u32, height: u32, data: Vec<T>) -> Result<Self> {

@@ -53,6 +53,11 @@ pub fn read_alpha(path: &Path, limits: &ReadLimits) -> Result<AlphaPlane> {
     Plane::new(width, height, data)
 }
 
+/// Whether a file has an alpha channel.
+pub fn has_alpha(path: &Path, limits: &ReadLimits) -> Result<bool> {
+    Ok(decode(path, limits)?.color().has_alpha())
+}
+
 /// Whether a file is read as PNG, by its name.
 pub fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))

@@ -304,7 +304,10 @@ impl Sequence {
         for frame in frames.iter() {
             let path = pattern.path(frame);
             if !path.is_file() {
-                return Err(Error::not_found(path, format!("frame {frame} is missing: there is no such file")));
+                return Err(Error::not_found(
+                    path,
+                    format!("frame {frame} is missing: there is no such file; `missing` chooses what takes its place"),
+                ));
             }
         }
         Ok(Sequence { pattern, frames })

@@ -3,7 +3,7 @@
 use crate::depth::Quantiser;
 use crate::depth::quantise::metres_in_words;
 use crate::error::{Error, Result};
-use crate::image::plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::image::plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, Plane, unit_alpha};
 use crate::image::transfer::{DecodeTable, EncodeTable};
 
 /// Range of the 8-bit index of refraction (CALF 7.1).
@@ -38,7 +38,8 @@ pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u1
         |z| {
             let z = metres_in_words(z);
             format!(
-                "lies at {z} m, outside the given range of {range}: widen `near` and `far`, or leave them to be found"
+                "lies at {z} m, outside the range of {range}: widen `near` and `far`, or leave them to be found; scan again where \
+                 images have changed since the scan"
             )
         },
     )
@@ -86,9 +87,8 @@ pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
 
 /// Codes of 0 to 255.
 pub fn alpha_codes(plane: &AlphaPlane) -> Result<Plane<u16>> {
-    // Half floats and filters go a little beyond the ends of the range.
-    let code = |alpha: f32| (-0.002..=1.002).contains(&alpha).then(|| u16::from((alpha * 255.0).round() as u8));
-    codes(plane, code, |alpha| format!("has an alpha of {alpha}: 0 to 1 was expected"))
+    let code = |alpha| unit_alpha(alpha).ok().map(|alpha| u16::from((alpha * 255.0).round() as u8));
+    codes(plane, code, |alpha| unit_alpha(alpha).err().unwrap_or_default())
 }
 
 /// Alpha of a decoded code; 1 for codes above 255, which no encoder writes.

@@ -121,10 +121,11 @@ impl FootageInfo {
         self.poses.binary_search_by(|pose| pose.place().cmp(&(probe, frame))).ok().map(|at| &self.poses[at])
     }
 
-    /// Whether a probe has poses.
-    pub fn moves(&self, probe: &str) -> bool {
-        let at = self.poses.partition_point(|pose| pose.probe.as_str() < probe);
-        self.poses.get(at).is_some_and(|pose| pose.probe == probe)
+    /// Poses of a probe, by frame; none where it stands still.
+    pub fn poses_of(&self, probe: &str) -> &[FramePose] {
+        let start = self.poses.partition_point(|pose| pose.probe.as_str() < probe);
+        let count = self.poses[start..].partition_point(|pose| pose.probe == probe);
+        &self.poses[start..start + count]
     }
 
     /// Names and values of attributes; none of what is as usual.
@@ -228,7 +229,8 @@ mod tests {
             poses: vec![pose("a", 7), pose("a", 9), pose("b", 7)],
         };
         assert_eq!((all.pose("a", 9), all.pose("a", 8)), (Some(&pose("a", 9)), None));
-        assert_eq!(["a", "aa", "b", "c"].map(|probe| all.moves(probe)), [true, false, true, false]);
+        let frames = |probe| all.poses_of(probe).iter().map(|pose| pose.frame).collect::<Vec<_>>();
+        assert_eq!(["a", "aa", "b", "c"].map(frames), [vec![7, 9], vec![], vec![7], vec![]]);
         assert_eq!(read(all.to_values()).unwrap(), all);
         let backwards =
             FootageInfo { missing_frames: all.missing_frames.iter().rev().cloned().collect(), ..all.clone() };

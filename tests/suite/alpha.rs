@@ -1,9 +1,10 @@
 //! Alpha from files to files: beside colour in one EXR or PNG file, or in files of its own.
 
 use std::path::Path;
+use std::time::SystemTime;
 
 use half::f16;
-use lightfold::dataset::{Manifest, Source, SourceOptions, StreamKind};
+use lightfold::dataset::{InvalidColor, Manifest, Missing, Source, SourceOptions, StreamKind};
 use lightfold::image::{Plane, ReadLimits, exr, png};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -175,6 +176,168 @@ fn missing_files_are_transparent_where_they_are_black() {
     fine("decode a.lfold -o out --frames 1-1", folder.path());
     let back = exr::read_rgba(&folder.path().join("out/probe_a/color.0001.exr"), &ReadLimits::default()).unwrap();
     assert!(back.data().iter().all(|pixel| *pixel == [f16::ZERO; 4]));
+}
+
+/// PNG colour that is white, and alpha in EXR files of its own.
+fn white_with_mattes(folder: &Path, alpha: impl Fn(u32) -> f32) {
+    std::fs::create_dir(folder).unwrap();
+    for frame in 0..FRAMES {
+        let matte = Plane::filled(SIDE, SIDE, f16::from_f32(alpha(frame)));
+        png::write_color8(&folder.join(format!("c.{frame:04}.png")), &Plane::filled(SIDE, SIDE, [255; 3])).unwrap();
+        exr::write_alpha(&folder.join(format!("m.{frame:04}.exr")), &matte).unwrap();
+    }
+    write_manifest(folder, json!({ "color": "c.%04d.png", "alpha": "m.%04d.exr" }));
+}
+
+#[test]
+fn colour_of_png_files_follows_alpha_of_other_files() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    white_with_mattes(&path, |frame| if frame == 2 { 1.0005 } else { 0.5 });
+    std::fs::remove_file(path.join("m.0001.exr")).unwrap();
+    let light = |options: &SourceOptions, frame| {
+        let source = Source::open(&path, options).unwrap();
+        let color = source.groups().iter().find(|group| group.kind == StreamKind::Color).unwrap();
+        source.read_color(color, frame).unwrap()[0].get(0, 0).map(f16::to_f32)
+    };
+    let black = SourceOptions { missing: Some(Missing::Black), ..SourceOptions::default() };
+    assert_eq!([0, 1, 2].map(|frame| light(&black, frame)), [[0.5; 3], [0.0; 3], [1.0; 3]]);
+    let hold = SourceOptions { missing: Some(Missing::Hold), ..SourceOptions::default() };
+    assert_eq!(light(&hold, 1), [0.5; 3]);
+    // Alpha that is none spoils colour as well, whatever is encoded.
+    exr::write_alpha(&path.join("m.0001.exr"), &Plane::filled(SIDE, SIDE, f16::from_f32(1.5))).unwrap();
+    let output = lightfold(&["encode", "in", "-o", "c.lfold", "--stream", "color"], folder.path());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_says(&said, &["m.0001.exr", "pixel (0, 0) has an alpha of 1.5: 0 to 1 was expected"]);
+    assert_eq!(output.status.code(), Some(2));
+    let clamped = SourceOptions { invalid_color: InvalidColor::Black, ..SourceOptions::default() };
+    assert_eq!(light(&clamped, 1), [1.0; 3]);
+    // A frame that has no alpha is not opaque.
+    std::fs::remove_file(path.join("m.0002.exr")).unwrap();
+    let output =
+        lightfold(&["encode", "in", "-o", "c.lfold", "--missing", "skip", "--invalid-color", "black"], folder.path());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_says(&said, &["frame 2: the alpha of this frame is missing", "--missing to hold or black"]);
+}
+
+#[test]
+fn gray_files_are_no_mattes_of_their_own() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    std::fs::create_dir(&path).unwrap();
+    for frame in 0..FRAMES {
+        let gray = Plane::from_fn(SIDE, SIDE, |x, _| 1000 + 500 * x as u16);
+        png::write_depth16(&path.join(format!("c.{frame:04}.png")), &gray.map(|code| *code)).unwrap();
+    }
+    fine("init in", folder.path());
+    let proposed = Manifest::read(&path).unwrap().files;
+    assert!(proposed.alpha.is_none(), "{proposed:?}");
+}
+
+#[test]
+fn a_shard_follows_from_alpha_that_it_does_not_have() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    white_with_mattes(&path, |_| 0.5);
+    std::fs::remove_file(path.join("c.0001.png")).unwrap();
+    let line = "encode in --shard 1/2 --shard-stream color --missing hold --resume -o a.lfold";
+    let is_complete = || {
+        let said = fine(line, folder.path());
+        String::from_utf8(said.stderr).unwrap().contains("this shard is complete")
+    };
+    assert_eq!([is_complete(), is_complete()], [false, true]);
+    let matte = path.join("m.0002.exr");
+    exr::write_alpha(&matte, &Plane::filled(SIDE, SIDE, f16::from_f32(0.25))).unwrap();
+    assert_eq!([is_complete(), is_complete()], [false, true]);
+    // A frame that was missing, with a time before that of the shard.
+    std::fs::copy(path.join("c.0000.png"), path.join("c.0001.png")).unwrap();
+    let file = std::fs::File::options().write(true).open(path.join("c.0001.png")).unwrap();
+    file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+    assert_eq!([is_complete(), is_complete()], [false, true]);
+}
+
+#[test]
+fn an_encode_is_not_resumed_after_its_alpha_has_changed() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    white_with_mattes(&path, |_| 0.5);
+    // Depth is broken, so that the chunks of colour before it stay.
+    let depth = |frame: u32| path.join(format!("d.{frame:04}.exr"));
+    for frame in 0..FRAMES {
+        exr::write_depth(&depth(frame), &Plane::filled(SIDE, SIDE, 2.0 + frame as f32)).unwrap();
+    }
+    let whole = std::fs::read(depth(2)).unwrap();
+    std::fs::write(depth(2), &whole[..whole.len() / 2]).unwrap();
+    write_manifest(&path, json!({ "color": "c.%04d.png", "alpha": "m.%04d.exr", "depth": "d.%04d.exr" }));
+    let line = "encode in -o a.lfold --stream color,depth --resume";
+    let stopped = lightfold(&line.split(' ').collect::<Vec<_>>(), folder.path());
+    let said = String::from_utf8(stopped.stderr).unwrap();
+    assert_says(&said, &["d.0002.exr", "safe in "]);
+    std::fs::write(depth(2), &whole).unwrap();
+    exr::write_alpha(&path.join("m.0000.exr"), &Plane::filled(SIDE, SIDE, f16::from_f32(0.25))).unwrap();
+    assert_says(
+        &refused(line, folder.path()),
+        &["c.0000.png or ", "m.0000.exr (color of probe a", "has changed since"],
+    );
+}
+
+/// A container of probe `a` with faces, of which some have alpha or other frames.
+fn faces(folder: &Path, alpha_of: &[&str], alpha_frames: &str) {
+    let path = folder.join("in");
+    std::fs::create_dir(&path).unwrap();
+    for (face, frame) in ["px", "nx"].into_iter().flat_map(|face| [0, 1].map(|frame| (face, frame))) {
+        exr::write_rgba(&path.join(format!("{face}.{frame:04}.exr")), &rgba(frame)).unwrap();
+    }
+    let mut manifest = manifest(json!({ "color": "{face}.%04d.exr", "alpha": "{face}.%04d.exr" }));
+    manifest["projection"] = json!("cubemap");
+    manifest["faces_present"] = json!(["px", "nx"]);
+    manifest["frames"] = json!([0, 1]);
+    manifest["probes"] = json!([{ "name": "a", "position": [0, 0, 0] }]);
+    std::fs::write(path.join("lightfield.json"), manifest.to_string()).unwrap();
+    fine("encode in -o color.lfold --stream color", folder);
+    manifest["faces_present"] = json!(alpha_of);
+    std::fs::write(path.join("lightfield.json"), manifest.to_string()).unwrap();
+    fine(&format!("encode in -o alpha.lfold --stream alpha --frames {alpha_frames}"), folder);
+    fine("pack color.lfold alpha.lfold -o all.lfold", folder);
+}
+
+#[test]
+fn what_a_manifest_cannot_describe_has_none() {
+    for (alpha_of, frames) in [(&["px"][..], "0-1"), (&["px", "nx"], "1-1")] {
+        let folder = TempDir::new().unwrap();
+        faces(folder.path(), alpha_of, frames);
+        for format in ["exr", "png"] {
+            let said = fine(&format!("decode all.lfold -o {format} --format {format}"), folder.path());
+            let said = String::from_utf8(said.stderr).unwrap();
+            assert_says(&said, &["some faces have kinds or frames that others do not"]);
+            assert!(!folder.path().join(format).join("lightfield.json").exists());
+            // Of one kind there is one that is read again.
+            fine(&format!("decode all.lfold -o {format}2 --format {format} --stream color"), folder.path());
+            fine(&format!("encode {format}2 -o again.lfold"), folder.path());
+        }
+    }
+    let folder = TempDir::new().unwrap();
+    footage(&folder.path().join("in"));
+    fine("encode in -o a.lfold --exposure -1", folder.path());
+    let said = String::from_utf8(fine("decode a.lfold -o png --format png", folder.path()).stderr).unwrap();
+    assert_says(&said, &["a manifest cannot describe what these PNG files hold"]);
+}
+
+#[test]
+fn light_that_alpha_cannot_hold_counts_as_clipped() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("in");
+    std::fs::create_dir(&path).unwrap();
+    // White behind glass, light that is added, light beyond alpha.
+    let pixels = [[0.5, 0.5, 0.5, 0.5], [0.25, 0.0, 0.0, 0.0], [0.5, 0.5, 0.9, 0.5], [0.0; 4]];
+    let picture = Plane::from_fn(SIDE, SIDE, |x, _| pixels[x as usize / 10].map(f16::from_f32));
+    exr::write_rgba(&path.join("c.0000.exr"), &picture).unwrap();
+    let mut manifest = manifest(json!({ "color": "c.%04d.exr", "alpha": "c.%04d.exr" }));
+    manifest["frames"] = json!([0, 0]);
+    std::fs::write(path.join("lightfield.json"), manifest.to_string()).unwrap();
+    fine("encode in -o a.lfold --color-codec cells --psnr 90", folder.path());
+    let said = String::from_utf8(fine("decode a.lfold -o out --format png", folder.path()).stderr).unwrap();
+    assert_says(&said, &["800 colour pixels did not fit 8 bits"]);
 }
 
 #[test]

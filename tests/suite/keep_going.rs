@@ -14,6 +14,9 @@ use tempfile::TempDir;
 
 use crate::samples::{self, Shape};
 
+/// Of [`container`].
+const IMAGES: usize = 81;
+
 /// Every kind of stream, two units each, three chunks or so a unit.
 fn container() -> Vec<u8> {
     let shape = |face| Shape { face, size: [9, 9], unit: [8, 12], first_frame: 3, frame_count: 9 };
@@ -28,6 +31,10 @@ fn container() -> Vec<u8> {
         samples::color8_in_blocks(shape(1), ColorBlocks::Bc7, &bytes, search, 35.0),
         samples::color8_transform(shape(2), &bytes, search, 4),
         samples::material(shape(0), &samples::patched_materials(size, 9), settings),
+        // All faces have all kinds, as those of a manifest.
+        samples::depth(shape(2), [0.5, 8.0], &codes, settings),
+        samples::material(shape(1), &samples::patched_materials(size, 9), settings),
+        samples::material(shape(2), &samples::patched_materials(size, 9), settings),
     ];
     samples::container(0, samples::probe("00", 11), &streams, Compression::None)
 }
@@ -108,7 +115,7 @@ fn one_damaged_chunk_costs_the_images_that_need_it_and_no_other() {
         assert!(said.contains("bad.lfold: ") && said.contains("all others are intact"), "{said}");
         let report: Value = serde_json::from_str(&report).unwrap();
         let missing = listed(&report["missing"]);
-        assert!(missing.is_disjoint(&expected) && missing.len() + expected.len() == 54, "chunk {at}: {missing:?}");
+        assert!(missing.is_disjoint(&expected) && missing.len() + expected.len() == IMAGES, "chunk {at}: {missing:?}");
         assert_eq!(report["frames"], expected.len());
         let rows = report["damaged"].as_array().unwrap();
         assert_eq!(rows.len(), hit.len(), "{rows:?}");
@@ -199,7 +206,7 @@ fn a_sound_container_has_nothing_damaged_and_other_devices_are_refused() {
     let (code, report, _) = run("decode good.lfold --null --keep-going --json", folder.path());
     let report: Value = serde_json::from_str(&report).unwrap();
     assert_eq!((code, &report["damaged"], &report["missing"]), (0, &Value::Array(vec![]), &Value::Array(vec![])));
-    assert_eq!(report["frames"], 54);
+    assert_eq!(report["frames"], IMAGES);
     let (code, _, said) = run("decode good.lfold --null --keep-going --device gpu", folder.path());
     assert_eq!(code, 2);
     assert!(said.contains("--keep-going decodes on the CPU"), "{said}");

@@ -11,7 +11,7 @@ use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 use lightfold::encode::{self, EncodeSettings};
-use lightfold::image::{Face, Plane};
+use lightfold::image::{Face, Plane, png};
 use lightfold::monitor::Silent;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -59,6 +59,22 @@ fn footage(folder: &Path, size: u32, distinct: u32, frames: u32, depth_keys: &st
     let (old, new) = (format!("\"frames\": [0, {}]", distinct - 1), format!("\"frames\": [0, {}]", frames - 1));
     assert!(text.contains(&old));
     std::fs::write(path, text.replace(&old, &new)).unwrap();
+}
+
+/// Writes a dataset of four faces of PNG files that have alpha.
+fn transparent(folder: &Path, size: u32) {
+    std::fs::create_dir(folder).unwrap();
+    for (at, face) in Face::CUBE.into_iter().take(4).enumerate() {
+        let codes = Plane::from_fn(size, size, |x, y| [x as u8, y as u8, (x ^ y) as u8, (x + y + 9 * at as u32) as u8]);
+        png::write_rgba8(&folder.join(format!("{}.0000.png", face.name())), &codes).unwrap();
+    }
+    let manifest = serde_json::json!({
+        "lightfield": 1, "name": "rgba", "fps": 24, "frames": [0, 0], "projection": "cubemap", "size": [size, size],
+        "faces_present": ["px", "nx", "py", "ny"],
+        "files": { "color": "{face}.%04d.png", "alpha": "{face}.%04d.png" },
+        "probes": [{ "name": "a", "position": [0, 0, 0] }],
+    });
+    std::fs::write(folder.join("lightfield.json"), manifest.to_string()).unwrap();
 }
 
 /// What a command line came to.
@@ -138,6 +154,9 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     check_budgets("decode q.lfold --null", None, at);
     check_budgets("decode q.lfold --frames 0-3 -o frames", None, at);
     check_budgets("diff . q.lfold --frames 0-9 --ssim none", None, at);
+    transparent(&at.join("rgba"), 512);
+    check_budgets("encode rgba -o rgba.lfold", Some("rgba.lfold"), at);
+    check_budgets("decode rgba.lfold -o back", None, at);
     // Rendering counts all chunks that views may come to hold, so that these are of few frames.
     run("encode . -o r.lfold --frames 0-3 --depth-codec aabb", at);
     let eye = "--eye 0.1,1,2 --look-at 1,1,2 --fov 60 --steps 8";

@@ -50,7 +50,8 @@ pub struct Args {
     /// Decode on a graphics device and on the CPU and compare; exit code 1 if a word differs
     #[arg(long, conflicts_with = "output")]
     pub verify: bool,
-    /// Decode every intact image of a damaged container, list the damaged chunks, and exit with code 2
+    /// Decode every intact image of a damaged container, list the damaged chunks, and exit with code 2. Colour beside damaged alpha
+    /// is left out with it; --stream color writes it alone
     #[arg(long, conflicts_with_all = ["verify", "repeat"])]
     pub keep_going: bool,
     #[command(flatten)]
@@ -61,8 +62,8 @@ pub struct Args {
     pub frames: FrameArgs,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Image format. PNG stores 8-bit colour and 16-bit log codes of depth without loss, and clips colour of half floats to
-    /// 8-bit sRGB. Its depth codes are not part of lightfield.json; lightfold inspect prints the range that turns them into metres
+    /// Image format. PNG stores 8-bit colour and 16-bit log codes of depth without loss; colour beside alpha is divided by it
+    /// and rounded to 8 bits, and colour of half floats is clipped to 8-bit sRGB. Its depth codes are not part of lightfield.json; lightfold inspect prints the range that turns them into metres
     #[arg(long, value_parser = one_of(FORMATS), default_value = "exr")]
     pub format: FileFormat,
     /// Convert colour of EXR files to linear light of this space [default: that of the container, which is the source's]. PNG is always

@@ -351,7 +351,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
             format!("{}{}", temporal(&header.temporal), if header.in_blocks { ", BC1" } else { "" })
         }
         CodecHeader::Alpha(header) => {
-            format!("predictive, without loss, keyframe every {}, tile {units}", header.keyframe_interval)
+            format!("8 bits, predictive, keyframe every {}, tile {units}", header.keyframe_interval)
         }
         CodecHeader::Color(header) => {
             let format = match header.format {

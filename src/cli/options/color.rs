@@ -34,8 +34,10 @@ pub const COLOR_CODECS: &Choices<ColorCodec> = &[
 
 const TRANSFERS: &Choices<Transfer> = &[("srgb", Transfer::Srgb, "sRGB curve"), ("linear", Transfer::Linear, "Linear")];
 
-pub const INVALID_COLORS: &Choices<InvalidColor> =
-    &[("refuse", InvalidColor::Refuse, "Fail with file and pixel"), ("black", InvalidColor::Black, "Replace by black")];
+pub const INVALID_COLORS: &Choices<InvalidColor> = &[
+    ("refuse", InvalidColor::Refuse, "Fail with file and pixel"),
+    ("black", InvalidColor::Black, "Replace by black; clamp alpha"),
+];
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Colour")]
@@ -93,7 +95,7 @@ pub struct ColorArgs {
     #[arg(long, alias = "keyframe-reach", value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub lookahead: u32,
-    /// Handling of NaN colours
+    /// Handling of colour that is NaN, and of alpha beyond 0 to 1
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_COLORS), default_value = "refuse")]
     pub invalid_color: InvalidColor,
 }

@@ -45,8 +45,8 @@ impl DatasetArgs {
         }
         if !manifest::is_dataset(input) {
             return refuse(format!(
-                "{}: neither a lightfield.json nor a folder that holds one; encode an image sequence with encode-depth \
-                 or encode-color",
+                "{}: neither a lightfield.json nor a folder that holds one: let lightfold init propose one for a folder of \
+                 images, or encode a sequence with encode-depth or encode-color",
                 input.display()
             ));
         }

@@ -38,7 +38,7 @@ pub struct ShardArgs {
     /// Give this shard these probes, in place of an even share
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "shard", conflicts_with = "shard_by")]
     pub shard_probe: Vec<String>,
-    /// Give this shard streams of these kinds: color, depth, material
+    /// Give this shard streams of these kinds: color, depth, material, alpha
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = parse_kind, requires = "shard",
         conflicts_with = "shard_by")]
     pub shard_stream: Vec<StreamKind>,
