@@ -5,10 +5,12 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::cli::encode::is_one_of;
 use crate::cli::options::{CodingArgs, StoreArgs, check_report, parse_shard};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::dataset::manifest;
 use crate::encode::{self, ScanFile, Shard};
 use crate::error::{Error, Result};
 use crate::report::coding_map::counted;
@@ -94,7 +96,11 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let mut source = args.coding.dataset.open(input, &options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
     let mut scan = ScanFile::new(&source, &settings);
-    let in_file = args.output != Path::new("-");
+    if is_one_of(&args.output, source.files().chain([manifest::manifest_path(input)])) {
+        return refuse(format!("{}: an input file would be overwritten", args.output.display()));
+    }
+    // Neither a pipe nor a device.
+    let in_file = args.output != Path::new("-") && std::fs::metadata(&args.output).map_or(true, |meta| meta.is_file());
     if args.resume && args.output.exists() {
         let earlier = ScanFile::read(&args.output)?;
         if !earlier.is_of(&source, &settings) {

@@ -136,6 +136,8 @@ impl Joined<'_> {
         let mut joined = Joined { inputs, whole, streams: Vec::new(), pieces: BTreeMap::new() };
         let mut parts: BTreeMap<(u32, u32), (usize, u32)> = BTreeMap::new();
         for (input, reader) in inputs.iter().enumerate() {
+            // Streams that an earlier input has, too.
+            let mut repeats: Vec<usize> = Vec::new();
             for (at, stream) in (0..).zip(&reader.index().streams) {
                 let strange = || Error::invalid(format!("stream {at} is not of its encode")).in_file(reader.path());
                 let number = *numbers.get(&(stream.kind, stream.probe, stream.face)).ok_or_else(strange)?;
@@ -151,6 +153,7 @@ impl Joined<'_> {
                         piece.streams.insert(at, number);
                     }
                     Some(&(earlier, of_earlier)) => {
+                        repeats.push(earlier);
                         let earlier = &inputs[earlier];
                         if earlier.index().streams[of_earlier as usize].frame_count != stream.frame_count {
                             return Err(joined.overlap(reader, stream, number));
@@ -166,9 +169,25 @@ impl Joined<'_> {
                     }
                 }
             }
+            joined.check_repeats(input, &repeats)?;
         }
         joined.join_streams(&parts, shards)?;
         Ok(joined)
+    }
+
+    /// Refuses an input that has some streams of another and others of its own, or not all of those of the other: what it says of all
+    /// its streams, such as clipped pixels, would count twice.
+    fn check_repeats(&self, input: usize, repeats: &[usize]) -> Result<()> {
+        let Some(&first) = repeats.first() else { return Ok(()) };
+        let streams = |input: usize| self.inputs[input].index().streams.len();
+        if repeats.iter().all(|&earlier| earlier == first) && [input, first].map(streams) == [repeats.len(); 2] {
+            return Ok(());
+        }
+        let message = format!(
+            "it has some streams of {} and others: shards must not overlap, but for the same shard twice",
+            self.inputs[first].path().display()
+        );
+        Err(Error::invalid(message).in_file(self.inputs[input].path()))
     }
 
     /// Puts the pieces of each stream one behind the other.

@@ -135,6 +135,21 @@ fn a_studio_says_what_a_shard_has() {
     fine("pack 2.lfold 3.lfold 1.lfold -o joined.lfold", folder);
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
     assert!(read("joined.lfold") == read("one.lfold"), "other bytes");
+    // Neither the dataset nor a scan is replaced.
+    for line in ["scan . -o lightfield.json", "encode . --shard 1/2 --clip --scan all.json -o all.json"] {
+        fine("scan . -o all.json", folder);
+        assert!(refused(line, folder).contains("an input file would be overwritten"), "{line}");
+    }
+    // The same streams once more with others beside them, in any order.
+    fine(&format!("{options} --shard 1/3 --shard-stream color,depth -o more.lfold"), folder);
+    for (inputs, other) in [("1.lfold more.lfold", "1.lfold"), ("more.lfold 2.lfold", "2.lfold")] {
+        let line = format!("pack {inputs} -o joined.lfold");
+        let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("shards must not overlap"), "{said}");
+        assert!(said.contains(other), "{said}");
+    }
     let said = refused(&format!("{options} --shard 1/2 --shard-frames 10-14 --shard-stream depth -o no.lfold"), folder);
     assert!(said.contains("--shard-frames 10-14: depth of probe a can end at frame 12 or 15, not at 14"), "{said}");
     refused(&format!("{options} --shard-frames 10-15 -o no.lfold"), folder);
