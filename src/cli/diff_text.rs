@@ -291,5 +291,5 @@ fn violation_text(comparison: &Comparison, violation: &Violation) -> String {
         (Bound::MaxError, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
         (Bound::Clipping, _) | (_, None) => String::new(),
     };
-    format!("{option} {most} is exceeded: {is} at {}{place}, {by}", comparison.streams[*stream].id)
+    format!("{option} {most} does not hold: {is} at {}{place}, {by}", comparison.streams[*stream].id)
 }

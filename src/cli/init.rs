@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::convention;
+use crate::convention::{self, Verdict};
 use crate::dataset::discover::{self, Proposal};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::dataset::{Source, SourceOptions};
+use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::report::coding_map::counted;
@@ -38,6 +38,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let is_standard_output = to == Path::new("-");
     if !is_standard_output && to.exists() && !args.force {
         return refuse(format!("{}: there is a manifest already; --force replaces it", to.display()));
+    }
+    if !args.folder.exists() {
+        return Err(Error::not_found(&args.folder, "there is no such file or folder"));
     }
     if !args.folder.is_dir() {
         return refuse(format!("{}: a folder of images was expected", args.folder.display()));
@@ -91,7 +94,18 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
         convention::steps(&source, &convention::Choice { max_probes: convention::MAX_PROBES, ..Default::default() })?;
     let progress = Progress::start(global, "checking", steps)?;
     let (manifest, report) = convention::settle::settle(manifest.clone(), file, &progress)?;
-    let doubts = report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
+    let mut doubts: Vec<String> =
+        report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
+    let is_settled = report.findings.iter().any(|of| of.check.starts_with("depth.kind") && of.verdict == Verdict::Fine);
+    if let Some(depth) = manifest.depth.as_ref().filter(|_| !is_settled && manifest.projection != Projection::Equirect)
+    {
+        doubts.push(match depth.kind {
+            DepthKind::Planar => {
+                "depth was taken for Z along the axis of the camera; \"kind\": \"distance\" is along rays".into()
+            }
+            DepthKind::Distance => "depth was taken for the distance along rays; \"kind\": \"planar\" is Z".into(),
+        });
+    }
     Ok((manifest, doubts))
 }
 

@@ -19,6 +19,7 @@ mod finding;
 mod flatness;
 mod hypotheses;
 mod light;
+mod positions;
 mod probe_samples;
 mod read;
 mod reproject;
@@ -72,6 +73,7 @@ pub fn check_values(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> 
     let footage = read::read(source, choice, &stated, monitor)?;
     let mut findings = footage.depth.map_or_else(Vec::new, |values| values::check(&values, &stated));
     findings.extend(footage.color.map(|values| check_light(source, &values)));
+    findings.extend(positions::check(source.probes()));
     Ok(findings)
 }
 
@@ -130,6 +132,9 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     }
     findings.extend(footage.color.as_ref().map(|values| check_light(source, values)));
     findings.extend(duplicate_images::check(&footage, source.depth_in_files));
+    if choice.probes.is_empty() {
+        findings.extend(positions::check(source.probes()));
+    }
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })
 }

@@ -521,7 +521,7 @@ fn the_report_fits_a_terminal() {
     color: 8 bits, srgb, exposure 0 EV, at least 100 dB, cell 16x16
     depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1.000 to 10.00 m
     material: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16
-    alpha: predictive, without loss, keyframe every 4, tile 32x32
+    alpha: 8 bits, predictive, keyframe every 4, tile 32x32
 
     62 chunks verified (0 of LZMA2, 0 of Zstandard), 0 B outside of chunks
     ");

@@ -17,7 +17,7 @@ use crate::gpu::device::DeviceChoice;
     lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
     lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
     lightfold render film.lfold --camera path.json --stereo side-by-side -o view.%V.%04d.png\n  \
-    lightfold render film.lfold --camera transforms.json --frames 0-95 -o - | ffmpeg -i - film.mp4\n  \
+    lightfold render film.lfold --camera path.json --stream-format y4m -o - | ffmpeg -i - film.mp4\n  \
     lightfold render film.lfold --projection vr180 --stereo side-by-side --size 2048 -o vr.png\n  \
     lightfold render film.lfold --projection equirect --stereo over-under --aov depth -o all.exr\n  \
     lightfold render film.lfold --camera path.json --shard 3/8 -o view.%04d.exr\n  \
@@ -47,7 +47,7 @@ use crate::gpu::device::DeviceChoice;
     0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
     PNG; name a pattern for EXR. With --shard figures, --trace and --contact-sheet are of the pictures of the shard.\n\n\
     EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
-    straight alpha. Alpha is 1, also for background and for holes filled with what is behind them; it is 0 where nothing is known, and \
+    straight alpha. Alpha is 1 where footage is opaque, also for background and for holes filled with what is behind them; it is 0 where nothing is known, and \
     in holes with --holes nearest, which keeps their light in EXR images, or blank. With --background transparent it is the part of \
     a pixel that surfaces cover, and colour is theirs alone. --aov holes adds a channel that marks holes, which no probe saw.\n\n\
     With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of probes, over \

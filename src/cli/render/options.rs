@@ -187,7 +187,7 @@ const HOLES: &Choices<HoleFill> = &[
 ];
 
 const BACKGROUNDS: &Choices<BackgroundFill> = &[
-    ("opaque", BackgroundFill::Opaque, "What probes saw; alpha is 1"),
+    ("opaque", BackgroundFill::Opaque, "What probes saw, with the alpha of the footage, or 1"),
     ("transparent", BackgroundFill::Transparent, "Nothing; alpha is the part of a pixel that surfaces cover"),
 ];
 
