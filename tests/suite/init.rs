@@ -354,7 +354,7 @@ fn manifests_go_elsewhere_and_bad_folders_are_refused() {
     let set = folder.path().join("in");
     std::fs::create_dir_all(&set).unwrap();
     assert_says(&refused("init in", folder.path()), &["in", "no .exr or .png file with a frame number"]);
-    assert_says(&refused("init nowhere", folder.path()), &["nowhere", "a folder of images was expected"]);
+    assert_says(&refused("init nowhere", folder.path()), &["nowhere", "there is no such file or folder"]);
     ours::write_color(&set.join("x.1.exr"), &gray(8, 6, |x, _| x as f32)).unwrap();
     let printed = fine("init in -o -", folder.path()).stdout;
     assert_eq!(Manifest::from_json(&printed).unwrap().files.color.as_deref(), Some("x.%d.exr"));
