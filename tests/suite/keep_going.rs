@@ -173,7 +173,7 @@ fn all_damaged_units_of_an_image_are_listed_and_people_can_read_it() {
     let (code, _, said) = run("decode bad.lfold -o out --keep-going", folder.path());
     assert_eq!(code, 2);
     // Chunks of the same bytes share a line.
-    let chunks_of = |line: &str| match line.split_once(" and ").and_then(|(_, rest)| rest.split_once(" chunks of")) {
+    let chunks_of = |line: &str| match line.split_once(" and ").and_then(|(_, rest)| rest.split_once(" chunk")) {
         Some((more, _)) => 1 + more.parse::<usize>().unwrap(),
         None => 1,
     };
