@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::finding::{Finding, Verdict};
 use crate::dataset::ProbeInfo;
 
-/// A suspicion where two probes have one position and orientation in a frame; views of one place in several directions are none.
+/// A suspicion where two probes begin in one frame with one position and orientation; views of one place in several directions are none.
 pub(super) fn check(probes: &[ProbeInfo]) -> Option<Finding> {
     let mut earlier: HashMap<_, &ProbeInfo> = HashMap::new();
     let mut pairs = probes.iter().filter_map(|probe| {
