@@ -1,0 +1,91 @@
+// What the page asks of a player, and what it is told. The page knows no container and no device.
+
+import type { Vec3 } from "../format/types.ts";
+
+/** Where the viewer is and looks: right-handed, +Y up, metres; angles in radians. At yaw and pitch 0 it looks along -Z; yaw turns to the
+ *  left (around +Y), pitch up. */
+export interface Pose {
+  eye: Vec3;
+  yaw: number;
+  pitch: number;
+}
+
+export interface Film {
+  name: string;
+  fileBytes: number;
+  framesPerSecond: number;
+  firstFrame: number;
+  frameCount: number;
+  /** The box of the probes' positions over all frames, in metres. */
+  headBox: { least: Vec3; greatest: Vec3 };
+  probes: { name: string; position: Vec3 }[];
+  /** Where to begin: the middle probe, looking as it does. */
+  start: Pose;
+  /** Rows for the inspector: kind, codec, and stored bytes of all such streams. */
+  streams: { kind: string; codec: string; count: number; bytes: number }[];
+}
+
+export type StereoLayout = "mono" | "side-by-side" | "anaglyph";
+export type ToneMapName = "none" | "reinhard" | "filmic";
+/** Overlays of the inspector; several at once. */
+export type Overlay = "probes" | "holes" | "units" | "nodes" | "keyframes" | "fetched";
+
+export interface View {
+  pose: Pose;
+  frame: number;
+  /** Of the canvas, in device pixels. */
+  size: [number, number];
+  /** Vertical field of view in degrees. */
+  fovDeg: number;
+  stereo: StereoLayout;
+  /** Metres between the eyes. */
+  eyeDistance: number;
+  exposureEv: number;
+  toneMap: ToneMapName;
+  overlays: ReadonlySet<Overlay>;
+  /** Marching steps; fewer are faster. */
+  steps: number;
+}
+
+/** Counters of the last picture and of all so far, by the names of `lightfold render --stats`. */
+export interface PlayerStats {
+  /** Marching: primary_rays, march_steps, ...; decoding: cells_decoded, cells_skipped, bytes_read, ... */
+  counters: Record<string, number>;
+  decodeMs: number;
+  marchMs: number;
+  /** Bytes per second over the last second. */
+  fetchRate: number;
+  bytesFetched: number;
+  requests: number;
+  chunksFetched: number;
+  /** Chunks that were fetched a second time, since the cache had dropped them. */
+  chunksRefetched: number;
+  cacheBytes: number;
+  /** Units of the picture that show an older state, or nothing, as their chunks are not here yet. */
+  unitsMissing: number;
+  /** Frame of the picture that is shown; the wanted one once it is complete. */
+  shownFrame: number;
+}
+
+/** Something the viewer must know. `fatal`: nothing more will be drawn. */
+export interface Problem {
+  fatal: boolean;
+  /** One sentence. Plain text: it may hold names from a file. */
+  message: string;
+}
+
+export interface Player {
+  readonly film: Film;
+  /** Draws into the canvas, from what is here; fetches what is missing for this view and for where the eye is heading. Never waits for a
+   *  fetch. Resolves when the device has drawn. */
+  draw(view: View): Promise<PlayerStats>;
+  /** Resolves once all chunks of this view are here and decoded, or rejects. */
+  settle(view: View): Promise<void>;
+  /** Frames of which everything in sight of the last view is here: [first, last] pairs, ascending. */
+  fetched(): [number, number][];
+  /** The last picture as red, green, blue, alpha of linear light, row by row. */
+  pixels(): Promise<{ size: [number, number]; rgba: Float32Array }>;
+  /** Called on problems: a request that fails again and again, a file that changed, a chunk that breaks a rule. */
+  onProblem: (problem: Problem) => void;
+  close(): void;
+}
