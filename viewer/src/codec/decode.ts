@@ -1,0 +1,17 @@
+// Decoders of chunks of any codec.
+
+import type { CodecHeader } from "../format/types.ts";
+import { colorDecoder, prepareColor } from "./color/index.ts";
+import { depthDecoder, prepareDepth } from "./depth/index.ts";
+import type { ChunkArea, ChunkDecoder, Prepared } from "./types.ts";
+
+/** A decoder of one chunk, whose payload is checked: a FormatError where it breaks a rule. Errors that show only when a frame is decoded are
+ *  FormatErrors of `frame`. */
+export function chunkDecoder(header: CodecHeader, payload: Uint8Array, area: ChunkArea): ChunkDecoder {
+  return header.kind === "color" ? colorDecoder(header, payload, area) : depthDecoder(header, payload, area);
+}
+
+/** A checked chunk in the form of the device: a FormatError where it breaks a rule, an UnsupportedError for codecs without a kernel. */
+export function prepare(header: CodecHeader, payload: Uint8Array, area: ChunkArea): Prepared {
+  return header.kind === "color" ? prepareColor(header, payload, area) : prepareDepth(header, payload, area);
+}
