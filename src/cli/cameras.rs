@@ -37,7 +37,8 @@ const FORMATS: &Choices<CameraFormat> = &[
     by its name: transforms*.json, other .json files are lightfold's, .glb, .usda, and a folder is COLMAP's.\n\n\
     A perspective probe is one camera, a cube map six of 90 degrees, which see its faces the right way round; in datasets they are \
     stored mirrored. A probe that moves has them in each frame. Pictures in transforms.json and images.txt have the names that render gives them: lightfold render film.lfold \
-    --camera transforms.json -o images/view.%04d.png.\n\n\
+    --camera transforms.json -o images/view.%04d.png. There cameras without frames are one camera that moves: the first is that of \
+    the first of --frames, and so on. transforms.json with camera_angle_x alone is of square pictures.\n\n\
     World coordinates stay as they are, in metres; USD files may state another unit, or that Z is up. Cameras with distortion and \
     orthographic ones are refused. Clip planes are written and not read. Times of glTF become frames by --fps, time codes of USD are \
     frames.")]

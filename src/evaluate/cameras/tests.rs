@@ -154,6 +154,10 @@ fn transforms_that_are_no_pinholes_are_refused() {
     };
     assert_eq!(with(r#", "fl_x": 5, "k1": 0.0, "p2": 0, "camera_model": "OPENCV""#, matrix), "1 cameras");
     assert_eq!(with(r#", "camera_angle_x": 1.2"#, matrix), "1 cameras");
+    let frame = format!(r#""frames": [{{ "file_path": "a", "transform_matrix": {matrix} }}]"#);
+    assert_eq!(said(&format!(r#"{{ "camera_angle_x": 1.2, {frame} }}"#), None), "1 cameras");
+    assert!(said(&format!(r#"{{ "camera_angle_x": 1.2, "w": 8, {frame} }}"#), None).contains("\"h\" is missing"));
+    assert!(said(&format!("{{ {frame} }}"), None).contains("\"w\" is missing"));
     for (keys, matrix, words) in [
         (r#", "fl_x": 5, "k1": 0.01"#, matrix, "\"k1\" distorts"),
         (r#", "fl_x": 5, "camera_model": "OPENCV_FISHEYE""#, matrix, "OPENCV_FISHEYE"),

@@ -2,7 +2,7 @@
 //! (docs.nerf.studio, data conventions).
 //!
 //! Files that are written have the key `frame` besides, where a camera has one. `applied_transform` is not undone: it is part of the
-//! matrices.
+//! matrices. Files with `camera_angle_x` alone, as those of NeRF's synthetic scenes, are of square pictures.
 
 use glam::{DMat4, DVec4};
 use serde::Deserialize;
@@ -77,9 +77,12 @@ fn camera(all: &Keys, frame: &Frame) -> Result<FileCamera> {
         }
     }
     let missing = |key: &str| Error::invalid(format!("\"{key}\" is missing"));
-    let width = own.w.or(all.w).ok_or_else(|| missing("w"))?;
-    let height = own.h.or(all.h).ok_or_else(|| missing("h"))?;
-    let of_angle = own.camera_angle_x.or(all.camera_angle_x).map(|angle| width / 2.0 / (angle / 2.0).tan());
+    let (angle, stated) = (own.camera_angle_x.or(all.camera_angle_x), [own.w.or(all.w), own.h.or(all.h)]);
+    let is_square = angle.is_some() && stated == [None; 2];
+    let [width, height] = if is_square { [Some(1.0); 2] } else { stated };
+    let width = width.ok_or_else(|| missing("w"))?;
+    let height = height.ok_or_else(|| missing("h"))?;
+    let of_angle = angle.map(|angle| width / 2.0 / (angle / 2.0).tan());
     let fx = own.fl_x.or(all.fl_x).or(of_angle).ok_or_else(|| missing("fl_x"))?;
     let fy = own.fl_y.or(all.fl_y).unwrap_or(fx);
     let cx = own.cx.or(all.cx).unwrap_or(width / 2.0);
@@ -87,7 +90,8 @@ fn camera(all: &Keys, frame: &Frame) -> Result<FileCamera> {
     let (eye, axes) = axes_of(&matrix(&frame.transform_matrix)?)?;
     let size = [width, height];
     let camera = Camera::pinhole(eye, axes, size, [fx, fy, cx, cy]).map_err(of_camera(&frame.file_path))?;
-    let is_whole = size.iter().all(|size| size.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(size));
+    let is_whole =
+        !is_square && size.iter().all(|size| size.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(size));
     Ok(FileCamera {
         name: frame.file_path.clone(),
         size: is_whole.then(|| size.map(|size| size as u32)),
