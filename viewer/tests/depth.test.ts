@@ -58,7 +58,7 @@ interface VectorChunk {
 async function readChunks(): Promise<VectorChunk[]> {
   const chunks: VectorChunk[] = [];
   for (const file of readdirSync(VALID).filter((name) => name.endsWith(".lfold"))) {
-    const source = new MemorySource(readFileSync(`${VALID}/${file}`));
+    const source = new MemorySource(Uint8Array.from(readFileSync(`${VALID}/${file}`)));
     const container = await Container.open(source);
     for (const [at, chunk] of container.chunks.entries()) {
       const stream = container.streams[chunk.stream];
