@@ -1,0 +1,261 @@
+// A chunk of the transform codec: reads it, and shows frames of it (formats/color.md 6).
+
+import { FormatError } from "../../../format/types.ts";
+import { type EntropyTables, tableSet } from "../../entropy.ts";
+import { bitsOf, type Samples } from "../samples.ts";
+import { BASIS_BITS, LENGTHS, lengthIndex, TIME_BASES } from "./basis.ts";
+import { CHANNELS, type Domain, domainOf, predictChroma } from "./domain.ts";
+import { inverseTransform } from "./inverse.ts";
+import * as leaf from "./leaves.ts";
+import { type Layout, parseLayout, regionRect } from "./payload.ts";
+import { RegionReader } from "./region.ts";
+import { coefficientOf } from "./steps.ts";
+
+const MOST_PIXELS = 32 * 32;
+
+/** The part of a block that lies in the cell, in pixels, and where a leaf's row starts. */
+interface Window {
+  row: number;
+  left: number;
+  top: number;
+  columns: number;
+  rows: number;
+}
+
+/** What shows a frame of a block, read from a leaf's row. */
+interface BlockFrame {
+  size: number;
+  /** Counted in the block. */
+  frame: number;
+  frames: number;
+}
+
+/** A chunk as it was read: any of its frames can be shown. */
+export class TransformChunk {
+  readonly layout: Layout;
+  readonly format: { size: [number, number]; isHalf: boolean };
+  readonly #domain: Domain;
+  readonly #leaves: leaf.Leaves;
+  readonly #coefficients = new Int32Array(MOST_PIXELS);
+  readonly #planes = Array.from({ length: CHANNELS }, () => new Int32Array(MOST_PIXELS));
+
+  /** Reads and checks a payload of `frames` frames, at most 96 (formats/color.md 6.4). */
+  constructor(payload: Uint8Array, format: TransformChunk["format"], frames: number, tables: EntropyTables) {
+    const { size } = format;
+    this.format = format;
+    this.#domain = domainOf(format.isHalf);
+    this.layout = parseLayout(payload, size, tables, this.#domain);
+    const set = tableSet(tables, this.layout.set);
+    if (set === undefined) {
+      throw new FormatError(`The stream has no table set ${this.layout.set} (color.md 6.4).`);
+    }
+    const reader = new RegionReader(this.layout, this.#domain, set);
+    const { substreams } = this.layout;
+    for (let region = 0; region + 1 < substreams.length; region++) {
+      const [, , width, height] = regionRect(size, region);
+      reader.read(payload.subarray(substreams[region], substreams[region + 1]), [width, height], frames);
+    }
+    this.#leaves = reader.leaves;
+  }
+
+  /** Writes a frame into `out`, three samples a pixel; blocks that look the same in frame `shown`, which is in `out`, are left alone. */
+  show(frame: number, shown: number | undefined, out: Samples): void {
+    for (const window of this.#windows()) {
+      if (!this.#contains(window.row, frame) || (shown !== undefined && this.#isSame(window.row, frame, shown))) {
+        continue;
+      }
+      const place = this.#leaves.rows[window.row + leaf.LEAF_PLACE];
+      const span = this.#leaves.rows[window.row + leaf.LEAF_FRAMES];
+      const block = { size: (place >> 16) & 3, frame: frame - (span & 0xff), frames: span >> 8 };
+      if ((place & leaf.IS_PALETTE) !== 0) {
+        this.#writePalette(window, block, out);
+      } else {
+        this.#writeTransform(window, block, out);
+      }
+    }
+  }
+
+  /** Pixels of blocks that look the same in a set of frames, by that set: bit f is frame f. */
+  pixelsOfFrames(): Map<bigint, number> {
+    const pixels = new Map<bigint, number>();
+    for (const window of this.#windows()) {
+      const span = this.#leaves.rows[window.row + leaf.LEAF_FRAMES];
+      for (const frames of this.#framesOf(window.row, span & 0xff, span >> 8)) {
+        pixels.set(frames, (pixels.get(frames) ?? 0) + window.columns * window.rows);
+      }
+    }
+    return pixels;
+  }
+
+  /** Sets of frames in which a block looks the same. */
+  #framesOf(row: number, first: number, count: number): bigint[] {
+    const place = this.#leaves.rows[row + leaf.LEAF_PLACE];
+    if ((place & leaf.IS_STILL) !== 0) {
+      return [((1n << BigInt(count)) - 1n) << BigInt(first)];
+    }
+    const sets: bigint[] = [];
+    const seen = new Uint8Array(count);
+    for (let frame = 0; frame < count; frame++) {
+      if (seen[frame] === 1) {
+        continue;
+      }
+      let set = 0n;
+      for (let other = frame; other < count; other++) {
+        if (other === frame || (seen[other] === 0 && this.#isSame(row, first + frame, first + other))) {
+          seen[other] = 1;
+          set |= 1n << BigInt(first + other);
+        }
+      }
+      sets.push(set);
+    }
+    return sets;
+  }
+
+  /** Blocks that do not lie wholly beyond the cell. */
+  *#windows(): Generator<Window> {
+    const { rows, count } = this.#leaves;
+    let region = -1;
+    let rect: readonly [number, number, number, number] = [0, 0, 0, 0];
+    for (let row = 0; row < count * leaf.LEAF_ROW; row += leaf.LEAF_ROW) {
+      if (rows[row + leaf.LEAF_REGION] !== region) {
+        region = rows[row + leaf.LEAF_REGION];
+        rect = regionRect(this.format.size, region);
+      }
+      const place = rows[row + leaf.LEAF_PLACE];
+      const [x, y, side] = [place & 0xff, (place >> 8) & 0xff, 4 << ((place >> 16) & 3)];
+      const [columns, height] = [Math.min(side, rect[2] - x), Math.min(side, rect[3] - y)];
+      if (columns > 0 && height > 0) {
+        yield { row, left: rect[0] + x, top: rect[1] + y, columns, rows: height };
+      }
+    }
+  }
+
+  #contains(row: number, frame: number): boolean {
+    const span = this.#leaves.rows[row + leaf.LEAF_FRAMES];
+    return frame >= (span & 0xff) && frame < (span & 0xff) + (span >> 8);
+  }
+
+  /** Whether a frame of a block looks the same in another one. */
+  #isSame(row: number, frame: number, other: number): boolean {
+    const { rows, indices } = this.#leaves;
+    const place = rows[row + leaf.LEAF_PLACE];
+    if (!this.#contains(row, other)) {
+      return false;
+    }
+    if (frame === other || (place & leaf.IS_STILL) !== 0) {
+      return true;
+    }
+    if ((place & leaf.IS_PALETTE) === 0) {
+      return false;
+    }
+    const pixels = 16 << (2 * ((place >> 16) & 3));
+    const first = rows[row + leaf.LEAF_INDICES] - (rows[row + leaf.LEAF_FRAMES] & 0xff) * pixels;
+    const [one, two] = [first + frame * pixels, first + other * pixels];
+    for (let at = 0; at < pixels; at++) {
+      if (indices[one + at] !== indices[two + at]) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  #writePalette({ row, left, top, columns, rows }: Window, { size, frame }: BlockFrame, out: Samples): void {
+    const { rows: leaves, keys, indices } = this.#leaves;
+    const side = 4 << size;
+    const firstKey = leaves[row + leaf.LEAF_COLORS];
+    const isOne = leaves[row + leaf.LEAF_COLOR_COUNT] === 1;
+    const firstIndex = leaves[row + leaf.LEAF_INDICES] + frame * side * side;
+    const { isHalf } = this.#domain;
+    for (let y = 0; y < rows; y++) {
+      let to = 3 * ((top + y) * this.format.size[0] + left);
+      for (let x = 0; x < columns; x++) {
+        const key = firstKey + (isOne ? 0 : 3 * indices[firstIndex + y * side + x]);
+        for (let channel = 0; channel < 3; channel++) {
+          out[to + channel] = isHalf ? bitsOf(keys[key + channel]) : keys[key + channel];
+        }
+        to += 3;
+      }
+    }
+  }
+
+  #writeTransform(window: Window, block: BlockFrame, out: Samples): void {
+    const length = lengthIndex(block.frames);
+    for (let channel = 0; channel < CHANNELS; channel++) {
+      const extents = this.#leaves.rows[window.row + leaf.LEAF_EXTENTS] >> (10 * channel);
+      const extent: [number, number] = [1 + (extents & 31), 1 + ((extents >> 5) & 31)];
+      this.#readCoefficients(window.row, channel, block, length, extent);
+      inverseTransform(this.#coefficients, block.size, extent, this.#domain.fractionBits, this.#planes[channel]);
+    }
+    writeChannels(
+      this.#planes,
+      this.layout.slopes,
+      this.#domain,
+      { ...window, side: 4 << block.size, width: this.format.size[0] },
+      out,
+    );
+  }
+
+  /** The inverse transform in time: coefficients in space of one frame. */
+  #readCoefficients(
+    row: number,
+    channel: number,
+    { size, frame, frames }: BlockFrame,
+    length: number,
+    [columns, height]: [number, number],
+  ): void {
+    const { rows, levels, places } = this.#leaves;
+    const out = this.#coefficients;
+    const step = this.layout.steps[channel * LENGTHS.length + length];
+    const weights = TIME_BASES[length];
+    const shift = 2 + size;
+    for (let y = 0; y < height; y++) {
+      out.fill(0, y << shift, (y << shift) + columns);
+    }
+    let mean = rows[row + leaf.LEAF_PREDICTED + channel];
+    const end = rows[row + leaf.LEAF_LEVELS + channel + 1];
+    for (let at = rows[row + leaf.LEAF_LEVELS + channel]; at < end; at++) {
+      const place = places[at];
+      if (place === 0) {
+        mean = (mean + levels[at]) | 0;
+      } else {
+        const to = (((place >> 5) & 31) << shift) | (place & 31);
+        const weight = weights[frame * frames + (place >> 10)];
+        out[to] = (out[to] + Math.imul(coefficientOf(levels[at], step), weight)) | 0;
+      }
+    }
+    out[0] = (out[0] + (coefficientOf(mean, step) << BASIS_BITS)) | 0;
+    for (let y = 0; y < height; y++) {
+      for (let at = y << shift; at < (y << shift) + columns; at++) {
+        out[at] = (out[at] + (1 << (BASIS_BITS - 1))) >> BASIS_BITS;
+      }
+    }
+  }
+}
+
+/** Writes the samples of a block's channels (formats/color.md 6.2). */
+function writeChannels(
+  [luma, green, orange]: readonly Int32Array[],
+  slopes: Layout["slopes"],
+  { isHalf, middle: base, least, most }: Domain,
+  window: { left: number; top: number; columns: number; rows: number; side: number; width: number },
+  out: Samples,
+): void {
+  const { left, top, columns, rows, side, width } = window;
+  for (let y = 0; y < rows; y++) {
+    let to = 3 * ((top + y) * width + left);
+    for (let at = y * side; at < y * side + columns; at++) {
+      const light = luma[at];
+      const chroma = (green[at] + predictChroma(slopes.green, light)) | 0;
+      const warm = (orange[at] + predictChroma(slopes.orange, light)) | 0;
+      const middle = (light + base - (chroma >> 1)) | 0;
+      const blue = (middle - (warm >> 1)) | 0;
+      const red = Math.min(Math.max((blue + warm) | 0, least), most);
+      const mid = Math.min(Math.max((chroma + middle) | 0, least), most);
+      const low = Math.min(Math.max(blue, least), most);
+      out[to] = isHalf ? bitsOf(red) : red;
+      out[to + 1] = isHalf ? bitsOf(mid) : mid;
+      out[to + 2] = isHalf ? bitsOf(low) : low;
+      to += 3;
+    }
+  }
+}
