@@ -156,9 +156,8 @@ export class FamilyDecoder {
 
   private constructor(gpu: Gpu, streams: readonly Stream[], pipelines: Pipeline[], rowMultiple: number) {
     const family = familyOf(streams[0]!.header);
-    const headers = streams.map((stream) => stream.header);
     const [plan, codec, keyframes = codec] = pipelines as [Pipeline, Pipeline, Pipeline?];
-    const tables = transformTables(headers);
+    const tables = transformTables(streams.map(({ header }) => header).filter((header) => header.kind === "color"));
     const words = familyWords(streams, rowMultiple);
     const count = streams.reduce((sum, stream) => sum + unitCountOf(stream), 0);
     gpu.check("pictures", words);
