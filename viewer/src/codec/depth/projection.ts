@@ -34,11 +34,12 @@ export function correctionsOf({ shape, octave }: Projection, area: UnitArea): In
   const [left, top, width, height] = area.rect;
   const out = new Int32Array(width * height);
   const logs = faceLogs(side);
-  for (let y = 0; y < height; y += 1) {
-    for (let x = 0; x < width; x += 1) {
-      const column = left + x;
-      const log = logs ? logs[(top + y) * side + column] : logAt(side, column, top + y);
-      out[y * width + x] = Math.imul(log, octave) >>> 7;
+  let at = 0;
+  for (let y = top; y < top + height; y += 1) {
+    for (let x = left; x < left + width; x += 1) {
+      const log = logs === undefined ? logAt(side, x, y) : logs[y * side + x];
+      out[at] = Math.imul(log, octave) >>> 7;
+      at += 1;
     }
   }
   return out;
