@@ -45,6 +45,8 @@ export interface Stream {
   unitWidth: number;
   unitHeight: number;
   header: CodecHeader;
+  /** What `header` was read from: workers are sent these. */
+  headerBytes: Uint8Array;
 }
 
 /** How the stored bytes of a chunk became fewer. */
