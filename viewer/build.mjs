@@ -16,7 +16,14 @@ if (process.argv.includes("--tests")) {
   await rm("target/tests", { recursive: true, force: true });
   const tests = (await readdir("tests")).filter((name) => name.endsWith(".test.ts")).map((name) => `tests/${name}`);
   const external = ["playwright-core", "axe-core", "esbuild"];
-  await build({ ...shared, entryPoints: tests, outdir: "target/tests", platform: "node", external, sourcemap: "inline" });
+  await build({
+    ...shared,
+    entryPoints: tests,
+    outdir: "target/tests",
+    platform: "node",
+    external,
+    sourcemap: "inline",
+  });
 } else {
   const at = process.argv.indexOf("--output");
   const outdir = at < 0 ? "dist" : process.argv[at + 1];

@@ -1,52 +1,77 @@
-// The worker: checks, decompresses and parses chunks.
+// The worker: checks, decompresses, parses and decodes chunks.
 
 import { chunkDecoder, prepare } from "./codec/decode.ts";
 import { parseCodecHeader } from "./codec/headers.ts";
+import type { ChunkDecoder } from "./codec/types.ts";
 import { unpack } from "./format/payload.ts";
-import { FormatError, UnsupportedError } from "./format/types.ts";
 import type { CodecHeader } from "./format/types.ts";
-import type { Answer, Job } from "./player/jobs.ts";
+import type { Answer, Job, StreamOutline } from "./player/jobs.ts";
+
+/** Decoders are kept for so many bytes of payloads: a frame is a step from the one before. */
+const KEPT_BYTES = 16 << 20;
+
+/** Thrown where a frame blends into a chunk that the job did not have. */
+class NextIsMissing extends Error {}
 
 const headers = new Map<number, CodecHeader>();
+/** By the places of chunks in the file and in their streams, in the order of their last use. */
+const decoders = new Map<string, { decoder: ChunkDecoder; bytes: number }>();
+let keptBytes = 0;
 
-function headerOf(job: Job): CodecHeader {
-  const known = headers.get(job.stream);
-  if (known !== undefined) {
-    return known;
+function headerOf(stream: number, outline: StreamOutline | undefined): CodecHeader {
+  const known = headers.get(stream) ?? (outline && parseCodecHeader(outline.stream, outline.headerBytes));
+  if (known === undefined) {
+    throw new Error(`Stream ${stream} is not known to a worker.`);
   }
-  if (job.outline === undefined) {
-    throw new Error(`stream ${job.stream} is not known to this worker`);
-  }
-  const header = parseCodecHeader(job.outline, job.outline.headerBytes);
-  headers.set(job.stream, header);
-  return header;
+  headers.set(stream, known);
+  return known;
 }
 
-function answer(job: Job): [Answer, Transferable[]] {
-  const header = headerOf(job);
-  const payload = unpack(job.chunk, job.stored);
+function decoderOf({ chunk, stored, area }: Job, header: CodecHeader): ChunkDecoder {
+  const key = `${chunk.stream} ${chunk.unit} ${chunk.firstFrame}`;
+  const kept = decoders.get(key) ?? {
+    decoder: chunkDecoder(header, unpack(chunk, stored), area),
+    bytes: chunk.rawBytes,
+  };
+  keptBytes += decoders.delete(key) ? 0 : kept.bytes;
+  decoders.set(key, kept);
+  for (const [oldest, { bytes }] of decoders) {
+    if (keptBytes <= KEPT_BYTES || oldest === key) {
+      break;
+    }
+    decoders.delete(oldest);
+    keptBytes -= bytes;
+  }
+  return kept.decoder;
+}
+
+function answerTo(job: Job): [Answer, ArrayBufferLike[]] {
+  const header = headerOf(job.chunk.stream, job.outline);
   if (job.frame === undefined) {
-    const prepared = prepare(header, payload, job.area);
+    const prepared = prepare(header, unpack(job.chunk, job.stored), job.area);
     const { stream, records, boxes, timeline } = prepared;
-    const arrays = [stream, records, boxes, ...Object.values(timeline as unknown as Record<string, Uint32Array>)];
-    const buffers = new Set(arrays.map((array) => array.buffer as ArrayBuffer));
-    return [{ id: job.id, prepared }, [...buffers]];
+    const arrays = [stream, records, boxes, ...Object.values<ArrayBufferView>({ ...timeline })];
+    return [{ id: job.id, prepared }, [...new Set(arrays.map((array) => array.buffer))]];
   }
-  const next = job.next;
-  const decoder = chunkDecoder(header, payload, job.area);
-  const decoded = decoder.frame(job.frame, next && (() => unpack(next.chunk, next.stored)));
-  const pixels = decoded.slice();
-  return [{ id: job.id, pixels }, [pixels.buffer as ArrayBuffer]];
+  const next = (): Uint8Array => {
+    if (job.next === undefined) {
+      throw new NextIsMissing();
+    }
+    return unpack(job.next.chunk, job.next.stored);
+  };
+  // The decoder writes its next frame into the same array.
+  const pixels = decoderOf(job, header).frame(job.frame, next).slice();
+  return [{ id: job.id, pixels }, [pixels.buffer]];
 }
 
-self.onmessage = (event: MessageEvent<Job>) => {
-  const job = event.data;
+self.onmessage = ({ data }: MessageEvent<Job>) => {
   try {
-    const [message, transfer] = answer(job);
-    self.postMessage(message, { transfer });
+    const [answer, buffers] = answerTo(data);
+    self.postMessage(answer, { transfer: buffers as ArrayBuffer[] });
   } catch (error) {
-    const isFormat = error instanceof FormatError || error instanceof UnsupportedError;
-    const message: Answer = { id: job.id, error: error instanceof Error ? error.message : String(error), isFormat };
-    self.postMessage(message);
+    const { id } = data;
+    const sentence = error instanceof Error ? error.message : String(error);
+    const answer: Answer = error instanceof NextIsMissing ? { id, needsNext: true } : { id, error: sentence };
+    self.postMessage(answer);
   }
 };

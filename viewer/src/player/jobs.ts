@@ -1,37 +1,37 @@
 // Messages between the page and its workers.
 
-import type { ChunkArea, Prepared, Pixels } from "../codec/types.ts";
-import type { Chunk, StreamKind } from "../format/types.ts";
+import type { ChunkArea, Pixels, Prepared } from "../codec/types.ts";
+import type { HeaderStream } from "../codec/headers.ts";
+import type { Chunk } from "../format/types.ts";
 
 /** What a worker needs of a stream to read its chunks. */
 export interface StreamOutline {
-  kind: StreamKind;
-  codec: string;
+  stream: HeaderStream;
   headerBytes: Uint8Array;
-  face: number;
-  width: number;
-  height: number;
-  unitWidth: number;
-  unitHeight: number;
 }
 
-/** A chunk to check, decompress, and bring into the form of the device. */
-export interface Job {
-  id: number;
-  stream: number;
-  /** Sent with the first job of a stream to each worker. */
-  outline?: StreamOutline;
+/** A chunk, its stored bytes, and where it lies in its stream. */
+export interface StoredChunk {
   chunk: Chunk;
   stored: Uint8Array;
   area: ChunkArea;
-  /** Of a stream that the processor decodes: the frame, counted from the chunk's first; then pixels are answered. */
+}
+
+/** Work on a chunk: to bring it into the form of the device, or, with `frame`, to decode a frame of it. */
+export interface Job extends StoredChunk {
+  id: number;
+  /** Sent with the first job of a stream to each worker. */
+  outline?: StreamOutline;
+  /** The frame, counted from the chunk's first. */
   frame?: number;
   /** The unit's next chunk, into which the frame may blend. */
-  next?: { chunk: Chunk; stored: Uint8Array };
+  next?: StoredChunk;
 }
 
 export type Answer =
   | { id: number; prepared: Prepared }
   | { id: number; pixels: Pixels }
-  /** One sentence; `isFormat`: the file breaks a rule. */
-  | { id: number; error: string; isFormat: boolean };
+  /** The frame blends into the unit's next chunk, which the job did not have. */
+  | { id: number; needsNext: true }
+  /** One sentence. */
+  | { id: number; error: string };

@@ -1,95 +1,107 @@
 // Workers, and the jobs that wait for them.
 
 import type { Pixels, Prepared } from "../codec/types.ts";
-import type { Answer, Job, StreamOutline } from "./jobs.ts";
-
-export type Work = Omit<Job, "id" | "outline">;
+import type { Answer, Job, StoredChunk, StreamOutline } from "./jobs.ts";
 
 interface Waiting {
   job: Job;
-  resolve: (answer: Answer) => void;
+  /** Asked when the job's turn comes. */
+  isWanted: () => boolean;
+  resolve: (answer: Answer | undefined) => void;
 }
 
 interface Member {
   worker: Worker;
   /** Streams whose outlines it has. */
   knows: Set<number>;
+  queue: Waiting[];
   current: Waiting | undefined;
 }
 
-/** A pool of workers. Jobs run in the order of {@link WorkerPool.prepare}. */
+/** A pool of workers. Each has the chunks of certain units, whose decoders it keeps; its jobs run in the order in which they come. */
 export class WorkerPool {
-  private readonly members: Member[] = [];
-  private queue: Waiting[] = [];
+  private readonly members: Member[];
   private nextId = 0;
 
-  /** `outline` describes a stream; `start` makes a worker. */
+  /** `start` makes a worker; `outline` describes a stream. */
   constructor(
     count: number,
     start: () => Worker,
     private readonly outline: (stream: number) => StreamOutline,
   ) {
-    for (let made = 0; made < count; made += 1) {
-      const member: Member = { worker: start(), knows: new Set(), current: undefined };
-      member.worker.onmessage = (event: MessageEvent<Answer>) => this.finish(member, event.data);
-      member.worker.onerror = (event) => {
-        const id = member.current?.job.id ?? 0;
-        this.finish(member, { id, error: `a worker failed: ${event.message ?? "it did not load"}`, isFormat: false });
-      };
-      this.members.push(member);
-    }
+    this.members = Array.from({ length: count }, () => this.member(start()));
   }
 
   /** Jobs that wait or run. */
   get pending(): number {
-    return this.queue.length + this.members.filter((member) => member.current !== undefined).length;
+    return this.members.reduce((sum, { queue, current }) => sum + queue.length + Number(current !== undefined), 0);
   }
 
-  /** The chunk in the form of the device. Rejects with the worker's sentence. */
-  async prepare(work: Work): Promise<Prepared> {
-    const answer = await this.run(work);
-    if ("prepared" in answer) {
-      return answer.prepared;
+  /** A chunk in the form of the device; `undefined` where it was no longer wanted when its turn came. Rejects with the worker's
+   *  sentence. */
+  async prepare(chunk: StoredChunk, isWanted: () => boolean): Promise<Prepared | undefined> {
+    const answer = await this.run({ ...chunk, id: this.nextId++ }, isWanted);
+    return answer && "prepared" in answer ? answer.prepared : undefined;
+  }
+
+  /** The pixels of a frame, counted from the chunk's first, like {@link WorkerPool.prepare}; `"next"` where it blends into the unit's next
+   *  chunk and that was not given. */
+  async decode(
+    chunk: StoredChunk,
+    frame: number,
+    isWanted: () => boolean,
+    next?: StoredChunk,
+  ): Promise<Pixels | "next" | undefined> {
+    const job = { ...chunk, id: this.nextId++, frame, ...(next && { next }) };
+    const answer = await this.run(job, isWanted);
+    if (answer && "needsNext" in answer) {
+      return "next";
     }
-    throw new Error("error" in answer ? answer.error : "a worker gave another answer");
+    return answer && "pixels" in answer ? answer.pixels : undefined;
   }
 
-  /** The pixels of a frame of a unit. Rejects with the worker's sentence. */
-  async decode(work: Work & { frame: number }): Promise<Pixels> {
-    const answer = await this.run(work);
-    if ("pixels" in answer) {
-      return answer.pixels;
-    }
-    throw new Error("error" in answer ? answer.error : "a worker gave another answer");
-  }
-
+  /** Ends the workers. Jobs that wait answer nothing more. */
   close(): void {
-    this.members.forEach((member) => member.worker.terminate());
-    this.queue = [];
+    this.members.forEach(({ worker }) => worker.terminate());
+    this.members.forEach((member) => (member.queue = []));
   }
 
-  private run(work: Work): Promise<Answer> {
-    return new Promise((resolve) => {
-      this.queue.push({ job: { ...work, id: this.nextId++ }, resolve });
-      this.pump();
+  private member(worker: Worker): Member {
+    const member: Member = { worker, knows: new Set(), queue: [], current: undefined };
+    worker.onmessage = ({ data }: MessageEvent<Answer>) => this.finish(member, data);
+    worker.onerror = ({ message }) => {
+      const id = member.current?.job.id ?? 0;
+      this.finish(member, { id, error: `A worker failed: ${message ?? "it did not load"}.` });
+    };
+    return member;
+  }
+
+  private async run(job: Job, isWanted: () => boolean): Promise<Answer | undefined> {
+    const { stream, unit } = job.chunk;
+    const member = this.members[(stream + unit) % this.members.length];
+    const answer = await new Promise<Answer | undefined>((resolve) => {
+      member.queue.push({ job, isWanted, resolve });
+      this.pump(member);
     });
+    if (answer && "error" in answer) {
+      throw new Error(answer.error);
+    }
+    return answer;
   }
 
-  private pump(): void {
-    for (const member of this.members) {
-      if (member.current !== undefined) {
+  private pump(member: Member): void {
+    while (member.current === undefined && member.queue.length > 0) {
+      const waiting = member.queue.shift()!;
+      if (!waiting.isWanted()) {
+        waiting.resolve(undefined);
         continue;
       }
-      const waiting = this.queue.shift();
-      if (waiting === undefined) {
-        return;
-      }
       member.current = waiting;
-      const { job } = waiting;
-      const outline = member.knows.has(job.stream) ? undefined : this.outline(job.stream);
-      member.knows.add(job.stream);
-      // The store keeps its bytes, so that they are copied, not transferred.
-      member.worker.postMessage({ ...job, outline });
+      const { stream } = waiting.job.chunk;
+      const outline = member.knows.has(stream) ? undefined : this.outline(stream);
+      member.knows.add(stream);
+      // The store keeps its bytes: they are copied, not transferred.
+      member.worker.postMessage({ ...waiting.job, ...(outline && { outline }) });
     }
   }
 
@@ -97,6 +109,6 @@ export class WorkerPool {
     const done = member.current;
     member.current = undefined;
     done?.resolve(answer);
-    this.pump();
+    this.pump(member);
   }
 }

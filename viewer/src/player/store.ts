@@ -156,7 +156,11 @@ export class ChunkStore {
   private runAround(offset: number): number[] {
     const offsets = [offset];
     let end = offset + this.sizes.get(offset)!;
-    while (this.wantedSet.has(end) && this.isMissing(end) && end - offset + this.sizes.get(end)! <= this.settings.requestBytes) {
+    while (
+      this.wantedSet.has(end) &&
+      this.isMissing(end) &&
+      end - offset + this.sizes.get(end)! <= this.settings.requestBytes
+    ) {
       offsets.push(end);
       end += this.sizes.get(end)!;
     }
