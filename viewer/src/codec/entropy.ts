@@ -7,7 +7,7 @@ import { FormatError } from "../format/types.ts";
 import { type Distributions, distributionsOf, SLOTS, SYMBOLS } from "./rans.ts";
 
 /** Most table sets that a codec header brings along. */
-export const MOST_OWN_SETS = 8;
+const MOST_OWN_SETS = 8;
 
 /** `depth`: predictive depth and alpha (depth.md 15). `color`: the transform codec (color.md 6). */
 export type ModelName = "depth" | "color";
@@ -173,7 +173,8 @@ function setOf(alphabets: ArrayLike<number>, frequency: () => number, isWhole: b
  *  FormatError. */
 export function readTables(model: ModelName, count: number, varint: () => number): EntropyTables {
   if (count > MOST_OWN_SETS) {
-    throw new FormatError(`A codec header has ${count} table sets, at most ${MOST_OWN_SETS} are legal (color.md 2).`);
+    const section = model === "depth" ? "depth.md 3" : "color.md 2";
+    throw new FormatError(`A codec header has ${count} table sets, at most ${MOST_OWN_SETS} are legal (${section}).`);
   }
   const { alphabets } = modelOf(model);
   return { model, own: Array.from({ length: count }, () => setOf(alphabets, varint, false)) };

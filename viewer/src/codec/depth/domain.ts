@@ -7,9 +7,10 @@ export const BACKGROUND_CODE = 65535;
 /** Code of a surface at far. */
 export const FAR_CODE = 65534;
 
-/** `DepthDomain.kind`: `DOMAIN_LOG` and so on of shaders/kernels.json. */
+/** `DepthDomain.kind` of codes as they are: `DOMAIN_LOG` of shaders/kernels.json. */
 export const DOMAIN_LOG = 0;
-export const DOMAIN_LINEAR = 1;
+const DOMAIN_LINEAR = 1;
+/** `DepthDomain.kind` of inverse depth, the greatest one: `DOMAIN_INVERSE` of shaders/kernels.json. */
 export const DOMAIN_INVERSE = 2;
 
 /** Logarithms of 24-bit values with 8 fraction bits lie below this. */
@@ -58,7 +59,7 @@ export function integerLog2(value: number): number {
 }
 
 /** The code of `r`, the value of a function with 14 fraction bits, in the log domain (arithmetic.md 6). */
-export function logCode(r: number): number {
+function logCode(r: number): number {
   const code = ((r + 0x2000) | 0) >> 14;
   return code < 0 ? 0 : code > 0xffff ? 0xffff : code;
 }

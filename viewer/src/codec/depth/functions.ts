@@ -101,7 +101,7 @@ function decodePlatelet(
 const palettes = new Uint16Array(16);
 
 /** Decodes a block of 8x8 codes whose 32 bytes are eight words from `at` on (depth.md 8). */
-export function decodeBc4w(words: Uint32Array, at: number, { picture, start, stride, width, height }: Target): void {
+function decodeBc4w(words: Uint32Array, at: number, { picture, start, stride, width, height }: Target): void {
   const low = words[at + 6];
   const high = words[at + 7];
   fillPalette(low & 0x1fff, (low >>> 13) & 0x1fff, 0);

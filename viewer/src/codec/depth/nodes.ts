@@ -31,7 +31,7 @@ export function sideOf(level: number): number {
 }
 
 /** Left and top of a place in pixels of the unit. */
-export function cornerOf(place: Place): [number, number] {
+function cornerOf(place: Place): [number, number] {
   const side = sideOf(levelOf(place));
   return [(place & 0xff) * side, ((place >> 8) & 0xff) * side];
 }
