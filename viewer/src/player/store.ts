@@ -77,7 +77,8 @@ export class ChunkStore {
     this.wanted = [];
     this.wantedSet = new Set();
     for (const chunk of chunks) {
-      if (!this.wantedSet.has(chunk.offset)) {
+      // An empty chunk may lie where another begins, and is not fetched.
+      if (chunk.storedBytes > 0 && !this.wantedSet.has(chunk.offset)) {
         this.wantedSet.add(chunk.offset);
         this.wanted.push(chunk.offset);
         this.sizes.set(chunk.offset, chunk.storedBytes);
@@ -92,10 +93,7 @@ export class ChunkStore {
 
   /** The stored bytes of a chunk, if they are here. */
   get(chunk: Chunk): Uint8Array | undefined {
-    if (chunk.storedBytes === 0) {
-      return new Uint8Array(0);
-    }
-    return this.kept.get(chunk.offset);
+    return chunk.storedBytes === 0 ? new Uint8Array(0) : this.kept.get(chunk.offset);
   }
 
   get stats(): StoreStats {
@@ -135,7 +133,7 @@ export class ChunkStore {
   }
 
   private isMissing(offset: number): boolean {
-    return !this.kept.has(offset) && !this.pending.has(offset) && this.sizes.get(offset) !== 0;
+    return !this.kept.has(offset) && !this.pending.has(offset);
   }
 
   private pump(): void {
