@@ -75,7 +75,7 @@ function readTone(fields: Fields): Pick<ColorHeader, "transfer" | "exposureEv"> 
 function readWhite(fields: Fields): Pick<ColorHeader, "transfer" | "exposureEv"> {
   const white = fields.f64();
   if (!(Number.isFinite(white) && white > 0)) {
-    throw fields.error(`A white of ${white} candelas per square metre is not finite and above 0`);
+    throw fields.error(`A white of ${white} candelas per square meter is not finite and above 0`);
   }
   return { transfer: "linear", exposureEv: 0 };
 }

@@ -5,7 +5,7 @@ import type { ColorHeader } from "../../format/types.ts";
 import { colorModel, type EntropyTables, tableSets } from "../entropy.ts";
 import { type Distributions, SYMBOLS } from "../rans.ts";
 import { basis, LENGTHS, lengthIndex } from "./transform/basis.ts";
-import { CLASSES_OF_SUMS } from "./transform/levels.ts";
+import { SUM_CLASSES } from "./transform/levels.ts";
 import { MOST_FRAMES } from "./transform/payload.ts";
 import { SCANS } from "./transform/scan.ts";
 
@@ -60,7 +60,7 @@ function tablesOfFormat(): number[] {
   const scans = SCANS.flatMap(({ places, classes }) => Array.from(places, (place, at) => place | (classes[at] << 16)));
   const distributions = Array.from(colorModel().distributionOf, (distribution) => distribution * SYMBOLS);
   const heads = Array<number>(MOST_FRAMES + 1).fill(LENGTHS.length);
-  const first = heads.length + CLASSES_OF_SUMS.length + scans.length + distributions.length;
+  const first = heads.length + SUM_CLASSES.length + scans.length + distributions.length;
   const bases: number[] = [];
   for (const points of [...LENGTHS, MOST_POINTS]) {
     heads[points] = lengthIndex(points) | ((first + bases.length) << 8);
@@ -68,5 +68,5 @@ function tablesOfFormat(): number[] {
       bases.push(basis(points, Math.floor(at / points), at % points) >>> 0);
     }
   }
-  return [...heads, ...CLASSES_OF_SUMS, ...scans, ...distributions, ...bases];
+  return [...heads, ...SUM_CLASSES, ...scans, ...distributions, ...bases];
 }

@@ -9,14 +9,11 @@ import { MAGNITUDE_ROW, SCANS } from "./scan.ts";
 
 /** Magnitudes are counted up to this. */
 const MOST_MAGNITUDE = 15;
-/** q of color.md 6.6 by the sum of five magnitudes; that of greater sums is the last. */
-const SUM_CLASSES = Uint8Array.of(0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7);
+/** Classes of sums of five magnitudes, q of formats/color.md 6.6; that of greater sums is the last. */
+export const SUM_CLASSES: Readonly<Uint8Array> = Uint8Array.of(0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7);
 const MOST_SUM = SUM_CLASSES.length - 1;
 /** Contexts of levels at last positions, which come before those of all others. */
 const LAST_LEVELS = 144;
-
-/** Classes of sums, for tables of a device. */
-export const CLASSES_OF_SUMS: Readonly<Uint8Array> = SUM_CLASSES;
 
 /** Reads a number from a symbol that is above 11 and raw bits (formats/color.md 6.6, numbers). */
 function largeNumber(stream: RansDecoder, symbol: number): number {

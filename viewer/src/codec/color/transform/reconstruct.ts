@@ -12,6 +12,9 @@ import { RegionReader } from "./region.ts";
 import { coefficientOf } from "./steps.ts";
 
 const MOST_PIXELS = 32 * 32;
+/** Room for the coefficients of a channel of a block, and for the values of the three channels. */
+const coefficients = new Int32Array(MOST_PIXELS);
+const planes = Array.from({ length: CHANNELS }, () => new Int32Array(MOST_PIXELS));
 
 /** The part of a block that lies in the cell, in pixels, and where a leaf's row starts. */
 interface Window {
@@ -36,8 +39,6 @@ export class TransformChunk {
   readonly format: { size: [number, number]; isHalf: boolean };
   readonly #domain: Domain;
   readonly #leaves: leaf.Leaves;
-  readonly #coefficients = new Int32Array(MOST_PIXELS);
-  readonly #planes = Array.from({ length: CHANNELS }, () => new Int32Array(MOST_PIXELS));
 
   /** Reads and checks a payload of `frames` frames, at most 96 (formats/color.md 6.4). */
   constructor(payload: Uint8Array, format: TransformChunk["format"], frames: number, tables: EntropyTables) {
@@ -60,12 +61,17 @@ export class TransformChunk {
 
   /** Writes a frame into `out`, three samples a pixel; blocks that look the same in frame `shown`, which is in `out`, are left alone. */
   show(frame: number, shown: number | undefined, out: Samples): void {
-    for (const window of this.#windows()) {
-      if (!this.#contains(window.row, frame) || (shown !== undefined && this.#isSame(window.row, frame, shown))) {
+    const { rows, count } = this.#leaves;
+    for (let row = 0; row < count * leaf.LEAF_ROW; row += leaf.LEAF_ROW) {
+      if (!this.#contains(row, frame) || (shown !== undefined && this.#isSame(row, frame, shown))) {
         continue;
       }
-      const place = this.#leaves.rows[window.row + leaf.LEAF_PLACE];
-      const span = this.#leaves.rows[window.row + leaf.LEAF_FRAMES];
+      const window = this.#window(row);
+      if (window === undefined) {
+        continue;
+      }
+      const place = rows[row + leaf.LEAF_PLACE];
+      const span = rows[row + leaf.LEAF_FRAMES];
       const block = { size: (place >> 16) & 3, frame: frame - (span & 0xff), frames: span >> 8 };
       if ((place & leaf.IS_PALETTE) !== 0) {
         this.#writePalette(window, block, out);
@@ -77,31 +83,48 @@ export class TransformChunk {
 
   /** Pixels of blocks that look the same in a set of frames, by that set: bit f is frame f. */
   pixelsOfFrames(): Map<bigint, number> {
-    const pixels = new Map<bigint, number>();
-    for (const window of this.#windows()) {
-      const span = this.#leaves.rows[window.row + leaf.LEAF_FRAMES];
-      for (const frames of this.#framesOf(window.row, span & 0xff, span >> 8)) {
-        pixels.set(frames, (pixels.get(frames) ?? 0) + window.columns * window.rows);
+    const { rows, count } = this.#leaves;
+    const sets = new Map<bigint, number>();
+    // Most sets are runs of frames: first | count << 8.
+    const runs = new Map<number, number>();
+    for (let row = 0; row < count * leaf.LEAF_ROW; row += leaf.LEAF_ROW) {
+      const window = this.#window(row);
+      if (window === undefined) {
+        continue;
+      }
+      const pixels = window.columns * window.rows;
+      const [place, span] = [rows[row + leaf.LEAF_PLACE], rows[row + leaf.LEAF_FRAMES]];
+      if ((place & leaf.IS_STILL) !== 0) {
+        runs.set(span, (runs.get(span) ?? 0) + pixels);
+      } else if ((place & leaf.IS_PALETTE) !== 0) {
+        for (const frames of this.#framesOf(row, span & 0xff, span >> 8)) {
+          sets.set(frames, (sets.get(frames) ?? 0) + pixels);
+        }
+      } else {
+        for (let frame = span & 0xff; frame < (span & 0xff) + (span >> 8); frame++) {
+          const alone = frame | (1 << 8);
+          runs.set(alone, (runs.get(alone) ?? 0) + pixels);
+        }
       }
     }
-    return pixels;
+    for (const [run, pixels] of runs) {
+      const frames = ((1n << BigInt(run >> 8)) - 1n) << BigInt(run & 0xff);
+      sets.set(frames, (sets.get(frames) ?? 0) + pixels);
+    }
+    return sets;
   }
 
-  /** Sets of frames in which a block looks the same. */
+  /** Sets of frames in which a palette looks the same. */
   #framesOf(row: number, first: number, count: number): bigint[] {
-    const place = this.#leaves.rows[row + leaf.LEAF_PLACE];
-    if ((place & leaf.IS_STILL) !== 0) {
-      return [((1n << BigInt(count)) - 1n) << BigInt(first)];
-    }
     const sets: bigint[] = [];
     const seen = new Uint8Array(count);
     for (let frame = 0; frame < count; frame++) {
       if (seen[frame] === 1) {
         continue;
       }
-      let set = 0n;
-      for (let other = frame; other < count; other++) {
-        if (other === frame || (seen[other] === 0 && this.#isSame(row, first + frame, first + other))) {
+      let set = 1n << BigInt(first + frame);
+      for (let other = frame + 1; other < count; other++) {
+        if (seen[other] === 0 && this.#isSame(row, first + frame, first + other)) {
           seen[other] = 1;
           set |= 1n << BigInt(first + other);
         }
@@ -111,23 +134,14 @@ export class TransformChunk {
     return sets;
   }
 
-  /** Blocks that do not lie wholly beyond the cell. */
-  *#windows(): Generator<Window> {
-    const { rows, count } = this.#leaves;
-    let region = -1;
-    let rect: readonly [number, number, number, number] = [0, 0, 0, 0];
-    for (let row = 0; row < count * leaf.LEAF_ROW; row += leaf.LEAF_ROW) {
-      if (rows[row + leaf.LEAF_REGION] !== region) {
-        region = rows[row + leaf.LEAF_REGION];
-        rect = regionRect(this.format.size, region);
-      }
-      const place = rows[row + leaf.LEAF_PLACE];
-      const [x, y, side] = [place & 0xff, (place >> 8) & 0xff, 4 << ((place >> 16) & 3)];
-      const [columns, height] = [Math.min(side, rect[2] - x), Math.min(side, rect[3] - y)];
-      if (columns > 0 && height > 0) {
-        yield { row, left: rect[0] + x, top: rect[1] + y, columns, rows: height };
-      }
-    }
+  /** The part of a block that lies in the cell, if there is one. */
+  #window(row: number): Window | undefined {
+    const { rows } = this.#leaves;
+    const [left, top, width, height] = regionRect(this.format.size, rows[row + leaf.LEAF_REGION]);
+    const place = rows[row + leaf.LEAF_PLACE];
+    const [x, y, side] = [place & 0xff, (place >> 8) & 0xff, 4 << ((place >> 16) & 3)];
+    const [columns, lines] = [Math.min(side, width - x), Math.min(side, height - y)];
+    return columns > 0 && lines > 0 ? { row, left: left + x, top: top + y, columns, rows: lines } : undefined;
   }
 
   #contains(row: number, frame: number): boolean {
@@ -184,10 +198,10 @@ export class TransformChunk {
       const extents = this.#leaves.rows[window.row + leaf.LEAF_EXTENTS] >> (10 * channel);
       const extent: [number, number] = [1 + (extents & 31), 1 + ((extents >> 5) & 31)];
       this.#readCoefficients(window.row, channel, block, length, extent);
-      inverseTransform(this.#coefficients, block.size, extent, this.#domain.fractionBits, this.#planes[channel]);
+      inverseTransform(coefficients, block.size, extent, this.#domain.fractionBits, planes[channel]);
     }
     writeChannels(
-      this.#planes,
+      planes,
       this.layout.slopes,
       this.#domain,
       { ...window, side: 4 << block.size, width: this.format.size[0] },
@@ -204,7 +218,7 @@ export class TransformChunk {
     [columns, height]: [number, number],
   ): void {
     const { rows, levels, places } = this.#leaves;
-    const out = this.#coefficients;
+    const out = coefficients;
     const step = this.layout.steps[channel * LENGTHS.length + length];
     const weights = TIME_BASES[length];
     const shift = 2 + size;
