@@ -1,0 +1,111 @@
+// Input: keys, mouse, touch and gamepad become motion of the eye, and actions.
+
+import type { Vec3 } from "../format/types.ts";
+import { actionOf, isForPage, isMotionKey, motionOf, motionOfPad, PAD_ACTIONS } from "./keys.ts";
+import type { Action, Focus, Motion } from "./keys.ts";
+import { PointerInput } from "./pointer.ts";
+import type { PointerHost } from "./pointer.ts";
+
+export interface ControlsHost extends PointerHost {
+  act(action: Action): void;
+  /** Metres per second of held keys. */
+  pace(): number;
+}
+
+/** Degrees per second of arrow keys and sticks, at a field of view of 60 degrees. */
+const TURN_RATE_DEG = 70;
+/** Shift, and the left stick pressed, multiply the pace. */
+const FAST = 4;
+/** After a pause the eye does not jump: longest time of a step in seconds. */
+const LONGEST_STEP_S = 0.1;
+
+function focusOf(target: EventTarget | null): Focus {
+  if (!(target instanceof HTMLElement)) {
+    return "picture";
+  }
+  if (target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type)) {
+    return "text";
+  }
+  if (target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) {
+    return "text";
+  }
+  return target.closest("button, input, a, summary, pre, aside") === null ? "picture" : "widget";
+}
+
+export class Controls {
+  readonly #host: ControlsHost;
+  readonly #pointer: PointerInput;
+  readonly #held = new Set<string>();
+  readonly #pressedPads = new Set<string>();
+  #isFast = false;
+
+  /** Listens to the window, and to pointers on the stage, until the page ends. */
+  constructor(stage: HTMLElement, host: ControlsHost) {
+    this.#host = host;
+    this.#pointer = new PointerInput(stage, host);
+    window.addEventListener("keydown", (event) => this.#down(event));
+    window.addEventListener("keyup", (event) => {
+      this.#isFast = event.shiftKey;
+      this.#held.delete(event.code);
+    });
+    window.addEventListener("blur", () => this.#held.clear());
+  }
+
+  /** Moves the eye by what is held down, for the seconds since the last call. */
+  advance(seconds: number): void {
+    const time = Math.min(Math.max(seconds, 0), LONGEST_STEP_S);
+    this.#apply(motionOf(this.#held), this.#isFast, time);
+    // Gamepads are listed once one of their buttons was pressed.
+    for (const pad of navigator.getGamepads?.() ?? []) {
+      if (pad?.mapping === "standard") {
+        this.#apply(motionOfPad(pad), pad.buttons[10]?.pressed === true, time);
+        this.#press(pad);
+      }
+    }
+  }
+
+  /** Locks the pointer to the picture, or lets it go. */
+  toggleLock(): void {
+    this.#pointer.toggleLock();
+  }
+
+  #down(event: KeyboardEvent): void {
+    this.#isFast = event.shiftKey;
+    const focus = focusOf(event.target);
+    const action = actionOf(event, focus);
+    if (action !== undefined) {
+      event.preventDefault();
+      if (!event.repeat || action.startsWith("step")) {
+        this.#host.act(action);
+      }
+    } else if (isMotionKey(event.code) && isForPage(event, focus)) {
+      event.preventDefault();
+      this.#held.add(event.code);
+    }
+  }
+
+  #apply({ step, turn }: Motion, isFast: boolean, seconds: number): void {
+    if (step.some((value) => value !== 0)) {
+      const length = Math.max(1, Math.hypot(...step));
+      const metres = ((isFast ? FAST : 1) * this.#host.pace() * seconds) / length;
+      this.#host.move(step.map((value) => value * metres) as Vec3);
+    }
+    if (turn.some((value) => value !== 0)) {
+      const radians = (((TURN_RATE_DEG * Math.PI) / 180) * seconds * this.#host.fovDeg()) / 60;
+      this.#host.turn(turn[0] * radians, turn[1] * radians);
+    }
+  }
+
+  #press(pad: Gamepad): void {
+    for (const [button, action] of PAD_ACTIONS) {
+      const name = `${pad.index} ${button}`;
+      const isPressed = pad.buttons[button]?.pressed === true;
+      if (isPressed && !this.#pressedPads.has(name)) {
+        this.#pressedPads.add(name);
+        this.#host.act(action);
+      } else if (!isPressed) {
+        this.#pressedPads.delete(name);
+      }
+    }
+  }
+}

@@ -1,0 +1,98 @@
+// The inspector: overlays, counters, streams, the head box, and the view as a command line.
+
+import type { Film, PlayerStats, Pose } from "../player/types.ts";
+import { byId, byteText, copyText, msText, onPress, setRows, setText, numberText } from "./dom.ts";
+import { HeadMap } from "./head_map.ts";
+import type { Mark } from "./settings.ts";
+
+/** What the inspector shows of the last picture. */
+export interface Reading {
+  stats: PlayerStats;
+  /** Milliseconds from asking for the picture until it was there. */
+  pictureMs: number;
+  /** Of the picture, in pixels. */
+  size: [number, number];
+  pose: Pose;
+  /** Horizontal, in degrees. */
+  fovDeg: number;
+  command: string | undefined;
+}
+
+/** Rows of the table of figures. */
+function figuresOf({ stats, pictureMs, size }: Reading): [string, string][] {
+  return [
+    ["Picture", msText(pictureMs)],
+    ["Decoding", msText(stats.decodeMs)],
+    ["Marching", msText(stats.marchMs)],
+    ["Size", `${size[0]}×${size[1]}`],
+    ["Frame shown", String(stats.shownFrame)],
+    ["Units missing", numberText(stats.unitsMissing)],
+    ["Rate", `${(stats.fetchRate / 1e6).toFixed(2)} MB/s`],
+    ["Fetched", byteText(stats.bytesFetched)],
+    ["Requests", numberText(stats.requests)],
+    ["Chunks", numberText(stats.chunksFetched)],
+    ["Chunks fetched again", numberText(stats.chunksRefetched)],
+    ["Cache", byteText(stats.cacheBytes)],
+  ];
+}
+
+function bodyOf(id: string): HTMLTableSectionElement {
+  const table = byId(id, HTMLTableElement);
+  return table.tBodies[0] ?? table.createTBody();
+}
+
+export class Inspector {
+  readonly #map = new HeadMap(byId("map", SVGSVGElement));
+  readonly #boxes = [...byId("marks", HTMLFieldSetElement).querySelectorAll<HTMLInputElement>("input")];
+  readonly #command = byId("command", HTMLElement);
+
+  /** `onMark` is called when the viewer turns an overlay on or off. */
+  constructor(onMark: (mark: Mark, isOn: boolean) => void) {
+    for (const box of this.#boxes) {
+      box.addEventListener("change", () => onMark(box.value as Mark, box.checked));
+    }
+    const copy = onPress("copy-command", () => {
+      void copyText(this.#command.textContent ?? "", copy, this.#command);
+    });
+  }
+
+  /** Shows the overlays that the film has, its streams, and its head box. */
+  setFilm(film: Film, marks: readonly Mark[]): void {
+    this.#map.setFilm(film);
+    for (const box of this.#boxes) {
+      const label = box.closest("label");
+      if (label !== null) {
+        label.hidden = !marks.some((mark) => mark === box.value);
+      }
+    }
+    const streams = film.streams.map(({ kind, codec, count, bytes }) => [
+      kind,
+      codec,
+      numberText(count),
+      byteText(bytes),
+    ]);
+    setRows(bodyOf("streams"), streams);
+  }
+
+  showMarks(marks: ReadonlySet<Mark>): void {
+    for (const box of this.#boxes) {
+      box.checked = [...marks].some((mark) => mark === box.value);
+    }
+  }
+
+  show(reading: Reading): void {
+    const { pose, stats } = reading;
+    setRows(bodyOf("figures"), figuresOf(reading));
+    const counters = Object.entries(stats.counters).map(([name, value]) => [name, numberText(value)]);
+    setRows(bodyOf("counters"), counters);
+    this.#map.showPose(pose, reading.fovDeg);
+    const degrees = [pose.yaw, pose.pitch].map((angle) => `${((angle * 180) / Math.PI).toFixed(1)}°`);
+    const eye = pose.eye.map((value) => value.toFixed(3)).join("  ");
+    setText(byId("eye", HTMLElement), `Eye ${eye} m\nYaw ${degrees[0]}  Pitch ${degrees[1]}`);
+    setText(this.#command, reading.command ?? "");
+    const section = this.#command.parentElement;
+    if (section !== null) {
+      section.hidden = reading.command === undefined;
+    }
+  }
+}

@@ -1,0 +1,96 @@
+// What the viewer must know: messages over the picture, and a notice in its place.
+
+import { NoWebGpuError } from "../gpu/device.ts";
+import { byId, copyText, messageOf, onPress, sentence, setText } from "./dom.ts";
+
+/** Messages at a time; older ones make room. */
+const MAX_MESSAGES = 4;
+
+/** Messages over the picture, which screen readers speak. Each can be dismissed. */
+export class Messages {
+  readonly #log = byId("messages", HTMLElement);
+
+  /** Shows a sentence, unless it is there already. */
+  say(text: string): void {
+    const said = sentence(text);
+    const shown = [...this.#log.children];
+    if (shown.some((message) => message.firstChild?.textContent === said)) {
+      return;
+    }
+    shown.slice(0, Math.max(0, shown.length - MAX_MESSAGES + 1)).forEach((message) => message.remove());
+    const message = document.createElement("div");
+    message.className = "message";
+    message.appendChild(document.createElement("span")).textContent = said;
+    const dismiss = message.appendChild(document.createElement("button"));
+    dismiss.type = "button";
+    dismiss.textContent = "Dismiss";
+    dismiss.addEventListener("click", () => message.remove());
+    this.#log.appendChild(message);
+  }
+
+  clear(): void {
+    this.#log.replaceChildren();
+  }
+}
+
+/** A notice in place of the picture: while a film opens, and where it cannot be shown. */
+export class Notice {
+  readonly #section = byId("notice", HTMLElement);
+  readonly #title = byId("notice-title", HTMLElement);
+  readonly #text = byId("notice-text", HTMLElement);
+  readonly #webGpu = byId("notice-webgpu", HTMLElement);
+  readonly #command = byId("notice-command", HTMLElement);
+  readonly #retry: HTMLButtonElement;
+  readonly #stage = byId("stage", HTMLElement);
+  readonly #tools = byId("tools", HTMLElement);
+  /** What needs a film. */
+  readonly #parts = [
+    this.#tools,
+    byId("side", HTMLElement),
+    byId("transport", HTMLElement),
+    byId("state", HTMLElement),
+  ];
+
+  /** `onRetry` is called when the viewer wants the film to be loaded again. */
+  constructor(onRetry: () => void) {
+    this.#retry = onPress("notice-retry", onRetry);
+    const copy = onPress("notice-copy", () => {
+      void copyText(this.#command.textContent ?? "", copy, this.#command);
+    });
+  }
+
+  /** A film is being opened. */
+  opening(name: string): void {
+    this.#show("Opening", name);
+    this.#webGpu.hidden = true;
+    this.#retry.hidden = true;
+  }
+
+  /** The film cannot be shown. `command` renders it without this page, where that is possible. */
+  failed(error: unknown, command: string | undefined): void {
+    const lacksWebGpu = error instanceof NoWebGpuError;
+    this.#show(
+      lacksWebGpu ? "This browser cannot show light fields" : "The film cannot be shown",
+      sentence(messageOf(error)),
+    );
+    this.#webGpu.hidden = !lacksWebGpu || command === undefined;
+    setText(this.#command, command ?? "");
+    this.#retry.hidden = false;
+    this.#section.focus();
+  }
+
+  /** A film is there. */
+  hide(): void {
+    this.#section.hidden = true;
+    this.#tools.hidden = false;
+    this.#stage.inert = false;
+  }
+
+  #show(title: string, text: string): void {
+    setText(this.#title, title);
+    setText(this.#text, text);
+    this.#section.hidden = false;
+    this.#parts.forEach((part) => (part.hidden = true));
+    this.#stage.inert = true;
+  }
+}

@@ -1,0 +1,59 @@
+// Opens the film that film.json names.
+
+import { HttpSource } from "../format/http.ts";
+import { openPlayer } from "../player/player.ts";
+import type { Player, Pose } from "../player/types.ts";
+import { openQuilt } from "../quilt.ts";
+import type { FilmFile } from "./film_file.ts";
+import { FilmFileError } from "./film_file.ts";
+import type { Mark } from "./settings.ts";
+
+/** A film on the page. */
+export interface Show {
+  player: Player;
+  /** Overlays that it has. */
+  marks: readonly Mark[];
+  /** The picture has a shape of its own; else it fills the stage. */
+  isFixed: boolean;
+  /** Of a scene: whether the overdraw is shown in place of the picture. */
+  showOverdraw?: (isOn: boolean) => void;
+  /** Of a scene, where a headset can be had: shows it there from a pose on, until the viewer takes it off. */
+  enterHeadset?: (pose: Pose) => Promise<void>;
+}
+
+const CONTAINER_MARKS: readonly Mark[] = ["probes", "holes", "units", "nodes", "keyframes", "fetched"];
+
+/** The bundle of scenes, beside this one; three.js is in it alone. */
+const SCENES = "./glb.js";
+
+async function openScene(file: FilmFile, canvas: HTMLCanvasElement): Promise<Show> {
+  const source = await HttpSource.open(file.url);
+  const { openScene } = (await import(SCENES)) as typeof import("../glb/main.ts");
+  const scene = await openScene(source, canvas, file.name);
+  const show: Show = {
+    player: scene,
+    marks: ["overdraw"],
+    isFixed: false,
+    showOverdraw: (isOn) => scene.showOverdraw(isOn),
+  };
+  if (await scene.hasHeadset()) {
+    show.enterHeadset = (pose) => scene.enterHeadset(pose);
+  }
+  return show;
+}
+
+/** Opens a film to be drawn into a new canvas. */
+export async function openShow(file: FilmFile, canvas: HTMLCanvasElement): Promise<Show> {
+  if (file.kind === "glb") {
+    return openScene(file, canvas);
+  }
+  const source = await HttpSource.open(file.url);
+  if (file.kind === "lfold") {
+    return { player: await openPlayer(source, canvas), marks: CONTAINER_MARKS, isFixed: false };
+  }
+  if (file.quilt === undefined) {
+    throw new FilmFileError("film.json, quilt: columns and rows were expected.");
+  }
+  const player = await openQuilt(source, canvas, { name: file.name, layout: file.quilt });
+  return { player, marks: [], isFixed: true };
+}

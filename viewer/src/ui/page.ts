@@ -1,0 +1,458 @@
+// The page: holds pose, film time and settings, and joins input, drawing, panels and the link.
+
+import type { Vec3 } from "../format/types.ts";
+import type { Pose, Problem, View } from "../player/types.ts";
+import { clampEye, moveEye } from "./bounds.ts";
+import { FilmClock } from "./clock.ts";
+import { renderCommand } from "./command.ts";
+import { Controls } from "./controls.ts";
+import { byId, byteText, copyText, messageOf, onPress, setText, numberText } from "./dom.ts";
+import type { FilmFile } from "./film_file.ts";
+import { Inspector } from "./inspector.ts";
+import type { Reading } from "./inspector.ts";
+import type { Action } from "./keys.ts";
+import { formatLink, parseLink } from "./link.ts";
+import { DrawLoop } from "./loop.ts";
+import { Messages, Notice } from "./notices.ts";
+import type { Show } from "./opening.ts";
+import { stepOf, turned } from "./pose.ts";
+import { savePicture, screenshotName } from "./screenshot.ts";
+import { DEFAULTS, inRange } from "./settings.ts";
+import type { Mark, Settings } from "./settings.ts";
+import { SettingsPanel } from "./settings_panel.ts";
+import { Panels } from "./panels.ts";
+import { Timeline } from "./timeline.ts";
+
+/** Milliseconds between changes of the address, and between those of the inspector and the fetched ranges. */
+const LINK_MS = 400;
+const PANEL_MS = 200;
+/** Longest side of a picture in pixels. */
+const MAX_SIDE = 8192;
+/** Metres per second of held keys: this part of the longest side of the head box, within bounds. */
+const PACE_SHARE = 0.4;
+const PACES: [number, number] = [0.15, 3];
+const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
+
+/** Opens the film for a new canvas. */
+export type Opener = (file: FilmFile, canvas: HTMLCanvasElement) => Promise<Show>;
+
+/** The last picture. */
+type Drawn = Pick<Reading, "stats" | "pictureMs" | "size">;
+
+interface Shown extends Show {
+  canvas: HTMLCanvasElement;
+  loop: DrawLoop;
+  clock: FilmClock;
+}
+
+export class Page {
+  readonly #file: FilmFile;
+  readonly #open: Opener;
+  readonly #stage = byId("stage", HTMLElement);
+  readonly #messages = new Messages();
+  readonly #notice = new Notice(() => void this.load());
+  readonly #panels = new Panels(() => (this.#panelsMs = -Infinity));
+  readonly #settingsPanel = new SettingsPanel((change) => this.#set(change));
+  readonly #inspector = new Inspector((mark, isOn) => this.#mark(mark, isOn));
+  readonly #timeline: Timeline;
+  readonly #controls: Controls;
+  #settings: Settings = { ...DEFAULTS };
+  #shown: Shown | undefined;
+  /** None before the film is known. */
+  #pose: Pose | undefined;
+  #frame: number | undefined;
+  #drawn: Drawn | undefined;
+  #isLoading = false;
+  #mayReload = true;
+  #wantsPicture = false;
+  #tickMs = 0;
+  #linkMs = -Infinity;
+  #panelsMs = -Infinity;
+
+  constructor(file: FilmFile, open: Opener) {
+    this.#file = file;
+    this.#open = open;
+    document.title = `${file.name} · lightfold`;
+    setText(byId("film-name", HTMLElement), file.name);
+    const parts = {
+      slider: byId("timeline", HTMLInputElement),
+      canvas: byId("fetched", HTMLCanvasElement),
+      label: byId("frame-label", HTMLElement),
+    };
+    this.#timeline = new Timeline(parts, (frame) => this.#seek(frame));
+    this.#controls = new Controls(this.#stage, {
+      act: (action) => this.#act(action),
+      turn: (left, up) => this.#turn(left, up),
+      move: (step) => this.#move(step),
+      zoom: (factor) => this.#set({ fovDeg: inRange("fovDeg", this.#settings.fovDeg * factor) }),
+      hover: (part) => this.#hover(part),
+      fovDeg: () => this.#settings.fovDeg,
+      pace: () => this.#pace(),
+      reach: () => this.#pace() * 2,
+    });
+    this.#buttons();
+    this.#settings = { ...DEFAULTS, ...parseLink(location.hash).settings };
+    this.#settingsPanel.show(this.#settings);
+    this.#inspector.showMarks(this.#settings.marks);
+    window.addEventListener("hashchange", () => this.#follow());
+    new ResizeObserver(() => this.#shown?.loop.change()).observe(this.#stage);
+    requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  /** Loads the film, or loads it again with the same pose, frame and settings. */
+  async load(): Promise<void> {
+    if (this.#isLoading) {
+      return;
+    }
+    this.#isLoading = true;
+    this.#leave();
+    this.#notice.opening(this.#file.name);
+    const canvas = document.createElement("canvas");
+    this.#stage.replaceChildren(canvas);
+    try {
+      this.#enter(await this.#open(this.#file, canvas), canvas);
+      this.#notice.hide();
+      this.#panels.restore();
+    } catch (error) {
+      this.#leave();
+      this.#stage.replaceChildren();
+      this.#notice.failed(error, this.#command());
+    } finally {
+      this.#isLoading = false;
+    }
+  }
+
+  #enter(show: Show, canvas: HTMLCanvasElement): void {
+    const { player } = show;
+    const { film } = player;
+    const clock = new FilmClock(film);
+    // What comes of a film that was left is of no interest.
+    const lost = (problem: Problem): void => {
+      if (this.#shown?.player === player) {
+        this.#lost(problem);
+      }
+    };
+    const loop = new DrawLoop({
+      draw: (factor) => player.draw(this.#view(factor)),
+      onDrawn: (stats, ms, factor) => {
+        if (this.#shown?.player === player) {
+          this.#drew(this.#shown, { stats, pictureMs: ms, size: [canvas.width, canvas.height] }, factor);
+        }
+      },
+      onFailed: (error) => lost({ fatal: true, message: messageOf(error) }),
+      now: () => performance.now(),
+    });
+    this.#shown = { ...show, canvas, loop, clock };
+    player.onProblem = lost;
+    const link = parseLink(location.hash);
+    this.#pose ??= this.#posed(film.start, link);
+    clock.isLooped = this.#settings.isLooped;
+    clock.setSpeed(this.#settings.speed, performance.now());
+    clock.seek(this.#frame ?? link.frame ?? film.firstFrame, performance.now());
+    this.#describe(show);
+    show.showOverdraw?.(this.#settings.marks.has("overdraw"));
+  }
+
+  /** Words and controls for this film. */
+  #describe({ player: { film }, marks, isFixed, enterHeadset }: Show): void {
+    const isStill = film.frameCount < 2;
+    this.#stage.classList.toggle("fits", isFixed);
+    byId("transport", HTMLElement).hidden = isStill;
+    byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
+    this.#settingsPanel.setKind(this.#file.kind);
+    this.#timeline.setFilm(film.firstFrame, film.frameCount, film.framesPerSecond);
+    this.#inspector.setFilm(film, marks);
+    const frames = isStill ? "still" : `${film.frameCount} frames at ${Number(film.framesPerSecond.toFixed(3))}/s`;
+    const probes = film.probes.length === 0 ? [] : [`${numberText(film.probes.length)} probes`];
+    setText(byId("film-facts", HTMLElement), [...probes, frames, byteText(film.fileBytes)].join(" · "));
+    setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
+  }
+
+  #leave(): void {
+    const shown = this.#shown;
+    if (shown !== undefined) {
+      this.#frame = shown.clock.frame(performance.now());
+      this.#shown = undefined;
+      this.#drawn = undefined;
+      shown.player.close();
+    }
+  }
+
+  /** Says a problem. After a fatal one the film is loaded again: once at once, later when the viewer wants it. */
+  #lost({ fatal, message }: Problem): void {
+    if (!fatal) {
+      this.#messages.say(message);
+      return;
+    }
+    this.#leave();
+    if (this.#mayReload) {
+      this.#mayReload = false;
+      this.#messages.say(`${message.replace(/\.$/, "")}; the film is loaded again`);
+      void this.load();
+    } else {
+      this.#stage.replaceChildren();
+      this.#notice.failed(message, this.#command());
+    }
+  }
+
+  #tick(now: number): void {
+    requestAnimationFrame((next) => this.#tick(next));
+    const seconds = (now - this.#tickMs) / 1000;
+    this.#tickMs = now;
+    const shown = this.#shown;
+    if (shown === undefined) {
+      return;
+    }
+    this.#controls.advance(seconds);
+    const time = performance.now();
+    const frame = shown.clock.frame(time);
+    if (frame !== this.#frame) {
+      this.#frame = frame;
+      shown.loop.move();
+    }
+    shown.loop.tick();
+    this.#timeline.showFrame(frame, this.#drawn?.stats.shownFrame ?? frame);
+    byId("play", HTMLButtonElement).classList.toggle("playing", shown.clock.isPlaying);
+    byId("play", HTMLButtonElement).ariaLabel = shown.clock.isPlaying ? "Pause" : "Play";
+    if (time - this.#panelsMs >= PANEL_MS) {
+      this.#panelsMs = time;
+      this.#showPanels(shown);
+    }
+    if (time - this.#linkMs >= LINK_MS && shown.loop.isStill && !shown.clock.isPlaying) {
+      this.#linkMs = time;
+      this.#writeLink(frame);
+    }
+  }
+
+  #drew(shown: Shown, drawn: Drawn, factor: number): void {
+    this.#drawn = drawn;
+    if (this.#wantsPicture && (factor === 1 || shown.clock.isPlaying)) {
+      this.#wantsPicture = false;
+      const saved = savePicture(shown.canvas, screenshotName(this.#file.name, drawn.stats.shownFrame));
+      saved.catch((error: unknown) => this.#messages.say(messageOf(error)));
+    }
+  }
+
+  #showPanels(shown: Shown): void {
+    this.#timeline.showFetched(shown.player.fetched());
+    const missing = this.#drawn?.stats.unitsMissing ?? 0;
+    const state = byId("state", HTMLElement);
+    state.hidden = missing === 0;
+    setText(state, `${numberText(missing)} ${missing === 1 ? "unit" : "units"} to come`);
+    if (this.#drawn !== undefined && this.#pose !== undefined && this.#panels.open === "inspector") {
+      const [width, height] = this.#size(1);
+      const half = Math.tan((this.#settings.fovDeg * Math.PI) / 360) * (width / height);
+      const fovDeg = (2 * Math.atan(half) * 180) / Math.PI;
+      this.#inspector.show({ ...this.#drawn, pose: this.#pose, fovDeg, command: this.#command() });
+    }
+  }
+
+  #view(factor: number): View {
+    const { marks, fovDeg, stereo, eyeDistance, exposureEv, toneMap, steps } = this.#settings;
+    const overlays = new Set(
+      (this.#shown?.marks ?? []).flatMap((mark) => (mark !== "overdraw" && marks.has(mark) ? [mark] : [])),
+    );
+    const [pose, frame, size] = [this.#pose ?? ORIGIN, this.#frame ?? 0, this.#size(factor)];
+    return { pose, frame, size, fovDeg, stereo, eyeDistance, exposureEv, toneMap, overlays, steps };
+  }
+
+  /** Width, which is even, and height of a picture at a part of the resolution, in device pixels. */
+  #size(factor: number): [number, number] {
+    const [width, height] = [this.#stage.clientWidth, this.#stage.clientHeight];
+    const wanted = window.devicePixelRatio * this.#settings.scale * factor;
+    const scale = Math.min(wanted, MAX_SIDE / Math.max(width, height, 1));
+    return [Math.max(2, 2 * Math.round((width * scale) / 2)), Math.max(1, Math.round(height * scale))];
+  }
+
+  /** The view as a command line; of a film that is not open yet, that of its link. */
+  #command(): string | undefined {
+    const { kind, name } = this.#file;
+    if (kind === "quilt") {
+      return undefined;
+    }
+    const link = parseLink(location.hash);
+    const linked = link.eye && link.look && { eye: link.eye, yaw: link.look[0], pitch: link.look[1] };
+    const pose = this.#pose ?? linked;
+    if (pose === undefined) {
+      return renderCommand(name);
+    }
+    const { fovDeg, stereo, eyeDistance } = this.#settings;
+    const shot = { pose, fovDeg, stereo, eyeDistance, size: this.#size(1) };
+    const frame = this.#frame ?? link.frame;
+    return renderCommand(name, kind === "glb" || frame === undefined ? shot : { ...shot, frame });
+  }
+
+  #pace(): number {
+    const box = this.#shown?.player.film.headBox;
+    const sides = box === undefined ? [0] : box.least.map((value, axis) => box.greatest[axis] - value);
+    return Math.min(Math.max(PACE_SHARE * Math.max(...sides), PACES[0]), PACES[1]);
+  }
+
+  #turn(left: number, up: number): void {
+    if (this.#pose === undefined || this.#shown === undefined || this.#file.kind === "quilt") {
+      return;
+    }
+    this.#pose = turned(this.#pose, left, up);
+    this.#shown.loop.move();
+  }
+
+  #move(step: Vec3): void {
+    if (this.#pose === undefined || this.#shown === undefined || this.#file.kind === "quilt") {
+      return;
+    }
+    const eye = moveEye(this.#pose.eye, stepOf(this.#pose, step), this.#shown.player.film.headBox);
+    this.#pose = { ...this.#pose, eye };
+    this.#shown.loop.move();
+  }
+
+  /** A quilt shows the view under the pointer. */
+  #hover(part: number): void {
+    const shown = this.#shown;
+    if (this.#file.kind === "quilt" && shown !== undefined && !shown.clock.isPlaying) {
+      const { firstFrame, frameCount } = shown.player.film;
+      shown.clock.seek(firstFrame + part * (frameCount - 1), performance.now());
+    }
+  }
+
+  #seek(frame: number): void {
+    this.#shown?.clock.pause(performance.now());
+    this.#shown?.clock.seek(frame, performance.now());
+  }
+
+  #set(change: Partial<Settings>): void {
+    const settings = { ...this.#settings, ...change };
+    this.#settings = settings;
+    this.#settingsPanel.show(settings);
+    this.#inspector.showMarks(settings.marks);
+    this.#panelsMs = -Infinity;
+    const shown = this.#shown;
+    if (shown !== undefined) {
+      shown.clock.isLooped = settings.isLooped;
+      shown.clock.setSpeed(settings.speed, performance.now());
+      shown.showOverdraw?.(settings.marks.has("overdraw"));
+      shown.loop.move();
+    }
+  }
+
+  #mark(mark: Mark, isOn: boolean): void {
+    const others = [...this.#settings.marks].filter((other) => other !== mark);
+    this.#set({ marks: new Set(isOn ? [...others, mark] : others) });
+  }
+
+  /** A pose of the film with what a link says. */
+  #posed(pose: Pose, { eye, look }: ReturnType<typeof parseLink>): Pose {
+    const box = this.#shown?.player.film.headBox;
+    const placed = eye !== undefined && box !== undefined ? clampEye(eye, box) : pose.eye;
+    return { eye: placed, yaw: look?.[0] ?? pose.yaw, pitch: look?.[1] ?? pose.pitch };
+  }
+
+  /** Goes where the address says, as it was changed. */
+  #follow(): void {
+    const link = parseLink(location.hash);
+    this.#set({ ...DEFAULTS, ...link.settings });
+    if (this.#shown !== undefined) {
+      this.#pose = this.#posed(this.#shown.player.film.start, link);
+      this.#seek(link.frame ?? this.#shown.player.film.firstFrame);
+      this.#shown.loop.move();
+    }
+  }
+
+  #writeLink(frame: number): void {
+    const hash = formatLink(this.#pose ?? ORIGIN, frame, this.#settings);
+    if (hash !== location.hash) {
+      history.replaceState(null, "", hash);
+    }
+  }
+
+  #act(action: Action): void {
+    const [shown, now] = [this.#shown, performance.now()];
+    if (shown === undefined) {
+      return;
+    }
+    if (action === "settings" || action === "inspector" || action === "help") {
+      this.#panels.toggle(action);
+    } else if (action === "full-screen") {
+      void toggleFullScreen().catch(() => this.#messages.say("The browser allows no full screen here."));
+    } else {
+      this.#actOn(shown, action, now);
+    }
+  }
+
+  #actOn({ clock, player, loop }: Shown, action: Action, now: number): void {
+    const { film } = player;
+    switch (action) {
+      case "play":
+        return clock.isPlaying ? clock.pause(now) : clock.play(now);
+      case "step-back":
+        return clock.step(-1, now);
+      case "step-forward":
+        return clock.step(1, now);
+      case "first":
+        return this.#seek(film.firstFrame);
+      case "last":
+        return this.#seek(clock.lastFrame);
+      case "loop":
+        return this.#set({ isLooped: !this.#settings.isLooped });
+      case "slower":
+        return this.#set({ speed: SPEEDS.findLast((speed) => speed < this.#settings.speed) ?? SPEEDS[0] });
+      case "faster":
+        return this.#set({ speed: SPEEDS.find((speed) => speed > this.#settings.speed) ?? SPEEDS[SPEEDS.length - 1] });
+      case "reset":
+        this.#pose = film.start;
+        return loop.move();
+      case "lock-pointer":
+        return this.#controls.toggleLock();
+      case "screenshot":
+        this.#wantsPicture = true;
+        return loop.change();
+    }
+  }
+
+  #buttons(): void {
+    const actions: Action[] = [
+      "play",
+      "step-back",
+      "step-forward",
+      "first",
+      "last",
+      "loop",
+      "screenshot",
+      "full-screen",
+    ];
+    actions.forEach((action) => onPress(action, () => this.#act(action)));
+    for (const panel of ["settings", "inspector", "help"] as const) {
+      onPress(`open-${panel}`, () => this.#act(panel));
+    }
+    const copy = onPress("copy-link", () => {
+      if (this.#shown !== undefined) {
+        this.#writeLink(this.#frame ?? 0);
+      }
+      void copyText(location.href, copy);
+    });
+    onPress("headset", () => {
+      const asked = this.#shown?.enterHeadset?.(this.#pose ?? ORIGIN);
+      asked?.catch((error: unknown) => this.#messages.say(`The headset does not open: ${messageOf(error)}`));
+    });
+  }
+}
+
+const ORIGIN: Pose = { eye: [0, 0, 0], yaw: 0, pitch: 0 };
+
+function headsetHelp({ kind }: FilmFile, hasHeadset: boolean): string {
+  if (kind === "glb") {
+    return hasHeadset
+      ? "The button Headset shows this scene in WebXR."
+      : "This scene plays in WebXR, by a button that appears where the browser finds a headset.";
+  }
+  const films = "lightfold render --projection vr180 --stereo side-by-side makes pictures for headsets";
+  const scenes = "lightfold simplify makes a scene (.glb) of a frame, which this page shows in WebXR";
+  return kind === "quilt"
+    ? "Quilts are for displays of Looking Glass; headsets show other forms of light fields."
+    : `This page does not show light fields in headsets: WebXR takes pictures of WebGL in most browsers, and these are made by WebGPU. ${films}; ${scenes}.`;
+}
+
+async function toggleFullScreen(): Promise<void> {
+  await (document.fullscreenElement === null
+    ? document.documentElement.requestFullscreen()
+    : document.exitFullscreen());
+}
