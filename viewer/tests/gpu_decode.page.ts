@@ -241,4 +241,21 @@ function layout(): Record<string, unknown> {
   };
 }
 
-Object.assign(globalThis, { functions: { messages, vector, rounds, dropping, layout, uncaught } });
+/** What another device says: an error that nobody waits for, a buffer that is too large, and that it was lost. */
+async function failing(): Promise<{ uncaught: boolean; tooLarge: string; lost: string }> {
+  const other = await Gpu.open();
+  const told = new Promise<string>((resolve) => (other.onError = resolve));
+  other.device.createBuffer({ size: 4, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.STORAGE });
+  other.submit(() => undefined);
+  const uncaught = (await told) !== "";
+  let tooLarge = "";
+  try {
+    other.buffer("pictures", 2 ** 40);
+  } catch (error) {
+    tooLarge = (error as Error).message.replace(`${other.maxBindingBytes}`, "MOST");
+  }
+  other.destroy();
+  return { uncaught, tooLarge, lost: await other.lost };
+}
+
+Object.assign(globalThis, { functions: { failing, messages, vector, rounds, dropping, layout, uncaught } });

@@ -20,7 +20,7 @@ function expected(name: string): string[] {
   return lines.filter((line) => line !== "");
 }
 
-test("The graphics device", { skip: withoutBrowser }, (context) =>
+test("The graphics device", { skip: withoutBrowser, timeout: 300_000 }, (context) =>
   inPageOf(PAGE, FILES, async (call) => {
     await context.test("compiles all kernels without a message", async () => {
       assert.deepEqual(await call("messages"), []);
@@ -32,6 +32,11 @@ test("The graphics device", { skip: withoutBrowser }, (context) =>
         middle: 28,
         values: [0x3f800000, 0x3f000000, 0xc0000000, 0xffffffff],
       });
+    });
+    await context.test("says what fails, and that it is lost", async () => {
+      const { uncaught, tooLarge, lost } = await call<{ uncaught: boolean; tooLarge: string; lost: string }>("failing");
+      assert.ok(uncaught && lost !== "");
+      assert.equal(tooLarge, "pictures takes 4398046511104 bytes; the graphics device allows MOST.");
     });
     await context.test("reaches far frames in several calls, and none that are too far", async () => {
       const all = (code: number): number[] => [code, code, code, code];
