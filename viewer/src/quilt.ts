@@ -65,8 +65,11 @@ export async function openQuilt(
   const picture = await createImageBitmap(new Blob([bytes as BlobPart], { type: "image/png" })).catch(() => {
     throw new FormatError("The quilt is a damaged PNG picture, or one that this browser does not read.");
   });
-  const context = canvas.getContext("2d");
-  if (context === null) {
+  // A view by itself: filters would reach into its neighbors.
+  const tile = document.createElement("canvas");
+  [, , tile.width, tile.height] = tileOf(0, layout, size);
+  const [context, tileContext] = [canvas.getContext("2d"), tile.getContext("2d")];
+  if (context === null || tileContext === null) {
     throw new UnsupportedError("The browser has no memory for a picture.");
   }
   const decodeMs = performance.now() - start;
@@ -100,8 +103,11 @@ export async function openQuilt(
     draw(view) {
       const [width, height] = fitted(view.size, layout.aspect);
       [canvas.width, canvas.height] = [width, height];
+      const [left, top] = tileOf(view.frame, layout, size);
+      tileContext.clearRect(0, 0, tile.width, tile.height);
+      tileContext.drawImage(picture, -left, -top);
       context.imageSmoothingQuality = "high";
-      context.drawImage(picture, ...tileOf(view.frame, layout, size), 0, 0, width, height);
+      context.drawImage(tile, 0, 0, width, height);
       return Promise.resolve(stats(view.frame));
     },
     settle: () => Promise.resolve(),

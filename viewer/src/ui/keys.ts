@@ -32,26 +32,26 @@ export interface KeyPress {
 /** What has the focus: `text` takes all keys, `widget` takes those that move and press it. */
 export type Focus = "picture" | "widget" | "text";
 
-const ACTIONS: Readonly<Record<string, Action>> = {
-  " ": "play",
-  k: "play",
-  ",": "step-back",
-  ".": "step-forward",
-  Home: "first",
-  End: "last",
-  l: "loop",
-  "[": "slower",
-  "]": "faster",
-  "0": "reset",
-  r: "reset",
-  m: "lock-pointer",
-  v: "settings",
-  i: "inspector",
-  h: "help",
-  "?": "help",
-  f: "full-screen",
-  c: "screenshot",
-};
+const ACTIONS: ReadonlyMap<string, Action> = new Map<string, Action>([
+  [" ", "play"],
+  ["k", "play"],
+  [",", "step-back"],
+  [".", "step-forward"],
+  ["Home", "first"],
+  ["End", "last"],
+  ["l", "loop"],
+  ["[", "slower"],
+  ["]", "faster"],
+  ["0", "reset"],
+  ["r", "reset"],
+  ["m", "lock-pointer"],
+  ["v", "settings"],
+  ["i", "inspector"],
+  ["h", "help"],
+  ["?", "help"],
+  ["f", "full-screen"],
+  ["c", "screenshot"],
+]);
 
 /** Keys that focused widgets use themselves. */
 const WIDGET_KEYS = new Set([" ", "Enter", "Home", "End", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]);
@@ -65,30 +65,30 @@ export function isForPage(press: KeyPress, focus: Focus): boolean {
 /** What the key does once. */
 export function actionOf(press: KeyPress, focus: Focus): Action | undefined {
   const key = press.key.length === 1 ? press.key.toLowerCase() : press.key;
-  return isForPage(press, focus) && Object.hasOwn(ACTIONS, key) ? ACTIONS[key] : undefined;
+  return isForPage(press, focus) ? ACTIONS.get(key) : undefined;
 }
 
 /** Steps right, up and ahead of keys that are held, by their place on the keyboard. */
-const MOVES: Readonly<Record<string, Vec3>> = {
-  KeyW: [0, 0, 1],
-  KeyS: [0, 0, -1],
-  KeyA: [-1, 0, 0],
-  KeyD: [1, 0, 0],
-  KeyE: [0, 1, 0],
-  KeyQ: [0, -1, 0],
-};
+const MOVES: ReadonlyMap<string, Vec3> = new Map([
+  ["KeyW", [0, 0, 1]],
+  ["KeyS", [0, 0, -1]],
+  ["KeyA", [-1, 0, 0]],
+  ["KeyD", [1, 0, 0]],
+  ["KeyE", [0, 1, 0]],
+  ["KeyQ", [0, -1, 0]],
+]);
 
 /** Turns left and up of keys that are held. */
-const TURNS: Readonly<Record<string, [number, number]>> = {
-  ArrowLeft: [1, 0],
-  ArrowRight: [-1, 0],
-  ArrowUp: [0, 1],
-  ArrowDown: [0, -1],
-};
+const TURNS: ReadonlyMap<string, [number, number]> = new Map([
+  ["ArrowLeft", [1, 0]],
+  ["ArrowRight", [-1, 0]],
+  ["ArrowUp", [0, 1]],
+  ["ArrowDown", [0, -1]],
+]);
 
 /** Whether holding this key moves or turns the eye. */
 export function isMotionKey(code: string): boolean {
-  return Object.hasOwn(MOVES, code) || Object.hasOwn(TURNS, code);
+  return MOVES.has(code) || TURNS.has(code);
 }
 
 /** Motion of what is held: right, up and ahead, each -1..1; left and up turns, each -1..1. */
@@ -101,8 +101,8 @@ export interface Motion {
 export function motionOf(held: Iterable<string>): Motion {
   const motion: Motion = { step: [0, 0, 0], turn: [0, 0] };
   for (const code of held) {
-    (MOVES[code] ?? []).forEach((value, axis) => (motion.step[axis] += value));
-    (TURNS[code] ?? []).forEach((value, axis) => (motion.turn[axis] += value));
+    MOVES.get(code)?.forEach((value, axis) => (motion.step[axis] += value));
+    TURNS.get(code)?.forEach((value, axis) => (motion.turn[axis] += value));
   }
   return motion;
 }

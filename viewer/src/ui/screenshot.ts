@@ -6,7 +6,7 @@ const UNSAFE = /[^\p{L}\p{N}._-]+/gu;
 /** `film_0012.png`: the name without its extension and the frame. */
 export function screenshotName(name: string, frame: number): string {
   const stem = name.replace(/\.[a-z0-9]{1,8}$/i, "").replace(UNSAFE, "_");
-  return `${stem.replace(/^[._-]+/, "").slice(0, 100) || "film"}_${String(frame).padStart(4, "0")}.png`;
+  return `${stem.replace(/^[._-]+|[._-]+$/g, "").slice(0, 100) || "film"}_${String(frame).padStart(4, "0")}.png`;
 }
 
 /** Copies the canvas at once, and then lets the browser save the copy. */

@@ -1,0 +1,347 @@
+// The page in headless Chromium, around a player of the tests; scenes and quilts on a canvas.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import type { Page as Tab } from "playwright-core";
+import type { Film, Player, View } from "../src/player/types.ts";
+import { bundle, inBrowser, inPageOf, serve, withoutBrowser } from "./browser.ts";
+import { png, sceneFile } from "./ui_scene.ts";
+
+/** What ui.page.ts gives to tests. */
+interface Fake {
+  views: View[];
+  greatestActive: number;
+  missing: number;
+  opened: number;
+  closed: number;
+  player: Player;
+}
+
+const skip = withoutBrowser;
+
+/** Opens the page, and checks that it asked its own server alone, kept its policy, and ran no text of the film as code. */
+async function onPage(path: string, use: (tab: Tab) => Promise<void>): Promise<void> {
+  const files = new Map([
+    ["/index.html", readFileSync("src/ui/index.html", "utf8")],
+    ["/style.css", readFileSync("src/ui/style.css", "utf8")],
+    ["/viewer.js", bundle("tests/ui.page.ts")],
+  ]);
+  await inBrowser(serve(files), `/index.html${path}`, async (tab) => {
+    const foreign: string[] = [];
+    const own = new URL(tab.url()).origin;
+    tab.on("request", (request) => {
+      if (!request.url().startsWith(own) && !/^(blob|data):/.test(request.url())) {
+        foreign.push(request.url());
+      }
+    });
+    const complaints: string[] = [];
+    tab.on("console", (message) => complaints.push(message.text()));
+    await tab.waitForFunction(
+      () => document.querySelector<HTMLElement>("#notice-title")?.textContent !== "" && "fake" in globalThis,
+    );
+    await use(tab);
+    assert.deepEqual([foreign, complaints], [[], []]);
+    assert.equal(
+      await tab.evaluate(() => "broken" in globalThis || document.querySelector("img, b[onclick]") !== null),
+      false,
+    );
+  });
+}
+
+function read<T>(tab: Tab, get: (fake: Fake) => T): Promise<T> {
+  return tab.evaluate(`(${get.toString()})(globalThis.fake)`) as Promise<T>;
+}
+
+async function until(tab: Tab, holds: (fake: Fake) => boolean): Promise<void> {
+  for (let tries = 0; !(await read(tab, holds)); tries += 1) {
+    assert.ok(tries < 200, `never: ${holds.toString()}`);
+    await tab.waitForTimeout(25);
+  }
+}
+
+function lastView(tab: Tab): Promise<View> {
+  return read(tab, (fake) => fake.views[fake.views.length - 1]!);
+}
+
+/** Waits for the first picture. */
+const drawn = (fake: Fake): boolean => fake.views.length > 0;
+
+async function violations(tab: Tab): Promise<string[]> {
+  await tab.evaluate(readFileSync("node_modules/axe-core/axe.min.js", "utf8"));
+  const result = (await tab.evaluate("axe.run()")) as { violations: { id: string; nodes: { target: unknown[] }[] }[] };
+  return result.violations.map(({ id, nodes }) => `${id} ${nodes.map(({ target }) => String(target)).join(" ")}`);
+}
+
+test("the page has no faults that axe finds, in any state", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    for (const key of ["", "v", "i", "h"]) {
+      if (key !== "") {
+        await tab.keyboard.press(key);
+      }
+      assert.deepEqual(await violations(tab), [], key);
+    }
+  });
+  for (const path of ["?no-webgpu", "?format"]) {
+    await onPage(path, async (tab) => {
+      await tab.waitForSelector("#notice-retry:not([hidden])");
+      assert.deepEqual(await violations(tab), [], path);
+    });
+  }
+});
+
+test("the keyboard moves, looks, plays and steps", { skip }, async () => {
+  await onPage("#eye=0,1.5,0&look=0,0&frame=20", async (tab) => {
+    await until(tab, drawn);
+    assert.deepEqual((await lastView(tab)).pose, { eye: [0, 1.5, 0], yaw: 0, pitch: 0 });
+    assert.equal((await lastView(tab)).frame, 20);
+    await tab.keyboard.down("w");
+    await until(tab, (fake) => fake.views.some((view) => view.pose.eye[2] < -0.05));
+    await tab.keyboard.up("w");
+    await tab.keyboard.down("ArrowLeft");
+    await until(tab, (fake) => fake.views.some((view) => view.pose.yaw > 0.1));
+    await tab.keyboard.up("ArrowLeft");
+    await tab.keyboard.press(".");
+    await until(tab, (fake) => fake.views.some((view) => view.frame === 21));
+    await tab.keyboard.press("End");
+    await until(tab, (fake) => fake.views.some((view) => view.frame === 105));
+    await tab.keyboard.press("Home");
+    await tab.keyboard.press("Space");
+    await until(tab, (fake) => fake.views.some((view) => view.frame > 12 && view.frame < 20));
+    await tab.keyboard.press("Space");
+    await tab.keyboard.press("0");
+    await until(tab, (fake) => fake.views[fake.views.length - 1]!.pose.yaw === 0);
+    // All buttons are reached by Tab, and Space presses the one that has the focus.
+    const reached = new Set<string>();
+    for (let at = 0; at < 30; at += 1) {
+      await tab.keyboard.press("Tab");
+      reached.add(await tab.evaluate(() => document.activeElement?.id ?? ""));
+    }
+    const buttons = await tab.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>("button")]
+        .filter((button) => button.checkVisibility())
+        .map((button) => button.id),
+    );
+    assert.deepEqual(
+      buttons.filter((id) => !reached.has(id)),
+      [],
+    );
+    await tab.focus("#open-help");
+    await tab.keyboard.press("Space");
+    assert.ok(await tab.isVisible("#help"));
+    await tab.focus("#side");
+    await tab.keyboard.press("Escape");
+    assert.ok(!(await tab.isVisible("#side")));
+    assert.equal(await read(tab, (fake) => fake.greatestActive), 1);
+  });
+});
+
+test("dragging turns, and the eye stays near the head box", { skip }, async () => {
+  await onPage("#eye=99,1.5,-99&look=0,0", async (tab) => {
+    await until(tab, drawn);
+    const { pose } = await lastView(tab);
+    assert.ok(pose.eye[0] <= 0.6001 && pose.eye[2] >= -0.6001);
+    await tab.mouse.move(600, 300);
+    await tab.mouse.down();
+    await tab.mouse.move(700, 320, { steps: 4 });
+    await tab.mouse.up();
+    await until(tab, (fake) => fake.views[fake.views.length - 1]!.pose.yaw > 0.1);
+    assert.ok((await lastView(tab)).pose.pitch > 0.02);
+  });
+});
+
+test("nothing is drawn while nothing changes, and data that arrive are drawn", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    await tab.waitForTimeout(600);
+    const before = await read(tab, (fake) => fake.views.length);
+    await tab.waitForTimeout(400);
+    assert.equal(await read(tab, (fake) => fake.views.length), before);
+    await tab.evaluate("fake.missing = 2");
+    await tab.keyboard.press(".");
+    await tab.waitForSelector("#state:not([hidden])");
+    assert.equal(await tab.textContent("#state"), "2 units to come");
+    const during = await read(tab, (fake) => fake.views.length);
+    await until(tab, new Function("fake", `return fake.views.length > ${during} + 2`) as (fake: Fake) => boolean);
+    await tab.evaluate("fake.missing = 0");
+    await tab.waitForSelector("#state", { state: "hidden" });
+  });
+});
+
+test("the address follows the view, and the view the address", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    await tab.keyboard.press("End");
+    await tab.waitForFunction(() => location.hash === "#eye=0,1.5,0&look=0,0&frame=105");
+    assert.equal(await tab.evaluate(() => history.length), 2);
+    await tab.evaluate(() => (location.hash = "#eye=0.2,1.4,0.1&look=90,10&frame=33&fov=80&show=holes"));
+    await until(tab, (fake) => fake.views[fake.views.length - 1]!.frame === 33);
+    const view = await lastView(tab);
+    assert.deepEqual(view.pose.eye, [0.2, 1.4, 0.1]);
+    assert.ok(Math.abs(view.pose.yaw - Math.PI / 2) < 1e-9);
+    assert.equal(view.fovDeg, 80);
+    await tab.keyboard.press("i");
+    assert.ok(await tab.isChecked("#marks input[value=holes]"));
+    await tab.waitForFunction(() => document.querySelector("#command")?.textContent?.includes("--frames 33"));
+    const command = (await tab.textContent("#command")) ?? "";
+    assert.match(
+      command,
+      /--eye 0\.2,1\.4,0\.1 --look-at -0\.78481,1\.57365,0\.1 --fov 80 --size \d+x\d+ --frames 33 -o view\.png$/,
+    );
+  });
+});
+
+test("a lost device is recovered from: once at once, then by a button, with the same pose", { skip }, async () => {
+  await onPage("#eye=0.3,1.5,0&look=45,0&frame=50", async (tab) => {
+    await until(tab, drawn);
+    await tab.evaluate("fake.player.onProblem({ fatal: false, message: 'The server answered <b>500</b>' })");
+    await tab.evaluate("fake.views = []; fake.player.onProblem({ fatal: true, message: 'The device was lost.' })");
+    await until(tab, (fake) => fake.opened === 2 && fake.views.length > 0);
+    assert.equal(await read(tab, (fake) => fake.closed), 1);
+    const said = await tab.evaluate(() =>
+      [...document.querySelectorAll(".message span")].map((part) => part.textContent),
+    );
+    assert.deepEqual(said, ["The server answered <b>500</b>.", "The device was lost; the film is loaded again."]);
+    await tab.evaluate("fake.views = []; fake.player.onProblem({ fatal: true, message: 'The device was lost.' })");
+    await tab.waitForSelector("#notice-retry:not([hidden])");
+    assert.equal(await read(tab, (fake) => fake.opened), 2);
+    assert.equal(await tab.textContent("#notice-text"), "The device was lost.");
+    await tab.click("#notice-retry");
+    await until(tab, (fake) => fake.opened === 3 && fake.views.length > 0);
+    const { pose, frame } = await lastView(tab);
+    assert.deepEqual([pose.eye, frame], [[0.3, 1.5, 0], 50]);
+    assert.ok(Math.abs(pose.yaw - Math.PI / 4) < 1e-9);
+  });
+});
+
+test("without WebGPU the page says what is missing and how to render instead", { skip }, async () => {
+  await onPage("?no-webgpu#eye=0,1,0&look=0,0", async (tab) => {
+    await tab.waitForSelector("#notice-webgpu:not([hidden])");
+    assert.equal(await tab.textContent("#notice-text"), "This browser has no WebGPU.");
+    const command = (await tab.textContent("#notice-command")) ?? "";
+    assert.match(
+      command,
+      /^lightfold render 'atrium <img .*'\\''quoted'\\''\.lfold' --eye 0,1,0 --look-at 0,1,-1 .* -o view\.png$/,
+    );
+    assert.ok(!(await tab.isVisible("#transport")));
+    assert.equal(await tab.evaluate(() => document.querySelector("#stage canvas")), null);
+  });
+  await onPage("?format", async (tab) => {
+    await tab.waitForSelector("#notice-retry:not([hidden])");
+    assert.match((await tab.textContent("#notice-text")) ?? "", /^index: chunk 3 of <b>.*lies outside of the file\.$/);
+    assert.ok(!(await tab.isVisible("#notice-webgpu")));
+  });
+});
+
+test("a screenshot is saved as a PNG of the picture", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    const [download] = await Promise.all([tab.waitForEvent("download"), tab.keyboard.press("c")]);
+    assert.equal(download.suggestedFilename(), "atrium_img_src_x_onerror_globalThis.broken_1_quoted_0010.png");
+    const head = readFileSync(await download.path()).subarray(0, 24);
+    const { size } = await lastView(tab);
+    assert.deepEqual([head.readUInt32BE(16), head.readUInt32BE(20)], size);
+  });
+});
+
+const VIEW: Omit<View, "overlays"> = {
+  pose: { eye: [0, 0, 0], yaw: 0, pitch: 0 },
+  frame: 0,
+  size: [64, 64],
+  fovDeg: 60,
+  stereo: "mono",
+  eyeDistance: 0.5,
+  exposureEv: 0,
+  toneMap: "none",
+  steps: 1,
+};
+
+interface Picture {
+  film: Film;
+  counters: Record<string, number>;
+  size: [number, number];
+  rgba: number[];
+  canvas: [number, number];
+}
+
+/** Light of a code of sRGB. */
+function light(code: number): number {
+  const part = code / 255;
+  return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+}
+
+function assertPixel({ size, rgba }: Picture, [x, y]: [number, number], expected: number[]): void {
+  const at = 4 * (y * size[0] + x);
+  expected.forEach((value, channel) => {
+    const found = rgba[at + channel]!;
+    assert.ok(
+      Math.abs(found - value) < 0.003,
+      `pixel ${x},${y}: ${rgba.slice(at, at + 4).join(" ")}, not ${expected.join(" ")}`,
+    );
+  });
+}
+
+test("a scene is drawn in the order of its file, blended in linear light", { skip }, async () => {
+  const files = new Map([
+    ["/opaque.glb", sceneFile([200, 0, 0, 255], [0, 100, 0, 255])],
+    ["/thin.glb", sceneFile([200, 50, 0, 255], [0, 100, 250, 51])],
+    ["/foreign.glb", sceneFile([0, 0, 0, 0], [0, 0, 0, 0], (json) => delete json.extras)],
+  ]);
+  await inPageOf("tests/ui_films.page.ts", files, async (call) => {
+    const opaque: Picture = await call("scene", { path: "/opaque.glb", view: VIEW });
+    assert.deepEqual(opaque.film.headBox, { least: [-0.5, -0.5, -0.5], greatest: [0.5, 0.5, 0.5] });
+    // The farther square is later in the file, and hides the nearer one.
+    assertPixel(opaque, [32, 32], [0, light(100), 0, 1]);
+    assertPixel(opaque, [8, 32], [light(200), 0, 0, 1]);
+    assertPixel(opaque, [1, 32], [0, 0, 0, 0]);
+    const thin: Picture = await call("scene", { path: "/thin.glb", view: VIEW });
+    const blended = [
+      [0, 200],
+      [100, 50],
+      [250, 0],
+    ].map(([over, under]) => 0.2 * light(over!) + 0.8 * light(under!));
+    assertPixel(thin, [32, 32], [...blended, 1]);
+    const count: Picture = await call("scene", { path: "/thin.glb", view: VIEW, isOverdraw: true });
+    assert.equal(count.counters.overdraw_peak, 2);
+    assertPixel(count, [8, 32], [1, 1, 1, 1]);
+    // At a yaw to the left the left edge of the picture shows what was farther to the left; above is what was above.
+    const turned: Picture = await call("scene", {
+      path: "/opaque.glb",
+      view: { ...VIEW, pose: { eye: [0, 0.9, 0], yaw: 0.3, pitch: 0 } },
+    });
+    assertPixel(turned, [4, 32], [0, 0, 0, 0]);
+    assertPixel(turned, [50, 40], [0, light(100), 0, 1]);
+    assertPixel(turned, [50, 4], [0, 0, 0, 0]);
+    // Half of the width for each eye; the left eye is left of the middle.
+    const both: Picture = await call("scene", {
+      path: "/opaque.glb",
+      view: { ...VIEW, size: [128, 64], stereo: "side-by-side" },
+    });
+    assert.deepEqual(
+      [both.size, both.canvas],
+      [
+        [64, 64],
+        [128, 64],
+      ],
+    );
+    assertPixel(both, [61, 32], [light(200), 0, 0, 1]);
+    assertPixel(both, [3, 32], [0, 0, 0, 0]);
+    const sentence = await call("refusal", { path: "/foreign.glb", view: VIEW });
+    assert.match(String(sentence), /^UnsupportedError: Its extras do not name lightfold: .*\.$/);
+  });
+});
+
+test("a quilt shows its views from left to right", { skip }, async () => {
+  const shade = (view: number): number => 40 * view + 20;
+  const picture = png(12, 4, (x, y) => [shade(Math.floor(x / 4) + (y < 2 ? 3 : 0)), 0, 0, 255]);
+  await inPageOf("tests/ui_films.page.ts", new Map([["/quilt.png", picture]]), async (call) => {
+    const layout = { columns: 3, rows: 2, aspect: 2 };
+    for (const frame of [0, 2, 4, 5]) {
+      const found: Picture = await call("quilt", { path: "/quilt.png", view: { ...VIEW, frame }, layout });
+      assert.deepEqual(found.canvas, [64, 32]);
+      assert.equal(found.film.frameCount, 6);
+      assertPixel(found, [32, 16], [light(shade(frame)), 0, 0, 1]);
+    }
+  });
+});
