@@ -88,7 +88,7 @@ export async function openQuilt(
     unitsMissing: 0,
     shownFrame,
   });
-  return {
+  const player: Player = {
     film: {
       name,
       fileBytes: source.byteCount,
@@ -108,6 +108,7 @@ export async function openQuilt(
       tileContext.drawImage(picture, -left, -top);
       context.imageSmoothingQuality = "high";
       context.drawImage(tile, 0, 0, width, height);
+      player.onShown();
       return Promise.resolve(stats(view.frame));
     },
     settle: () => Promise.resolve(),
@@ -118,6 +119,8 @@ export async function openQuilt(
       return Promise.resolve({ size: [canvas.width, canvas.height], rgba });
     },
     onProblem: () => undefined,
+    onShown: () => undefined,
     close: () => picture.close(),
   };
+  return player;
 }

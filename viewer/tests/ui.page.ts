@@ -36,6 +36,8 @@ interface Fake {
   active: number;
   greatestActive: number;
   drawMs: number;
+  /** The canvas can be copied in `onShown` alone, as that of a device. */
+  isTransient: boolean;
   missing: number;
   opened: number;
   closed: number;
@@ -48,6 +50,7 @@ const fake: Fake = {
   active: 0,
   greatestActive: 0,
   drawMs: 5,
+  isTransient: false,
   missing: 0,
   opened: 0,
   closed: 0,
@@ -146,6 +149,10 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement): Promise<Sho
       fake.views.push(view);
       await new Promise((resolve) => setTimeout(resolve, fake.drawMs));
       paint(canvas, view);
+      player.onShown();
+      if (fake.isTransient) {
+        canvas.getContext("2d")!.clearRect(0, 0, ...view.size);
+      }
       fake.active -= 1;
       return statsOf(view);
     },
@@ -156,6 +163,7 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement): Promise<Sho
     ],
     pixels: () => Promise.resolve({ size: [1, 1], rgba: new Float32Array(4) }),
     onProblem: () => undefined,
+    onShown: () => undefined,
     close: () => {
       fake.closed += 1;
     },

@@ -110,7 +110,7 @@ export class Drawing {
 
   constructor(canvas: HTMLCanvasElement, root: Object3D) {
     try {
-      this.renderer = new WebGLRenderer({ canvas, antialias: false, depth: false, preserveDrawingBuffer: true });
+      this.renderer = new WebGLRenderer({ canvas, antialias: false, depth: false });
     } catch {
       throw new UnsupportedError("This browser has no WebGL 2, which scenes need.");
     }
@@ -145,8 +145,8 @@ export class Drawing {
     this.#screen.add(mesh);
   }
 
-  /** Draws a view into the canvas; resolves when the device has drawn. */
-  async draw(view: View, isOverdraw: boolean): Promise<void> {
+  /** Draws a view into the canvas, and calls `onShown` as long as it can be copied from there; resolves when the device has drawn. */
+  async draw(view: View, isOverdraw: boolean, onShown: () => void): Promise<void> {
     const [width, height] = view.size;
     const half = view.stereo === "mono" ? 0 : view.eyeDistance / 2;
     const eyeWidth = view.stereo === "side-by-side" ? Math.floor(width / 2) : width;
@@ -166,6 +166,7 @@ export class Drawing {
     this.renderer.setSize(width, height, false);
     this.renderer.setRenderTarget(null);
     this.renderer.render(this.#screen, new Camera());
+    onShown();
     await this.#done();
   }
 

@@ -78,7 +78,7 @@ export async function openScene(source: ByteSource, canvas: HTMLCanvasElement, n
     async draw(view) {
       const before = performance.now();
       if (!isInHeadset) {
-        await drawing.draw(view, isOverdraw);
+        await drawing.draw(view, isOverdraw, () => player.onShown());
       }
       const marchMs = performance.now() - before;
       return statsOf(marchMs, isOverdraw && !isInHeadset ? drawing.overdraw() : undefined);
@@ -87,6 +87,7 @@ export async function openScene(source: ByteSource, canvas: HTMLCanvasElement, n
     fetched: () => [[head.frame, head.frame]],
     pixels: () => Promise.resolve(drawing.pixels()),
     onProblem: () => undefined,
+    onShown: () => undefined,
     close: () => drawing.close(),
     showOverdraw: (isOn) => (isOverdraw = isOn),
     hasHeadset,

@@ -33,7 +33,7 @@ export type Overlay = "probes" | "holes" | "units" | "nodes" | "keyframes" | "fe
 export interface View {
   pose: Pose;
   frame: number;
-  /** Of the canvas, in device pixels. */
+  /** Of the canvas, in device pixels. The player gives the canvas this size as it shows the picture, so that it is never blank. */
   size: [number, number];
   /** Vertical field of view in degrees. */
   fovDeg: number;
@@ -87,5 +87,7 @@ export interface Player {
   pixels(): Promise<{ size: [number, number]; rgba: Float32Array }>;
   /** Called on problems: a request that fails again and again, a file that changed, a chunk that breaks a rule. */
   onProblem: (problem: Problem) => void;
+  /** Called in the task in which a picture went to the canvas: until that ends, and no longer, its pixels can be copied. */
+  onShown: () => void;
   close(): void;
 }

@@ -29,6 +29,9 @@ function focusOf(target: EventTarget | null): Focus {
   if (target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) {
     return "text";
   }
+  if (target instanceof HTMLInputElement && target.type === "range") {
+    return "slider";
+  }
   return target.closest("button, input, a, summary, pre, aside") === null ? "picture" : "widget";
 }
 
@@ -49,6 +52,17 @@ export class Controls {
       this.#held.delete(event.code);
     });
     window.addEventListener("blur", () => this.#held.clear());
+    // What was pressed with a pointer does not keep the keyboard from the picture.
+    let isPointer = false;
+    window.addEventListener("pointerdown", () => (isPointer = true), { capture: true });
+    window.addEventListener("keydown", () => (isPointer = false), { capture: true });
+    const free = ({ target }: Event, selector: string): void => {
+      if (isPointer && target instanceof Element && target.closest(selector) !== null) {
+        stage.focus({ preventScroll: true });
+      }
+    };
+    window.addEventListener("click", (event) => free(event, "#tools button, #transport button"));
+    window.addEventListener("change", (event) => free(event, "select"));
   }
 
   /** Moves the eye by what is held down, for the seconds since the last call. */

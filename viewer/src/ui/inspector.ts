@@ -23,7 +23,7 @@ function figuresOf({ stats, pictureMs, size }: Reading): [string, string][] {
   return [
     ["Picture", msText(pictureMs)],
     ["Decoding", msText(stats.decodeMs)],
-    ["Marching", msText(stats.marchMs)],
+    ["Rendering", msText(stats.marchMs)],
     ["Size", `${size[0]}×${size[1]}`],
     ["Frame shown", String(stats.shownFrame)],
     ["Units missing", numberText(stats.unitsMissing)],
@@ -59,6 +59,7 @@ export class Inspector {
   /** Shows the overlays that the film has, its streams, and its head box. */
   setFilm(film: Film, marks: readonly Mark[]): void {
     this.#map.setFilm(film);
+    byId("marks", HTMLElement).hidden = marks.length === 0;
     for (const box of this.#boxes) {
       const label = box.closest("label");
       if (label !== null) {

@@ -29,8 +29,8 @@ export interface KeyPress {
   metaKey: boolean;
 }
 
-/** What has the focus: `text` takes all keys, `widget` takes those that move and press it. */
-export type Focus = "picture" | "widget" | "text";
+/** What has the focus: `text` takes all keys, `widget` those that press and scroll it, `slider` those that move it. */
+export type Focus = "picture" | "widget" | "slider" | "text";
 
 const ACTIONS: ReadonlyMap<string, Action> = new Map<string, Action>([
   [" ", "play"],
@@ -53,13 +53,20 @@ const ACTIONS: ReadonlyMap<string, Action> = new Map<string, Action>([
   ["c", "screenshot"],
 ]);
 
-/** Keys that focused widgets use themselves. */
-const WIDGET_KEYS = new Set([" ", "Enter", "Home", "End", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]);
+/** Keys that sliders use themselves, and those that other widgets do. */
+const SLIDER_KEYS: ReadonlySet<string> = new Set(["Home", "End", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]);
+const WIDGET_KEYS: ReadonlySet<string> = new Set([...SLIDER_KEYS, " ", "Enter"]);
+const KEYS_OF: Readonly<Record<Focus, ReadonlySet<string>>> = {
+  picture: new Set(),
+  slider: SLIDER_KEYS,
+  widget: WIDGET_KEYS,
+  text: WIDGET_KEYS,
+};
 
 /** Whether the page may use a key. */
 export function isForPage(press: KeyPress, focus: Focus): boolean {
   const hasModifier = press.ctrlKey || press.altKey || press.metaKey;
-  return !hasModifier && focus !== "text" && !(focus === "widget" && WIDGET_KEYS.has(press.key));
+  return !hasModifier && focus !== "text" && !KEYS_OF[focus].has(press.key);
 }
 
 /** What the key does once. */

@@ -38,7 +38,7 @@ export interface LoopHost {
   /** Draws the present view at a part of its resolution; resolves when it is drawn. */
   draw(factor: number): Promise<PlayerStats>;
   /** A picture is there; `ms` since it was asked for. */
-  onDrawn(stats: PlayerStats, ms: number, factor: number): void;
+  onDrawn(stats: PlayerStats, ms: number): void;
   /** Drawing failed; nothing is drawn until the loop is made anew. */
   onFailed(error: unknown): void;
   /** Milliseconds. */
@@ -77,11 +77,6 @@ export class DrawLoop {
     return this.#host.now() - this.#movedMs >= STILL_MS;
   }
 
-  /** The present view is shown in full. */
-  get isSettled(): boolean {
-    return !this.#isBusy && !this.#isChanged && !this.#isMissing && this.#drawnFactor === 1;
-  }
-
   /** Once a picture of the screen. */
   tick(): void {
     const now = this.#host.now();
@@ -102,7 +97,7 @@ export class DrawLoop {
       this.#drawnFactor = factor;
       this.#isMissing = stats.unitsMissing > 0;
       this.#resolution.note(factor, this.#drawnMs - start);
-      this.#host.onDrawn(stats, this.#drawnMs - start, factor);
+      this.#host.onDrawn(stats, this.#drawnMs - start);
     } catch (error) {
       this.#hasFailed = true;
       this.#host.onFailed(error);

@@ -132,11 +132,15 @@ export class Page {
         this.#lost(problem);
       }
     };
+    let isWhole = false;
     const loop = new DrawLoop({
-      draw: (factor) => player.draw(this.#view(factor)),
-      onDrawn: (stats, ms, factor) => {
+      draw: (factor) => {
+        isWhole = factor === 1;
+        return player.draw(this.#view(factor));
+      },
+      onDrawn: (stats, pictureMs) => {
         if (this.#shown?.player === player) {
-          this.#drew(this.#shown, { stats, pictureMs: ms, size: [canvas.width, canvas.height] }, factor);
+          this.#drawn = { stats, pictureMs, size: [canvas.width, canvas.height] };
         }
       },
       onFailed: (error) => lost({ fatal: true, message: messageOf(error) }),
@@ -144,6 +148,12 @@ export class Page {
     });
     this.#shown = { ...show, canvas, loop, clock };
     player.onProblem = lost;
+    player.onShown = () => {
+      if (this.#wantsPicture && (isWhole || clock.isPlaying)) {
+        this.#wantsPicture = false;
+        this.#savePicture(canvas);
+      }
+    };
     const link = parseLink(location.hash);
     this.#pose ??= this.#posed(film.start, link);
     clock.isLooped = this.#settings.isLooped;
@@ -156,13 +166,16 @@ export class Page {
   /** Words and controls for this film. */
   #describe({ player: { film }, marks, isFixed, enterHeadset }: Show): void {
     const isStill = film.frameCount < 2;
+    const isQuilt = this.#file.kind === "quilt";
+    byId("place", HTMLElement).hidden = isQuilt;
     this.#stage.classList.toggle("fits", isFixed);
     byId("transport", HTMLElement).hidden = isStill;
     byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
     this.#settingsPanel.setKind(this.#file.kind);
     this.#timeline.setFilm(film.firstFrame, film.frameCount, film.framesPerSecond);
     this.#inspector.setFilm(film, marks);
-    const frames = isStill ? "still" : `${film.frameCount} frames at ${Number(film.framesPerSecond.toFixed(3))}/s`;
+    const unit = isQuilt ? "views" : "frames";
+    const frames = isStill ? "still" : `${film.frameCount} ${unit} at ${Number(film.framesPerSecond.toFixed(3))}/s`;
     const probes = film.probes.length === 0 ? [] : [`${numberText(film.probes.length)} probes`];
     setText(byId("film-facts", HTMLElement), [...probes, frames, byteText(film.fileBytes)].join(" · "));
     setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
@@ -224,13 +237,9 @@ export class Page {
     }
   }
 
-  #drew(shown: Shown, drawn: Drawn, factor: number): void {
-    this.#drawn = drawn;
-    if (this.#wantsPicture && (factor === 1 || shown.clock.isPlaying)) {
-      this.#wantsPicture = false;
-      const saved = savePicture(shown.canvas, screenshotName(this.#file.name, drawn.stats.shownFrame));
-      saved.catch((error: unknown) => this.#messages.say(messageOf(error)));
-    }
+  #savePicture(canvas: HTMLCanvasElement): void {
+    const saved = savePicture(canvas, screenshotName(this.#file.name, this.#frame ?? 0));
+    saved.catch((error: unknown) => this.#messages.say(messageOf(error)));
   }
 
   #showPanels(shown: Shown): void {

@@ -9,7 +9,7 @@ export function screenshotName(name: string, frame: number): string {
   return `${stem.replace(/^[._-]+|[._-]+$/g, "").slice(0, 100) || "film"}_${String(frame).padStart(4, "0")}.png`;
 }
 
-/** Copies the canvas at once, and then lets the browser save the copy. */
+/** Copies the canvas before it returns (`Player.onShown` says when that can be done); then lets the browser save the copy. */
 export async function savePicture(canvas: HTMLCanvasElement, fileName: string): Promise<void> {
   const copy = document.createElement("canvas");
   [copy.width, copy.height] = [canvas.width, canvas.height];
