@@ -91,9 +91,6 @@ export class Inspector {
     const eye = pose.eye.map((value) => value.toFixed(3)).join("  ");
     setText(byId("eye", HTMLElement), `Eye ${eye} m\nYaw ${degrees[0]}  Pitch ${degrees[1]}`);
     setText(this.#command, reading.command ?? "");
-    const section = this.#command.parentElement;
-    if (section !== null) {
-      section.hidden = reading.command === undefined;
-    }
+    byId("command-part", HTMLElement).hidden = reading.command === undefined;
   }
 }

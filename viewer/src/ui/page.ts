@@ -167,7 +167,7 @@ export class Page {
   #describe({ player: { film }, marks, isFixed, enterHeadset }: Show): void {
     const isStill = film.frameCount < 2;
     const isQuilt = this.#file.kind === "quilt";
-    byId("place", HTMLElement).hidden = isQuilt;
+    ["place", "help-moving"].forEach((id) => (byId(id, HTMLElement).hidden = isQuilt));
     this.#stage.classList.toggle("fits", isFixed);
     byId("transport", HTMLElement).hidden = isStill;
     byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
