@@ -1,0 +1,84 @@
+// Shows pictures on a canvas: exposure, tone map, the curve of sRGB, and two eyes.
+
+import type { StereoLayout, ToneMapName } from "../player/types.ts";
+import { DeviceError } from "./device.ts";
+import type { Gpu } from "./device.ts";
+import type { Picture } from "./march.ts";
+import source from "./present.wgsl";
+
+const TONES: Readonly<Record<ToneMapName, number>> = { none: 0, reinhard: 1, filmic: 2 };
+const LAYOUTS: Readonly<Record<StereoLayout, number>> = { mono: 0, "side-by-side": 1, anaglyph: 2 };
+/** Words of `Look` of present.wgsl. */
+const LOOK_WORDS = 8;
+
+/** How pictures are shown. */
+export interface Look {
+  exposureEv: number;
+  toneMap: ToneMapName;
+  stereo: StereoLayout;
+  /** What no probe saw is marked: pixels with an alpha below 1, as settings with holes "nearest" or "blank" make them. */
+  marksHoles: boolean;
+}
+
+/** A canvas that the device draws to. */
+export class Presenter {
+  readonly #context: GPUCanvasContext;
+  readonly #pipeline: GPURenderPipeline;
+  readonly #look: GPUBuffer;
+
+  private constructor(
+    private readonly gpu: Gpu,
+    private readonly canvas: HTMLCanvasElement | OffscreenCanvas,
+    made: { context: GPUCanvasContext; pipeline: GPURenderPipeline },
+  ) {
+    this.#context = made.context;
+    this.#pipeline = made.pipeline;
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    this.#look = gpu.device.createBuffer({ label: "look", size: 4 * LOOK_WORDS, usage });
+  }
+
+  /** Takes over a canvas, which nothing else has drawn to. */
+  static async create(gpu: Gpu, canvas: HTMLCanvasElement | OffscreenCanvas): Promise<Presenter> {
+    const context = canvas.getContext("webgpu") as GPUCanvasContext | null;
+    if (context === null) {
+      throw new DeviceError("The canvas cannot be drawn to by the graphics device.");
+    }
+    const format = navigator.gpu.getPreferredCanvasFormat();
+    context.configure({ device: gpu.device, format, alphaMode: "opaque" });
+    const module = gpu.device.createShaderModule({ label: "present", code: source });
+    const pipeline = await gpu.device.createRenderPipelineAsync({
+      label: "present",
+      layout: "auto",
+      vertex: { module, entryPoint: "corner" },
+      fragment: { module, entryPoint: "show", targets: [{ format }] },
+    });
+    return new Presenter(gpu, canvas, { context, pipeline });
+  }
+
+  /** Draws the picture of the left or only eye, and that of the right one, which have one size. */
+  show(left: Picture, right: Picture, look: Look): void {
+    const words = new Uint32Array(LOOK_WORDS);
+    const floats = new Float32Array(words.buffer);
+    floats.set([...left.size, this.canvas.width, this.canvas.height, 2 ** look.exposureEv]);
+    words.set([TONES[look.toneMap], LAYOUTS[look.stereo], Number(look.marksHoles)], 5);
+    this.gpu.write(this.#look, 0, words);
+    const buffers = [this.#look, left.pixels, right.pixels];
+    const group = this.gpu.device.createBindGroup({
+      layout: this.#pipeline.getBindGroupLayout(0),
+      entries: buffers.map((buffer, binding) => ({ binding, resource: { buffer } })),
+    });
+    this.gpu.submit((encoder) => {
+      const view = this.#context.getCurrentTexture().createView();
+      const pass = encoder.beginRenderPass({ colorAttachments: [{ view, loadOp: "clear", storeOp: "store" }] });
+      pass.setPipeline(this.#pipeline);
+      pass.setBindGroup(0, group);
+      pass.draw(3);
+      pass.end();
+    });
+  }
+
+  destroy(): void {
+    this.#look.destroy();
+    this.#context.unconfigure();
+  }
+}

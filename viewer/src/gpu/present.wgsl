@@ -1,0 +1,88 @@
+// Shows pictures of linear light on a canvas.
+
+struct Look {
+  // Columns and rows of the pictures, then of the canvas.
+  picture: vec2<f32>,
+  canvas: vec2<f32>,
+  gain: f32,
+  // TONE_...
+  tone: u32,
+  // LAYOUT_...
+  layout: u32,
+  // Whether what no probe saw is marked, by its alpha.
+  marks_holes: u32,
+}
+
+const TONE_REINHARD = 1u;
+const TONE_FILMIC = 2u;
+const LAYOUT_SIDE_BY_SIDE = 1u;
+const LAYOUT_ANAGLYPH = 2u;
+const HOLE_COLOR = vec3(1.0, 0.0, 1.0);
+
+@group(0) @binding(0) var<uniform> look: Look;
+@group(0) @binding(1) var<storage, read> left: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> right: array<vec4<f32>>;
+
+@vertex
+fn corner(@builtin(vertex_index) number: u32) -> @builtin(position) vec4<f32> {
+  // A triangle that covers the canvas.
+  return vec4(vec2(f32(number & 1u), f32(number >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// A pixel of an eye, over black or the mark of holes.
+fn pixel(is_right: bool, at: vec2<i32>) -> vec3<f32> {
+  let size = vec2<i32>(look.picture);
+  let place = clamp(at, vec2(0), size - 1);
+  let number = place.y * size.x + place.x;
+  var rgba = left[number];
+  if (is_right) {
+    rgba = right[number];
+  }
+  let alpha = clamp(rgba.a, 0.0, 1.0);
+  let behind = select(vec3(0.0), HOLE_COLOR, look.marks_holes != 0u);
+  return mix(behind, rgba.rgb * look.gain, alpha);
+}
+
+// Light at a place of a picture, 0 to 1, between its four pixels.
+fn light(is_right: bool, place: vec2<f32>) -> vec3<f32> {
+  let at = place * look.picture - 0.5;
+  let first = vec2<i32>(floor(at));
+  let part = fract(at);
+  let upper = mix(pixel(is_right, first), pixel(is_right, first + vec2(1, 0)), part.x);
+  let lower = mix(pixel(is_right, first + vec2(0, 1)), pixel(is_right, first + vec2(1, 1)), part.x);
+  return mix(upper, lower, part.y);
+}
+
+fn toned(color: vec3<f32>) -> vec3<f32> {
+  let x = max(color, vec3(0.0));
+  if (look.tone == TONE_REINHARD) {
+    return x / (1.0 + x);
+  }
+  if (look.tone == TONE_FILMIC) {
+    // A rational curve with a toe and a shoulder.
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+  }
+  return x;
+}
+
+// The curve of IEC 61966-2-1.
+fn coded(color: vec3<f32>) -> vec3<f32> {
+  let x = clamp(color, vec3(0.0), vec3(1.0));
+  return select(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3(0.0031308));
+}
+
+@fragment
+fn show(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+  let place = position.xy / look.canvas;
+  var color: vec3<f32>;
+  if (look.layout == LAYOUT_SIDE_BY_SIDE) {
+    let is_right = place.x >= 0.5;
+    color = light(is_right, vec2(2.0 * place.x - select(0.0, 1.0, is_right), place.y));
+  } else {
+    color = light(false, place);
+    if (look.layout == LAYOUT_ANAGLYPH) {
+      color = vec3(color.r, light(true, place).gb);
+    }
+  }
+  return vec4(coded(toned(color)), 1.0);
+}

@@ -1,0 +1,99 @@
+// The views that take part in a picture, relative to its eye, and the distances at which rays are sampled. Mirrors
+// src/march/active_views.rs and src/march/ray.rs (CALF 6, equation 13).
+//
+// Positions are subtracted in double precision, so that pictures far from the world's origin lose no precision.
+
+import type { Probe, Vec3 } from "../format/types.ts";
+import type { Axes } from "../math.ts";
+import { inverse, length, rotate, rotation, subtract } from "../math.ts";
+import type { Catalogue, ProbeStreams } from "./catalogue.ts";
+import { rayLength } from "./face.ts";
+
+/** The weight of a view by its distance from the eye, relative to the farthest active view, has this beside it. */
+const CAMERA_EPSILON = 0.01;
+
+export interface ActiveView {
+  /** Its place in the catalogue. */
+  view: number;
+  streams: ProbeStreams;
+  /** Metres, along the axes of the world. */
+  fromEye: Vec3;
+  /** The columns of the matrix that turns directions of the world into those of the probe. */
+  turn: Axes;
+  cameraWeight: number;
+}
+
+/** The active views of a picture, at least one, by priority. */
+export interface ActiveViews {
+  views: ActiveView[];
+  coding: Catalogue["coding"];
+  /** Number in `views` of the one nearest to the eye, the first of several. */
+  nearest: number;
+  /** Least distance of a surface of these views from its own view, in metres. */
+  nearM: number;
+  /** Greatest distance of a surface of these views from the eye, in metres. */
+  farM: number;
+}
+
+/** The columns of the matrix that turns directions of the world into those of a probe. */
+function turnOf({ orientation }: Probe): Axes {
+  const turn = inverse(rotation(orientation) ?? [0, 0, 0, 1]);
+  return [rotate(turn, [1, 0, 0]), rotate(turn, [0, 1, 0]), rotate(turn, [0, 0, 1])];
+}
+
+/** The greatest distance over planar depth of a texel: in the corners of images. */
+function greatestRayLength({ faces }: ProbeStreams): number {
+  const corners = faces.flatMap(({ size: [width, height], map }) =>
+    [0, width - 1].flatMap((column) => [0, height - 1].map((row) => rayLength(map, column, row))),
+  );
+  return Math.max(1, ...corners);
+}
+
+/** Views by their places in a catalogue, seen from an eye; `probeOf` answers a probe as it stands in the frame. */
+export function activeViews(
+  { views, coding }: Catalogue,
+  places: readonly number[],
+  eye: Vec3,
+  probeOf: (probe: number) => Probe,
+): ActiveViews {
+  const single = (vector: Vec3): Vec3 => [Math.fround(vector[0]), Math.fround(vector[1]), Math.fround(vector[2])];
+  const active = places.map((view): ActiveView => {
+    const streams = views[view];
+    const probe = probeOf(streams.probe);
+    return { view, streams, fromEye: single(subtract(probe.position, eye)), turn: turnOf(probe), cameraWeight: 1 };
+  });
+  const distances = active.map(({ fromEye }) => length(fromEye));
+  const farthestM = Math.max(0, ...distances);
+  if (farthestM > 0) {
+    active.forEach((one, at) => (one.cameraWeight = 1 / (distances[at] / farthestM + CAMERA_EPSILON)));
+  }
+  return {
+    views: active,
+    coding,
+    nearest: distances.indexOf(Math.min(...distances)),
+    nearM: Math.min(...active.map(({ streams }) => streams.nearM)),
+    farM: Math.max(...active.map(({ streams }, at) => distances[at] + streams.farM * greatestRayLength(streams))),
+  };
+}
+
+/** Distances at which a ray is sampled. */
+export interface Steps {
+  /** Metres, never falling; at least one. */
+  distancesM: Float32Array;
+  /** Logarithm of the ratio of adjacent distances; 0 where there is one distance. */
+  logStep: number;
+  /** Greatest distance of hits behind the surface, in the logarithm: the rest of an interval that was halved `refine` times. */
+  uncertainty: number;
+}
+
+/** `count` steps, at least 1, between `nearM` and `farM`, both above 0; where far is not beyond near, near alone. */
+export function stepsBetween(count: number, nearM: number, farM: number, refine: number): Steps {
+  const [near, far] = [Math.fround(nearM), Math.fround(farM)];
+  const step = Math.log(far / near) / count;
+  const distancesM =
+    far > near
+      ? Float32Array.from({ length: count + 1 }, (_, at) => near * Math.exp(step * at))
+      : Float32Array.of(near);
+  const logStep = distancesM.length > 1 ? Math.log(distancesM[1] / distancesM[0]) : 0;
+  return { distancesM, logStep, uncertainty: -Math.log1p(Math.expm1(-logStep) * 0.5 ** refine) };
+}

@@ -1,0 +1,42 @@
+// Pinhole cameras in the world: right-handed, +Y up, metres. Mirrors src/math/camera.rs.
+
+import type { Vec3 } from "../format/types.ts";
+import type { Axes } from "../math.ts";
+import { add, cross, normalize, scale } from "../math.ts";
+import type { Pose } from "../player/types.ts";
+
+export interface Camera {
+  /** Metres. */
+  eye: Vec3;
+  /** Forward, right, down: of length 1, each at right angles to the others. */
+  axes: Axes;
+  /** Half the width and half the height of the picture at distance 1. */
+  half: readonly [number, number];
+}
+
+/** The camera of a pose: vertical field of view in degrees, above 0 and below 180, and width over height of the picture. */
+export function cameraOf({ eye, yaw, pitch }: Pose, fovDeg: number, aspect: number): Camera {
+  const forward: Vec3 = [-Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
+  const right: Vec3 = [Math.cos(yaw), 0, -Math.sin(yaw)];
+  const tangent = Math.tan((fovDeg * Math.PI) / 360);
+  return { eye, axes: [forward, right, cross(forward, right)], half: [tangent * aspect, tangent] };
+}
+
+/** The left and the right eye of a camera, so many metres apart, that look in parallel. */
+export function stereoEyes(camera: Camera, eyeDistance: number): [Camera, Camera] {
+  const moved = (by: number): Camera => ({ ...camera, eye: add(camera.eye, scale(camera.axes[1], by)) });
+  return [moved(-eyeDistance / 2), moved(eyeDistance / 2)];
+}
+
+/** Direction, of length 1, of a position in the picture: 0 to 1 from left to right, and from top to bottom. */
+export function directionAt({ axes: [forward, right, down], half }: Camera, [x, y]: readonly [number, number]): Vec3 {
+  const [u, v] = [(2 * x - 1) * half[0], (2 * y - 1) * half[1]];
+  return normalize(add(add(forward, scale(right, u)), scale(down, v)));
+}
+
+/** Whether two cameras see the same. */
+export function isSameCamera(one: Camera, other: Camera): boolean {
+  const numbers = ({ eye, axes, half }: Camera): number[] => [...eye, ...axes.flat(), ...half];
+  const others = numbers(other);
+  return numbers(one).every((value, at) => value === others[at]);
+}
