@@ -1,6 +1,6 @@
 //! Tells the tests whether the measured footage and ffmpeg are at hand, so that those which need them say "ignored" where they are not;
-//! tells the encoder by a hash from which sources it is built; turns the kernel table into Rust; and tells the linker of the C++
-//! library that the encoder of blocks wants.
+//! tells the encoder by a hash from which sources it is built; turns the kernel table into Rust; lists the player's files; and tells
+//! the linker of the C++ library that the encoder of blocks wants.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
@@ -161,9 +161,38 @@ fn write_kernel_table() -> std::io::Result<()> {
     fs::write(folder.join("layout.rs"), layout_source(&table))
 }
 
+/// Where the bundler of viewer/ writes the player.
+#[cfg(feature = "cli")]
+const PLAYER: &str = "viewer/dist";
+
+/// The files of the player as `FILES` of `serve/player.rs`.
+#[cfg(feature = "cli")]
+fn write_player() -> std::io::Result<()> {
+    println!("cargo::rerun-if-changed={PLAYER}");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(PLAYER);
+    assert!(folder.join("index.html").is_file(), "{PLAYER}/index.html is not there: run `node build.mjs` in viewer/");
+    let name = |path: &PathBuf| -> String {
+        let parts = path.strip_prefix(&folder).unwrap_or(path).iter().map(|part| part.to_string_lossy());
+        parts.collect::<Vec<_>>().join("/")
+    };
+    let mut names: Vec<String> = files(&folder).iter().map(name).collect();
+    names.sort();
+    let mut out = format!("/// The files of the player.\npub static FILES: [PlayerFile; {}] = [\n", names.len());
+    for name in names {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '/');
+        assert!(name.chars().all(is_plain), "{PLAYER}/{name}: letters, digits, -, _ and . were expected");
+        let include = format!("include_bytes!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{PLAYER}/{name}\"))");
+        out += &format!("PlayerFile {{ name: {name:?}, bytes: {include} }},\n");
+    }
+    let folder = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
+    fs::write(folder.join("player.rs"), out + "];\n")
+}
+
 fn main() {
     #[cfg(feature = "gpu")]
     write_kernel_table().expect("shaders/kernels.json becomes Rust");
+    #[cfg(feature = "cli")]
+    write_player().expect("viewer/dist is listed");
     for name in SOURCES {
         println!("cargo::rerun-if-changed={name}");
     }

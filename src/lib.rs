@@ -64,6 +64,8 @@ mod modules {
     pub mod report;
     #[cfg(feature = "scene")]
     pub mod scene;
+    #[cfg(feature = "cli")]
+    pub mod serve;
     #[cfg(feature = "simplify")]
     pub mod simplify;
     pub mod streams;

@@ -9,7 +9,7 @@ use crate::cli::global::GlobalArgs;
 use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect,
-    interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train,
+    interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train, view,
 };
 
 /// Codec toolkit for animated light fields: probes of colour and depth.
@@ -78,6 +78,8 @@ pub enum Command {
     Interpolate(Box<interpolate::Args>),
     /// Join rendered views to a quilt, the picture that light-field displays read
     Quilt(quilt::Args),
+    /// Play a container, a simplified scene or a quilt in the browser
+    View(view::Args),
     /// Compare two containers, datasets or image sequences
     Diff(diff::Args),
     /// Measure bytes, time and quality of settings on your own footage

@@ -39,6 +39,7 @@ mod simplify;
 mod tradeoff;
 mod train;
 mod unfinished_folder;
+mod view;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -129,6 +130,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         Command::Quilt(args) => quilt::run(&args, global),
         Command::Simplify(args) => simplify::run(&args, global),
         Command::Interpolate(args) => interpolate::run(&args, global),
+        Command::View(args) => view::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),
         Command::TrainColor(args) => train::run::<Transform>(&args, global),

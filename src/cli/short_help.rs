@@ -49,6 +49,7 @@ const SHOWN: &[(&str, &[&str])] = &[
     ("tradeoff", &["output", "sweep", "preset", "budget-seconds", "recommend", "list-knobs", "overwrite", "json"]),
     ("train-color", &["output", "sets", "held-out", "json"]),
     ("train-depth", &["output", "sets", "held-out", "json"]),
+    ("view", &["port", "open", "listen", "export", "json"]),
 ];
 
 const MORE: &str = "--help lists all options";

@@ -55,6 +55,8 @@ mod roundtrip;
 mod samples;
 mod schemas;
 mod sensor;
+mod serve;
+mod serve_site;
 mod seurat;
 mod shards;
 mod shards_of_a_farm;

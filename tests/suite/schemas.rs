@@ -58,6 +58,9 @@ const REPORTS: &[(&str, &str)] = &[
         "interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 4 --baseline 0.3 --size 16 -o v/%04d.png --compare --json",
     ),
     ("quilt", "quilt v/%04d.png -o q.png --json"),
+    ("view", "view room.lfold --export site --json"),
+    ("view", "view room.glb --export site --json"),
+    ("view", "view q_qs2x2a1.png --export site --json"),
     ("tradeoff-knobs", "tradeoff --list-knobs --json"),
     ("tradeoff", "tradeoff room --sweep depth-window=1,2 --repeats 1 -o t1 --json"),
     (
@@ -79,13 +82,13 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("formats/schemas")
 }
 
-fn schema(name: &str) -> Value {
+pub fn schema(name: &str) -> Value {
     let path = folder().join(format!("{name}.json"));
     let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn faults(schema: &Value, report: &Value) -> Vec<String> {
+pub fn faults(schema: &Value, report: &Value) -> Vec<String> {
     let validator = jsonschema::validator_for(schema).unwrap_or_else(|error| panic!("{}: {error}", schema["title"]));
     validator.iter_errors(report).map(|error| error.to_string()).collect()
 }

@@ -1,0 +1,112 @@
+//! `lightfold view FILE`: plays a film in the browser, from a server on this machine or as a static site.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::cli::output::{self, human_bytes};
+use crate::cli::progress::Progress;
+use crate::cli::{ExitStatus, GlobalArgs, refuse};
+use crate::error::{Error, Result};
+use crate::report::coding_map::counted;
+use crate::serve::{self, Description, Film, Server, Site, Stop};
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \
+    lightfold view film_qs8x6a0.75.png\n  lightfold view film.lfold --export site\n\n\
+    The address of the page is the line on standard output; Ctrl-C ends the server. It answers requests for the page and for FILE, \
+    nothing else, and unless --listen says otherwise to programs on this machine only. The page needs a browser with WebGPU, \
+    which browsers offer to pages of this machine and to pages by HTTPS. To look from another machine, forward the port (ssh -L \
+    8000:localhost:8000 HOST), or put the site that --export writes on a web server with HTTPS that answers requests for ranges.")]
+pub struct Args {
+    /// What to play: a container (.lfold), a simplified scene (.glb) or a quilt (.png)
+    #[arg(value_name = "FILE")]
+    pub input: PathBuf,
+    /// Port of the server, 0 for a free one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+    /// Address to listen at, 0.0.0.0 for all of this machine: whoever reaches it sees the film
+    #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into())]
+    pub listen: IpAddr,
+    /// Write the page and a copy of FILE as a static site, and serve nothing; an earlier site in DIR is replaced
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "open", "listen"])]
+    pub export: Option<PathBuf>,
+    /// Report as JSON: the address, or what was written
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    film: &'a Description,
+    /// Of the page.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    address: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    site: Option<SiteReport<'a>>,
+}
+
+#[derive(Serialize)]
+struct SiteReport<'a> {
+    path: std::borrow::Cow<'a, str>,
+    files: u64,
+    bytes: u64,
+}
+
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    if args.input == Path::new("-") {
+        return refuse("view needs a file, not standard input: the page reads it in parts");
+    }
+    let film = Film::open(&args.input)?;
+    match &args.export {
+        Some(folder) => export(&film, folder, args, global),
+        None => serve(film, args, global),
+    }
+}
+
+fn export(film: &Film, folder: &Path, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let bytes = std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len());
+    let progress = Progress::start(global, "copying", bytes)?;
+    let Site { film, files, bytes } = serve::export(film, folder, &progress)?;
+    drop(progress);
+    let path = folder.to_string_lossy();
+    let report = Report { film: &film, address: None, site: Some(SiteReport { path, files, bytes }) };
+    global.report(args.json, &report, || {
+        format!("{}: {}, {}", folder.display(), counted(files, "file"), human_bytes(bytes))
+    })?;
+    Ok(ExitStatus::Passed)
+}
+
+/// Serves until Ctrl-C, which is how it always ends.
+fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let stop = Stop::default();
+    let at_ctrl_c = stop.clone();
+    if let Err(error) = ctrlc::set_handler(move || at_ctrl_c.stop()) {
+        return refuse(format!("no handler for Ctrl-C could be set: {error}"));
+    }
+    let bytes = std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len());
+    let description = film.description(bytes);
+    let server = Server::bind(film, SocketAddr::new(args.listen, args.port))?;
+    let page = server.page();
+    if args.json {
+        output::print_json(&Report { film: &description, address: Some(&page), site: None })?;
+    } else {
+        output::print_text(&format!("{page}\n"))?;
+    }
+    if !args.listen.is_loopback() {
+        global.note(format_args!("whoever reaches {} sees the film", server.address()));
+    }
+    global.note(format_args!("{}: {}; Ctrl-C ends the server", args.input.display(), human_bytes(bytes)));
+    if args.open
+        && let Err(error) = open::that_detached(&page)
+    {
+        output::note(format_args!("no browser could be opened ({error}); open {page} in one"));
+    }
+    server.run(&stop)?;
+    Err(Error::Interrupted)
+}

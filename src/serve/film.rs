@@ -1,0 +1,250 @@
+//! The file that is played: its kind, what the page is told of it, and its state on disk.
+
+use std::fs::{File, Metadata};
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::Serialize;
+
+use crate::container::header::{self, FOOT_BYTES};
+use crate::dataset::manifest;
+use crate::decode::Decoder;
+use crate::error::{Error, Result};
+use crate::files::open_regular;
+use crate::image::quilt::{QuiltName, parse_quilt_name};
+use crate::image::{ReadLimits, png};
+use crate::mesh::gltf::document::is_glb;
+
+const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+/// Magic, version and length of the file.
+const GLB_HEAD_BYTES: usize = 12;
+
+/// A file that can be played.
+#[derive(Debug, Clone)]
+pub struct Film {
+    path: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Container,
+    Glb,
+    Quilt(QuiltShape),
+}
+
+/// Tiles of a quilt, and the width / height of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct QuiltShape {
+    columns: u32,
+    rows: u32,
+    aspect: f64,
+}
+
+/// What the page is told of a film, in `film.json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Description {
+    /// `lfold`, `glb` or `quilt`.
+    pub kind: &'static str,
+    /// Relative to the page.
+    pub url: &'static str,
+    /// The name of the file on this machine, without its folder.
+    pub name: String,
+    pub bytes: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quilt: Option<QuiltShape>,
+}
+
+/// A film that is open, and its state as it was opened.
+#[derive(Debug)]
+pub struct OpenFilm {
+    pub file: File,
+    pub state: State,
+    /// CRC-32 of the last bytes: of a container those of the foot, which has the CRC-32 of the index (container.md 7).
+    end_crc32: u32,
+}
+
+/// What changes with the content of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct State {
+    pub bytes: u64,
+    modified: Option<SystemTime>,
+    inode: u64,
+}
+
+impl Film {
+    /// Checks that a file can be played: a container that opens, a binary glTF file, or a PNG picture whose name has the layout of a
+    /// quilt.
+    pub fn open(path: &Path) -> Result<Film> {
+        if manifest::is_dataset(path) {
+            return Err(Error::Usage(format!("{}: a dataset; encode it, and view the container", path.display())));
+        }
+        let file = open_regular(path)?;
+        let mut head = Vec::new();
+        file.take(GLB_HEAD_BYTES as u64).read_to_end(&mut head).map_err(|error| Error::io(path, error))?;
+        let kind = if header::is_container(path)? {
+            Decoder::open(path)?;
+            Kind::Container
+        } else if is_glb(&head) {
+            check_glb(&head, path)?;
+            Kind::Glb
+        } else if head.starts_with(&PNG_MAGIC) {
+            Kind::Quilt(quilt_shape(path)?)
+        } else {
+            let possible = "a container (.lfold), a simplified scene (.glb) or a quilt (.png) was expected";
+            return Err(Error::unsupported(format!("not a film: {possible}")).in_file(path));
+        };
+        Ok(Film { path: path.to_path_buf(), kind })
+    }
+
+    /// Name of the film on the site.
+    pub fn url(&self) -> &'static str {
+        match self.kind {
+            Kind::Container => "film.lfold",
+            Kind::Glb => "film.glb",
+            Kind::Quilt(_) => "film.png",
+        }
+    }
+
+    pub fn media_type(&self) -> &'static str {
+        match self.kind {
+            Kind::Container => "application/octet-stream",
+            Kind::Glb => "model/gltf-binary",
+            Kind::Quilt(_) => "image/png",
+        }
+    }
+
+    /// What the page is told, for a file of so many bytes.
+    pub fn description(&self, bytes: u64) -> Description {
+        let (kind, quilt) = match self.kind {
+            Kind::Container => ("lfold", None),
+            Kind::Glb => ("glb", None),
+            Kind::Quilt(shape) => ("quilt", Some(shape)),
+        };
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Description { kind, url: self.url(), name, bytes, quilt }
+    }
+
+    /// The error of a file that another program wrote to meanwhile.
+    pub fn changed(&self) -> Error {
+        Error::busy(&self.path, "the file changed while it was copied; copy it again once it is written")
+    }
+
+    /// Opens the file that has the film's name now.
+    pub fn open_now(&self) -> Result<OpenFilm> {
+        let io = |error| Error::io(&self.path, error);
+        let mut file = open_regular(&self.path)?;
+        let state = State::of(&file.metadata().map_err(io)?);
+        let mut end = Vec::new();
+        file.seek(SeekFrom::Start(state.bytes.saturating_sub(FOOT_BYTES as u64))).map_err(io)?;
+        Read::by_ref(&mut file).take(FOOT_BYTES as u64).read_to_end(&mut end).map_err(io)?;
+        file.rewind().map_err(io)?;
+        Ok(OpenFilm { file, state, end_crc32: crc32fast::hash(&end) })
+    }
+}
+
+impl OpenFilm {
+    /// A strong entity tag: another one wherever the bytes may be others.
+    pub fn tag(&self) -> String {
+        let State { bytes, modified, inode } = self.state;
+        let since = modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
+        format!("\"{bytes:x}-{:x}-{inode:x}-{:08x}\"", since.as_nanos(), self.end_crc32)
+    }
+}
+
+impl State {
+    pub fn of(metadata: &Metadata) -> State {
+        State { bytes: metadata.len(), modified: metadata.modified().ok(), inode: inode(metadata) }
+    }
+}
+
+#[cfg(unix)]
+fn inode(metadata: &Metadata) -> u64 {
+    std::os::unix::fs::MetadataExt::ino(metadata)
+}
+
+#[cfg(not(unix))]
+fn inode(_metadata: &Metadata) -> u64 {
+    0
+}
+
+/// Checks version and length in the first bytes of a binary glTF file.
+fn check_glb(head: &[u8], path: &Path) -> Result<()> {
+    let field = |at: usize| head.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
+    let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+    match (field(4), field(8)) {
+        (Some(2), Some(length)) if u64::from(length) <= bytes => Ok(()),
+        (Some(2), Some(length)) => {
+            let message = format!("cut short: {bytes} of the {length} bytes that the binary glTF file says it has");
+            Err(Error::invalid(message).in_file(path))
+        }
+        (Some(version), Some(_)) => {
+            Err(Error::unsupported(format!("binary glTF of version {version}; 2 was expected")).in_file(path))
+        }
+        _ => Err(Error::invalid(format!("cut short: {bytes} bytes are no binary glTF file")).in_file(path)),
+    }
+}
+
+/// The layout that the name of a picture says, checked against its size.
+fn quilt_shape(path: &Path) -> Result<QuiltShape> {
+    let Some(QuiltName { columns, rows, aspect }) = parse_quilt_name(path) else {
+        let message = "a picture whose name says no layout of a quilt; name it as in film_qs8x6a0.75.png: 8 columns, 6 rows, views of \
+            width / height 0.75";
+        return Err(Error::unsupported(message).in_file(path));
+    };
+    let (width, height) = png::read_size(path, &ReadLimits::default())?;
+    if columns > width || rows > height {
+        let message = format!("{width}x{height} pixels, and its name says {columns}x{rows} tiles");
+        return Err(Error::invalid(message).in_file(path));
+    }
+    let in_pixels = || f64::from(width) / f64::from(columns) / (f64::from(height) / f64::from(rows));
+    Ok(QuiltShape { columns, rows, aspect: aspect.unwrap_or_else(in_pixels) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_follow_the_bytes_of_the_end_and_the_file_that_has_the_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.glb");
+        let write = |end: u8| {
+            let mut bytes = b"glTF\x02\0\0\0\x40\0\0\0".to_vec();
+            bytes.resize(64, end);
+            std::fs::write(&path, bytes).unwrap();
+            let file = File::options().write(true).open(&path).unwrap();
+            file.set_modified(UNIX_EPOCH).unwrap();
+        };
+        write(0);
+        let film = Film::open(&path).unwrap();
+        let tag = || film.open_now().unwrap().tag();
+        let first = tag();
+        assert_eq!((tag(), film.url()), (first.clone(), "film.glb"));
+        write(1);
+        let second = tag();
+        assert_ne!(first, second, "the same length and time, another end");
+        File::options().write(true).open(&path).unwrap().set_modified(SystemTime::now()).unwrap();
+        assert_ne!(tag(), second, "another time");
+        let opened = film.open_now().unwrap();
+        assert_eq!((opened.state.bytes, opened.tag().matches('"').count()), (64, 2));
+    }
+
+    #[test]
+    fn quilts_have_the_layout_of_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let plane = crate::image::Plane::filled(12, 8, [0u8; 3]);
+        let shape = |name: &str| {
+            let path = folder.path().join(name);
+            png::write_color8(&path, &plane).unwrap();
+            Film::open(&path).map(|film| film.description(1).quilt).map_err(|error| error.to_string())
+        };
+        let quilt = |columns, rows, aspect| Ok(Some(QuiltShape { columns, rows, aspect }));
+        assert_eq!(shape("a_qs4x2a0.75.png"), quilt(4, 2, 0.75));
+        assert_eq!(shape("a_qs4x2.png"), quilt(4, 2, 0.75));
+        assert_eq!(shape("a_qs4x1.png"), quilt(4, 1, 0.375));
+        assert!(shape("a.png").unwrap_err().contains("film_qs8x6a0.75.png"));
+        assert!(shape("a_qs13x1.png").unwrap_err().contains("12x8 pixels"));
+    }
+}

@@ -1,0 +1,26 @@
+//! Serves the player, a page with its scripts, and one film to browsers, over HTTP/1.1; or writes both as a static site.
+//!
+//! A server answers GET and HEAD of a fixed list of paths, which are compared with names that it knows: no path of a request
+//! reaches the file system. What it says of the film it reads from the file anew for each request, so that a file that is replaced
+//! gets another entity tag.
+//!
+//! | path | content |
+//! | --- | --- |
+//! | `/` | the page: `index.html` of the player |
+//! | `/viewer.js` and so on | the other files of the player, in the folder `viewer/dist` when the program was built |
+//! | `/film.json` | what is played: kind, path, name and bytes |
+//! | `/film.lfold`, `/film.glb` or `/film.png` | the film |
+
+mod answer;
+mod conditions;
+mod film;
+mod film_body;
+mod hosts;
+mod player;
+mod range;
+mod server;
+mod site;
+
+pub use film::{Description, Film};
+pub use server::{Server, Stop};
+pub use site::{Site, export};

@@ -1,0 +1,70 @@
+//! `lightfold view --export`: the static site.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::commands::{fine, refused};
+use crate::serve::{bytes_below, place, player, write_glb};
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+fn described(site: &Path) -> Value {
+    serde_json::from_slice(&fs::read(site.join("film.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_site_has_the_page_and_the_film_and_replaces_an_earlier_one() {
+    let folder = place();
+    let (at, site) = (folder.path(), folder.path().join("deep/site"));
+    let film = fs::read(at.join("a.lfold")).unwrap();
+    let output = fine("view a.lfold --export deep/site --json", at);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected = json!({"kind": "lfold", "url": "film.lfold", "name": "a.lfold", "bytes": film.len()});
+    assert_eq!(described(&site), expected);
+    assert_eq!(fs::read(site.join("film.lfold")).unwrap(), film);
+    let files = player();
+    for (name, path) in &files {
+        assert_eq!(fs::read(site.join(name)).unwrap(), fs::read(path).unwrap(), "{name}");
+    }
+    let bytes = bytes_below(&site);
+    assert_eq!(report["site"], json!({"path": "deep/site", "files": files.len() + 2, "bytes": bytes}));
+    assert_eq!(names(&at.join("deep")), BTreeSet::from(["site".to_owned()]));
+    // Another film takes its place, and files of the user stay.
+    fs::write(site.join("notes.txt"), "mine").unwrap();
+    let before = names(&site);
+    write_glb(&at.join("b.glb"), 50_000);
+    fine("view b.glb --export deep/site", at);
+    assert_eq!(described(&site)["url"], "film.glb");
+    assert_eq!(fs::read(site.join("film.glb")).unwrap(), fs::read(at.join("b.glb")).unwrap());
+    let mut after = before;
+    assert!(after.remove("film.lfold") && after.insert("film.glb".to_owned()));
+    assert_eq!(names(&site), after);
+    // A film can be its own source.
+    fine("view deep/site/film.glb --export deep/site", at);
+    assert_eq!(fs::read(site.join("film.glb")).unwrap(), fs::read(at.join("b.glb")).unwrap());
+}
+
+#[test]
+fn folders_of_something_else_are_left_alone() {
+    let folder = place();
+    let at = folder.path();
+    for (name, files) in [("other", &["film.lfold"][..]), ("described", &["film.json"]), ("hidden", &[".x"])] {
+        fs::create_dir(at.join(name)).unwrap();
+        for file in files {
+            fs::write(at.join(name).join(file), "{\"url\": \"other\"}").unwrap();
+        }
+        let said = refused(&format!("view a.lfold --export {name}"), at);
+        assert!(said.contains("holds files of something else"), "{said}");
+        assert_eq!(names(&at.join(name)), files.iter().map(|file| (*file).to_owned()).collect(), "{name}");
+    }
+    assert!(refused("view a.lfold --export a.lfold", at).contains("a file, where a folder was expected"));
+    assert!(refused("view a.lfold --export .", at).contains("holds files of something else"));
+    fs::create_dir(at.join("empty")).unwrap();
+    fine("view a.lfold --export empty", at);
+    assert!(at.join("empty/index.html").is_file());
+}
