@@ -17,6 +17,8 @@ const FLAGS = [
   "--no-sandbox",
   "--enable-unsafe-webgpu",
   "--use-webgpu-adapter=swiftshader",
+  // Without it drawing to a canvas loses the device.
+  "--use-vulkan=swiftshader",
   "--enable-features=Vulkan",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
@@ -34,7 +36,7 @@ export type Files = ReadonlyMap<string, Uint8Array | string>;
 
 const TYPES: Readonly<Record<string, string>> = { html: "text/html", js: "text/javascript", css: "text/css" };
 
-/** Answers requests from memory. */
+/** Answers requests from memory; of bytes also those for one range. */
 export function serve(files: Files): RequestListener {
   return (request: IncomingMessage, response: ServerResponse) => {
     const path = request.url?.split("?")[0] ?? "";
@@ -44,7 +46,15 @@ export function serve(files: Files): RequestListener {
       return;
     }
     const type = TYPES[path.split(".").pop() ?? ""] ?? "application/octet-stream";
-    response.writeHead(200, { "content-type": `${type}; charset=utf-8` }).end(body);
+    const headers = { "content-type": `${type}; charset=utf-8`, etag: '"1"' };
+    const range = /^bytes=(\d+)-(\d+)$/u.exec(request.headers.range ?? "");
+    if (range === null || typeof body === "string") {
+      response.writeHead(200, headers).end(body);
+      return;
+    }
+    const [first, last] = [Number(range[1]), Math.min(Number(range[2]), body.length - 1)];
+    const part = body.subarray(first, last + 1);
+    response.writeHead(206, { ...headers, "content-range": `bytes ${first}-${last}/${body.length}` }).end(part);
   };
 }
 

@@ -169,7 +169,7 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement): Promise<Sho
     },
   };
   fake.player = player;
-  return { player, marks: ["probes", "holes", "units", "nodes", "keyframes", "fetched"], isFixed: false };
+  return { player, marks: ["probes", "holes", "units", "keyframes", "fetched"], isFixed: false };
 }
 
 Object.assign(globalThis, { fake });

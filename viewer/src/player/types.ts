@@ -28,7 +28,7 @@ export interface Film {
 export type StereoLayout = "mono" | "side-by-side" | "anaglyph";
 export type ToneMapName = "none" | "reinhard" | "filmic";
 /** Overlays of the inspector; several at once. */
-export type Overlay = "probes" | "holes" | "units" | "nodes" | "keyframes" | "fetched";
+export type Overlay = "probes" | "holes" | "units" | "keyframes" | "fetched";
 
 export interface View {
   pose: Pose;

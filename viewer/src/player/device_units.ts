@@ -1,0 +1,130 @@
+// Units of the streams of one family of a probe, decoded on the device: depth, and 8-bit colors of cells.
+
+import type { Chunk, Stream } from "../format/types.ts";
+import type { FamilyDecoder, Wanted } from "../gpu/decoder.ts";
+import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
+
+/** Words of chunks that stay on the device beside those that a frame needs. */
+const KEPT_WORDS = 16 << 20;
+
+/** The decoder of a family, and the chunks that are on their way to it. */
+export class DeviceFamily {
+  /** Units to be decoded by the next call of {@link DeviceFamily.decode}. */
+  #wanted: Wanted[] = [];
+  /** Chunks of them, by their keys. */
+  #needed = new Set<number>();
+  readonly #preparing = new Set<number>();
+  readonly #broken = new Set<number>();
+  #isClosed = false;
+
+  constructor(
+    readonly decoder: FamilyDecoder,
+    private readonly desk: Desk,
+  ) {}
+
+  /** A stream's units. */
+  units(position: number): DeviceUnits {
+    return new DeviceUnits(this, position);
+  }
+
+  ask(position: number, { unit, frame, chunk, next }: UnitFrame, fetch: Chunk[]): UnitState {
+    const { firstFrame } = this.desk.container.chunks[chunk];
+    const wanted: Wanted = { stream: position, unit, frame, key: chunk + 1, firstFrame, nextKey: next + 1 };
+    if (this.decoder.shows(wanted)) {
+      return "shown";
+    }
+    const states = [this.#bring(chunk, fetch)];
+    if (states[0] === "shown" && next >= 0 && this.decoder.needsNext(wanted)) {
+      states.push(this.#bring(next, fetch));
+    }
+    if (states.every((state) => state === "shown")) {
+      this.#wanted.push(wanted);
+      return "working";
+    }
+    return (["broken", "missing", "working"] as const).find((state) => states.includes(state)) ?? "working";
+  }
+
+  /** Decodes what was asked for and is here; answers the units whose pictures changed, by the positions of their streams, and the pixels
+   *  written. Those that need further calls stay to be asked for. */
+  decode(timing?: GPUComputePassTimestampWrites): { changed: Wanted[]; pixels: number } {
+    const [wanted, needed] = [this.#wanted, this.#needed];
+    this.#wanted = [];
+    this.#needed = new Set();
+    const done = this.decoder.decode(wanted, timing);
+    done.refused.forEach(({ key }) => this.#broken.add(key));
+    this.decoder.drop(needed, KEPT_WORDS);
+    return { changed: done.written.map((written) => written.wanted), pixels: done.pixels };
+  }
+
+  /** Frees the decoder. */
+  close(): void {
+    this.#isClosed = true;
+    this.decoder.destroy();
+  }
+
+  /** Whether a chunk is on the device ("shown"), or what keeps it from there. */
+  #bring(at: number, fetch: Chunk[]): UnitState {
+    const key = at + 1;
+    this.#needed.add(key);
+    if (this.decoder.has(key)) {
+      return "shown";
+    }
+    if (this.#broken.has(key)) {
+      return "broken";
+    }
+    if (this.#preparing.has(key)) {
+      return "working";
+    }
+    const chunk = storedChunk(this.desk, at, fetch);
+    if (chunk === undefined) {
+      return "missing";
+    }
+    this.#preparing.add(key);
+    void this.desk.pool
+      .prepare(chunk, () => true)
+      .then(
+        (prepared) => {
+          this.#preparing.delete(key);
+          if (this.#isClosed) {
+            return;
+          }
+          if (prepared !== undefined && !this.decoder.add(key, prepared)) {
+            // No room: chunks that nothing needs go, and it is asked for again.
+            this.decoder.drop(this.#needed, 0);
+            if (!this.decoder.add(key, prepared)) {
+              this.#broken.add(key);
+              this.desk.onBroken("The graphics device has no room for the chunks of a frame.");
+            }
+          }
+          this.desk.onReady();
+        },
+        (error: Error) => {
+          this.#preparing.delete(key);
+          this.#broken.add(key);
+          this.desk.onBroken(error.message);
+          this.desk.onReady();
+        },
+      );
+    return "working";
+  }
+}
+
+/** The units of a stream of a family. */
+export class DeviceUnits implements UnitSource {
+  constructor(
+    readonly family: DeviceFamily,
+    readonly position: number,
+  ) {}
+
+  get stream(): Stream {
+    return this.family.decoder.streams[this.position];
+  }
+
+  hasPicture(unit: number): boolean {
+    return this.family.decoder.showsAny(this.position, unit);
+  }
+
+  ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {
+    return this.family.ask(this.position, wanted, fetch);
+  }
+}

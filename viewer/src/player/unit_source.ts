@@ -1,0 +1,84 @@
+// Where the units of a stream are decoded: on the device, or by workers.
+
+import type { Container } from "../format/container.ts";
+import type { Chunk, Rect } from "../format/types.ts";
+import type { StoredChunk } from "./jobs.ts";
+import type { WorkerPool } from "./pool.ts";
+import type { ChunkStore } from "./store.ts";
+
+/** What units of all streams share. */
+export interface Desk {
+  container: Container;
+  store: ChunkStore;
+  pool: WorkerPool;
+  /** A job is done: what it made may be drawn. */
+  onReady: () => void;
+  /** A chunk cannot be decoded; the sentence of a worker. */
+  onBroken: (message: string) => void;
+}
+
+/** A frame that a unit is to show. `next` is the place of the chunk behind, or -1. */
+export interface UnitFrame {
+  unit: number;
+  frame: number;
+  /** Place of its chunk in the container's table. */
+  chunk: number;
+  next: number;
+}
+
+/** How far a unit is. */
+export type UnitState =
+  /** It shows the frame. */
+  | "shown"
+  /** Its chunks are here, and jobs on their way. */
+  | "working"
+  /** Chunks must be fetched. */
+  | "missing"
+  /** Its chunk breaks a rule, or cannot be decoded here. */
+  | "broken";
+
+/** The units of one stream. */
+export interface UnitSource {
+  /** Whether a unit has any picture. */
+  hasPicture(unit: number): boolean;
+  /** What keeps a unit from a frame. Chunks to be fetched are added to `fetch`; jobs begin where their chunks are here. */
+  ask(wanted: UnitFrame, fetch: Chunk[]): UnitState;
+}
+
+/** The frame of a unit and where its chunks are; `undefined` where its stream does not have the frame. */
+export function unitFrame(container: Container, stream: number, unit: number, frame: number): UnitFrame | undefined {
+  const chunk = container.chunkIndex(stream, unit, frame);
+  if (chunk < 0) {
+    return undefined;
+  }
+  const next = container.placeOf(chunk) === "last" ? -1 : chunk + 1;
+  return { unit, frame, chunk, next };
+}
+
+/** A chunk with its bytes; `undefined` where they are not here, and then it is added to `fetch`. */
+export function storedChunk({ container, store }: Desk, at: number, fetch: Chunk[]): StoredChunk | undefined {
+  const chunk = container.chunks[at];
+  const stored = store.get(chunk);
+  if (stored === undefined) {
+    fetch.push(chunk);
+    return undefined;
+  }
+  return { chunk, stored, area: container.areaOf(at) };
+}
+
+/** The units of a grid that a rectangle overlaps, each with what they share. */
+export function* unitsUnder(
+  grid: { width: number; height: number; unitWidth: number; unitHeight: number },
+  [left, top, width, height]: Rect,
+): Generator<[number, Rect]> {
+  const columns = Math.ceil(grid.width / grid.unitWidth);
+  for (let row = Math.floor(top / grid.unitHeight); row * grid.unitHeight < top + height; row += 1) {
+    for (let column = Math.floor(left / grid.unitWidth); column * grid.unitWidth < left + width; column += 1) {
+      const x = Math.max(left, column * grid.unitWidth);
+      const y = Math.max(top, row * grid.unitHeight);
+      const right = Math.min(left + width, (column + 1) * grid.unitWidth);
+      const bottom = Math.min(top + height, (row + 1) * grid.unitHeight);
+      yield [row * columns + column, [x, y, right - x, bottom - y]];
+    }
+  }
+}
