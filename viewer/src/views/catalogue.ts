@@ -67,7 +67,7 @@ function checkSizes(name: string, face: FaceStreams): void {
 }
 
 /** The probes of a container that can be rendered, at least one. */
-export function catalogueOf({ streams, probes }: Container): Catalogue {
+export function catalogueOf({ streams, probes }: Pick<Container, "streams" | "probes">): Catalogue {
   const byPlace = new Map(streams.map((stream) => [`${stream.probe} ${stream.face} ${stream.kind}`, stream]));
   const views = new Map<number, ProbeStreams>();
   let coding: ColorCoding | undefined;

@@ -92,15 +92,18 @@ class Descent {
   }
 }
 
+/** What a container says of its probes and streams. */
+type Layout = Pick<Container, "probes" | "streams" | "footage" | "unitCount">;
+
 /** The units that cameras can see, found stream by stream when they are asked for. Results for the same cameras are kept. */
 export class VisibleUnits {
-  readonly #container: Container;
+  readonly #container: Layout;
   readonly #near: ReadonlyMap<number, number>;
   #cameras: readonly Camera[] = [];
   #viewers: readonly Viewer[] = [];
   readonly #seen = new Map<number, Uint8Array>();
 
-  constructor(container: Container) {
+  constructor(container: Layout) {
     this.#container = container;
     this.#near = nearOfProbes(container.streams);
   }
