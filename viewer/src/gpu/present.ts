@@ -7,7 +7,7 @@ import type { Picture } from "./march.ts";
 import source from "./present.wgsl";
 
 const TONES: Readonly<Record<ToneMapName, number>> = { none: 0, reinhard: 1, filmic: 2 };
-const LAYOUTS: Readonly<Record<StereoLayout, number>> = { mono: 0, "side-by-side": 1, anaglyph: 2 };
+const EYES: Readonly<Record<StereoLayout, number>> = { mono: 0, "side-by-side": 1, anaglyph: 2 };
 /** Words of `Look` of present.wgsl. */
 const LOOK_WORDS = 8;
 
@@ -60,7 +60,7 @@ export class Presenter {
     const words = new Uint32Array(LOOK_WORDS);
     const floats = new Float32Array(words.buffer);
     floats.set([...left.size, this.canvas.width, this.canvas.height, 2 ** look.exposureEv]);
-    words.set([TONES[look.toneMap], LAYOUTS[look.stereo], Number(look.marksHoles)], 5);
+    words.set([TONES[look.toneMap], EYES[look.stereo], Number(look.marksHoles)], 5);
     this.gpu.write(this.#look, 0, words);
     const buffers = [this.#look, left.pixels, right.pixels];
     const group = this.gpu.device.createBindGroup({

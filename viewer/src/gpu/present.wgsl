@@ -7,16 +7,16 @@ struct Look {
   gain: f32,
   // TONE_...
   tone: u32,
-  // LAYOUT_...
-  layout: u32,
+  // EYES_...
+  eyes: u32,
   // Whether what no probe saw is marked, by its alpha.
   marks_holes: u32,
 }
 
 const TONE_REINHARD = 1u;
 const TONE_FILMIC = 2u;
-const LAYOUT_SIDE_BY_SIDE = 1u;
-const LAYOUT_ANAGLYPH = 2u;
+const EYES_SIDE_BY_SIDE = 1u;
+const EYES_ANAGLYPH = 2u;
 const HOLE_COLOR = vec3(1.0, 0.0, 1.0);
 
 @group(0) @binding(0) var<uniform> look: Look;
@@ -75,12 +75,12 @@ fn coded(color: vec3<f32>) -> vec3<f32> {
 fn show(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
   let place = position.xy / look.canvas;
   var color: vec3<f32>;
-  if (look.layout == LAYOUT_SIDE_BY_SIDE) {
+  if (look.eyes == EYES_SIDE_BY_SIDE) {
     let is_right = place.x >= 0.5;
     color = light(is_right, vec2(2.0 * place.x - select(0.0, 1.0, is_right), place.y));
   } else {
     color = light(false, place);
-    if (look.layout == LAYOUT_ANAGLYPH) {
+    if (look.eyes == EYES_ANAGLYPH) {
       color = vec3(color.r, light(true, place).gb);
     }
   }
