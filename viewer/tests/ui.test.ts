@@ -308,7 +308,11 @@ test("pictures are drawn one at a time, where something changed or is to come, a
     await new Promise((resolve) => setImmediate(resolve));
   };
   const taken = (): number[] => factors.splice(0);
+  // The first picture is coarse, so that it is there soon.
   loop.tick();
+  loop.tick();
+  assert.deepEqual(taken(), [0.25]);
+  await finish(10);
   loop.tick();
   assert.deepEqual(taken(), [1]);
   await finish(10);
@@ -367,7 +371,7 @@ test("a loop whose drawing fails says so once and rests", async () => {
 test("the resolution in motion follows the time of pictures", () => {
   const resolution = new Resolution();
   resolution.note(1, 400);
-  assert.equal(resolution.factor(true), 0.5);
+  assert.equal(resolution.factor(true), 0.25);
   assert.equal(resolution.factor(false), 1);
   for (let at = 0; at < 9; at += 1) {
     resolution.note(resolution.factor(true), 400);

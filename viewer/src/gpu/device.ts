@@ -92,6 +92,11 @@ export class Gpu {
     return new Gpu(device, [vendor, architecture].filter((part) => part !== "").join(" ") || "graphics device");
   }
 
+  /** Whether it is a program on the processor: such ones cannot compile the kernel of secondary rays. */
+  get isSoftware(): boolean {
+    return /swiftshader|llvmpipe|lavapipe|software|basic render/iu.test(this.name);
+  }
+
   /** Bytes of all buffers of `buffer` that were not released. */
   get bytes(): number {
     return this.#bytes;

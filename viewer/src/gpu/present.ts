@@ -9,7 +9,7 @@ import source from "./present.wgsl";
 const TONES: Readonly<Record<ToneMapName, number>> = { none: 0, reinhard: 1, filmic: 2 };
 const EYES: Readonly<Record<StereoLayout, number>> = { mono: 0, "side-by-side": 1, anaglyph: 2 };
 /** Words of `Look` of present.wgsl. */
-const LOOK_WORDS = 8;
+const LOOK_WORDS = 10;
 
 /** How pictures are shown. */
 export interface Look {
@@ -18,6 +18,8 @@ export interface Look {
   stereo: StereoLayout;
   /** What no probe saw is marked: pixels with an alpha below 1, as settings with holes "nearest" or "blank" make them. */
   marksHoles: boolean;
+  /** Part of the overlay that is shown, 0 to 1. */
+  overlay: number;
 }
 
 /** A canvas that the device draws to. */
@@ -55,14 +57,15 @@ export class Presenter {
     return new Presenter(gpu, canvas, { context, pipeline });
   }
 
-  /** Draws the picture of the left or only eye, and that of the right one, which have one size. */
-  show(left: Picture, right: Picture, look: Look): void {
+  /** Draws the picture of the left or only eye, that of the right one, and an overlay, which have one size. */
+  show([left, right, overlay]: readonly [Picture, Picture, Picture], look: Look): void {
     const words = new Uint32Array(LOOK_WORDS);
     const floats = new Float32Array(words.buffer);
     floats.set([...left.size, this.canvas.width, this.canvas.height, 2 ** look.exposureEv]);
     words.set([TONES[look.toneMap], EYES[look.stereo], Number(look.marksHoles)], 5);
+    floats[8] = look.overlay;
     this.gpu.write(this.#look, 0, words);
-    const buffers = [this.#look, left.pixels, right.pixels];
+    const buffers = [this.#look, left.pixels, right.pixels, overlay.pixels];
     const group = this.gpu.device.createBindGroup({
       layout: this.#pipeline.getBindGroupLayout(0),
       entries: buffers.map((buffer, binding) => ({ binding, resource: { buffer } })),

@@ -11,6 +11,8 @@ struct Look {
   eyes: u32,
   // Whether what no probe saw is marked, by its alpha.
   marks_holes: u32,
+  // How much of the overlay is shown, 0 to 1.
+  overlay: f32,
 }
 
 const TONE_REINHARD = 1u;
@@ -22,6 +24,8 @@ const HOLE_COLOR = vec3(1.0, 0.0, 1.0);
 @group(0) @binding(0) var<uniform> look: Look;
 @group(0) @binding(1) var<storage, read> left: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> right: array<vec4<f32>>;
+// Of the size of the pictures.
+@group(0) @binding(3) var<storage, read> overlay: array<vec4<f32>>;
 
 @vertex
 fn corner(@builtin(vertex_index) number: u32) -> @builtin(position) vec4<f32> {
@@ -75,14 +79,18 @@ fn coded(color: vec3<f32>) -> vec3<f32> {
 fn show(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
   let place = position.xy / look.canvas;
   var color: vec3<f32>;
+  var mark = vec2<u32>(place * look.picture);
   if (look.eyes == EYES_SIDE_BY_SIDE) {
     let is_right = place.x >= 0.5;
-    color = light(is_right, vec2(2.0 * place.x - select(0.0, 1.0, is_right), place.y));
+    let part = vec2(2.0 * place.x - select(0.0, 1.0, is_right), place.y);
+    color = light(is_right, part);
+    mark = vec2<u32>(part * look.picture);
   } else {
     color = light(false, place);
     if (look.eyes == EYES_ANAGLYPH) {
       color = vec3(color.r, light(true, place).gb);
     }
   }
-  return vec4(coded(toned(color)), 1.0);
+  let marked = overlay[min(mark.y * u32(look.picture.x) + mark.x, arrayLength(&overlay) - 1u)].rgb;
+  return vec4(mix(coded(toned(color)), coded(marked), look.overlay), 1.0);
 }

@@ -45,12 +45,12 @@ export class DeviceFamily {
   }
 
   /** Decodes what was asked for and is here; answers the units whose pictures changed, by the positions of their streams, and the pixels
-   *  written. Those that need further calls stay to be asked for. */
-  decode(timing?: GPUComputePassTimestampWrites): { changed: Wanted[]; pixels: number } {
+   *  written. Those that need further calls stay to be asked for. `timing` is asked where there is work. */
+  decode(timing: () => GPUComputePassTimestampWrites | undefined): { changed: Wanted[]; pixels: number } {
     const [wanted, needed] = [this.#wanted, this.#needed];
     this.#wanted = [];
     this.#needed = new Set();
-    const done = this.decoder.decode(wanted, timing);
+    const done = this.decoder.decode(wanted, wanted.length > 0 ? timing() : undefined);
     done.refused.forEach(({ key }) => this.#broken.add(key));
     this.decoder.drop(needed, KEPT_WORDS);
     return { changed: done.written.map((written) => written.wanted), pixels: done.pixels };

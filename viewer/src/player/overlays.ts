@@ -3,9 +3,9 @@
 
 import type { Container } from "../format/container.ts";
 import type { Rect, Stream } from "../format/types.ts";
-import type { Gpu } from "../gpu/device.ts";
-import type { ImageTextures } from "../render/textures.ts";
-import type { FaceStreams } from "./catalogue.ts";
+import type { LightFieldTexels } from "../gpu/texels.ts";
+import type { FaceStreams } from "../views/catalogue.ts";
+import { halfBits } from "../views/straight.ts";
 import type { Overlay } from "./types.ts";
 
 type Color = [number, number, number];
@@ -22,8 +22,8 @@ export interface OverlayPicture {
   frame: number;
   /** Whether a chunk was fetched within the last second. */
   isFresh: (chunk: number) => boolean;
-  /** Images in the textures: tile, and place of their probe among all. */
-  images: { tile: number; streams: FaceStreams; probe: number; probes: number }[];
+  /** Loaded views, by their places in the catalogue. */
+  views: readonly number[];
 }
 
 /** Overlays that are colors of texels; holes are marked when a picture is shown. */
@@ -31,39 +31,37 @@ export const TEXEL_OVERLAYS = ["probes", "units", "keyframes", "fetched"] as con
 export type TexelOverlay = (typeof TEXEL_OVERLAYS)[number];
 
 export class OverlayTexture {
-  readonly #gpu: Gpu;
-  readonly #container: Container;
-  readonly #textures: ImageTextures;
+  readonly view: GPUTextureView;
   readonly #texture: GPUTexture;
   /** What each tile shows. */
   readonly #painted = new Map<number, string>();
 
-  constructor(gpu: Gpu, container: Container, textures: ImageTextures) {
-    this.#gpu = gpu;
-    this.#container = container;
-    this.#textures = textures;
-    this.#texture = textures.colorsBeside();
-  }
-
-  get view(): GPUTextureView {
-    return this.#texture.createView({ dimension: "2d-array" });
+  constructor(
+    private readonly container: Container,
+    private readonly texels: LightFieldTexels,
+  ) {
+    this.#texture = texels.arrays.colorTexture("overlay");
+    this.view = this.#texture.createView({ dimension: "2d-array" });
   }
 
   /** Paints overlays over each other, each image only where it changed. */
   paint(overlays: readonly TexelOverlay[], picture: OverlayPicture): void {
-    for (const image of picture.images) {
-      const canvas = new ImagePainter(image.streams.size);
-      overlays.forEach((overlay) => this.#paint(overlay, image, picture, canvas));
-      if (this.#painted.get(image.tile) !== canvas.key) {
-        this.#painted.set(image.tile, canvas.key);
-        const { column, row, layer } = this.#textures.origin(image.tile);
-        const [width, height] = image.streams.size;
-        this.#gpu.queue.writeTexture(
-          { texture: this.#texture, origin: [column, row, layer] },
-          canvas.texels(),
-          { bytesPerRow: 4 * width, rowsPerImage: height },
-          [width, height],
-        );
+    const { arrays, catalogue } = this.texels;
+    for (const view of picture.views) {
+      for (const streams of catalogue.views[view].faces) {
+        const tile = this.texels.tile(view, streams.face);
+        const painter = new ImagePainter(streams.size);
+        overlays.forEach((overlay) => this.#paint(overlay, { view, streams }, picture, painter));
+        if (this.#painted.get(tile) !== painter.key) {
+          this.#painted.set(tile, painter.key);
+          const texels = painter.texels();
+          arrays.upload(
+            this.#texture,
+            tile,
+            [0, 0, ...streams.size],
+            arrays.colorFormat === "rgba8unorm" ? texels : lightOf(texels),
+          );
+        }
       }
     }
   }
@@ -74,33 +72,33 @@ export class OverlayTexture {
 
   #paint(
     overlay: TexelOverlay,
-    { streams, probe, probes }: OverlayPicture["images"][number],
+    { view, streams }: { view: number; streams: FaceStreams },
     picture: OverlayPicture,
     canvas: ImagePainter,
   ): void {
     const { depth, color } = streams;
     if (overlay === "probes") {
-      canvas.fill([0, 0, ...streams.size], hue(probe / probes));
+      canvas.fill([0, 0, ...streams.size], hue(view / this.texels.catalogue.views.length));
     } else if (overlay === "units") {
       this.#forEachUnit(color, (rect) => canvas.frame(rect, CELL_EDGE));
       this.#forEachUnit(depth, (rect) => canvas.frame(rect, TILE_EDGE));
     } else {
       this.#forEachUnit(depth, (rect, unit) => {
-        const chunk = this.#container.chunkIndex(depth.index, unit, picture.frame);
+        const chunk = this.container.chunkIndex(depth.index, unit, picture.frame);
         if (chunk < 0) {
           return;
         }
         if (overlay === "fetched") {
           canvas.fill(rect, picture.isFresh(chunk) ? FRESH : DARK);
         } else {
-          const { firstFrame, frameCount } = this.#container.chunks[chunk];
+          const { firstFrame, frameCount } = this.container.chunks[chunk];
           const age = (picture.frame - firstFrame) / Math.max(1, frameCount - 1);
           canvas.fill(rect, KEYFRAME.map((part, at) => Math.round(part + (LATER[at] - part) * age)) as Color);
         }
       });
       if (overlay === "fetched") {
         this.#forEachUnit(color, (rect, unit) => {
-          const chunk = this.#container.chunkIndex(color.index, unit, picture.frame);
+          const chunk = this.container.chunkIndex(color.index, unit, picture.frame);
           if (chunk >= 0 && picture.isFresh(chunk)) {
             canvas.frame(rect, FRESH);
           }
@@ -110,10 +108,16 @@ export class OverlayTexture {
   }
 
   #forEachUnit({ index }: Stream, visit: (rect: Rect, unit: number) => void): void {
-    for (let unit = 0; unit < this.#container.unitCount(index); unit += 1) {
-      visit(this.#container.unitRect(index, unit), unit);
+    for (let unit = 0; unit < this.container.unitCount(index); unit += 1) {
+      visit(this.container.unitRect(index, unit), unit);
     }
   }
+}
+
+/** 8-bit codes as half floats of light. */
+function lightOf(codes: Uint8Array): Uint16Array {
+  const halves = Array.from({ length: 256 }, (_, code) => halfBits((code / 255) ** 2.2));
+  return Uint16Array.from(codes, (code) => halves[code]);
 }
 
 /** A hue of even brightness; `turn` from 0 to 1. */

@@ -6,21 +6,23 @@
 import { Container } from "../format/container.ts";
 import type { ByteSource, Chunk, Stream, Vec3 } from "../format/types.ts";
 import { Gpu } from "../gpu/device.ts";
-import { besideOf, type Camera, cameraOf } from "../render/camera.ts";
-import { Marcher, marchKernel, Picture } from "../render/march.ts";
-import { GREATEST_WORD, planeBytes } from "../render/planes.ts";
-import { Presenter } from "../render/present.ts";
-import { type SceneRows, sceneRows, type SceneView } from "../render/scene.ts";
-import { imageBytes, ImageTextures } from "../render/textures.ts";
-import { length, subtract } from "../render/vectors.ts";
-import { VisibleUnits } from "../render/visible.ts";
-import { type Catalogue, catalogueOf, type ProbeStreams } from "./catalogue.ts";
+import { Marcher, Picture } from "../gpu/march.ts";
+import { Presenter } from "../gpu/present.ts";
+import { MARCH_SETTINGS } from "../gpu/scene.ts";
+import { LightFieldTexels } from "../gpu/texels.ts";
+import { imageBytes } from "../gpu/texture_arrays.ts";
+import { length, subtract } from "../math.ts";
+import { activeViews } from "../views/active.ts";
+import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
+import { type Catalogue, catalogueOf, hasFrame, streamsOf } from "../views/catalogue.ts";
+import { selectViews } from "../views/selection.ts";
+import { ColorTexels } from "../views/straight.ts";
+import { VisibleUnits } from "../views/visible.ts";
 import { filmOf } from "./film.ts";
-import { LoadedProbe, type Stage, type UnitCounts } from "./loaded_probe.ts";
+import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
 import { OverlayTexture, TEXEL_OVERLAYS, type TexelOverlay } from "./overlays.ts";
 import { WorkerPool } from "./pool.ts";
 import { ChunkStore } from "./store.ts";
-import { straightCodes } from "./texel_colors.ts";
 import { DeviceTimer } from "./timer.ts";
 import type { Film, Player, PlayerStats, Problem, View } from "./types.ts";
 import type { Desk } from "./unit_source.ts";
@@ -28,8 +30,8 @@ import type { Desk } from "./unit_source.ts";
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
 const MOST_WORKERS = 4;
-const REFINE = 8;
-const MAX_BOUNCES = 4;
+/** Planes and pyramids of an image take as much again as its textures, at most. */
+const PLANES_SHARE = 2;
 /** Seconds that chunks are fetched ahead of the film, and of the eye. */
 const FRAMES_AHEAD_S = 2;
 const EYE_AHEAD_S = 0.5;
@@ -41,11 +43,17 @@ const OVERLAY_SHARE = 0.55;
 
 /** Opens a container to be drawn on a canvas: a NoWebGpuError without a device, an error of formats/ or of the source. */
 export async function openPlayer(source: ByteSource, canvas: HTMLCanvasElement): Promise<Player> {
-  const [gpu, container] = await Promise.all([Gpu.open(), Container.open(source)]);
+  const [opened, read] = await Promise.allSettled([Gpu.open(), Container.open(source)]);
+  if (opened.status === "rejected") {
+    throw opened.reason;
+  }
   try {
-    return new FilmPlayer(gpu, container, canvas);
+    if (read.status === "rejected") {
+      throw read.reason;
+    }
+    return await FilmPlayer.create(opened.value, read.value, canvas);
   } catch (error) {
-    gpu.destroy();
+    opened.value.destroy();
     throw error;
   }
 }
@@ -58,11 +66,21 @@ interface Motion {
   velocity: Vec3;
 }
 
-/** What a view takes: probes, the nearest first, cameras of the eyes, and how far its units are. */
+/** What a view takes: views of the catalogue, the nearest first, cameras of the eyes, and how far its units are. */
 interface Sight {
-  active: ProbeStreams[];
+  active: number[];
   cameras: Camera[];
   counts: UnitCounts;
+}
+
+/** What a player is made of. */
+interface Parts {
+  gpu: Gpu;
+  container: Container;
+  canvas: HTMLCanvasElement;
+  catalogue: Catalogue;
+  /** Views that are on the device at once. */
+  mostViews: number;
 }
 
 class FilmPlayer implements Player {
@@ -76,15 +94,16 @@ class FilmPlayer implements Player {
   readonly #desk: Desk;
   readonly #stage: Stage;
   readonly #visible: VisibleUnits;
+  /** For where the eye is heading. */
+  readonly #heading: VisibleUnits;
   readonly #marcher: Marcher;
   readonly #presenter: Presenter;
   readonly #timer: DeviceTimer;
-  readonly #left: Picture;
-  readonly #right: Picture;
-  readonly #overlayPicture: Picture;
-  /** By their places in the container. */
-  readonly #loaded = new Map<number, LoadedProbe>();
-  readonly #mostProbes: number;
+  /** Of the left and the right eye, and of overlays. */
+  readonly #pictures: [Picture, Picture, Picture];
+  /** By their places in the catalogue. */
+  readonly #loaded = new Map<number, LoadedView>();
+  readonly #mostViews: number;
   /** When chunks arrived, by their offsets. */
   readonly #arrived = new Map<number, number>();
   #overlay: OverlayTexture | undefined;
@@ -97,26 +116,18 @@ class FilmPlayer implements Player {
   #wake: () => void = () => undefined;
   #isClosed = false;
 
-  constructor(gpu: Gpu, container: Container, canvas: HTMLCanvasElement) {
+  private constructor(parts: Parts, texels: LightFieldTexels, presenter: Presenter) {
+    const { gpu, container, canvas, catalogue, mostViews } = parts;
     this.#gpu = gpu;
     this.#container = container;
     this.#canvas = canvas;
-    this.#catalogue = catalogueOf(container);
-    const { probes, largest, isHalf, hasMaterial, coding } = this.#catalogue;
+    this.#catalogue = catalogue;
+    this.#mostViews = mostViews;
     this.film = filmOf(
       container,
-      probes.map(({ probe }) => probe),
+      catalogue.views.map(({ probe }) => probe),
     );
     this.#shownFrame = this.film.firstFrame;
-    const mostFaces = Math.max(...probes.map(({ faces }) => faces.length));
-    const ofProbe = mostFaces * (imageBytes({ tile: largest, isHalf, hasMaterial }) + planeBytes(largest));
-    this.#mostProbes = Math.min(probes.length, Math.max(1, Math.floor(TEXEL_BYTES / ofProbe)));
-    const textures = new ImageTextures(gpu, {
-      tile: largest,
-      count: this.#mostProbes * mostFaces,
-      isHalf,
-      hasMaterial,
-    });
     const store = new ChunkStore(container.source);
     store.onChunk = (offset) => {
       this.#arrived.set(offset, performance.now());
@@ -126,8 +137,8 @@ class FilmPlayer implements Player {
     const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
     const start = (): Worker => new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
     const pool = new WorkerPool(workers, start, (stream) => {
-      const { headerBytes, ...rest } = container.streams[stream];
-      return { stream: rest, headerBytes };
+      const { kind, codec, face, width, height, unitWidth, unitHeight, headerBytes } = container.streams[stream];
+      return { stream: { kind, codec, face, width, height, unitWidth, unitHeight }, headerBytes };
     });
     this.#desk = {
       container,
@@ -136,16 +147,32 @@ class FilmPlayer implements Player {
       onReady: () => this.#wake(),
       onBroken: (message) => this.#tell({ fatal: false, message }),
     };
-    this.#stage = { gpu, desk: this.#desk, textures, straight: straightCodes(coding.transfer === "linear") };
+    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
+    this.#stage = { gpu, desk: this.#desk, texels, colors: new ColorTexels(catalogue.coding, hasAlpha) };
     this.#visible = new VisibleUnits(container);
-    this.#marcher = new Marcher(gpu);
-    this.#presenter = new Presenter(gpu, canvas);
+    this.#heading = new VisibleUnits(container);
+    this.#marcher = new Marcher(gpu, texels);
+    this.#presenter = presenter;
     this.#timer = new DeviceTimer(gpu);
-    [this.#left, this.#right, this.#overlayPicture] = [new Picture(gpu), new Picture(gpu), new Picture(gpu)];
-    // Compiled while the first chunks are fetched.
-    void gpu.pipeline(marchKernel(false));
+    this.#pictures = [new Picture(gpu), new Picture(gpu), new Picture(gpu)];
     gpu.onError = (message) => this.#tell({ fatal: true, message: `The graphics device failed: ${message}` });
     void gpu.lost.then((reason) => this.#tell({ fatal: true, message: `The graphics device was lost: ${reason}` }));
+  }
+
+  static async create(gpu: Gpu, container: Container, canvas: HTMLCanvasElement): Promise<FilmPlayer> {
+    const catalogue = catalogueOf(container);
+    const { views } = catalogue;
+    const mostFaces = Math.max(...views.map(({ faces }) => faces.length));
+    const ofView = mostFaces * PLANES_SHARE * imageBytes(catalogue);
+    const mostViews = Math.min(views.length, Math.max(1, Math.floor(TEXEL_BYTES / ofView)));
+    // Compiled while the first chunks are fetched.
+    void gpu.pipeline("render-pyramid");
+    const images = mostViews * mostFaces;
+    const [texels, presenter] = await Promise.all([
+      LightFieldTexels.create(gpu, catalogue, images),
+      Presenter.create(gpu, canvas),
+    ]);
+    return new FilmPlayer({ gpu, container, canvas, catalogue, mostViews }, texels, presenter);
   }
 
   async draw(view: View): Promise<PlayerStats> {
@@ -181,19 +208,20 @@ class FilmPlayer implements Player {
       if (counts.missing + counts.working === 0 || this.#isClosed) {
         return;
       }
-      await ready;
+      // Times are those of the next picture alone.
+      await Promise.all([ready, this.#timer.read()]);
     }
   }
 
   fetched(): [number, number][] {
     const { firstFrame, frameCount } = this.film;
-    const isMissing = new Uint8Array(frameCount);
     const view = this.#lastView;
     if (view === undefined) {
       return [];
     }
-    const cameras = this.#cameras(view, false);
-    for (const chunk of this.#chunksInSight(this.#active(view.pose.eye, view.frame), cameras)) {
+    const isMissing = new Uint8Array(frameCount);
+    const active = this.#active(view.pose.eye, view.frame);
+    for (const chunk of this.#chunksOf(active, (stream, unit) => this.#visible.sees(stream, unit), [0, Infinity])) {
       if (this.#desk.store.get(chunk) === undefined) {
         const first = chunk.firstFrame - firstFrame;
         isMissing.fill(1, first, first + chunk.frameCount);
@@ -212,7 +240,8 @@ class FilmPlayer implements Player {
   }
 
   async pixels(): Promise<{ size: [number, number]; rgba: Float32Array }> {
-    return { size: [...this.#left.size], rgba: await this.#left.read() };
+    const [left] = this.#pictures;
+    return { size: [...left.size], rgba: await left.readPixels() };
   }
 
   close(): void {
@@ -233,82 +262,82 @@ class FilmPlayer implements Player {
   async #bring(view: View): Promise<Sight> {
     this.#draws += 1;
     this.#lastView = view;
+    this.#notice(view);
     const cameras = this.#cameras(view);
     const active = this.#active(view.pose.eye, view.frame);
     await this.#load(active);
+    this.#visible.look(cameras);
+    const { texels, desk } = this.#stage;
+    // Secondary rays go anywhere.
+    const needsAll = this.#hasEffects && active.some((at) => texels.isSpecular(at));
+    const sees = (stream: Stream, unit: number): boolean => needsAll || this.#visible.sees(stream, unit);
     const counts: UnitCounts = { shown: 0, working: 0, missing: 0, broken: 0 };
     const fetch: Chunk[] = [];
-    const seen = (stream: Stream) => this.#visible.units(stream, cameras);
-    const probes = active.map(({ probe }) => this.#loaded.get(probe)!);
-    probes.forEach((probe) => probe.ask(view.frame, seen, fetch, counts));
-    this.#desk.store.want([...fetch, ...this.#ahead(view, active, cameras)]);
-    for (const probe of probes) {
-      const { units, pixels } = probe.update(this.#timer);
+    const views = active.map((at) => this.#loaded.get(at)!);
+    views.forEach((one) => one.ask(view.frame, sees, fetch, counts));
+    const ahead = this.#ahead(view, active, cameras).filter((chunk) => desk.store.get(chunk) === undefined);
+    desk.store.want([...fetch, ...ahead]);
+    for (const one of views) {
+      const { units, pixels } = one.update(this.#timer);
       this.#totals.cells_decoded += units;
       this.#totals.pixels_decoded += pixels;
     }
+    texels.update();
     return { active, cameras, counts };
   }
 
-  /** The cameras of the eyes; with `predicts`, the motion of the eye is taken in. */
-  #cameras(view: View, predicts = true): Camera[] {
-    if (predicts) {
-      this.#notice(view);
-    }
+  get #hasEffects(): boolean {
+    return !this.#gpu.isSoftware;
+  }
+
+  /** The cameras of the eyes. */
+  #cameras(view: View): Camera[] {
     const [width, height] = view.size;
     const isSplit = view.stereo === "side-by-side";
     const camera = cameraOf(view.pose, view.fovDeg, (isSplit ? width / 2 : width) / height);
-    if (view.stereo === "mono") {
-      return [camera];
-    }
-    return [-0.5, 0.5].map((side) => besideOf(camera, side * view.eyeDistance));
+    return view.stereo === "mono" ? [camera] : stereoEyes(camera, view.eyeDistance);
   }
 
+  /** Takes in where the eye is, and how it moves. */
   #notice({ pose: { eye } }: View): void {
     const now = performance.now();
     const before = this.#motion;
-    const seconds = before === undefined ? 0 : (now - before.ms) / 1000;
     if (before === undefined) {
       this.#motion = { eye: [...eye], ms: now, velocity: [0, 0, 0] };
     } else if (before.eye.join() !== eye.join()) {
-      const velocity = subtract(eye, before.eye).map((part) => part / Math.max(seconds, 0.01)) as Vec3;
+      const seconds = Math.max((now - before.ms) / 1000, 0.01);
+      const velocity = subtract(eye, before.eye).map((part) => part / seconds) as Vec3;
       this.#motion = { eye: [...eye], ms: now, velocity };
     } else if (now - before.ms > STILL_MS) {
       before.velocity = [0, 0, 0];
     }
   }
 
-  /** The probes that have a frame, the nearest to the eye first, as many as the device has room for. */
-  #active(eye: Vec3, frame: number): ProbeStreams[] {
-    const has = ({ firstFrame, frameCount }: Stream): boolean => frame >= firstFrame && frame < firstFrame + frameCount;
-    const able = this.#catalogue.probes.filter(({ faces }) =>
-      faces.some(({ depth, color }) => has(depth) && has(color)),
-    );
-    const distance = ({ probe }: ProbeStreams): number =>
-      length(subtract(this.#container.probeAt(probe, frame).position, eye));
-    const byDistance = able.map((probe) => ({ probe, metres: distance(probe) })).sort((a, b) => a.metres - b.metres);
-    return byDistance.slice(0, this.#mostProbes).map(({ probe }) => probe);
+  /** The views that have a frame, the nearest to the eye first, as many as the device has room for. */
+  #active(eye: Vec3, frame: number): number[] {
+    const candidates = this.#catalogue.views.flatMap((streams, view) => {
+      const { position } = this.#container.probeAt(streams.probe, frame);
+      return hasFrame(streams, frame) ? [{ view, position }] : [];
+    });
+    return selectViews(candidates, eye, this.#mostViews);
   }
 
-  /** Brings probes to the device, in the place of those that were used longest ago. */
-  async #load(active: readonly ProbeStreams[]): Promise<void> {
-    const missing = active.filter(({ probe }) => !this.#loaded.has(probe));
-    const isActive = new Set(active.map(({ probe }) => probe));
-    for (const streams of missing) {
-      while (this.#stage.textures.room < streams.faces.length) {
-        const idle = [...this.#loaded].filter(([probe]) => !isActive.has(probe));
-        const [probe, loaded] = idle.reduce((oldest, one) => (one[1].lastUsed < oldest[1].lastUsed ? one : oldest));
+  /** Brings views to the device, in the place of those that were used longest ago. */
+  async #load(active: readonly number[]): Promise<void> {
+    for (const view of active.filter((at) => !this.#loaded.has(at))) {
+      while (this.#loaded.size >= this.#mostViews) {
+        const idle = [...this.#loaded].filter(([other]) => !active.includes(other));
+        const [oldest, loaded] = idle.reduce((one, other) => (other[1].lastUsed < one[1].lastUsed ? other : one));
         loaded.unload();
-        this.#loaded.delete(probe);
+        this.#loaded.delete(oldest);
       }
-      const { intrinsics } = this.#container.probes[streams.probe];
-      this.#loaded.set(streams.probe, await LoadedProbe.load(this.#stage, streams, intrinsics));
+      this.#loaded.set(view, await LoadedView.load(this.#stage, view));
     }
-    active.forEach(({ probe }) => (this.#loaded.get(probe)!.lastUsed = this.#draws));
+    active.forEach((at) => (this.#loaded.get(at)!.lastUsed = this.#draws));
   }
 
   /** Chunks that will be needed: those around where the eye is heading, and while the film plays those of its next frames. */
-  #ahead(view: View, active: readonly ProbeStreams[], cameras: readonly Camera[]): Chunk[] {
+  #ahead(view: View, active: readonly number[], cameras: readonly Camera[]): Chunk[] {
     const { frame } = view;
     const isPlaying = this.#lastFrame !== undefined && this.#lastFrame !== frame;
     this.#lastFrame = frame;
@@ -316,108 +345,83 @@ class FilmPlayer implements Player {
     const velocity = this.#motion?.velocity ?? [0, 0, 0];
     if (length(velocity) > 0) {
       const eye = view.pose.eye.map((part, axis) => part + velocity[axis] * EYE_AHEAD_S) as Vec3;
-      const heading = cameras.map((camera) => ({ ...camera, eye }));
-      const there = new VisibleUnits(this.#container);
-      chunks.push(...this.#chunksOf(active, (stream) => there.units(stream, heading), frame, frame));
+      this.#heading.look(cameras.map((camera) => ({ ...camera, eye })));
+      chunks.push(...this.#chunksOf(active, (stream, unit) => this.#heading.sees(stream, unit), [frame, frame]));
     }
     if (isPlaying) {
       const last = frame + Math.ceil(FRAMES_AHEAD_S * this.film.framesPerSecond);
-      const seen = (stream: Stream) => this.#visible.units(stream, cameras);
-      const next = this.#chunksOf(active, seen, frame + 1, last);
+      const next = this.#chunksOf(active, (stream, unit) => this.#visible.sees(stream, unit), [frame + 1, last]);
       chunks.push(...next.sort((a, b) => a.firstFrame - b.firstFrame));
     }
-    return chunks.filter((chunk) => this.#desk.store.get(chunk) === undefined);
+    return chunks;
   }
 
-  /** Chunks with any of some frames of the units that are seen. */
+  /** Chunks with any of some frames, first and last, of the units that are seen. */
   #chunksOf(
-    active: readonly ProbeStreams[],
-    seen: (stream: Stream) => readonly boolean[],
-    first: number,
-    last: number,
+    active: readonly number[],
+    sees: (stream: Stream, unit: number) => boolean,
+    [first, last]: readonly [number, number],
   ): Chunk[] {
     const chunks: Chunk[] = [];
-    for (const { depth, color, alpha, material } of active.flatMap(({ faces }) => faces)) {
-      for (const stream of [depth, color, alpha, material]) {
-        const units = stream === undefined ? [] : seen(stream);
-        units.forEach((isSeen, unit) => {
-          const [start, end] = isSeen ? this.#container.chunksOf(stream!.index, unit) : [0, 0];
-          for (let at = start; at < end; at += 1) {
-            const chunk = this.#container.chunks[at];
-            if (chunk.firstFrame <= last && chunk.firstFrame + chunk.frameCount > first) {
-              chunks.push(chunk);
-            }
+    for (const stream of active.flatMap((at) => this.#catalogue.views[at].faces).flatMap(streamsOf)) {
+      for (let unit = 0; unit < this.#container.unitCount(stream.index); unit += 1) {
+        const [start, end] = sees(stream, unit) ? this.#container.chunksOf(stream.index, unit) : [0, 0];
+        for (let at = start; at < end; at += 1) {
+          const chunk = this.#container.chunks[at];
+          if (chunk.firstFrame <= last && chunk.firstFrame + chunk.frameCount > first) {
+            chunks.push(chunk);
           }
-        });
+        }
       }
     }
     return chunks;
   }
 
-  /** All chunks of the units that cameras see. */
-  #chunksInSight(active: readonly ProbeStreams[], cameras: readonly Camera[]): Chunk[] {
-    return this.#chunksOf(active, (stream) => this.#visible.units(stream, cameras), 0, Infinity);
-  }
-
   /** Renders the eyes and what overlays show, and presents them; answers the counters of the first eye. */
   async #march(view: View, { active, cameras }: Sight): Promise<Record<string, number>> {
-    const { textures } = this.#stage;
-    const pipeline = await this.#gpu.pipeline(marchKernel(false));
-    const views = active.map(({ probe, nearM, farM }): SceneView => {
-      return { probe: this.#container.probeAt(probe, view.frame), nearM, farM, faces: this.#loaded.get(probe)!.faces };
-    });
-    const greatest = active.flatMap(({ probe }, at) => {
-      const { planes } = this.#loaded.get(probe)!;
-      return planes.hasGreatest ? [{ view: at, buffer: planes.buffer, word: GREATEST_WORD }] : [];
-    });
+    const [width, height] = view.size;
+    const size: [number, number] = [view.stereo === "side-by-side" ? Math.ceil(width / 2) : width, height];
     const marksHoles = view.overlays.has("holes");
-    const size: [number, number] = [
-      view.stereo === "side-by-side" ? Math.ceil(view.size[0] / 2) : view.size[0],
-      view.size[1],
-    ];
-    const rows = (camera: Camera): SceneRows => {
-      const settings = {
-        size,
-        steps: view.steps,
-        refine: REFINE,
-        holes: marksHoles ? "nearest" : "behind",
-        maxBounces: MAX_BOUNCES,
-      } as const;
-      return sceneRows(views, camera, this.#catalogue.coding, settings, textures.pyramidRows);
+    const settings = {
+      ...MARCH_SETTINGS,
+      steps: view.steps,
+      holes: marksHoles ? "nearest" : "behind",
+      effects: this.#hasEffects,
+    } as const;
+    const [left, right, marks] = this.#pictures;
+    const shot = (camera: Camera) => {
+      const probeOf = (probe: number) => this.#container.probeAt(probe, view.frame);
+      return { active: activeViews(this.#catalogue, active, camera.eye, probeOf), camera, size, settings };
     };
     const timing = () => this.#timer.pass("march");
-    const pictures = [this.#left, this.#right];
-    cameras.forEach((camera, eye) =>
-      this.#marcher.render(pipeline, { rows: rows(camera), greatest, textures, timing }, pictures[eye]),
-    );
+    for (const [eye, camera] of cameras.entries()) {
+      await this.#marcher.render(this.#pictures[eye], { ...shot(camera), timing });
+    }
     const overlays = TEXEL_OVERLAYS.filter((overlay) => view.overlays.has(overlay));
     if (overlays.length > 0) {
-      const colors = this.#paint(overlays, view.frame, active);
-      this.#marcher.render(pipeline, { rows: rows(cameras[0]), greatest, textures, colors }, this.#overlayPicture);
+      await this.#marcher.render(marks, { ...shot(cameras[0]), colors: this.#paint(overlays, view.frame, active) });
     }
     [this.#canvas.width, this.#canvas.height] = view.size;
-    const right = cameras.length > 1 ? this.#right : this.#left;
-    this.#presenter.show(this.#left, right, overlays.length > 0 ? this.#overlayPicture : this.#left, {
-      ...view,
+    const hasMarks = overlays.length > 0;
+    this.#presenter.show([left, cameras.length > 1 ? right : left, hasMarks ? marks : left], {
+      exposureEv: view.exposureEv,
+      toneMap: view.toneMap,
+      stereo: view.stereo,
       marksHoles,
-      overlay: overlays.length > 0 ? OVERLAY_SHARE : 0,
+      overlay: hasMarks ? OVERLAY_SHARE : 0,
     });
     this.onShown();
-    return this.#left.counters();
+    return left.readCounters();
   }
 
-  #paint(overlays: readonly TexelOverlay[], frame: number, active: readonly ProbeStreams[]): GPUTextureView {
-    this.#overlay ??= new OverlayTexture(this.#gpu, this.#container, this.#stage.textures);
-    const { probes } = this.#catalogue;
-    const images = active.flatMap((streams) => {
-      const number = probes.indexOf(streams);
-      const { tiles } = this.#loaded.get(streams.probe)!;
-      return tiles.map((tile) => ({ ...tile, probe: number, probes: probes.length }));
-    });
+  #paint(overlays: readonly TexelOverlay[], frame: number, views: readonly number[]): GPUTextureView {
+    this.#overlay ??= new OverlayTexture(this.#container, this.#stage.texels);
     const now = performance.now();
-    const isFresh = (chunk: number): boolean =>
-      now - (this.#arrived.get(this.#container.chunks[chunk].offset) ?? -Infinity) < FRESH_MS;
-    this.#overlay.paint(overlays, { frame, isFresh, images });
+    const isFresh = (chunk: number): boolean => {
+      const arrived = this.#arrived.get(this.#container.chunks[chunk].offset);
+      return arrived !== undefined && now - arrived < FRESH_MS;
+    };
+    this.#overlay.paint(overlays, { frame, isFresh, views });
     return this.#overlay.view;
   }
 }

@@ -1,7 +1,7 @@
 // Where the units of a stream are decoded: on the device, or by workers.
 
 import type { Container } from "../format/container.ts";
-import type { Chunk, Rect } from "../format/types.ts";
+import type { Chunk } from "../format/types.ts";
 import type { StoredChunk } from "./jobs.ts";
 import type { WorkerPool } from "./pool.ts";
 import type { ChunkStore } from "./store.ts";
@@ -64,21 +64,4 @@ export function storedChunk({ container, store }: Desk, at: number, fetch: Chunk
     return undefined;
   }
   return { chunk, stored, area: container.areaOf(at) };
-}
-
-/** The units of a grid that a rectangle overlaps, each with what they share. */
-export function* unitsUnder(
-  grid: { width: number; height: number; unitWidth: number; unitHeight: number },
-  [left, top, width, height]: Rect,
-): Generator<[number, Rect]> {
-  const columns = Math.ceil(grid.width / grid.unitWidth);
-  for (let row = Math.floor(top / grid.unitHeight); row * grid.unitHeight < top + height; row += 1) {
-    for (let column = Math.floor(left / grid.unitWidth); column * grid.unitWidth < left + width; column += 1) {
-      const x = Math.max(left, column * grid.unitWidth);
-      const y = Math.max(top, row * grid.unitHeight);
-      const right = Math.min(left + width, (column + 1) * grid.unitWidth);
-      const bottom = Math.min(top + height, (row + 1) * grid.unitHeight);
-      yield [row * columns + column, [x, y, right - x, bottom - y]];
-    }
-  }
 }

@@ -12,8 +12,7 @@ interface Shown {
 
 /** One stream. The processor keeps the pictures. */
 export class WorkerUnits implements UnitSource {
-  /** Units with new pictures, for the one who takes them. */
-  readonly changed = new Set<number>();
+  #changed = new Set<number>();
   readonly #shown = new Map<number, Shown>();
   /** A job at a time for each unit. */
   readonly #working = new Set<number>();
@@ -33,6 +32,13 @@ export class WorkerUnits implements UnitSource {
   /** The pixels of a unit, row by row. */
   pixels(unit: number): Pixels | undefined {
     return this.#shown.get(unit)?.pixels;
+  }
+
+  /** Units with new pictures since the last call. */
+  takeChanged(): number[] {
+    const changed = [...this.#changed];
+    this.#changed = new Set();
+    return changed;
   }
 
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {
@@ -67,7 +73,7 @@ export class WorkerUnits implements UnitSource {
       this.#needsNext.add(wanted.chunk);
     } else if (answer !== undefined) {
       this.#shown.set(wanted.unit, { pixels: answer, chunk: wanted.chunk, frame: wanted.frame });
-      this.changed.add(wanted.unit);
+      this.#changed.add(wanted.unit);
     }
     this.desk.onReady();
   }

@@ -12,9 +12,12 @@ const STILL_MS = 180;
 /** Between pictures that only wait for data. */
 const ARRIVAL_MS = 100;
 
+/** Of the first picture. */
+const FIRST_FACTOR = 0.25;
+
 /** The resolution of pictures in motion, from the time that they take. */
 export class Resolution {
-  #moving = 1;
+  #moving = FIRST_FACTOR;
 
   /** Part of the full resolution along a side. */
   factor(isMoving: boolean): number {
@@ -50,7 +53,7 @@ export class DrawLoop {
   readonly #host: LoopHost;
   readonly #resolution = new Resolution();
   #isChanged = true;
-  #isMissing = false;
+  #isMissing = true;
   #isBusy = false;
   #hasFailed = false;
   #drawnFactor = 0;
@@ -80,7 +83,7 @@ export class DrawLoop {
   /** Once a picture of the screen. */
   tick(): void {
     const now = this.#host.now();
-    const factor = this.#resolution.factor(!this.isStill);
+    const factor = this.#resolution.factor(!this.isStill || this.#isMissing);
     const awaits = this.#isMissing && now - this.#drawnMs >= ARRIVAL_MS;
     if (this.#isBusy || this.#hasFailed || !(this.#isChanged || awaits || factor > this.#drawnFactor)) {
       return;

@@ -1,0 +1,191 @@
+// A probe on the device: where its units are decoded, and how their pictures come into the textures.
+
+import type { Chunk, Stream } from "../format/types.ts";
+import { FamilyDecoder } from "../gpu/decoder.ts";
+import { ROW_WORDS } from "../gpu/depth_planes.ts";
+import type { Gpu } from "../gpu/device.ts";
+import { familyOf } from "../gpu/family.ts";
+import type { DevicePictures, LightFieldTexels } from "../gpu/texels.ts";
+import { type FaceStreams, type ProbeStreams, streamsOf } from "../views/catalogue.ts";
+import { overlap } from "../views/rects.ts";
+import type { ColorTexels, UnitPixels } from "../views/straight.ts";
+import { DeviceFamily } from "./device_units.ts";
+import type { DeviceTimer } from "./timer.ts";
+import { type Desk, unitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
+import { WorkerUnits } from "./worker_units.ts";
+
+/** What a probe needs of the device. */
+export interface Stage {
+  gpu: Gpu;
+  desk: Desk;
+  texels: LightFieldTexels;
+  colors: ColorTexels;
+}
+
+/** Units of a frame by their states. */
+export type UnitCounts = Record<UnitState, number>;
+
+/** Whether the device decodes the colors of a face for rendering: 8-bit cells of opaque images. Workers decode others as fast. */
+function isOfDevice({ color: { header }, alpha }: FaceStreams): boolean {
+  return header.kind === "color" && !header.isHalf && header.coding.name === "cells" && alpha === undefined;
+}
+
+/** A probe whose texels are on the device. */
+export class LoadedView {
+  readonly #families: DeviceFamily[];
+  readonly #sources = new Map<Stream, UnitSource>();
+  /** Number of the last picture that it took part in. */
+  lastUsed = 0;
+
+  private constructor(
+    private readonly stage: Stage,
+    private readonly view: number,
+    private readonly streams: ProbeStreams,
+    families: DeviceFamily[],
+  ) {
+    this.#families = families;
+    const pictures = new Map<number, DevicePictures>();
+    for (const family of families) {
+      family.decoder.streams.forEach((stream, position) => {
+        pictures.set(stream.index, { decoder: family.decoder, position });
+        this.#sources.set(stream, family.units(position));
+      });
+    }
+    for (const stream of streams.faces.flatMap(streamsOf)) {
+      if (!this.#sources.has(stream)) {
+        this.#sources.set(stream, new WorkerUnits(stream, stage.desk));
+      }
+    }
+    stage.texels.load(view, pictures);
+  }
+
+  /** Loads a view of the catalogue, of which nothing is known. */
+  static async load(stage: Stage, view: number): Promise<LoadedView> {
+    const streams = stage.texels.catalogue.views[view];
+    const onDevice = streams.faces.flatMap((face) => [face.depth, ...(isOfDevice(face) ? [face.color] : [])]);
+    const families = new Map<string, Stream[]>();
+    for (const stream of onDevice) {
+      const { kernel } = familyOf(stream.header);
+      families.set(kernel, [...(families.get(kernel) ?? []), stream]);
+    }
+    const made = [...families.values()].map((family) => FamilyDecoder.create(stage.gpu, family, ROW_WORDS));
+    const decoders = await Promise.all(made);
+    return new LoadedView(
+      stage,
+      view,
+      streams,
+      decoders.map((decoder) => new DeviceFamily(decoder, stage.desk)),
+    );
+  }
+
+  /** Asks for a frame of the units that are seen; chunks to be fetched are added to `fetch`, and states counted. */
+  ask(frame: number, sees: (stream: Stream, unit: number) => boolean, fetch: Chunk[], counts: UnitCounts): void {
+    const { container } = this.stage.desk;
+    const moves = container.footage.poses.has(container.probes[this.streams.probe].name);
+    for (const [stream, source] of this.#sources) {
+      for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
+        const wanted = sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined;
+        const state = wanted && source.ask(wanted, fetch);
+        if (state !== undefined) {
+          counts[state] += 1;
+        }
+        if (moves && state !== "shown" && source.hasPicture(unit)) {
+          // An older picture was seen from elsewhere.
+          this.stage.texels.forget(stream.index, unit);
+        }
+      }
+    }
+  }
+
+  /** Decodes what was asked for and is here, and sends what workers decoded. Answers the units and pixels that are new. */
+  update(timer: DeviceTimer): { units: number; pixels: number } {
+    const { texels } = this.stage;
+    let [units, pixels] = [0, 0];
+    for (const family of this.#families) {
+      const decoded = family.decode(() => timer.pass("decode"));
+      pixels += decoded.pixels;
+      units += decoded.changed.length;
+      for (const { stream, unit } of decoded.changed) {
+        texels.written(family.decoder.streams[stream].index, unit);
+      }
+    }
+    for (const face of this.streams.faces) {
+      const sent = this.#send(face);
+      units += sent.length;
+      pixels += sent.reduce((sum, [stream, unit]) => {
+        const [, , width, height] = this.stage.desk.container.unitRect(stream.index, unit);
+        return sum + width * height;
+      }, 0);
+    }
+    return { units, pixels };
+  }
+
+  /** Frees what it holds on the device. */
+  unload(): void {
+    this.stage.texels.unload(this.view);
+    this.#families.forEach((family) => family.close());
+  }
+
+  #workers(stream: Stream | undefined): WorkerUnits | undefined {
+    const source = stream && this.#sources.get(stream);
+    return source instanceof WorkerUnits ? source : undefined;
+  }
+
+  /** Sends what workers decoded of a face; answers the units. */
+  #send({ color: stream, alpha: alphaStream, material: materialStream }: FaceStreams): [Stream, number][] {
+    const { texels } = this.stage;
+    const [color, alpha, material] = [stream, alphaStream, materialStream].map((one) => this.#workers(one));
+    const sent: [Stream, number][] = [];
+    for (const unit of material?.takeChanged() ?? []) {
+      texels.uploadMaterial(material!.stream.index, unit, material!.pixels(unit) as Uint8Array);
+      sent.push([material!.stream, unit]);
+    }
+    const cells = color?.takeChanged() ?? [];
+    const mattes = alpha?.takeChanged() ?? [];
+    for (const cell of cells) {
+      this.#sendColor(color!, cell, alpha);
+      sent.push([stream, cell]);
+    }
+    for (const matte of mattes) {
+      const rect = this.#pixelsOf(alpha!, matte).rect;
+      for (const [cell] of this.#unitsUnder(stream, rect)) {
+        if (color !== undefined && color.hasPicture(cell) && !cells.includes(cell)) {
+          this.#sendColor(color, cell, alpha);
+        }
+      }
+      sent.push([alpha!.stream, matte]);
+    }
+    // Only once the colors below them were sent.
+    sent.forEach(([one, unit]) => texels.written(one.index, unit));
+    return sent;
+  }
+
+  /** Sends a cell, or those parts of it over which alpha has pictures. */
+  #sendColor(color: WorkerUnits, cell: number, alpha: WorkerUnits | undefined): void {
+    const { texels, colors } = this.stage;
+    const unit = this.#pixelsOf(color, cell);
+    if (alpha === undefined) {
+      texels.uploadColor(color.stream.index, unit.rect, colors.of(unit, unit.rect));
+      return;
+    }
+    for (const [matte, part] of this.#unitsUnder(alpha.stream, unit.rect)) {
+      if (alpha.hasPicture(matte)) {
+        texels.uploadColor(color.stream.index, part, colors.of(unit, part, this.#pixelsOf(alpha, matte)));
+      }
+    }
+  }
+
+  #pixelsOf(source: WorkerUnits, unit: number): UnitPixels {
+    return { pixels: source.pixels(unit)!, rect: this.stage.desk.container.unitRect(source.stream.index, unit) };
+  }
+
+  /** Units of a stream that a rectangle overlaps, each with what they share. */
+  #unitsUnder({ index }: Stream, rect: UnitPixels["rect"]): [number, UnitPixels["rect"]][] {
+    const { container } = this.stage.desk;
+    const all = Array.from({ length: container.unitCount(index) }, (_, unit) => unit);
+    return all.flatMap((unit): [number, UnitPixels["rect"]][] => {
+      const shared = overlap(container.unitRect(index, unit), rect);
+      return shared === undefined ? [] : [[unit, shared]];
+    });
+  }
+}
