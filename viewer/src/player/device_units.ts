@@ -7,6 +7,13 @@ import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState
 /** Words of chunks that stay on the device beside those that a frame needs. */
 const KEPT_WORDS = 16 << 20;
 
+/** What a call decoded. */
+export interface DecodedUnits {
+  changed: Wanted[];
+  pixels: number;
+  behind: number;
+}
+
 /** The decoder of a family, and the chunks that are on their way to it. */
 export class DeviceFamily {
   /** Units to be decoded by the next call of {@link DeviceFamily.decode}. */
@@ -39,21 +46,21 @@ export class DeviceFamily {
     }
     if (states.every((state) => state === "shown")) {
       this.#wanted.push(wanted);
-      return "working";
+      return "ready";
     }
     return (["broken", "missing", "working"] as const).find((state) => states.includes(state)) ?? "working";
   }
 
   /** Decodes what was asked for and is here; answers the units whose pictures changed, by the positions of their streams, and the pixels
-   *  written. Those that need further calls stay to be asked for. `timing` is asked where there is work. */
-  decode(timing: () => GPUComputePassTimestampWrites | undefined): { changed: Wanted[]; pixels: number } {
+   *  written, and how many are not at their frame yet. `timing` is asked where there is work. */
+  decode(timing: () => GPUComputePassTimestampWrites | undefined): DecodedUnits {
     const [wanted, needed] = [this.#wanted, this.#needed];
     this.#wanted = [];
     this.#needed = new Set();
     const done = this.decoder.decode(wanted, wanted.length > 0 ? timing() : undefined);
     done.refused.forEach(({ key }) => this.#broken.add(key));
     this.decoder.drop(needed, KEPT_WORDS);
-    return { changed: done.written.map((written) => written.wanted), pixels: done.pixels };
+    return { changed: done.written.map(({ wanted: one }) => one), pixels: done.pixels, behind: done.behind.length };
   }
 
   /** Frees the decoder. */

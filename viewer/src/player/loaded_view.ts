@@ -97,13 +97,15 @@ export class LoadedView {
     }
   }
 
-  /** Decodes what was asked for and is here, and sends what workers decoded. Answers the units and pixels that are new. */
-  update(timer: DeviceTimer): { units: number; pixels: number } {
+  /** Decodes what was asked for and is here, and sends what workers decoded. Answers the units and pixels that are new, and the
+   *  units that another call brings nearer to their frame. */
+  update(timer: DeviceTimer): { units: number; pixels: number; behind: number } {
     const { texels } = this.stage;
-    let [units, pixels] = [0, 0];
+    let [units, pixels, behind] = [0, 0, 0];
     for (const family of this.#families) {
       const decoded = family.decode(() => timer.pass("decode"));
       pixels += decoded.pixels;
+      behind += decoded.behind;
       units += decoded.changed.length;
       for (const { stream, unit } of decoded.changed) {
         texels.written(family.decoder.streams[stream].index, unit);
@@ -117,7 +119,7 @@ export class LoadedView {
         return sum + width * height;
       }, 0);
     }
-    return { units, pixels };
+    return { units, pixels, behind };
   }
 
   /** Frees what it holds on the device. */

@@ -271,18 +271,23 @@ class FilmPlayer implements Player {
     // Secondary rays go anywhere.
     const needsAll = this.#hasEffects && active.some((at) => texels.isSpecular(at));
     const sees = (stream: Stream, unit: number): boolean => needsAll || this.#visible.sees(stream, unit);
-    const counts: UnitCounts = { shown: 0, working: 0, missing: 0, broken: 0 };
+    const counts: UnitCounts = { shown: 0, ready: 0, working: 0, missing: 0, broken: 0 };
     const fetch: Chunk[] = [];
     const views = active.map((at) => this.#loaded.get(at)!);
     views.forEach((one) => one.ask(view.frame, sees, fetch, counts));
     const ahead = this.#ahead(view, active, cameras).filter((chunk) => desk.store.get(chunk) === undefined);
     desk.store.want([...fetch, ...ahead]);
     for (const one of views) {
-      const { units, pixels } = one.update(this.#timer);
+      const { units, pixels, behind } = one.update(this.#timer);
+      counts.working += behind;
       this.#totals.cells_decoded += units;
       this.#totals.pixels_decoded += pixels;
     }
     texels.update();
+    if (counts.working > 0 && desk.pool.pending === 0) {
+      // Nothing else would.
+      this.#wake();
+    }
     return { active, cameras, counts };
   }
 

@@ -30,6 +30,8 @@ export interface UnitFrame {
 export type UnitState =
   /** It shows the frame. */
   | "shown"
+  /** It will after the next call of `DeviceFamily.decode`. */
+  | "ready"
   /** Its chunks are here, and jobs on their way. */
   | "working"
   /** Chunks must be fetched. */
