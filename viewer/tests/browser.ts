@@ -85,11 +85,20 @@ export async function inBrowser<T>(answer: RequestListener, path: string, use: (
 /** Calls a function that a page module of tests/ gives, by its name. */
 export type Call = <T>(name: string, argument?: unknown) => Promise<T>;
 
-/** Opens a page with a module of tests/, which puts its functions into `globalThis.functions`, beside `files`. */
-export function inPageOf<T>(entry: string, files: Files, use: (call: Call, page: Page) => Promise<T>): Promise<T> {
+/** A page with a module of tests/, which puts its functions into `globalThis.functions`, beside other files. */
+export function pageFiles(entry: string, files: Files): Map<string, Uint8Array | string> {
   const html = `<!doctype html><title>test</title><script type="module" src="/page.js"></script>`;
-  const all = new Map([["/index.html", html], ["/page.js", bundle(entry)], ...files]);
-  return inBrowser(serve(all), "/index.html", async (page) => {
+  return new Map([["/index.html", html], ["/page.js", bundle(entry)], ...files]);
+}
+
+/** Opens a page of {@link pageFiles}. */
+export function inPageOf<T>(entry: string, files: Files, use: (call: Call, page: Page) => Promise<T>): Promise<T> {
+  return withFunctions(serve(pageFiles(entry, files)), use);
+}
+
+/** Opens /index.html of a server with the files of {@link pageFiles}. */
+export function withFunctions<T>(answer: RequestListener, use: (call: Call, page: Page) => Promise<T>): Promise<T> {
+  return inBrowser(answer, "/index.html", async (page) => {
     await page.waitForFunction(() => "functions" in globalThis);
     const call = <R>(name: string, argument: unknown = null): Promise<R> =>
       page.evaluate(

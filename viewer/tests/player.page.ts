@@ -2,12 +2,15 @@
 
 import { HttpSource } from "../src/format/http.ts";
 import { openPlayer } from "../src/player/player.ts";
-import type { Player, PlayerStats, Problem, View } from "../src/player/types.ts";
+import type { Film, Overlay, Player, PlayerStats, Problem, View } from "../src/player/types.ts";
 
 let player: Player;
 let problems: Problem[] = [];
 
-function viewOf(view: Partial<View>): View {
+/** A view in the form in which it comes from the test. */
+type Asked = Partial<Omit<View, "overlays">> & { overlays?: string[] };
+
+function viewOf({ overlays, ...view }: Asked): View {
   const plain: View = {
     pose: player.film.start,
     frame: player.film.firstFrame,
@@ -20,27 +23,42 @@ function viewOf(view: Partial<View>): View {
     overlays: new Set(),
     steps: 1024,
   };
-  return { ...plain, ...view };
+  return { ...plain, ...view, overlays: new Set(overlays as Overlay[]) };
 }
 
-/** The last picture as 32-bit words of floats in base 64. */
+/** The last picture as 32-bit words of floats. */
 async function picture(): Promise<{ size: [number, number]; words: number[] }> {
   const { size, rgba } = await player.pixels();
   return { size, words: [...new Uint32Array(rgba.buffer)] };
 }
 
+async function open(url: string): Promise<Film> {
+  problems = [];
+  const canvas = document.createElement("canvas");
+  document.body.replaceChildren(canvas);
+  player = await openPlayer(await HttpSource.open(url), canvas);
+  player.onProblem = (problem) => problems.push(problem);
+  return player.film;
+}
+
 Object.assign(globalThis, {
   functions: {
-    open: async (url: string) => {
-      problems = [];
-      const canvas = document.createElement("canvas");
-      document.body.replaceChildren(canvas);
-      player = await openPlayer(await HttpSource.open(url), canvas);
-      player.onProblem = (problem) => problems.push(problem);
-      return player.film;
+    open,
+    /** Opens a film that may be hostile, draws it, and answers what was said. */
+    survive: async ([url, view]: [string, Asked]): Promise<string[]> => {
+      try {
+        await open(url);
+        const failed = new Promise((resolve) => (player.onProblem = (problem) => resolve(problems.push(problem))));
+        await Promise.race([player.settle(viewOf({ ...view, frame: player.film.firstFrame })), failed]);
+        await player.draw(viewOf({ ...view, frame: player.film.firstFrame }));
+        player.close();
+      } catch (error) {
+        return [error instanceof Error ? `${error.name}: ${error.message}` : String(error)];
+      }
+      return problems.map(({ message }) => message);
     },
-    draw: (view: Partial<View>): Promise<PlayerStats> => player.draw(viewOf(view)),
-    settle: async (view: Partial<View>): Promise<PlayerStats> => {
+    draw: (view: Asked): Promise<PlayerStats> => player.draw(viewOf(view)),
+    settle: async (view: Asked): Promise<PlayerStats> => {
       await player.settle(viewOf(view));
       return player.draw(viewOf(view));
     },

@@ -1,0 +1,93 @@
+// Films that the program makes for tests, and pictures that it renders of them. LIGHTFOLD names the program.
+
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import type { Pose } from "../src/player/types.ts";
+
+const PROGRAM = process.env["LIGHTFOLD"];
+
+/** Why tests that need the program cannot run here, for `skip` of node:test; `false` where they can. */
+export const withoutProgram: string | false = PROGRAM === undefined ? "not run: LIGHTFOLD names no program" : false;
+
+/** Runs the program and answers its standard output. */
+export function lightfold(...args: string[]): Buffer {
+  return execFileSync(PROGRAM!, args, { maxBuffer: 2 ** 28, stdio: ["ignore", "pipe", "pipe"] });
+}
+
+export interface Films {
+  /** Path of a container encoded with these options, from the same images. */
+  encode(name: string, ...options: string[]): string;
+  path(name: string): string;
+  remove(): void;
+}
+
+/** Three probes in a scene of the program, three frames each. */
+export function capture(scene: string, size: number): Films {
+  const folder = mkdtempSync(join(tmpdir(), "lightfold-viewer-"));
+  const images = join(folder, "images");
+  const positions = ["-0.3,1.5,0", "0.3,1.5,0", "0,1.7,0.2"].map((position) => `--position=${position}`);
+  lightfold("capture", scene, ...positions, "--size", String(size), "--frames", "0-2", "-o", images, "-q");
+  const path = (name: string): string => join(folder, name);
+  return {
+    encode: (name, ...options) => {
+      lightfold("encode", images, ...options, "-o", path(name), "-q");
+      return path(name);
+    },
+    path,
+    remove: () => rmSync(folder, { recursive: true, force: true }),
+  };
+}
+
+/** A view for both, the page and the program. */
+export interface Shot {
+  pose: Pose;
+  frame: number;
+  size: [number, number];
+  fovDeg: number;
+  steps: number;
+}
+
+/** Options of `lightfold render` for a view. */
+export function shotOptions({ pose: { eye, yaw, pitch }, frame, size, fovDeg, steps }: Shot): string[] {
+  const forward = [-Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
+  const target = eye.map((part, axis) => part + forward[axis]);
+  const place = [`--eye=${eye.join()}`, `--look-at=${target.join()}`, "--fov", String(fovDeg)];
+  return [...place, "--size", size.join("x"), "--frames", String(frame), "--steps", String(steps)];
+}
+
+/** Red, green and blue codes of a picture of the program, row by row. */
+export function rendered(film: string, shot: Shot, ...options: string[]): Uint8Array {
+  const output = lightfold("render", film, ...shotOptions(shot), ...options, "-o", "-", "--stream-format", "raw", "-q");
+  return output.subarray(output.indexOf("\n") + 1);
+}
+
+/** Stored bytes that the program reads for a picture, and its tiles and cells. */
+export function readFor(film: string, shot: Shot): { bytes_read: number; cells_decoded: number } {
+  const report = lightfold("render", film, ...shotOptions(shot), "--null", "--stats", "--json", "-q").toString();
+  return JSON.parse(report) as { bytes_read: number; cells_decoded: number };
+}
+
+/** Codes of linear light behind the curve of sRGB. */
+export function codesOf(rgba: Float32Array): Uint8Array {
+  const code = (light: number): number => {
+    const value = light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055;
+    return Math.max(0, Math.min(255, Math.round(255 * value)));
+  };
+  return Uint8Array.from({ length: (rgba.length / 4) * 3 }, (_, at) => code(rgba[4 * Math.floor(at / 3) + (at % 3)]));
+}
+
+/** Peak signal to noise of 8-bit codes in dB. */
+export function psnr(one: Uint8Array, other: Uint8Array): number {
+  if (one.length !== other.length) {
+    throw new Error(`${one.length} codes beside ${other.length}`);
+  }
+  const sum = one.reduce((total, code, at) => total + (code - other[at]) ** 2, 0);
+  return 10 * Math.log10((255 ** 2 * one.length) / sum);
+}
+
+/** The bytes of a file. */
+export function bytesOf(path: string): Uint8Array {
+  return new Uint8Array(readFileSync(path));
+}

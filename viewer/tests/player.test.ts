@@ -1,0 +1,188 @@
+// The player of containers in headless Chromium, beside the program: pictures, bytes, servers that fail, files that are hostile.
+
+import assert from "node:assert/strict";
+import { after, before, describe, test } from "node:test";
+import type { PlayerStats, Problem } from "../src/player/types.ts";
+import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
+import { filmServer, type FilmServer } from "./film_server.ts";
+import { bytesOf, capture, codesOf, type Films, psnr, readFor, rendered, type Shot, withoutProgram } from "./films.ts";
+import { chance, spoiled, vectors } from "./vectors.ts";
+
+const skip = withoutBrowser || withoutProgram;
+const PAGE = "tests/player.page.ts";
+/** What a picture of the device must equal that of the processor to. */
+const LEAST_DB = 50;
+const SIZE: [number, number] = [64, 48];
+
+function shot(yaw: number, more: Partial<Shot> = {}): Shot {
+  const pose = { eye: [0.05, 1.55, 0.05] as [number, number, number], yaw, pitch: -0.1 };
+  return { pose, frame: 0, size: SIZE, fovDeg: 90, steps: 256, ...more };
+}
+
+/** Five poses, and all frames. */
+const SHOTS: Shot[] = [
+  shot(0),
+  shot(1.3, { frame: 1 }),
+  shot(2.6, { frame: 2, pose: { eye: [-0.2, 1.5, 0.1], yaw: 2.6, pitch: 0.3 } }),
+  shot(-2, { pose: { eye: [0.25, 1.6, 0], yaw: -2, pitch: -0.4 } }),
+  shot(-0.7, { frame: 1, fovDeg: 60 }),
+];
+
+async function picture(call: Call): Promise<Float32Array> {
+  const { words } = await call<{ words: number[] }>("picture");
+  return new Float32Array(Uint32Array.from(words).buffer);
+}
+
+describe("The player", { skip }, () => {
+  let films: Films;
+  let files: Map<string, Uint8Array | string>;
+
+  before(() => {
+    films = capture("interior", 64);
+    films.encode("film.lfold", "--clip");
+    files = pageFiles(PAGE, new Map([["/worker.js", bundle("src/worker.ts")]]));
+  });
+  after(() => films.remove());
+
+  const inPage = async <T>(film: string, use: (call: Call, server: FilmServer) => Promise<T>): Promise<T> => {
+    const server = filmServer(bytesOf(film), files);
+    return withFunctions(server.answer, async (call) => {
+      await call("open", "/film.lfold");
+      return use(call, server);
+    });
+  };
+
+  test("shows what lightfold render shows", async () => {
+    await inPage(films.path("film.lfold"), async (call) => {
+      for (const one of SHOTS) {
+        await call("settle", one);
+        const found = psnr(codesOf(await picture(call)), rendered(films.path("film.lfold"), one));
+        assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+      }
+      assert.deepEqual(await call("problems"), []);
+    });
+  });
+
+  for (const [name, ...options] of [
+    ["cells of the device", "--clip", "--color-codec", "cells", "--depth-codec", "quadtree"],
+    ["blocks of the device", "--clip", "--color-block", "bc7", "--depth-codec", "aabb"],
+    ["half floats", "--hdr"],
+  ]) {
+    test(`shows the same of ${name}`, async () => {
+      const film = films.encode("other.lfold", ...options);
+      await inPage(film, async (call) => {
+        for (const one of SHOTS.slice(1, 3)) {
+          await call("settle", one);
+          const found = psnr(codesOf(await picture(call)), rendered(film, one));
+          assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        }
+      });
+    });
+  }
+
+  test("fetches what is in sight, once, and nothing in a pause", async () => {
+    const film = films.path("film.lfold");
+    await inPage(film, async (call, server) => {
+      const still = await call<PlayerStats>("settle", SHOTS[0]);
+      const { bytes_read: bytesRead, cells_decoded: cells } = readFor(film, SHOTS[0]);
+      assert.ok(
+        still.bytesFetched <= 1.1 * bytesRead,
+        `${still.bytesFetched} bytes, lightfold render reads ${bytesRead}`,
+      );
+      assert.equal(still.counters["cells_decoded"], cells);
+      const requests = server.ranges.length;
+      for (let at = 0; at < 5; at += 1) {
+        await call("draw", SHOTS[0]);
+      }
+      assert.equal(server.ranges.length, requests);
+      for (const one of [...SHOTS, ...SHOTS]) {
+        await call("settle", one);
+      }
+      const all = server.ranges.map(String);
+      assert.equal(new Set(all).size, all.length);
+      assert.equal((await call<PlayerStats>("draw", SHOTS[0])).chunksRefetched, 0);
+    });
+  });
+
+  test("does not wait for a slow server", async () => {
+    await inPage(films.path("film.lfold"), async (call, server) => {
+      server.fault = () => "held";
+      for (const one of SHOTS) {
+        assert.ok((await call<PlayerStats>("draw", one)).unitsMissing > 0);
+        assert.deepEqual(await call("fetched"), []);
+      }
+      server.fault = () => "none";
+      server.release();
+      await call("settle", SHOTS[0]);
+      const last = await call<PlayerStats>("draw", SHOTS[0]);
+      assert.deepEqual([last.unitsMissing, last.shownFrame], [0, 0]);
+      assert.equal((await call<[number, number][]>("fetched"))[0]?.[0], 0);
+    });
+  });
+
+  test("shows the same through a server that fails", async () => {
+    let whole: Float32Array | undefined;
+    await inPage(films.path("film.lfold"), async (call) => {
+      await call("settle", SHOTS[0]);
+      whole = await picture(call);
+    });
+    await inPage(films.path("film.lfold"), async (call, server) => {
+      const random = chance(7);
+      server.fault = () => (["error", "cut", "short", "none", "none"] as const)[random(5)];
+      await call("settle", SHOTS[0]);
+      assert.deepEqual(await picture(call), whole);
+      assert.ok((await call<Problem[]>("problems")).every(({ fatal }) => !fatal));
+    });
+  });
+
+  test("tells of a file that changes, and mixes nothing", async () => {
+    await inPage(films.path("film.lfold"), async (call, server) => {
+      await call("settle", SHOTS[0]);
+      server.replace(bytesOf(films.encode("later.lfold", "--clip", "--psnr", "36")));
+      await call("draw", SHOTS[2]);
+      for (let at = 0; at < 50 && (await call<Problem[]>("problems")).length === 0; at += 1) {
+        await new Promise((resolve) => setTimeout(resolve, 20));
+      }
+      assert.deepEqual(await call("problems"), [
+        { fatal: true, message: "The file on the server has changed since it was opened" },
+      ]);
+      const fetched = (await call<PlayerStats>("draw", SHOTS[2])).bytesFetched;
+      await call("draw", SHOTS[3]);
+      assert.equal((await call<PlayerStats>("draw", SHOTS[3])).bytesFetched, fetched);
+    });
+  });
+
+  test("draws overlays and two eyes", async () => {
+    await inPage(films.path("film.lfold"), async (call) => {
+      await call("settle", SHOTS[0]);
+      for (const overlay of ["probes", "holes", "units", "keyframes", "fetched"]) {
+        await call("draw", { ...SHOTS[0], overlays: [overlay] });
+      }
+      for (const stereo of ["side-by-side", "anaglyph"]) {
+        await call("settle", { ...SHOTS[0], stereo });
+      }
+      assert.deepEqual(await call("problems"), []);
+    });
+  });
+
+  test("ends hostile files in a sentence", async () => {
+    const random = chance(11);
+    const film = bytesOf(films.path("film.lfold"));
+    const hostile = [
+      ...[...vectors("invalid"), ...vectors("limits")].map(({ name, bytes }) => ({ name, bytes })),
+      ...Array.from({ length: 40 }, (_, at) => ({ name: `change ${at}`, bytes: spoiled(film, random) })),
+    ];
+    const all = new Map([...files, ...hostile.map(({ bytes }, at) => [`/${at}.lfold`, bytes] as const)]);
+    await withFunctions(filmServer(film, all).answer, async (call) => {
+      for (const [at, { name }] of hostile.entries()) {
+        const said = await call<string[]>("survive", [`/${at}.lfold`, SHOTS[1]]);
+        assert.ok(said.length > 0 || name.startsWith("change"), name);
+        said.forEach((sentence) => assert.doesNotMatch(sentence, /undefined|TypeError|RangeError|\bat .*:\d+/u, name));
+      }
+      // The page itself is well.
+      await call("open", "/film.lfold");
+      await call("settle", SHOTS[0]);
+      assert.deepEqual(await call("problems"), []);
+    });
+  });
+});
