@@ -64,7 +64,7 @@ impl Places {
         Places { scene: at("scene"), container: at("demo.lfold"), decoded: at("decoded") }
     }
 
-    fn commands(&self, settings: &EncodeSettings) -> [String; 4] {
+    fn commands(&self, settings: &EncodeSettings) -> [String; 5] {
         let word = |path: &PathBuf| shell_word(&path.display().to_string());
         let [scene, container, decoded] = [&self.scene, &self.container, &self.decoded].map(word);
         [
@@ -76,6 +76,7 @@ impl Places {
                 depth_bound(settings),
                 settings.search.min_psnr_db
             ),
+            format!("lightfold view {container} --open"),
         ]
     }
 }
@@ -90,7 +91,7 @@ struct Report {
     depth: DepthReport,
     color: ColorReport,
     seconds: Seconds,
-    commands: [String; 4],
+    commands: [String; 5],
 }
 
 #[derive(Serialize)]

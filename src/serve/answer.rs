@@ -27,7 +27,7 @@ pub type Body = Either<Full<Bytes>, Channel<Bytes, io::Error>>;
 
 /// The page may load what this server has, and pictures that it makes itself; nothing of other origins, and no page may frame it.
 const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; \
-    img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    img-src 'self' blob: data:; connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Of what a browser asks the user about, the page may use gamepads and headsets.
 const PERMISSIONS: &str =
     "gamepad=(self), xr-spatial-tracking=(self), camera=(), display-capture=(), geolocation=(), microphone=(), usb=()";

@@ -65,18 +65,28 @@ async function listen(server: Server): Promise<string> {
   return `http://127.0.0.1:${port}`;
 }
 
-/** Opens `path` of a server of its own, runs `use` on the page, and closes all. Errors of the page's script are thrown. */
-export async function inBrowser<T>(answer: RequestListener, path: string, use: (page: Page) => Promise<T>): Promise<T> {
-  const server = createServer(answer);
-  const origin = await listen(server);
+/** Opens an empty page, runs `use` on it, and closes the browser. Errors of the page's script are thrown. */
+export async function inPage<T>(use: (page: Page) => Promise<T>): Promise<T> {
   const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
   try {
     const page = await browser.newPage();
     const broken = new Promise<never>((_, reject) => page.on("pageerror", reject));
-    await page.goto(origin + path);
     return await Promise.race([use(page), broken]);
   } finally {
     await browser.close();
+  }
+}
+
+/** Opens `path` of a server of its own, and runs `use` on the page. */
+export async function inBrowser<T>(answer: RequestListener, path: string, use: (page: Page) => Promise<T>): Promise<T> {
+  const server = createServer(answer);
+  const origin = await listen(server);
+  try {
+    return await inPage(async (page) => {
+      await page.goto(origin + path);
+      return use(page);
+    });
+  } finally {
     server.closeAllConnections();
     server.close();
   }

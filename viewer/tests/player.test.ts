@@ -2,6 +2,8 @@
 
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
+import { Container } from "../src/format/container.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import type { PlayerStats, Problem } from "../src/player/types.ts";
 import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
 import { filmServer, type FilmServer } from "./film_server.ts";
@@ -168,12 +170,22 @@ describe("The player", { skip }, () => {
   test("ends hostile files in a sentence", async () => {
     const random = chance(11);
     const film = bytesOf(films.path("film.lfold"));
-    const hostile = [
+    const all = [
       ...[...vectors("invalid"), ...vectors("limits")].map(({ name, bytes }) => ({ name, bytes })),
       ...Array.from({ length: 40 }, (_, at) => ({ name: `change ${at}`, bytes: spoiled(film, random) })),
     ];
-    const all = new Map([...files, ...hostile.map(({ bytes }, at) => [`/${at}.lfold`, bytes] as const)]);
-    await withFunctions(filmServer(film, all).answer, async (call) => {
+    // Those that do not even open are of vectors.test.ts, but for some.
+    const opens = await Promise.all(
+      all.map(({ bytes }) =>
+        Container.open(new MemorySource(bytes)).then(
+          () => true,
+          () => false,
+        ),
+      ),
+    );
+    const hostile = all.filter((_, at) => opens[at] || at % 20 === 0);
+    const served = new Map([...files, ...hostile.map(({ bytes }, at) => [`/${at}.lfold`, bytes] as const)]);
+    await withFunctions(filmServer(film, served).answer, async (call) => {
       for (const [at, { name }] of hostile.entries()) {
         const said = await call<string[]>("survive", [`/${at}.lfold`, SHOTS[1]]);
         assert.ok(said.length > 0 || name.startsWith("change"), name);

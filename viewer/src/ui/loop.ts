@@ -80,6 +80,11 @@ export class DrawLoop {
     return this.#host.now() - this.#movedMs >= STILL_MS;
   }
 
+  /** The present view is shown in full. */
+  get isSettled(): boolean {
+    return !this.#isBusy && !this.#isChanged && !this.#isMissing && this.#drawnFactor === 1;
+  }
+
   /** Once a picture of the screen. */
   tick(): void {
     const now = this.#host.now();

@@ -224,6 +224,7 @@ export class Page {
       shown.loop.move();
     }
     shown.loop.tick();
+    this.#stage.ariaBusy = String(!shown.loop.isSettled);
     this.#timeline.showFrame(frame, this.#drawn?.stats.shownFrame ?? frame);
     byId("play", HTMLButtonElement).classList.toggle("playing", shown.clock.isPlaying);
     byId("play", HTMLButtonElement).ariaLabel = shown.clock.isPlaying ? "Pause" : "Play";

@@ -1,0 +1,125 @@
+// The page as `lightfold view` serves it, in headless Chromium.
+
+import assert from "node:assert/strict";
+import { type ChildProcess, spawn } from "node:child_process";
+import { once } from "node:events";
+import { mkdirSync } from "node:fs";
+import { after, before, describe, test } from "node:test";
+import type { Page } from "playwright-core";
+import { inPage, withoutBrowser } from "./browser.ts";
+import { capture, type Films, lightfold, withoutProgram } from "./films.ts";
+
+const skip = withoutBrowser || withoutProgram;
+/** Pictures of the page, to look at. */
+const PICTURES = "target/pictures";
+
+/** `lightfold view`, and the address of its page. */
+async function serveFilm(film: string): Promise<{ address: string; end: () => void }> {
+  const server: ChildProcess = spawn(process.env["LIGHTFOLD"]!, ["view", film], {
+    stdio: ["ignore", "pipe", "ignore"],
+  });
+  const [line] = (await once(server.stdout!, "data")) as [Buffer];
+  return { address: line.toString().trim(), end: () => server.kill() };
+}
+
+/** Opens a page; answers what `use` does, with its complaints and the addresses that it asked for. */
+async function visit(
+  address: string,
+  use: (page: Page) => Promise<void>,
+): Promise<{ complaints: string[]; asked: string[] }> {
+  const [complaints, asked]: [string[], string[]] = [[], []];
+  await inPage(async (page) => {
+    page.on("console", (message) => complaints.push(message.text()));
+    page.on("pageerror", (error) => complaints.push(error.message));
+    page.on("request", (request) => asked.push(request.url()));
+    await page.setViewportSize({ width: 480, height: 320 });
+    await page.goto(address);
+    await use(page);
+  });
+  return { complaints, asked };
+}
+
+/** Waits until the picture of the present view is complete. */
+async function settled(page: Page): Promise<void> {
+  await page.waitForFunction(() => document.getElementById("stage")!.ariaBusy === "false", undefined, {
+    timeout: 120_000,
+  });
+}
+
+/** Keeps a picture of the stage, and answers how many colors it has. */
+async function colorsOf(page: Page, name: string): Promise<number> {
+  const png = await page.locator("#stage").screenshot({ path: `${PICTURES}/${name}.png` });
+  return page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d")!;
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  }, png.toString("base64"));
+}
+
+describe("The page of lightfold view", { skip }, () => {
+  let films: Films;
+  before(() => {
+    mkdirSync(PICTURES, { recursive: true });
+    films = capture("interior", 64);
+    films.encode("film.lfold", "--clip");
+  });
+  after(() => films.remove());
+
+  test("shows a film, asks its own server alone, and complains of nothing", async () => {
+    const { address, end } = await serveFilm(films.path("film.lfold"));
+    try {
+      const { complaints, asked } = await visit(`${address}#eye=0.05,1.55,0.05&look=0,0`, async (page) => {
+        await settled(page);
+        assert.ok((await colorsOf(page, "film")) > 100);
+        // The keyboard alone: forward, then the next frame.
+        const before = await page.evaluate(() => location.hash);
+        await page.keyboard.down("w");
+        await page.waitForTimeout(300);
+        await page.keyboard.up("w");
+        await page.keyboard.press(".");
+        await settled(page);
+        await page.waitForFunction((hash) => location.hash !== hash, before);
+        assert.match(await page.evaluate(() => location.hash), /frame=1/u);
+      });
+      assert.deepEqual(complaints, []);
+      assert.deepEqual(
+        asked.filter((url) => !url.startsWith(address) && !url.startsWith(`blob:${address}`)),
+        [],
+      );
+    } finally {
+      end();
+    }
+  });
+
+  test("shows a simplified scene", async () => {
+    const scene = films.path("scene.glb");
+    lightfold("simplify", films.path("images"), "--triangles", "400", "--effort", "fast", "-o", scene, "-q");
+    const { address, end } = await serveFilm(scene);
+    try {
+      const { complaints } = await visit(address, async (page) => {
+        await settled(page);
+        assert.ok((await colorsOf(page, "scene")) > 100);
+      });
+      assert.deepEqual(complaints, []);
+    } finally {
+      end();
+    }
+  });
+
+  test("says what a file that is no film is", async () => {
+    const { address, end } = await serveFilm(films.path("film.lfold"));
+    try {
+      await visit(address, async (page) => {
+        await page.route("**/film.json", (route) => route.fulfill({ body: "{", contentType: "application/json" }));
+        await page.reload();
+        await page.locator("#notice").waitFor({ state: "visible" });
+        assert.match(await page.locator("#notice").innerText(), /film\.json/u);
+      });
+    } finally {
+      end();
+    }
+  });
+});
