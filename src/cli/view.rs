@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::report::coding_map::counted;
 use crate::serve::{self, Description, Film, Server, Site, Stop};
 
@@ -16,9 +16,11 @@ use crate::serve::{self, Description, Film, Server, Site, Stop};
 #[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \
     lightfold view film_qs8x6a0.75.png\n  lightfold view film.lfold --export site\n\n\
     The address of the page is the line on standard output; Ctrl-C ends the server. It answers requests for the page and for FILE, \
-    nothing else, and unless --listen says otherwise to programs on this machine only. The page needs a browser with WebGPU, \
-    which browsers offer to pages of this machine and to pages by HTTPS. To look from another machine, forward the port (ssh -L \
-    8000:localhost:8000 HOST), or put the site that --export writes on a web server with HTTPS that answers requests for ranges.")]
+    nothing else, and unless --listen says otherwise to programs on this machine only; to hosts by their address, not their name. \
+    Containers need WebGPU, which browsers offer to pages of this machine and to pages by HTTPS. To look from another machine, forward the \
+    port (ssh -L 8000:localhost:8000 HOST), or put the site that --export writes on a web server with HTTPS that answers requests for \
+    ranges, as nginx and Apache do and python3 -m http.server does not.\n\n\
+    --export writes into a new or empty folder, or over an earlier site that has no other files.")]
 pub struct Args {
     /// What to play: a container (.lfold), a simplified scene (.glb) or a quilt (.png)
     #[arg(value_name = "FILE")]
@@ -99,14 +101,15 @@ fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         output::print_text(&format!("{page}\n"))?;
     }
     if !args.listen.is_loopback() {
-        global.note(format_args!("whoever reaches {} sees the film", server.address()));
+        global.note(format_args!(
+            "whoever reaches {} sees the film; by plain HTTP from another machine browsers give the page no WebGPU, which containers need",
+            server.address()
+        ));
     }
     global.note(format_args!("{}: {}; Ctrl-C ends the server", args.input.display(), human_bytes(bytes)));
-    if args.open
-        && let Err(error) = open::that_detached(&page)
-    {
-        output::note(format_args!("no browser could be opened ({error}); open {page} in one"));
+    if args.open && open::that_detached(&page).is_err() {
+        output::note(format_args!("no browser could be opened: open {page} in one"));
     }
     server.run(&stop)?;
-    Err(Error::Interrupted)
+    Ok(ExitStatus::Passed)
 }

@@ -186,6 +186,11 @@ fn check_glb(head: &[u8], path: &Path) -> Result<()> {
     }
 }
 
+/// What the page takes of a quilt (viewer/src/ui/film_file.ts, viewer/src/quilt.ts).
+const MOST_TILES: u32 = 4096;
+const MOST_QUILT_PIXELS: u64 = 1 << 28;
+const ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+
 /// The layout that the name of a picture says, checked against its size.
 fn quilt_shape(path: &Path) -> Result<QuiltShape> {
     let Some(QuiltName { columns, rows, aspect }) = parse_quilt_name(path) else {
@@ -198,8 +203,21 @@ fn quilt_shape(path: &Path) -> Result<QuiltShape> {
         let message = format!("{width}x{height} pixels, and its name says {columns}x{rows} tiles");
         return Err(Error::invalid(message).in_file(path));
     }
+    if columns > MOST_TILES || rows > MOST_TILES || u64::from(width) * u64::from(height) > MOST_QUILT_PIXELS {
+        let message = format!(
+            "{width}x{height} pixels in {columns}x{rows} tiles; the player shows up to {MOST_QUILT_PIXELS} pixels, and {MOST_TILES} tiles \
+             along a side"
+        );
+        return Err(Error::unsupported(message).in_file(path));
+    }
     let in_pixels = || f64::from(width) / f64::from(columns) / (f64::from(height) / f64::from(rows));
-    Ok(QuiltShape { columns, rows, aspect: aspect.unwrap_or_else(in_pixels) })
+    let aspect = aspect.unwrap_or_else(in_pixels);
+    if !ASPECTS.contains(&aspect) {
+        let message =
+            format!("views of width / height {aspect}; the player shows {} to {}", ASPECTS.start(), ASPECTS.end());
+        return Err(Error::unsupported(message).in_file(path));
+    }
+    Ok(QuiltShape { columns, rows, aspect })
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ const MOST_READERS: usize = 16;
 /// Bytes of a request's head, at most.
 const MOST_HEAD_BYTES: usize = 16 << 10;
 /// How long a connection may take for the head of its next request, and be idle.
-const HEAD_TIME: Duration = Duration::from_secs(30);
+const HEAD_TIME: Duration = Duration::from_secs(10);
 /// How long a client may take none of the bytes that wait for it.
 const WRITE_TIME: Duration = Duration::from_secs(120);
 /// Pause after a connection that could not be accepted, as where there are too many open files.
@@ -124,6 +124,8 @@ async fn serve(stream: TcpStream, served: Arc<Served>) {
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIME)
+        // A client that has sent its request may close its side.
+        .half_close(true)
         .max_buf_size(MOST_HEAD_BYTES)
         .serve_connection(TokioIo::new(Box::pin(stream)), service);
     // A client that goes, or breaks the protocol, is its own affair.

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::film::{Description, Film, State};
-use super::player;
+use super::player::{self, PlayerFile};
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
 use crate::json;
@@ -17,6 +17,8 @@ use crate::monitor::Monitor;
 const PIECE_BYTES: u64 = 16 << 20;
 /// What the page is told of the film.
 const DESCRIPTION: &str = "film.json";
+/// Bytes of it, at most.
+const MOST_DESCRIPTION_BYTES: u64 = 64 << 10;
 /// Names that a film has on a site.
 const FILMS: [&str; 3] = ["film.lfold", "film.glb", "film.png"];
 
@@ -32,35 +34,72 @@ pub struct Site {
 /// Writes a site into a folder, which is new, empty, or holds an earlier site; that one is replaced. The monitor gets the bytes of the
 /// film as steps.
 pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
-    if !is_free(path)? {
-        return Err(Error::Usage(format!("{}: holds files of something else; name another folder", path.display())));
-    }
+    let earlier = match earlier_site(path)? {
+        Earlier::Nothing => None,
+        Earlier::Film(url) => Some(url),
+        Earlier::Other(name) => {
+            let message = format!("{}: holds files of something else ({name}); name another folder", path.display());
+            return Err(Error::Usage(message));
+        }
+    };
     let folder = OutputFolder::create(path)?;
     let site = write(film, folder.work_path(), monitor).map_err(|error| folder.present(error))?;
     folder.commit()?;
-    for other in FILMS.iter().filter(|name| **name != film.url()).map(|name| path.join(name)) {
-        match fs::remove_file(&other) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(Error::io(other, error)),
-            _ => {}
-        }
+    if let Some(other) = earlier.filter(|url| *url != film.url()) {
+        let other = path.join(other);
+        std::fs::remove_file(&other).map_err(|error| Error::io(other, error))?;
     }
     Ok(site)
 }
 
-/// Whether a folder is not there, empty, or a site. Another error than that it is not there comes when it is written.
-fn is_free(folder: &Path) -> Result<bool> {
-    let Ok(mut entries) = fs::read_dir(folder) else { return Ok(true) };
-    if entries.next().is_none() {
-        return Ok(true);
-    }
-    let path = folder.join(DESCRIPTION);
-    let text = match fs::read(&path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
-        read => read.map_err(|error| Error::io(path, error))?,
+/// What a folder holds.
+enum Earlier {
+    Nothing,
+    /// A site, with a film of this name.
+    Film(&'static str),
+    /// A file of this name, which is of no site.
+    Other(String),
+}
+
+/// Whether a folder is new, empty, or a site: files of a player and one film, each a regular file.
+fn earlier_site(folder: &Path) -> Result<Earlier> {
+    let io = |error| Error::io(folder, error);
+    let entries = match fs::read_dir(folder) {
+        // Another error comes when the folder is written.
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            return Ok(Earlier::Nothing);
+        }
+        entries => entries.map_err(io)?,
     };
-    let described: Option<Value> = serde_json::from_slice(&text).ok();
-    let url = described.as_ref().and_then(|value| value.get("url")?.as_str());
-    Ok(url.is_some_and(|url| FILMS.contains(&url)))
+    let mut entries: Vec<_> = entries.collect::<io::Result<_>>().map_err(io)?;
+    if entries.is_empty() {
+        return Ok(Earlier::Nothing);
+    }
+    entries.sort_by_key(fs::DirEntry::file_name);
+    let film = described_film(&folder.join(DESCRIPTION))?;
+    for entry in entries {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_known = name == DESCRIPTION || film == Some(name.as_str()) || PlayerFile::named(&name).is_some();
+        if film.is_none() || !is_known || !entry.file_type().map_err(io)?.is_file() {
+            return Ok(Earlier::Other(name));
+        }
+    }
+    Ok(film.map_or(Earlier::Nothing, Earlier::Film))
+}
+
+/// The film that a description names; none where it is no description.
+fn described_film(path: &Path) -> Result<Option<&'static str>> {
+    if !fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_file()) {
+        return Ok(None);
+    }
+    let mut text = Vec::new();
+    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    file.take(MOST_DESCRIPTION_BYTES).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+    let Ok(described) = serde_json::from_slice::<Value>(&text) else { return Ok(None) };
+    let has = |key: &str| described.get(key).is_some();
+    let url = described.get("url").and_then(Value::as_str);
+    let film = FILMS.into_iter().find(|film| url == Some(*film));
+    Ok(film.filter(|_| ["kind", "name", "bytes"].into_iter().all(has)))
 }
 
 fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {

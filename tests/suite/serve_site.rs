@@ -34,8 +34,7 @@ fn a_site_has_the_page_and_the_film_and_replaces_an_earlier_one() {
     let bytes = bytes_below(&site);
     assert_eq!(report["site"], json!({"path": "deep/site", "files": files.len() + 2, "bytes": bytes}));
     assert_eq!(names(&at.join("deep")), BTreeSet::from(["site".to_owned()]));
-    // Another film takes its place, and files of the user stay.
-    fs::write(site.join("notes.txt"), "mine").unwrap();
+    // Another film takes its place.
     let before = names(&site);
     write_glb(&at.join("b.glb"), 50_000);
     fine("view b.glb --export deep/site", at);
@@ -62,6 +61,16 @@ fn folders_of_something_else_are_left_alone() {
         assert!(said.contains("holds files of something else"), "{said}");
         assert_eq!(names(&at.join(name)), files.iter().map(|file| (*file).to_owned()).collect(), "{name}");
     }
+    fine("view a.lfold --export mixed", at);
+    let before = names(&at.join("mixed"));
+    for name in ["film.png", "notes.txt"] {
+        fs::write(at.join("mixed").join(name), "mine").unwrap();
+        assert!(refused("view a.lfold --export mixed", at).contains(&format!("something else ({name})")));
+        fs::remove_file(at.join("mixed").join(name)).unwrap();
+    }
+    fs::write(at.join("mixed/film.json"), "{\"url\": \"film.lfold\", \"x\": 1}").unwrap();
+    assert!(refused("view a.lfold --export mixed", at).contains("something else"));
+    assert_eq!(names(&at.join("mixed")), before);
     assert!(refused("view a.lfold --export a.lfold", at).contains("a file, where a folder was expected"));
     assert!(refused("view a.lfold --export .", at).contains("holds files of something else"));
     fs::create_dir(at.join("empty")).unwrap();

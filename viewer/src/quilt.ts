@@ -2,6 +2,7 @@
 
 import { FormatError, UnsupportedError } from "./format/types.ts";
 import type { ByteSource } from "./format/types.ts";
+import { lightOf } from "./views/straight.ts";
 import type { Player, PlayerStats } from "./player/types.ts";
 import type { QuiltLayout } from "./ui/film_file.ts";
 
@@ -40,11 +41,6 @@ export function tileOf(view: number, layout: QuiltLayout, size: [number, number]
 export function fitted(space: [number, number], aspect: number): [number, number] {
   const width = Math.min(space[0], space[1] * aspect);
   return [Math.max(1, Math.round(width)), Math.max(1, Math.round(width / aspect))];
-}
-
-function linear(code: number): number {
-  const part = code / 255;
-  return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
 }
 
 /** Opens a quilt as a film with a frame for each view, the leftmost first. Poses and settings do not change its pictures. */
@@ -86,6 +82,7 @@ export async function openQuilt(
     chunksRefetched: 0,
     cacheBytes: 4 * size[0] * size[1],
     unitsMissing: 0,
+    unitsBroken: 0,
     shownFrame,
   });
   const player: Player = {
@@ -115,7 +112,7 @@ export async function openQuilt(
     fetched: () => [[0, count - 1]],
     pixels() {
       const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-      const rgba = Float32Array.from(data, (code, at) => (at % 4 === 3 ? code / 255 : linear(code)));
+      const rgba = Float32Array.from(data, (code, at) => (at % 4 === 3 ? code / 255 : lightOf(code, "srgb")));
       return Promise.resolve({ size: [canvas.width, canvas.height], rgba });
     },
     onProblem: () => undefined,

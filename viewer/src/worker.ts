@@ -7,8 +7,10 @@ import { unpack } from "./format/payload.ts";
 import type { CodecHeader } from "./format/types.ts";
 import type { Answer, Job, StreamOutline } from "./player/jobs.ts";
 
-/** Decoders are kept for so many bytes of payloads: a frame is a step from the one before. */
-const KEPT_BYTES = 16 << 20;
+/** Decoders are kept for so many bytes: a frame is a step from the one before. */
+const KEPT_BYTES = 64 << 20;
+/** What a decoder holds of a pixel at most: pictures, keyframes, and what prediction knows. */
+const PIXEL_BYTES = 32;
 
 /** Thrown where a frame blends into a chunk that the job did not have. */
 class NextIsMissing extends Error {}
@@ -29,9 +31,10 @@ function headerOf(stream: number, outline: StreamOutline | undefined): CodecHead
 
 function decoderOf({ chunk, stored, area }: Job, header: CodecHeader): ChunkDecoder {
   const key = `${chunk.stream} ${chunk.unit} ${chunk.firstFrame}`;
+  const [, , width, height] = area.area.rect;
   const kept = decoders.get(key) ?? {
     decoder: chunkDecoder(header, unpack(chunk, stored), area),
-    bytes: chunk.rawBytes,
+    bytes: chunk.rawBytes + PIXEL_BYTES * width * height,
   };
   keptBytes += decoders.delete(key) ? 0 : kept.bytes;
   decoders.set(key, kept);

@@ -1,7 +1,7 @@
 // Films that the program makes for tests, and pictures that it renders of them. LIGHTFOLD names the program.
 
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Pose } from "../src/player/types.ts";
@@ -19,6 +19,8 @@ export function lightfold(...args: string[]): Buffer {
 export interface Films {
   /** Path of a container encoded with these options, from the same images. */
   encode(name: string, ...options: string[]): string;
+  /** The same, where the first probe moves to the side and turns in each frame. */
+  encodeMoving(name: string, ...options: string[]): string;
   path(name: string): string;
   remove(): void;
 }
@@ -33,6 +35,23 @@ export function capture(scene: string, size: number): Films {
   return {
     encode: (name, ...options) => {
       lightfold("encode", images, ...options, "-o", path(name), "-q");
+      return path(name);
+    },
+    encodeMoving: (name, ...options) => {
+      const manifest = join(images, "lightfield.json");
+      const still = readFileSync(manifest, "utf8");
+      const dataset = JSON.parse(still) as { probes: Record<string, unknown>[] };
+      const [{ position, ...probe }] = dataset.probes;
+      const [x, y, z] = position as number[];
+      const turn = (frame: number): number[] => [0, Math.sin(0.05 * frame), 0, Math.cos(0.05 * frame)];
+      probe.poses = [0, 1, 2].map((frame) => ({ frame, position: [x + 0.1 * frame, y, z], orientation: turn(frame) }));
+      dataset.probes[0] = probe;
+      writeFileSync(manifest, JSON.stringify(dataset));
+      try {
+        lightfold("encode", images, ...options, "-o", path(name), "-q");
+      } finally {
+        writeFileSync(manifest, still);
+      }
       return path(name);
     },
     path,

@@ -14,6 +14,7 @@ function viewOf({ overlays, ...view }: Asked): View {
   const plain: View = {
     pose: player.film.start,
     frame: player.film.firstFrame,
+    playing: false,
     size: [64, 64],
     fovDeg: 90,
     stereo: "mono",

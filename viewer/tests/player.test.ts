@@ -106,6 +106,39 @@ describe("The player", { skip }, () => {
     });
   });
 
+  test("has the next frames ready while the film plays, and completes them", async () => {
+    await inPage(films.path("film.lfold"), async (call) => {
+      await call("settle", { ...SHOTS[0], playing: true });
+      for (let at = 0; at < 30; at += 1) {
+        await call("draw", { ...SHOTS[0], playing: true });
+      }
+      for (const frame of [1, 2]) {
+        const { unitsMissing, shownFrame } = await call<PlayerStats>("draw", { ...SHOTS[0], frame, playing: true });
+        assert.deepEqual([unitsMissing, shownFrame], [0, frame]);
+      }
+      const played = psnr(codesOf(await picture(call)), rendered(films.path("film.lfold"), { ...SHOTS[0], frame: 2 }));
+      assert.ok(played >= LEAST_DB, `${played} dB`);
+    });
+  });
+
+  test("shows probes that move as they stand in each frame", async () => {
+    const film = films.encodeMoving("moving.lfold", "--clip");
+    await inPage(film, async (call, server) => {
+      const [first, last] = [SHOTS[0], { ...SHOTS[0], frame: 2 }];
+      for (const one of [first, last, first]) {
+        await call("settle", one);
+        const found = psnr(codesOf(await picture(call)), rendered(film, one));
+        assert.ok(found >= LEAST_DB, `${found} dB in frame ${one.frame}`);
+      }
+      // Away and back, while nothing more arrives.
+      server.fault = () => "held";
+      await call("draw", { ...last, frame: 1 });
+      await call("settle", first);
+      const found = psnr(codesOf(await picture(call)), rendered(film, first));
+      assert.ok(found >= LEAST_DB, `${found} dB after another frame`);
+    });
+  });
+
   test("does not wait for a slow server", async () => {
     await inPage(films.path("film.lfold"), async (call, server) => {
       server.fault = () => "held";
@@ -174,7 +207,7 @@ describe("The player", { skip }, () => {
       ...[...vectors("invalid"), ...vectors("limits")].map(({ name, bytes }) => ({ name, bytes })),
       ...Array.from({ length: 40 }, (_, at) => ({ name: `change ${at}`, bytes: spoiled(film, random) })),
     ];
-    // Those that do not even open are of vectors.test.ts, but for some.
+    // All are of vectors.test.ts; here are some that open, and a few that do not.
     const opens = await Promise.all(
       all.map(({ bytes }) =>
         Container.open(new MemorySource(bytes)).then(
@@ -183,7 +216,7 @@ describe("The player", { skip }, () => {
         ),
       ),
     );
-    const hostile = all.filter((_, at) => opens[at] || at % 20 === 0);
+    const hostile = all.filter((_, at) => at % (opens[at] ? 6 : 40) === 0);
     const served = new Map([...files, ...hostile.map(({ bytes }, at) => [`/${at}.lfold`, bytes] as const)]);
     await withFunctions(filmServer(film, served).answer, async (call) => {
       for (const [at, { name }] of hostile.entries()) {

@@ -43,11 +43,11 @@ test("neighbours in the file are one request, in the order of need", async () =>
       [100, 10],
     ],
   );
-  const arrived: number[] = [];
-  store.onChunk = (offset) => arrived.push(offset);
+  const arrived: string[] = [];
+  store.onChunk = (key) => arrived.push(key);
   source.asked[0].answer();
   await turn();
-  assert.deepEqual(arrived, [110, 130]);
+  assert.deepEqual(arrived, ["110 20", "130 5"]);
   assert.deepEqual([...store.get(third)!], [130, 131, 132, 133, 134]);
   assert.equal(store.get(first), undefined);
   assert.equal(store.stats.bytesFetched, 25);
@@ -81,6 +81,22 @@ test("the cache keeps to its budget, but for what is needed now", async () => {
   source.asked.at(-1)!.answer();
   await turn();
   assert.deepEqual([store.stats.cacheBytes, store.stats.chunksRefetched], [30, 1]);
+});
+
+test("what is in use stays, and ranges may overlap", async () => {
+  const source = new SlowSource();
+  const store = storeOf(source, { cacheBytes: 25 });
+  const [used, wide] = [chunk(100, 10), chunk(100, 12)];
+  store.want([used]);
+  source.asked.at(-1)!.answer();
+  await turn();
+  for (const one of [wide, chunk(200, 10), chunk(300, 10)]) {
+    store.want([one], [used]);
+    source.asked.at(-1)!.answer();
+    await turn();
+  }
+  assert.deepEqual([store.get(used)?.length, store.get(wide)?.length], [10, undefined]);
+  assert.equal(source.asked.length, 4);
 });
 
 test("a failing server is asked again, and the viewer is told once", async () => {

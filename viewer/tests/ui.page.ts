@@ -127,6 +127,7 @@ function statsOf(view: View): PlayerStats {
     chunksFetched: 412,
     chunksRefetched: 0,
     cacheBytes: 21_000_000,
+    unitsBroken: 0,
     unitsMissing: fake.missing,
     shownFrame: view.frame,
   };

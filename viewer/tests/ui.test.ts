@@ -196,9 +196,9 @@ test("spans of fetched frames and time codes", () => {
     ],
   );
   assert.deepEqual(fetchedSpans([[3, 3]], [3, 1], 114), [[7, 100]]);
-  assert.equal(timeCode(0, 24), "00:00:00");
-  assert.equal(timeCode(24 * 61 + 5, 24), "01:01:05");
-  assert.equal(timeCode(30, 29.97), "00:01:00");
+  assert.equal(timeCode(0, 24), "00:00:00:00");
+  assert.equal(timeCode(24 * 61 + 5, 24), "00:01:01:05");
+  assert.equal(timeCode(30, 29.97), "00:00:01:00");
 });
 
 const BASE = "https://example.org/films/film.json";
@@ -284,7 +284,15 @@ test("film time goes on while pictures are slow", () => {
 });
 
 function statsWith(unitsMissing: number): PlayerStats {
-  const none = { decodeMs: 0, marchMs: 0, fetchRate: 0, bytesFetched: 0, requests: 0, chunksFetched: 0 };
+  const none = {
+    decodeMs: 0,
+    marchMs: 0,
+    fetchRate: 0,
+    bytesFetched: 0,
+    requests: 0,
+    chunksFetched: 0,
+    unitsBroken: 0,
+  };
   return { ...none, counters: {}, chunksRefetched: 0, cacheBytes: 0, unitsMissing, shownFrame: 0 };
 }
 

@@ -177,7 +177,7 @@ test("nothing is drawn while nothing changes, and data that arrive are drawn", {
     await tab.evaluate("fake.missing = 2");
     await tab.keyboard.press(".");
     await tab.waitForSelector("#state:not([hidden])");
-    assert.equal(await tab.textContent("#state"), "2 units to come");
+    assert.equal(await tab.textContent("#state"), "2 tiles and cells not loaded yet");
     const during = await read(tab, (fake) => fake.views.length);
     await until(tab, new Function("fake", `return fake.views.length > ${during} + 2`) as (fake: Fake) => boolean);
     await tab.evaluate("fake.missing = 0");
@@ -275,6 +275,7 @@ test("a screenshot is saved as a PNG of the picture", { skip }, async () => {
 const VIEW: Omit<View, "overlays"> = {
   pose: { eye: [0, 0, 0], yaw: 0, pitch: 0 },
   frame: 0,
+  playing: false,
   size: [64, 64],
   fovDeg: 60,
   stereo: "mono",

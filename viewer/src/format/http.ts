@@ -58,7 +58,9 @@ export class HttpSource implements ByteSource {
     }
     if (response.status === 200) {
       await discard(response);
-      throw new UnsupportedError("The server does not answer requests for ranges of a file, which the player needs.");
+      throw new UnsupportedError(
+        "The server does not answer requests for ranges of a file, which the player needs: nginx and Apache do, python3 -m http.server does not.",
+      );
     }
     try {
       checkStatus(response);

@@ -168,11 +168,6 @@ export class Marcher {
     }
   }
 
-  destroy(): void {
-    this.#buffers.forEach((buffer) => this.gpu.release(buffer));
-    this.#buffers.clear();
-  }
-
   #send({ scene, views, faces, distancesM }: SceneRows): void {
     for (const [name, words] of Object.entries({ scene, views, faces, distances_m: distancesM })) {
       let buffer = this.#buffers.get(name);

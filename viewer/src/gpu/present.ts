@@ -79,9 +79,4 @@ export class Presenter {
       pass.end();
     });
   }
-
-  destroy(): void {
-    this.#look.destroy();
-    this.#context.unconfigure();
-  }
 }

@@ -7,7 +7,7 @@
 import type { Rect, Stream } from "../format/types.ts";
 import { unitCountOf, unitRectOf } from "../format/index_tables.ts";
 import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
-import { bounds, joined, overlap } from "../views/rects.ts";
+import { bounds, joined, unitsUnder } from "../views/rects.ts";
 import type { FamilyDecoder } from "./decoder.ts";
 import type { DepthPart, PlaneKernels, TileParts } from "./depth_planes.ts";
 import { DepthPlanes, DepthTables } from "./depth_planes.ts";
@@ -43,21 +43,6 @@ class StreamUnits {
     const before = this.#known[unit];
     this.#known[unit] = Number(isKnown);
     return before !== Number(isKnown);
-  }
-
-  /** Units that overlap a rectangle, each with what they share. */
-  *under(rect: Rect): Generator<[number, Rect]> {
-    const { width, unitWidth, unitHeight } = this.stream;
-    const [left, top, columns, rows] = rect;
-    const inRow = Math.ceil(width / unitWidth);
-    for (let row = Math.floor(top / unitHeight); row * unitHeight < top + rows; row += 1) {
-      for (let column = Math.floor(left / unitWidth); column * unitWidth < left + columns; column += 1) {
-        const shared = overlap(unitRectOf(this.stream, row * inRow + column), rect);
-        if (shared !== undefined) {
-          yield [row * inRow + column, shared];
-        }
-      }
-    }
   }
 }
 
@@ -97,7 +82,7 @@ class LoadedFace {
       stale.set(tile, [unitRectOf(this.streams.depth, tile)]);
     }
     for (const rect of this.staleRects) {
-      for (const [tile, shared] of this.depth.under(rect)) {
+      for (const [tile, shared] of unitsUnder(this.depth.stream, rect)) {
         if (!this.staleTiles.has(tile)) {
           stale.set(tile, [...(stale.get(tile) ?? []), shared]);
         }
@@ -112,7 +97,10 @@ class LoadedFace {
     let parts = rects.map((rect) => ({ rect, isKnown: this.depth.isKnown(tile) }));
     for (const units of this.others) {
       parts = parts.flatMap(({ rect, isKnown }) =>
-        [...units.under(rect)].map(([unit, shared]) => ({ rect: shared, isKnown: isKnown && units.isKnown(unit) })),
+        [...unitsUnder(units.stream, rect)].map(([unit, shared]) => ({
+          rect: shared,
+          isKnown: isKnown && units.isKnown(unit),
+        })),
       );
     }
     // Units of two kinds that turn together cover the same texels.
@@ -154,10 +142,6 @@ export class LightFieldTexels {
     return new LightFieldTexels(gpu, { texels, squares }, catalogue, images);
   }
 
-  isLoaded(view: number): boolean {
-    return this.#views.has(view);
-  }
-
   /** Loads a view of which nothing is known. `pictures`, by the numbers of streams, has all its depth and those of its colors that the
    *  device decodes, with rows of a multiple of 64 words; pixels of other streams are uploaded. */
   load(view: number, pictures: ReadonlyMap<number, DevicePictures>): void {
@@ -193,6 +177,11 @@ export class LightFieldTexels {
   /** Bytes of planes and tables. */
   get bytes(): number {
     return [...this.#views.values()].reduce((sum, { planes }) => sum + planes.bytes, 0);
+  }
+
+  /** Whether a unit has a picture that may be seen. */
+  isKnown(stream: number, unit: number): boolean {
+    return this.#unitsOf(stream).isKnown(unit);
   }
 
   /** Takes in that a unit has a new picture: on the device, or all of its texels were uploaded. */
@@ -287,11 +276,6 @@ export class LightFieldTexels {
   /** The planes of a loaded view. */
   planes(view: number): DepthPlanes {
     return this.#loaded(view).planes;
-  }
-
-  destroy(): void {
-    [...this.#views.keys()].forEach((view) => this.unload(view));
-    this.arrays.destroy();
   }
 
   #copy(

@@ -170,10 +170,6 @@ export class TextureArrays {
     });
   }
 
-  destroy(): void {
-    Object.values(this.#textures).forEach((texture) => texture.destroy());
-  }
-
   #texture(label: string, [width, height]: readonly [number, number], format: GPUTextureFormat): GPUTexture {
     const { columns, rows, layers } = this.#grid;
     return this.gpu.device.createTexture({

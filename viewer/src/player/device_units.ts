@@ -4,9 +4,6 @@ import type { Chunk, Stream } from "../format/types.ts";
 import type { FamilyDecoder, Wanted } from "../gpu/decoder.ts";
 import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 
-/** Words of chunks that stay on the device beside those that a frame needs. */
-const KEPT_WORDS = 16 << 20;
-
 /** What a call decoded. */
 export interface DecodedUnits {
   changed: Wanted[];
@@ -18,7 +15,8 @@ export interface DecodedUnits {
 export class DeviceFamily {
   /** Units to be decoded by the next call of {@link DeviceFamily.decode}. */
   #wanted: Wanted[] = [];
-  /** Chunks of them, by their keys. */
+  /** Chunks that the last frame needed, and that this one needs, by their keys. */
+  #before = new Set<number>();
   #needed = new Set<number>();
   readonly #preparing = new Set<number>();
   readonly #broken = new Set<number>();
@@ -27,6 +25,8 @@ export class DeviceFamily {
   constructor(
     readonly decoder: FamilyDecoder,
     private readonly desk: Desk,
+    /** Words of chunks that stay on the device beside those that a frame needs. */
+    private readonly keptWords: number,
   ) {}
 
   /** A stream's units. */
@@ -34,9 +34,18 @@ export class DeviceFamily {
     return new DeviceUnits(this, position);
   }
 
-  ask(position: number, { unit, frame, chunk, next }: UnitFrame, fetch: Chunk[]): UnitState {
+  shows(position: number, frame: UnitFrame): boolean {
+    return this.decoder.shows(this.#wantedOf(position, frame));
+  }
+
+  #wantedOf(position: number, { unit, frame, chunk, next }: UnitFrame): Wanted {
     const { firstFrame } = this.desk.container.chunks[chunk];
-    const wanted: Wanted = { stream: position, unit, frame, key: chunk + 1, firstFrame, nextKey: next + 1 };
+    return { stream: position, unit, frame, key: chunk + 1, firstFrame, nextKey: next + 1 };
+  }
+
+  ask(position: number, one: UnitFrame, fetch: Chunk[]): UnitState {
+    const { chunk, next } = one;
+    const wanted = this.#wantedOf(position, one);
     if (this.decoder.shows(wanted)) {
       return "shown";
     }
@@ -56,10 +65,11 @@ export class DeviceFamily {
   decode(timing: () => GPUComputePassTimestampWrites | undefined): DecodedUnits {
     const [wanted, needed] = [this.#wanted, this.#needed];
     this.#wanted = [];
+    this.#before = needed;
     this.#needed = new Set();
     const done = this.decoder.decode(wanted, wanted.length > 0 ? timing() : undefined);
     done.refused.forEach(({ key }) => this.#broken.add(key));
-    this.decoder.drop(needed, KEPT_WORDS);
+    this.decoder.drop(needed, this.keptWords);
     return { changed: done.written.map(({ wanted: one }) => one), pixels: done.pixels, behind: done.behind.length };
   }
 
@@ -96,8 +106,8 @@ export class DeviceFamily {
             return;
           }
           if (prepared !== undefined && !this.decoder.add(key, prepared)) {
-            // No room: chunks that nothing needs go, and it is asked for again.
-            this.decoder.drop(this.#needed, 0);
+            // No room: chunks that the last frame did not need go.
+            this.decoder.drop(this.#before, 0);
             if (!this.decoder.add(key, prepared)) {
               this.#broken.add(key);
               this.desk.onBroken("The graphics device has no room for the chunks of a frame.");
@@ -129,6 +139,10 @@ export class DeviceUnits implements UnitSource {
 
   hasPicture(unit: number): boolean {
     return this.family.decoder.showsAny(this.position, unit);
+  }
+
+  shows(wanted: UnitFrame): boolean {
+    return this.family.shows(this.position, wanted);
   }
 
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {

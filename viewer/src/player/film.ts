@@ -2,10 +2,11 @@
 
 import type { Container } from "../format/container.ts";
 import type { Quaternion, Vec3 } from "../format/types.ts";
+import { rangeKey } from "./store.ts";
 import type { Film, Pose } from "./types.ts";
 
 /** First and last frame of all streams. */
-export function frameRange({ streams }: Container): [number, number] {
+function frameRange({ streams }: Container): [number, number] {
   const first = streams.reduce((least, { firstFrame }) => Math.min(least, firstFrame), Infinity);
   const last = streams.reduce(
     (most, { firstFrame, frameCount }) => Math.max(most, firstFrame + frameCount - 1),
@@ -61,11 +62,12 @@ export function filmOf(container: Container, probes: readonly number[]): Film {
 
 function streamRows({ streams, chunks }: Container): Film["streams"] {
   const bytes = new Float64Array(streams.length);
-  const seen = new Set<number>();
+  const seen = new Set<string>();
   for (const chunk of chunks) {
     // Chunks of the same bytes lie in one place, and count for the first of them.
-    bytes[chunk.stream] += seen.has(chunk.offset) ? 0 : chunk.storedBytes;
-    seen.add(chunk.offset);
+    const key = rangeKey(chunk);
+    bytes[chunk.stream] += seen.has(key) ? 0 : chunk.storedBytes;
+    seen.add(key);
   }
   const rows = new Map<string, Film["streams"][number]>();
   for (const { index, kind, codec } of streams) {

@@ -7,11 +7,11 @@ import type { Gpu } from "../gpu/device.ts";
 import { familyOf } from "../gpu/family.ts";
 import type { DevicePictures, LightFieldTexels } from "../gpu/texels.ts";
 import { type FaceStreams, type ProbeStreams, streamsOf } from "../views/catalogue.ts";
-import { overlap } from "../views/rects.ts";
+import { unitsUnder } from "../views/rects.ts";
 import type { ColorTexels, UnitPixels } from "../views/straight.ts";
 import { DeviceFamily } from "./device_units.ts";
 import type { DeviceTimer } from "./timer.ts";
-import { type Desk, unitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
+import { type Desk, unitFrame, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 import { WorkerUnits } from "./worker_units.ts";
 
 /** What a probe needs of the device. */
@@ -20,6 +20,8 @@ export interface Stage {
   desk: Desk;
   texels: LightFieldTexels;
   colors: ColorTexels;
+  /** Words of chunks that each family of streams keeps on the device. */
+  keptWords: number;
 }
 
 /** Units of a frame by their states. */
@@ -34,6 +36,9 @@ function isOfDevice({ color: { header }, alpha }: FaceStreams): boolean {
 export class LoadedView {
   readonly #families: DeviceFamily[];
   readonly #sources = new Map<Stream, UnitSource>();
+  readonly #moves: boolean;
+  /** Of a probe that moves: its units, and what was asked of them. */
+  #asked: { stream: Stream; source: UnitSource; unit: number; wanted: UnitFrame | undefined }[] = [];
   /** Number of the last picture that it took part in. */
   lastUsed = 0;
 
@@ -44,6 +49,8 @@ export class LoadedView {
     families: DeviceFamily[],
   ) {
     this.#families = families;
+    const { container } = stage.desk;
+    this.#moves = container.footage.poses.has(container.probes[streams.probe].name);
     const pictures = new Map<number, DevicePictures>();
     for (const family of families) {
       family.decoder.streams.forEach((stream, position) => {
@@ -74,24 +81,35 @@ export class LoadedView {
       stage,
       view,
       streams,
-      decoders.map((decoder) => new DeviceFamily(decoder, stage.desk)),
+      decoders.map((decoder) => new DeviceFamily(decoder, stage.desk, stage.keptWords)),
     );
   }
 
   /** Asks for a frame of the units that are seen; chunks to be fetched are added to `fetch`, and states counted. */
   ask(frame: number, sees: (stream: Stream, unit: number) => boolean, fetch: Chunk[], counts: UnitCounts): void {
     const { container } = this.stage.desk;
-    const moves = container.footage.poses.has(container.probes[this.streams.probe].name);
+    this.#asked = [];
     for (const [stream, source] of this.#sources) {
       for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
         const wanted = sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined;
-        const state = wanted && source.ask(wanted, fetch);
-        if (state !== undefined) {
-          counts[state] += 1;
+        if (wanted !== undefined) {
+          counts[source.ask(wanted, fetch)] += 1;
         }
-        if (moves && state !== "shown" && source.hasPicture(unit)) {
-          // An older picture was seen from elsewhere.
-          this.stage.texels.forget(stream.index, unit);
+        if (this.#moves) {
+          this.#asked.push({ stream, source, unit, wanted });
+        }
+      }
+    }
+  }
+
+  /** Decodes the next frames of a film that plays, as far as workers do it and their chunks are here. */
+  askAhead(frame: number, sees: (stream: Stream, unit: number) => boolean): void {
+    const { container } = this.stage.desk;
+    for (const [stream, source] of this.#sources) {
+      for (let unit = 0; source instanceof WorkerUnits && unit < container.unitCount(stream.index); unit += 1) {
+        const wanted = sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined;
+        if (wanted !== undefined) {
+          source.askAhead(wanted);
         }
       }
     }
@@ -119,7 +137,22 @@ export class LoadedView {
         return sum + width * height;
       }, 0);
     }
+    this.#place();
     return { units, pixels, behind };
+  }
+
+  /** Of a probe that moves only pictures of the present frame may be seen: older ones are seen from elsewhere. */
+  #place(): void {
+    const { texels } = this.stage;
+    for (const { stream, source, unit, wanted } of this.#asked) {
+      const isRight = wanted !== undefined && source.shows(wanted);
+      if (isRight && !texels.isKnown(stream.index, unit)) {
+        texels.written(stream.index, unit);
+      } else if (!isRight && source.hasPicture(unit)) {
+        texels.forget(stream.index, unit);
+      }
+    }
+    this.#asked = [];
   }
 
   /** Frees what it holds on the device. */
@@ -150,7 +183,7 @@ export class LoadedView {
     }
     for (const matte of mattes) {
       const rect = this.#pixelsOf(alpha!, matte).rect;
-      for (const [cell] of this.#unitsUnder(stream, rect)) {
+      for (const [cell] of unitsUnder(stream, rect)) {
         if (color !== undefined && color.hasPicture(cell) && !cells.includes(cell)) {
           this.#sendColor(color, cell, alpha);
         }
@@ -170,7 +203,7 @@ export class LoadedView {
       texels.uploadColor(color.stream.index, unit.rect, colors.of(unit, unit.rect));
       return;
     }
-    for (const [matte, part] of this.#unitsUnder(alpha.stream, unit.rect)) {
+    for (const [matte, part] of unitsUnder(alpha.stream, unit.rect)) {
       if (alpha.hasPicture(matte)) {
         texels.uploadColor(color.stream.index, part, colors.of(unit, part, this.#pixelsOf(alpha, matte)));
       }
@@ -179,15 +212,5 @@ export class LoadedView {
 
   #pixelsOf(source: WorkerUnits, unit: number): UnitPixels {
     return { pixels: source.pixels(unit)!, rect: this.stage.desk.container.unitRect(source.stream.index, unit) };
-  }
-
-  /** Units of a stream that a rectangle overlaps, each with what they share. */
-  #unitsUnder({ index }: Stream, rect: UnitPixels["rect"]): [number, UnitPixels["rect"]][] {
-    const { container } = this.stage.desk;
-    const all = Array.from({ length: container.unitCount(index) }, (_, unit) => unit);
-    return all.flatMap((unit): [number, UnitPixels["rect"]][] => {
-      const shared = overlap(container.unitRect(index, unit), rect);
-      return shared === undefined ? [] : [[unit, shared]];
-    });
   }
 }

@@ -5,7 +5,7 @@ import type { Container } from "../format/container.ts";
 import type { Rect, Stream } from "../format/types.ts";
 import type { LightFieldTexels } from "../gpu/texels.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
-import { halfBits } from "../views/straight.ts";
+import { halfBits, lightOf as lightOfCode } from "../views/straight.ts";
 import type { Overlay } from "./types.ts";
 
 type Color = [number, number, number];
@@ -59,15 +59,11 @@ export class OverlayTexture {
             this.#texture,
             tile,
             [0, 0, ...streams.size],
-            arrays.colorFormat === "rgba8unorm" ? texels : lightOf(texels),
+            arrays.colorFormat === "rgba8unorm" ? texels : halvesOf(texels),
           );
         }
       }
     }
-  }
-
-  destroy(): void {
-    this.#texture.destroy();
   }
 
   #paint(
@@ -115,8 +111,8 @@ export class OverlayTexture {
 }
 
 /** 8-bit codes as half floats of light. */
-function lightOf(codes: Uint8Array): Uint16Array {
-  const halves = Array.from({ length: 256 }, (_, code) => halfBits((code / 255) ** 2.2));
+function halvesOf(codes: Uint8Array): Uint16Array {
+  const halves = Array.from({ length: 256 }, (_, code) => halfBits(lightOfCode(code, "srgb")));
   return Uint16Array.from(codes, (code) => halves[code]);
 }
 

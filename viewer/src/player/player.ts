@@ -11,10 +11,10 @@ import { Presenter } from "../gpu/present.ts";
 import { MARCH_SETTINGS } from "../gpu/scene.ts";
 import { LightFieldTexels } from "../gpu/texels.ts";
 import { imageBytes } from "../gpu/texture_arrays.ts";
-import { length, subtract } from "../math.ts";
+import { add, length, scale, subtract } from "../math.ts";
 import { activeViews } from "../views/active.ts";
 import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
-import { type Catalogue, catalogueOf, hasFrame, streamsOf } from "../views/catalogue.ts";
+import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from "../views/catalogue.ts";
 import { selectViews } from "../views/selection.ts";
 import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
@@ -22,7 +22,8 @@ import { filmOf } from "./film.ts";
 import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
 import { OverlayTexture, TEXEL_OVERLAYS, type TexelOverlay } from "./overlays.ts";
 import { WorkerPool } from "./pool.ts";
-import { ChunkStore } from "./store.ts";
+import { ChunkStore, rangeKey } from "./store.ts";
+import { FRAMES_AHEAD } from "./worker_units.ts";
 import { DeviceTimer } from "./timer.ts";
 import type { Film, Player, PlayerStats, Problem, View } from "./types.ts";
 import type { Desk } from "./unit_source.ts";
@@ -30,11 +31,15 @@ import type { Desk } from "./unit_source.ts";
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
 const MOST_WORKERS = 4;
-/** Planes and pyramids of an image take as much again as its textures, at most. */
-const PLANES_SHARE = 2;
+/** An image takes about as much again as its textures for planes and pyramids, and again for pictures of its units. */
+const IMAGE_SHARE = 3;
+/** Bytes of chunks on the device beside those that a frame needs. */
+const KEPT_BYTES = 256 << 20;
 /** Seconds that chunks are fetched ahead of the film, and of the eye. */
 const FRAMES_AHEAD_S = 2;
 const EYE_AHEAD_S = 0.5;
+/** An eye that goes faster was put elsewhere. Metres per second. */
+const FASTEST = 6;
 /** An eye that moved longer ago stands. Milliseconds. */
 const STILL_MS = 300;
 const FRESH_MS = 1000;
@@ -68,6 +73,8 @@ interface Motion {
 
 /** What a view takes: views of the catalogue, the nearest first, cameras of the eyes, and how far its units are. */
 interface Sight {
+  /** With a frame that there is. */
+  view: View;
   active: number[];
   cameras: Camera[];
   counts: UnitCounts;
@@ -104,11 +111,10 @@ class FilmPlayer implements Player {
   /** By their places in the catalogue. */
   readonly #loaded = new Map<number, LoadedView>();
   readonly #mostViews: number;
-  /** When chunks arrived, by their offsets. */
-  readonly #arrived = new Map<number, number>();
+  /** When chunks arrived, by the keys of their ranges. */
+  readonly #arrived = new Map<string, number>();
   #overlay: OverlayTexture | undefined;
   #motion: Motion | undefined;
-  #lastFrame: number | undefined;
   #shownFrame: number;
   #draws = 0;
   #totals = { cells_decoded: 0, pixels_decoded: 0 };
@@ -129,8 +135,8 @@ class FilmPlayer implements Player {
     );
     this.#shownFrame = this.film.firstFrame;
     const store = new ChunkStore(container.source);
-    store.onChunk = (offset) => {
-      this.#arrived.set(offset, performance.now());
+    store.onChunk = (key) => {
+      this.#arrived.set(key, performance.now());
       this.#wake();
     };
     store.onProblem = (problem) => this.#tell(problem);
@@ -148,7 +154,11 @@ class FilmPlayer implements Player {
       onBroken: (message) => this.#tell({ fatal: false, message }),
     };
     const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    this.#stage = { gpu, desk: this.#desk, texels, colors: new ColorTexels(catalogue.coding, hasAlpha) };
+    const colors = new ColorTexels(catalogue.coding, hasAlpha);
+    // A probe has a family or two of depth and of color.
+    const keptWords = Math.floor(KEPT_BYTES / 4 / (2 * mostViews));
+    this.#stage = { gpu, desk: this.#desk, texels, colors, keptWords };
+    pool.onFailed = (message) => this.#tell({ fatal: true, message });
     this.#visible = new VisibleUnits(container);
     this.#heading = new VisibleUnits(container);
     this.#marcher = new Marcher(gpu, texels);
@@ -163,7 +173,7 @@ class FilmPlayer implements Player {
     const catalogue = catalogueOf(container);
     const { views } = catalogue;
     const mostFaces = Math.max(...views.map(({ faces }) => faces.length));
-    const ofView = mostFaces * PLANES_SHARE * imageBytes(catalogue);
+    const ofView = mostFaces * IMAGE_SHARE * imageBytes(catalogue);
     const mostViews = Math.min(views.length, Math.max(1, Math.floor(TEXEL_BYTES / ofView)));
     // Compiled while the first chunks are fetched.
     void gpu.pipeline("render-pyramid");
@@ -178,12 +188,12 @@ class FilmPlayer implements Player {
   async draw(view: View): Promise<PlayerStats> {
     const scene = await this.#bring(view);
     const begun = performance.now();
-    const counters = await this.#march(view, scene);
+    const counters = await this.#march(scene);
     const wallMs = performance.now() - begun;
     const times = await this.#timer.read();
     const { counts, active } = scene;
     const unitsMissing = counts.missing + counts.working;
-    this.#shownFrame = unitsMissing === 0 ? view.frame : this.#shownFrame;
+    this.#shownFrame = unitsMissing === 0 ? scene.view.frame : this.#shownFrame;
     const fetched = this.#desk.store.stats;
     return {
       ...fetched,
@@ -197,6 +207,7 @@ class FilmPlayer implements Player {
       decodeMs: times.get("decode") ?? 0,
       marchMs: times.get("march") ?? wallMs,
       unitsMissing,
+      unitsBroken: counts.broken,
       shownFrame: this.#shownFrame,
     };
   }
@@ -219,24 +230,22 @@ class FilmPlayer implements Player {
     if (view === undefined) {
       return [];
     }
-    const isMissing = new Uint8Array(frameCount);
     const active = this.#active(view.pose.eye, view.frame);
-    for (const chunk of this.#chunksOf(active, (stream, unit) => this.#visible.sees(stream, unit), [0, Infinity])) {
-      if (this.#desk.store.get(chunk) === undefined) {
-        const first = chunk.firstFrame - firstFrame;
-        isMissing.fill(1, first, first + chunk.frameCount);
-      }
-    }
+    const sees = (stream: Stream, unit: number): boolean => this.#visible.sees(stream, unit);
+    const missing = this.#chunksOf(active, sees, [0, Infinity])
+      .filter((chunk) => this.#desk.store.get(chunk) === undefined)
+      .map((chunk): [number, number] => [chunk.firstFrame, chunk.firstFrame + chunk.frameCount - 1])
+      .sort((one, other) => one[0] - other[0]);
     const spans: [number, number][] = [];
-    isMissing.forEach((missing, at) => {
-      const last = spans.at(-1);
-      if (missing === 0 && last?.[1] === firstFrame + at - 1) {
-        last[1] += 1;
-      } else if (missing === 0) {
-        spans.push([firstFrame + at, firstFrame + at]);
+    let next = firstFrame;
+    for (const [first, last] of missing) {
+      if (first > next) {
+        spans.push([next, first - 1]);
       }
-    });
-    return spans;
+      next = Math.max(next, last + 1);
+    }
+    const end = firstFrame + frameCount - 1;
+    return next <= end ? [...spans, [next, end]] : spans;
   }
 
   async pixels(): Promise<{ size: [number, number]; rgba: Float32Array }> {
@@ -259,7 +268,8 @@ class FilmPlayer implements Player {
   }
 
   /** Brings the device to a view as far as chunks are here, and asks for the others. */
-  async #bring(view: View): Promise<Sight> {
+  async #bring(asked: View): Promise<Sight> {
+    const view = { ...asked, frame: this.#frameOf(asked.frame) };
     this.#draws += 1;
     this.#lastView = view;
     this.#notice(view);
@@ -275,8 +285,11 @@ class FilmPlayer implements Player {
     const fetch: Chunk[] = [];
     const views = active.map((at) => this.#loaded.get(at)!);
     views.forEach((one) => one.ask(view.frame, sees, fetch, counts));
-    const ahead = this.#ahead(view, active, cameras).filter((chunk) => desk.store.get(chunk) === undefined);
-    desk.store.want([...fetch, ...ahead]);
+    const inUse = this.#chunksOf(active, sees, [view.frame, view.frame]);
+    desk.store.want([...fetch, ...this.#ahead(view, active, cameras)], inUse);
+    for (let ahead = 1; view.playing && ahead <= FRAMES_AHEAD; ahead += 1) {
+      views.forEach((one) => one.askAhead(view.frame + ahead, sees));
+    }
     for (const one of views) {
       const { units, pixels, behind } = one.update(this.#timer);
       counts.working += behind;
@@ -288,7 +301,7 @@ class FilmPlayer implements Player {
       // Nothing else would.
       this.#wake();
     }
-    return { active, cameras, counts };
+    return { view, active, cameras, counts };
   }
 
   get #hasEffects(): boolean {
@@ -311,11 +324,21 @@ class FilmPlayer implements Player {
       this.#motion = { eye: [...eye], ms: now, velocity: [0, 0, 0] };
     } else if (before.eye.join() !== eye.join()) {
       const seconds = Math.max((now - before.ms) / 1000, 0.01);
-      const velocity = subtract(eye, before.eye).map((part) => part / seconds) as Vec3;
-      this.#motion = { eye: [...eye], ms: now, velocity };
+      const velocity = scale(subtract(eye, before.eye), 1 / seconds);
+      this.#motion = { eye: [...eye], ms: now, velocity: length(velocity) <= FASTEST ? velocity : [0, 0, 0] };
     } else if (now - before.ms > STILL_MS) {
       before.velocity = [0, 0, 0];
     }
+  }
+
+  /** The frame itself, or the nearest before it that a view has, or else the first of any. */
+  #frameOf(frame: number): number {
+    const ranges = this.#catalogue.views.flatMap(frameRanges);
+    if (ranges.some(([first, last]) => first <= frame && frame <= last)) {
+      return frame;
+    }
+    const before = ranges.map(([, last]) => last).filter((last) => last < frame);
+    return before.length > 0 ? Math.max(...before) : Math.min(...ranges.map(([first]) => first));
   }
 
   /** The views that have a frame, the nearest to the eye first, as many as the device has room for. */
@@ -344,16 +367,14 @@ class FilmPlayer implements Player {
   /** Chunks that will be needed: those around where the eye is heading, and while the film plays those of its next frames. */
   #ahead(view: View, active: readonly number[], cameras: readonly Camera[]): Chunk[] {
     const { frame } = view;
-    const isPlaying = this.#lastFrame !== undefined && this.#lastFrame !== frame;
-    this.#lastFrame = frame;
     const chunks: Chunk[] = [];
     const velocity = this.#motion?.velocity ?? [0, 0, 0];
     if (length(velocity) > 0) {
-      const eye = view.pose.eye.map((part, axis) => part + velocity[axis] * EYE_AHEAD_S) as Vec3;
+      const eye = add(view.pose.eye, scale(velocity, EYE_AHEAD_S));
       this.#heading.look(cameras.map((camera) => ({ ...camera, eye })));
       chunks.push(...this.#chunksOf(active, (stream, unit) => this.#heading.sees(stream, unit), [frame, frame]));
     }
-    if (isPlaying) {
+    if (view.playing) {
       const last = frame + Math.ceil(FRAMES_AHEAD_S * this.film.framesPerSecond);
       const next = this.#chunksOf(active, (stream, unit) => this.#visible.sees(stream, unit), [frame + 1, last]);
       chunks.push(...next.sort((a, b) => a.firstFrame - b.firstFrame));
@@ -383,7 +404,7 @@ class FilmPlayer implements Player {
   }
 
   /** Renders the eyes and what overlays show, and presents them; answers the counters of the first eye. */
-  async #march(view: View, { active, cameras }: Sight): Promise<Record<string, number>> {
+  async #march({ view, active, cameras }: Sight): Promise<Record<string, number>> {
     const [width, height] = view.size;
     const size: [number, number] = [view.stereo === "side-by-side" ? Math.ceil(width / 2) : width, height];
     const marksHoles = view.overlays.has("holes");
@@ -423,7 +444,7 @@ class FilmPlayer implements Player {
     this.#overlay ??= new OverlayTexture(this.#container, this.#stage.texels);
     const now = performance.now();
     const isFresh = (chunk: number): boolean => {
-      const arrived = this.#arrived.get(this.#container.chunks[chunk].offset);
+      const arrived = this.#arrived.get(rangeKey(this.#container.chunks[chunk]));
       return arrived !== undefined && now - arrived < FRESH_MS;
     };
     this.#overlay.paint(overlays, { frame, isFresh, views });

@@ -16,12 +16,17 @@ interface Member {
   knows: Set<number>;
   queue: Waiting[];
   current: Waiting | undefined;
+  /** Why it does nothing any more. */
+  failure: string | undefined;
 }
 
 /** A pool of workers. Each has the chunks of certain units, whose decoders it keeps; its jobs run in the order in which they come. */
 export class WorkerPool {
   private readonly members: Member[];
   private nextId = 0;
+
+  /** A worker does not load, or ended: its jobs, also later ones, are rejected. */
+  onFailed: (message: string) => void = () => undefined;
 
   /** `start` makes a worker; `outline` describes a stream. */
   constructor(
@@ -67,12 +72,11 @@ export class WorkerPool {
   }
 
   private member(worker: Worker): Member {
-    const member: Member = { worker, knows: new Set(), queue: [], current: undefined };
+    const member: Member = { worker, knows: new Set(), queue: [], current: undefined, failure: undefined };
     worker.onmessage = ({ data }: MessageEvent<Answer>) => this.finish(member, data);
-    worker.onerror = ({ message }) => {
-      const id = member.current?.job.id ?? 0;
-      this.finish(member, { id, error: `A worker failed: ${message ?? "it did not load"}.` });
-    };
+    worker.onerror = ({ message }) =>
+      this.fail(member, `A worker of the player failed: ${message ?? "it did not load"}`);
+    worker.onmessageerror = () => this.fail(member, "A worker of the player failed: its answer cannot be read");
     return member;
   }
 
@@ -97,12 +101,25 @@ export class WorkerPool {
         continue;
       }
       member.current = waiting;
+      if (member.failure !== undefined) {
+        member.current = undefined;
+        waiting.resolve({ id: waiting.job.id, error: member.failure });
+        continue;
+      }
       const { stream } = waiting.job.chunk;
       const outline = member.knows.has(stream) ? undefined : this.outline(stream);
       member.knows.add(stream);
       // The store keeps its bytes: they are copied, not transferred.
       member.worker.postMessage({ ...waiting.job, ...(outline && { outline }) });
     }
+  }
+
+  private fail(member: Member, failure: string): void {
+    if (member.failure === undefined) {
+      member.failure = failure;
+      this.onFailed(failure);
+    }
+    this.finish(member, { id: member.current?.job.id ?? 0, error: failure });
   }
 
   private finish(member: Member, answer: Answer): void {

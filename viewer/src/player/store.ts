@@ -28,12 +28,6 @@ const FAILURES_TO_REPORT = 4;
 /** The fetch rate is a mean over this time. */
 const RATE_MS = 1000;
 
-interface Request {
-  /** Offsets of its chunks, ascending; the chunks lie one behind the other. */
-  offsets: number[];
-  abort: AbortController;
-}
-
 export interface StoreStats {
   bytesFetched: number;
   requests: number;
@@ -44,17 +38,39 @@ export interface StoreStats {
   fetchRate: number;
 }
 
-/** Chunks by their offsets: chunks of the same bytes share one. */
+interface Request {
+  /** One behind the other in the file. */
+  ranges: Range[];
+  abort: AbortController;
+}
+
+/** Stored bytes of a file: chunks of the same bytes share one range. Ranges may overlap. */
+interface Range {
+  key: string;
+  offset: number;
+  bytes: number;
+}
+
+function rangeOf({ offset, storedBytes }: Chunk): Range {
+  return { key: rangeKey({ offset, storedBytes }), offset, bytes: storedBytes };
+}
+
+/** The same for chunks of the same stored bytes. */
+export function rangeKey({ offset, storedBytes }: Pick<Chunk, "offset" | "storedBytes">): string {
+  return `${offset} ${storedBytes}`;
+}
+
 export class ChunkStore {
-  /** Bytes that arrived. In the order of their last use. */
-  private readonly kept = new Map<number, Uint8Array>();
-  private readonly sizes = new Map<number, number>();
-  /** Offsets in the order of need. */
-  private wanted: number[] = [];
-  private wantedSet = new Set<number>();
-  private readonly pending = new Map<number, Request>();
+  /** Bytes that arrived, by the keys of their ranges, in the order of their last use. */
+  private readonly kept = new Map<string, Uint8Array>();
+  /** What is needed, the most urgent first, by key and by offset. */
+  private wanted = new Map<string, Range>();
+  private wantedAt = new Map<number, Range>();
+  /** Keys of ranges that the last view uses. */
+  private inUse = new Set<string>();
+  private readonly pending = new Set<string>();
   private readonly requests = new Set<Request>();
-  private readonly everFetched = new Set<number>();
+  private readonly everFetched = new Set<string>();
   private readonly arrivals: { at: number; bytes: number }[] = [];
   private timer: ReturnType<typeof setTimeout> | undefined;
   private failures = 0;
@@ -62,8 +78,8 @@ export class ChunkStore {
   private counts = { bytesFetched: 0, requests: 0, chunksFetched: 0, chunksRefetched: 0 };
   private cachedBytes = 0;
 
-  /** A wanted chunk has arrived; its offset. */
-  onChunk: (offset: number) => void = () => {};
+  /** A wanted range has arrived; its key. */
+  onChunk: (key: string) => void = () => {};
   /** A sentence for the viewer. Where it is fatal nothing more is fetched. */
   onProblem: (problem: { fatal: boolean; message: string }) => void = () => {};
 
@@ -72,20 +88,16 @@ export class ChunkStore {
     private readonly settings: StoreSettings = STORE_SETTINGS,
   ) {}
 
-  /** Replaces the list of what is needed, the most urgent first. Requests in flight go on: their bytes are used or kept. */
-  want(chunks: readonly Chunk[]): void {
-    this.wanted = [];
-    this.wantedSet = new Set();
-    for (const chunk of chunks) {
-      // An empty chunk may lie where another begins, and is not fetched.
-      if (chunk.storedBytes > 0 && !this.wantedSet.has(chunk.offset)) {
-        this.wantedSet.add(chunk.offset);
-        this.wanted.push(chunk.offset);
-        this.sizes.set(chunk.offset, chunk.storedBytes);
-      }
-    }
-    for (const offset of this.wanted) {
-      this.touch(offset);
+  /** Replaces the list of what is to be fetched, the most urgent first; what is here is not fetched again. `inUse` is kept beyond the budget,
+   *  and not fetched. Requests in flight go on: their bytes are used or kept. */
+  want(chunks: readonly Chunk[], inUse: readonly Chunk[] = []): void {
+    // An empty chunk is not fetched.
+    const ranges = chunks.filter(({ storedBytes }) => storedBytes > 0).map(rangeOf);
+    this.wanted = new Map(ranges.map((range) => [range.key, range]));
+    this.wantedAt = new Map(ranges.map((range) => [range.offset, range]));
+    this.inUse = new Set(inUse.map(rangeKey));
+    for (const key of [...this.inUse, ...this.wanted.keys()]) {
+      this.touch(key);
     }
     this.trim();
     this.pump();
@@ -93,7 +105,7 @@ export class ChunkStore {
 
   /** The stored bytes of a chunk, if they are here. */
   get(chunk: Chunk): Uint8Array | undefined {
-    return chunk.storedBytes === 0 ? new Uint8Array(0) : this.kept.get(chunk.offset);
+    return chunk.storedBytes === 0 ? new Uint8Array(0) : this.kept.get(rangeKey(chunk));
   }
 
   get stats(): StoreStats {
@@ -111,100 +123,97 @@ export class ChunkStore {
     this.requests.forEach((request) => request.abort.abort());
   }
 
-  private touch(offset: number): void {
-    const bytes = this.kept.get(offset);
+  private touch(key: string): void {
+    const bytes = this.kept.get(key);
     if (bytes !== undefined) {
-      this.kept.delete(offset);
-      this.kept.set(offset, bytes);
+      this.kept.delete(key);
+      this.kept.set(key, bytes);
     }
   }
 
   /** Drops what was used longest ago, down to the budget. */
   private trim(): void {
-    for (const [offset, bytes] of this.kept) {
+    for (const [key, bytes] of this.kept) {
       if (this.cachedBytes <= this.settings.cacheBytes) {
         return;
       }
-      if (!this.wantedSet.has(offset)) {
-        this.kept.delete(offset);
+      if (!this.wanted.has(key) && !this.inUse.has(key)) {
+        this.kept.delete(key);
         this.cachedBytes -= bytes.length;
       }
     }
   }
 
-  private isMissing(offset: number): boolean {
-    return !this.kept.has(offset) && !this.pending.has(offset);
+  private isMissing(range: Range | undefined): range is Range {
+    return range !== undefined && !this.kept.has(range.key) && !this.pending.has(range.key);
   }
 
   private pump(): void {
     if (this.closed || this.timer !== undefined) {
       return;
     }
-    for (const offset of this.wanted) {
+    for (const range of this.wanted.values()) {
       if (this.requests.size >= this.settings.parallel) {
         return;
       }
-      if (this.isMissing(offset)) {
-        void this.fetch(this.runAround(offset));
+      if (this.isMissing(range)) {
+        void this.fetch(this.runFrom(range));
       }
     }
   }
 
-  /** A chunk and those wanted behind it in the file, without a gap. */
-  private runAround(offset: number): number[] {
-    const offsets = [offset];
-    let end = offset + this.sizes.get(offset)!;
-    while (
-      this.wantedSet.has(end) &&
-      this.isMissing(end) &&
-      end - offset + this.sizes.get(end)! <= this.settings.requestBytes
-    ) {
-      offsets.push(end);
-      end += this.sizes.get(end)!;
+  /** A range and those wanted behind it in the file, without a gap. */
+  private runFrom(first: Range): Range[] {
+    const ranges = [first];
+    let end = first.offset + first.bytes;
+    for (;;) {
+      const next = this.wantedAt.get(end);
+      if (!this.isMissing(next) || end + next.bytes - first.offset > this.settings.requestBytes) {
+        return ranges;
+      }
+      ranges.push(next);
+      end += next.bytes;
     }
-    return offsets;
   }
 
-  private async fetch(offsets: number[]): Promise<void> {
-    const request: Request = { offsets, abort: new AbortController() };
-    const first = offsets[0];
-    const count = offsets.reduce((sum, offset) => sum + this.sizes.get(offset)!, 0);
+  private async fetch(ranges: Range[]): Promise<void> {
+    const request: Request = { ranges, abort: new AbortController() };
+    const count = ranges.reduce((sum, { bytes }) => sum + bytes, 0);
     this.requests.add(request);
-    offsets.forEach((offset) => this.pending.set(offset, request));
+    ranges.forEach(({ key }) => this.pending.add(key));
     this.counts.requests += 1;
     let failure: unknown;
     try {
-      const bytes = await this.source.read(first, count, request.abort.signal);
+      const bytes = await this.source.read(ranges[0].offset, count, request.abort.signal);
       if (!this.closed) {
         this.failures = 0;
-        this.arrive(request, bytes);
+        this.arrive(ranges, bytes);
       }
     } catch (error) {
       failure = error;
     }
     this.requests.delete(request);
-    offsets.forEach((offset) => this.pending.delete(offset));
+    ranges.forEach(({ key }) => this.pending.delete(key));
     if (this.closed) {
       return;
     }
     if (failure !== undefined) {
       this.fail(failure);
     } else {
-      offsets.filter((offset) => this.wantedSet.has(offset)).forEach((offset) => this.onChunk(offset));
+      ranges.filter(({ key }) => this.wanted.has(key)).forEach(({ key }) => this.onChunk(key));
     }
     this.pump();
   }
 
-  private arrive(request: Request, bytes: Uint8Array): void {
+  private arrive(ranges: readonly Range[], bytes: Uint8Array): void {
     let at = 0;
-    for (const offset of request.offsets) {
-      const size = this.sizes.get(offset)!;
+    for (const { key, bytes: size } of ranges) {
       // A copy, so that dropping a chunk frees its bytes.
-      this.kept.set(offset, bytes.slice(at, at + size));
+      this.kept.set(key, bytes.slice(at, at + size));
       this.cachedBytes += size;
       this.counts.chunksFetched += 1;
-      this.counts.chunksRefetched += Number(this.everFetched.has(offset));
-      this.everFetched.add(offset);
+      this.counts.chunksRefetched += Number(this.everFetched.has(key));
+      this.everFetched.add(key);
       at += size;
     }
     this.counts.bytesFetched += bytes.length;

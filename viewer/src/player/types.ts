@@ -33,6 +33,8 @@ export type Overlay = "probes" | "holes" | "units" | "keyframes" | "fetched";
 export interface View {
   pose: Pose;
   frame: number;
+  /** Whether the film plays: then frames that come next are fetched and decoded ahead. */
+  playing: boolean;
   /** Of the canvas, in device pixels. The player gives the canvas this size as it shows the picture, so that it is never blank. */
   size: [number, number];
   /** Vertical field of view in degrees. */
@@ -61,8 +63,10 @@ export interface PlayerStats {
   /** Chunks that were fetched a second time, since the cache had dropped them. */
   chunksRefetched: number;
   cacheBytes: number;
-  /** Units of the picture that show an older state, or nothing, as their chunks are not here yet. */
+  /** Tiles and cells of the picture that show an older frame, or nothing, as they are not fetched or decoded yet. */
   unitsMissing: number;
+  /** Tiles and cells whose chunks cannot be decoded. */
+  unitsBroken: number;
   /** Frame of the picture that is shown; the wanted one once it is complete. */
   shownFrame: number;
 }

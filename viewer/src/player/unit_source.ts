@@ -43,6 +43,8 @@ export type UnitState =
 export interface UnitSource {
   /** Whether a unit has any picture. */
   hasPicture(unit: number): boolean;
+  /** Whether what a unit shows is right for a frame. */
+  shows(wanted: UnitFrame): boolean;
   /** What keeps a unit from a frame. Chunks to be fetched are added to `fetch`; jobs begin where their chunks are here. */
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState;
 }

@@ -4,18 +4,29 @@ import type { Pixels } from "../codec/types.ts";
 import type { Chunk, Stream } from "../format/types.ts";
 import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 
-interface Shown {
+/** Pictures of frames to come that a unit keeps. */
+export const FRAMES_AHEAD = 3;
+
+interface Picture {
   pixels: Pixels;
   chunk: number;
   frame: number;
 }
 
+interface Unit {
+  shown: Picture | undefined;
+  /** Of frames that come next, by frame. */
+  ready: Map<number, Picture>;
+  /** Frames that workers are at. */
+  working: Set<number>;
+  /** The frame that was asked for last. */
+  asked: number;
+}
+
 /** One stream. The processor keeps the pictures. */
 export class WorkerUnits implements UnitSource {
   #changed = new Set<number>();
-  readonly #shown = new Map<number, Shown>();
-  /** A job at a time for each unit. */
-  readonly #working = new Set<number>();
+  readonly #units = new Map<number, Unit>();
   readonly #broken = new Set<number>();
   /** Chunks whose last frames blend into the one behind. */
   readonly #needsNext = new Set<number>();
@@ -26,12 +37,17 @@ export class WorkerUnits implements UnitSource {
   ) {}
 
   hasPicture(unit: number): boolean {
-    return this.#shown.has(unit);
+    return this.#units.get(unit)?.shown !== undefined;
+  }
+
+  shows({ unit, chunk, frame }: UnitFrame): boolean {
+    const shown = this.#units.get(unit)?.shown;
+    return shown?.chunk === chunk && shown.frame === frame;
   }
 
   /** The pixels of a unit, row by row. */
   pixels(unit: number): Pixels | undefined {
-    return this.#shown.get(unit)?.pixels;
+    return this.#units.get(unit)?.shown?.pixels;
   }
 
   /** Units with new pictures since the last call. */
@@ -42,23 +58,56 @@ export class WorkerUnits implements UnitSource {
   }
 
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {
-    const shown = this.#shown.get(wanted.unit);
-    if (shown?.chunk === wanted.chunk && shown.frame === wanted.frame) {
+    const unit = this.#unit(wanted.unit);
+    unit.asked = wanted.frame;
+    const { ready } = unit;
+    [...ready.keys()].filter((frame) => !isNear(frame, wanted.frame)).forEach((frame) => ready.delete(frame));
+    if (this.shows(wanted)) {
       return "shown";
     }
+    const picture = ready.get(wanted.frame);
+    if (picture?.chunk === wanted.chunk) {
+      ready.delete(wanted.frame);
+      this.#show(wanted.unit, picture);
+      return "ready";
+    }
+    return this.#start(wanted, fetch);
+  }
+
+  /** Decodes a frame that comes next, where its chunks are here. */
+  askAhead(wanted: UnitFrame): void {
+    const unit = this.#unit(wanted.unit);
+    if (isNear(wanted.frame, unit.asked) && !unit.ready.has(wanted.frame) && !this.shows(wanted)) {
+      this.#start(wanted, []);
+    }
+  }
+
+  #unit(unit: number): Unit {
+    const known = this.#units.get(unit) ?? { shown: undefined, ready: new Map(), working: new Set(), asked: -1 };
+    this.#units.set(unit, known);
+    return known;
+  }
+
+  #show(unit: number, picture: Picture): void {
+    this.#unit(unit).shown = picture;
+    this.#changed.add(unit);
+  }
+
+  #start(wanted: UnitFrame, fetch: Chunk[]): UnitState {
     if (this.#broken.has(wanted.chunk)) {
       return "broken";
     }
+    const unit = this.#unit(wanted.unit);
     const chunk = storedChunk(this.desk, wanted.chunk, fetch);
     const takesNext = wanted.next >= 0 && this.#needsNext.has(wanted.chunk);
     const next = takesNext ? storedChunk(this.desk, wanted.next, fetch) : undefined;
     if (chunk === undefined || (takesNext && next === undefined)) {
       return "missing";
     }
-    if (!this.#working.has(wanted.unit)) {
-      this.#working.add(wanted.unit);
+    if (!unit.working.has(wanted.frame)) {
+      unit.working.add(wanted.frame);
       const frame = wanted.frame - chunk.chunk.firstFrame;
-      const job = this.desk.pool.decode(chunk, frame, () => true, next);
+      const job = this.desk.pool.decode(chunk, frame, () => isNear(wanted.frame, unit.asked), next);
       void job.then(
         (answer) => this.#arrive(wanted, answer),
         (error: Error) => this.#fail(wanted, error),
@@ -68,20 +117,33 @@ export class WorkerUnits implements UnitSource {
   }
 
   #arrive(wanted: UnitFrame, answer: Pixels | "next" | undefined): void {
-    this.#working.delete(wanted.unit);
+    const unit = this.#unit(wanted.unit);
+    unit.working.delete(wanted.frame);
     if (answer === "next") {
       this.#needsNext.add(wanted.chunk);
     } else if (answer !== undefined) {
-      this.#shown.set(wanted.unit, { pixels: answer, chunk: wanted.chunk, frame: wanted.frame });
-      this.#changed.add(wanted.unit);
+      const picture = { pixels: answer, chunk: wanted.chunk, frame: wanted.frame };
+      if (wanted.frame > unit.asked) {
+        unit.ready.set(wanted.frame, picture);
+      } else if (wanted.frame === unit.asked || unit.shown === undefined) {
+        // A late picture is better than none.
+        this.#show(wanted.unit, picture);
+      } else if (unit.shown.frame < wanted.frame || unit.shown.frame > unit.asked) {
+        this.#show(wanted.unit, picture);
+      }
     }
     this.desk.onReady();
   }
 
   #fail(wanted: UnitFrame, error: Error): void {
-    this.#working.delete(wanted.unit);
+    this.#unit(wanted.unit).working.delete(wanted.frame);
     this.#broken.add(wanted.chunk);
     this.desk.onBroken(error.message);
     this.desk.onReady();
   }
+}
+
+/** Whether a frame is the one that is asked for, or one of the next. */
+function isNear(frame: number, asked: number): boolean {
+  return frame >= asked && frame <= asked + FRAMES_AHEAD;
 }

@@ -4,8 +4,8 @@ import type { Pose, StereoLayout } from "../player/types.ts";
 import { shortNumber } from "./link.ts";
 import { forwardOf } from "./pose.ts";
 
-/** Characters that a terminal may act on when text is pasted into it. */
-const CONTROL = /[\u0000-\u001f\u007f-\u009f]/;
+/** Characters that a terminal may act on when text is pasted into it, and marks that change the order in which text is read. */
+const CONTROL = /[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/;
 
 function octal(character: string): string {
   const bytes = new TextEncoder().encode(character);

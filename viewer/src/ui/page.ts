@@ -31,6 +31,8 @@ const MAX_SIDE = 8192;
 /** Metres per second of held keys: this part of the longest side of the head box, within bounds. */
 const PACE_SHARE = 0.4;
 const PACES: [number, number] = [0.15, 3];
+/** Milliseconds of pictures after which a lost film is loaded again by itself. */
+const RELOAD_MS = 10_000;
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
 
 /** Opens the film for a new canvas. */
@@ -72,7 +74,8 @@ export class Page {
   constructor(file: FilmFile, open: Opener) {
     this.#file = file;
     this.#open = open;
-    document.title = `${file.name} · lightfold`;
+    // Isolated: the name may hold marks of direction.
+    document.title = `\u2068${file.name}\u2069 · lightfold`;
     setText(byId("film-name", HTMLElement), file.name);
     const parts = {
       slider: byId("timeline", HTMLInputElement),
@@ -132,6 +135,7 @@ export class Page {
         this.#lost(problem);
       }
     };
+    const openedMs = performance.now();
     let isWhole = false;
     const loop = new DrawLoop({
       draw: (factor) => {
@@ -141,6 +145,8 @@ export class Page {
       onDrawn: (stats, pictureMs) => {
         if (this.#shown?.player === player) {
           this.#drawn = { stats, pictureMs, size: [canvas.width, canvas.height] };
+          // A film that was shown for a while may be loaded again by itself.
+          this.#mayReload ||= performance.now() - openedMs > RELOAD_MS;
         }
       },
       onFailed: (error) => lost({ fatal: true, message: messageOf(error) }),
@@ -156,6 +162,7 @@ export class Page {
     };
     const link = parseLink(location.hash);
     this.#pose ??= this.#posed(film.start, link);
+    this.#pose = { ...this.#pose, eye: clampEye(this.#pose.eye, film.headBox) };
     clock.isLooped = this.#settings.isLooped;
     clock.setSpeed(this.#settings.speed, performance.now());
     clock.seek(this.#frame ?? link.frame ?? film.firstFrame, performance.now());
@@ -176,7 +183,8 @@ export class Page {
     this.#inspector.setFilm(film, marks);
     const unit = isQuilt ? "views" : "frames";
     const frames = isStill ? "still" : `${film.frameCount} ${unit} at ${Number(film.framesPerSecond.toFixed(3))}/s`;
-    const probes = film.probes.length === 0 ? [] : [`${numberText(film.probes.length)} probes`];
+    const { length } = film.probes;
+    const probes = length === 0 ? [] : [`${numberText(length)} ${length === 1 ? "probe" : "probes"}`];
     setText(byId("film-facts", HTMLElement), [...probes, frames, byteText(film.fileBytes)].join(" · "));
     setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
   }
@@ -223,6 +231,10 @@ export class Page {
       this.#frame = frame;
       shown.loop.move();
     }
+    if (this.#settings.marks.has("fetched") && (this.#drawn?.stats.fetchRate ?? 0) > 0) {
+      // What was fetched is marked for a second.
+      shown.loop.change();
+    }
     shown.loop.tick();
     this.#stage.ariaBusy = String(!shown.loop.isSettled);
     this.#timeline.showFrame(frame, this.#drawn?.stats.shownFrame ?? frame);
@@ -247,8 +259,8 @@ export class Page {
     this.#timeline.showFetched(shown.player.fetched());
     const missing = this.#drawn?.stats.unitsMissing ?? 0;
     const state = byId("state", HTMLElement);
-    state.hidden = missing === 0;
-    setText(state, `${numberText(missing)} ${missing === 1 ? "unit" : "units"} to come`);
+    state.hidden = missing === 0 && this.#drawn !== undefined;
+    setText(state, this.#drawn ? `${numberText(missing)} tiles and cells not loaded yet` : "Loading the first picture");
     if (this.#drawn !== undefined && this.#pose !== undefined && this.#panels.open === "inspector") {
       const [width, height] = this.#size(1);
       const half = Math.tan((this.#settings.fovDeg * Math.PI) / 360) * (width / height);
@@ -263,7 +275,8 @@ export class Page {
       (this.#shown?.marks ?? []).flatMap((mark) => (mark !== "overdraw" && marks.has(mark) ? [mark] : [])),
     );
     const [pose, frame, size] = [this.#pose ?? ORIGIN, this.#frame ?? 0, this.#size(factor)];
-    return { pose, frame, size, fovDeg, stereo, eyeDistance, exposureEv, toneMap, overlays, steps };
+    const playing = this.#shown?.clock.isPlaying ?? false;
+    return { pose, frame, playing, size, fovDeg, stereo, eyeDistance, exposureEv, toneMap, overlays, steps };
   }
 
   /** Width, which is even, and height of a picture at a part of the resolution, in device pixels. */
@@ -287,7 +300,7 @@ export class Page {
       return renderCommand(name);
     }
     const { fovDeg, stereo, eyeDistance } = this.#settings;
-    const shot = { pose, fovDeg, stereo, eyeDistance, size: this.#size(1) };
+    const shot = { pose, fovDeg, stereo, eyeDistance, size: this.#size(1 / this.#settings.scale) };
     const frame = this.#frame ?? link.frame;
     return renderCommand(name, kind === "glb" || frame === undefined ? shot : { ...shot, frame });
   }
@@ -392,6 +405,7 @@ export class Page {
     const { film } = player;
     switch (action) {
       case "play":
+        loop.change();
         return clock.isPlaying ? clock.pause(now) : clock.play(now);
       case "step-back":
         return clock.step(-1, now);

@@ -29,12 +29,13 @@ export function fetchedSpans(
   return spans;
 }
 
-/** Seconds as minutes:seconds:frames, the way of film editing. `at` counts from the first frame. */
+/** Hours:minutes:seconds:frames, the way of film editing. `at` counts from the first frame. */
 export function timeCode(at: number, framesPerSecond: number): string {
   const rate = Math.max(1, Math.round(framesPerSecond));
   const seconds = Math.floor(at / rate);
   const two = (value: number): string => String(value).padStart(2, "0");
-  return `${two(Math.floor(seconds / 60))}:${two(seconds % 60)}:${two(at % rate)}`;
+  const minutes = Math.floor(seconds / 60);
+  return [Math.floor(minutes / 60), minutes % 60, seconds % 60, at % rate].map(two).join(":");
 }
 
 export interface TimelineParts {

@@ -45,10 +45,19 @@ export function streamsOf({ depth, color, alpha, material }: FaceStreams): Strea
   return [depth, color, alpha, material].filter((stream) => stream !== undefined);
 }
 
+/** First and last frame that all streams of a face have, of each face that has such. */
+export function frameRanges({ faces }: ProbeStreams): [number, number][] {
+  const ranges = faces.map((face): [number, number] => {
+    const streams = streamsOf(face);
+    const lasts = streams.map(({ firstFrame, frameCount }) => firstFrame + frameCount - 1);
+    return [Math.max(...streams.map(({ firstFrame }) => firstFrame)), Math.min(...lasts)];
+  });
+  return ranges.filter(([first, last]) => first <= last);
+}
+
 /** Whether a probe has a face of which all streams have a frame. */
-export function hasFrame({ faces }: ProbeStreams, frame: number): boolean {
-  const holds = ({ firstFrame, frameCount }: Stream): boolean => firstFrame <= frame && frame < firstFrame + frameCount;
-  return faces.some((face) => streamsOf(face).every(holds));
+export function hasFrame(streams: ProbeStreams, frame: number): boolean {
+  return frameRanges(streams).some(([first, last]) => first <= frame && frame <= last);
 }
 
 function codingOf({ isHalf, transfer, exposureEv }: ColorHeader): ColorCoding {

@@ -68,12 +68,6 @@ function containsDirection({ sides }: Frustum, direction: Vec3): boolean {
   return sides.every((side) => dot(side, direction) >= 0);
 }
 
-/** Whether a point lies inside or on the surface. */
-export function containsPoint(volume: Frustum, point: Vec3): boolean {
-  const fromApex = subtract(point, volume.apex);
-  return dot(fromApex, volume.axes[0]) >= volume.nearM && containsDirection(volume, fromApex);
-}
-
 /** The same with a window that contains all directions within `angle` radians of its own; `undefined` where it is nearly a half space. */
 function widened({ apex, axes, window, nearM, reach }: Frustum, angle: number): Frustum | undefined {
   const step = 2 * angle * reach * reach;

@@ -1,6 +1,7 @@
 // Rectangles of texels: what two have in common, what holds both, and many as few. Mirrors src/views/rects.rs.
 
-import type { Rect } from "../format/types.ts";
+import { unitRectOf } from "../format/index_tables.ts";
+import type { Rect, Stream } from "../format/types.ts";
 
 /** What two rectangles share; `undefined` where that is nothing. */
 export function overlap(a: Rect, b: Rect): Rect | undefined {
@@ -42,4 +43,22 @@ function joinedAlong(axis: 0 | 1, rects: readonly Rect[]): Rect[] {
 /** The same texels in fewer rectangles: neighbors in a row that are as high become one, then neighbors in a column that are as wide. */
 export function joined(rects: readonly Rect[]): Rect[] {
   return joinedAlong(1, joinedAlong(0, rects));
+}
+
+/** Units of a stream's images that overlap a rectangle, each with what they share. */
+export function* unitsUnder(
+  stream: Pick<Stream, "width" | "height" | "unitWidth" | "unitHeight">,
+  rect: Rect,
+): Generator<[number, Rect]> {
+  const { width, unitWidth, unitHeight } = stream;
+  const [left, top, columns, rows] = rect;
+  const inRow = Math.ceil(width / unitWidth);
+  for (let row = Math.floor(top / unitHeight); row * unitHeight < top + rows; row += 1) {
+    for (let column = Math.floor(left / unitWidth); column * unitWidth < left + columns; column += 1) {
+      const shared = overlap(unitRectOf(stream, row * inRow + column), rect);
+      if (shared !== undefined) {
+        yield [row * inRow + column, shared];
+      }
+    }
+  }
 }

@@ -55,7 +55,8 @@ function straightHalf(bits: number, alpha: number): number {
   return alpha > 0 ? halfBits(Math.fround(halfValue(bits) / Math.fround(alpha))) : 0;
 }
 
-function lightOf(code: number, transfer: "srgb" | "linear"): number {
+/** Light of an 8-bit code behind a curve, with no exposure. */
+export function lightOf(code: number, transfer: "srgb" | "linear"): number {
   const value = code / 255;
   if (transfer === "linear") {
     return value;
