@@ -5,6 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Pose } from "../src/player/types.ts";
+import { png } from "./ui_scene.ts";
 
 const PROGRAM = process.env["LIGHTFOLD"];
 
@@ -19,8 +20,8 @@ export function lightfold(...args: string[]): Buffer {
 export interface Films {
   /** Path of a container encoded with these options, from the same images. */
   encode(name: string, ...options: string[]): string;
-  /** The same, where the first probe moves to the side and turns in each frame. */
-  encodeMoving(name: string, ...options: string[]): string;
+  /** The same with a manifest that is changed for it. */
+  encodeWith(name: string, change: (manifest: Manifest, images: string) => void, ...options: string[]): string;
   path(name: string): string;
   remove(): void;
 }
@@ -37,25 +38,54 @@ export function capture(scene: string, size: number): Films {
       lightfold("encode", images, ...options, "-o", path(name), "-q");
       return path(name);
     },
-    encodeMoving: (name, ...options) => {
-      const manifest = join(images, "lightfield.json");
-      const still = readFileSync(manifest, "utf8");
-      const dataset = JSON.parse(still) as { probes: Record<string, unknown>[] };
-      const [{ position, ...probe }] = dataset.probes;
-      const [x, y, z] = position as number[];
-      const turn = (frame: number): number[] => [0, Math.sin(0.05 * frame), 0, Math.cos(0.05 * frame)];
-      probe.poses = [0, 1, 2].map((frame) => ({ frame, position: [x + 0.1 * frame, y, z], orientation: turn(frame) }));
-      dataset.probes[0] = probe;
-      writeFileSync(manifest, JSON.stringify(dataset));
+    encodeWith: (name, change, ...options) => {
+      const file = join(images, "lightfield.json");
+      const before = readFileSync(file, "utf8");
+      const manifest = JSON.parse(before) as Manifest;
+      change(manifest, images);
+      writeFileSync(file, JSON.stringify(manifest));
       try {
         lightfold("encode", images, ...options, "-o", path(name), "-q");
       } finally {
-        writeFileSync(manifest, still);
+        writeFileSync(file, before);
       }
       return path(name);
     },
     path,
     remove: () => rmSync(folder, { recursive: true, force: true }),
+  };
+}
+
+/** What a change of a manifest sees of it. */
+export interface Manifest {
+  files: Record<string, string>;
+  probes: Record<string, unknown>[];
+}
+
+/** Lets the first probe move to the side and turn in each frame. */
+export function moving({ probes }: Manifest): void {
+  const [{ position, ...probe }] = probes;
+  const [x, y, z] = position as number[];
+  const poses = [0, 1, 2].map((frame) => {
+    const orientation = [0, Math.sin(0.05 * frame), 0, Math.cos(0.05 * frame)];
+    return { frame, position: [x + 0.1 * frame, y, z], orientation };
+  });
+  probes[0] = { ...probe, poses };
+}
+
+/** Gives all images of `size` pixels squares of alpha, which go on in each frame. */
+export function withMattes(size: number): (manifest: Manifest, images: string) => void {
+  return ({ files, probes }, images) => {
+    files["alpha"] = "probe_{probe}/face_{face}/matte.%04d.png";
+    for (const { name } of probes) {
+      for (const face of ["px", "nx", "py", "ny", "pz", "nz"]) {
+        for (const frame of [0, 1, 2]) {
+          const alpha = (x: number, y: number): number => [255, 128, 255, 0][((x >> 3) + (y >> 3) + frame) % 4];
+          const matte = png(size, size, (x, y) => [0, 0, 0, alpha(x, y)]);
+          writeFileSync(join(images, `probe_${String(name)}`, `face_${face}`, `matte.000${frame}.png`), matte);
+        }
+      }
+    }
   };
 }
 

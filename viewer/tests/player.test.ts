@@ -7,13 +7,16 @@ import { MemorySource } from "../src/format/memory.ts";
 import type { PlayerStats, Problem } from "../src/player/types.ts";
 import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
 import { filmServer, type FilmServer } from "./film_server.ts";
-import { bytesOf, capture, codesOf, type Films, psnr, readFor, rendered, type Shot, withoutProgram } from "./films.ts";
+import { bytesOf, capture, codesOf, type Films, moving, psnr, readFor } from "./films.ts";
+import { rendered, type Shot, withMattes, withoutProgram } from "./films.ts";
 import { chance, spoiled, vectors } from "./vectors.ts";
 
 const skip = withoutBrowser || withoutProgram;
 const PAGE = "tests/player.page.ts";
 /** What a picture of the device must equal that of the processor to. */
 const LEAST_DB = 50;
+/** Pixels along a side of the images. */
+const FACE = 64;
 const SIZE: [number, number] = [64, 48];
 
 function shot(yaw: number, more: Partial<Shot> = {}): Shot {
@@ -40,7 +43,7 @@ describe("The player", { skip }, () => {
   let files: Map<string, Uint8Array | string>;
 
   before(() => {
-    films = capture("interior", 64);
+    films = capture("interior", FACE);
     films.encode("film.lfold", "--clip");
     files = pageFiles(PAGE, new Map([["/worker.js", bundle("src/worker.ts")]]));
   });
@@ -122,7 +125,7 @@ describe("The player", { skip }, () => {
   });
 
   test("shows probes that move as they stand in each frame", async () => {
-    const film = films.encodeMoving("moving.lfold", "--clip");
+    const film = films.encodeWith("moving.lfold", moving, "--clip");
     await inPage(film, async (call, server) => {
       const [first, last] = [SHOTS[0], { ...SHOTS[0], frame: 2 }];
       for (const one of [first, last, first]) {
@@ -138,6 +141,20 @@ describe("The player", { skip }, () => {
       assert.ok(found >= LEAST_DB, `${found} dB after another frame`);
     });
   });
+
+  for (const options of [["--clip"], ["--hdr"]]) {
+    test(`shows alpha of ${options[0]}`, async () => {
+      const film = films.encodeWith("alpha.lfold", withMattes(FACE), ...options);
+      await inPage(film, async (call) => {
+        for (const one of SHOTS.slice(0, 3)) {
+          await call("settle", one);
+          const found = psnr(codesOf(await picture(call)), rendered(film, one));
+          assert.ok(found >= LEAST_DB, `${found} dB in frame ${one.frame}`);
+        }
+        assert.deepEqual(await call("problems"), []);
+      });
+    });
+  }
 
   test("does not wait for a slow server", async () => {
     await inPage(films.path("film.lfold"), async (call, server) => {

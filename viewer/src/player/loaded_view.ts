@@ -177,37 +177,35 @@ export class LoadedView {
     }
     const cells = color?.takeChanged() ?? [];
     const mattes = alpha?.takeChanged() ?? [];
-    for (const cell of cells) {
-      this.#sendColor(color!, cell, alpha);
-      sent.push([stream, cell]);
-    }
-    for (const matte of mattes) {
-      const rect = this.#pixelsOf(alpha!, matte).rect;
-      for (const [cell] of unitsUnder(stream, rect)) {
-        if (color !== undefined && color.hasPicture(cell) && !cells.includes(cell)) {
-          this.#sendColor(color, cell, alpha);
-        }
+    const under = mattes.flatMap((matte) => [...unitsUnder(stream, this.#pixelsOf(alpha!, matte).rect)]);
+    for (const cell of new Set([...cells, ...under.map(([unit]) => unit)])) {
+      if (color !== undefined && color.hasPicture(cell) && this.#sendColor(color, cell, alpha)) {
+        sent.push([stream, cell]);
       }
-      sent.push([alpha!.stream, matte]);
     }
+    sent.push(...mattes.map((matte): [Stream, number] => [alpha!.stream, matte]));
     // Only once the colors below them were sent.
     sent.forEach(([one, unit]) => texels.written(one.index, unit));
     return sent;
   }
 
-  /** Sends a cell, or those parts of it over which alpha has pictures. */
-  #sendColor(color: WorkerUnits, cell: number, alpha: WorkerUnits | undefined): void {
+  /** Sends a cell, or those parts of it over which alpha shows the same frame; answers whether that was all. */
+  #sendColor(color: WorkerUnits, cell: number, alpha: WorkerUnits | undefined): boolean {
     const { texels, colors } = this.stage;
     const unit = this.#pixelsOf(color, cell);
     if (alpha === undefined) {
       texels.uploadColor(color.stream.index, unit.rect, colors.of(unit, unit.rect));
-      return;
+      return true;
     }
+    let isWhole = true;
     for (const [matte, part] of unitsUnder(alpha.stream, unit.rect)) {
-      if (alpha.hasPicture(matte)) {
+      if (alpha.frame(matte) === color.frame(cell)) {
         texels.uploadColor(color.stream.index, part, colors.of(unit, part, this.#pixelsOf(alpha, matte)));
+      } else {
+        isWhole = false;
       }
     }
+    return isWhole;
   }
 
   #pixelsOf(source: WorkerUnits, unit: number): UnitPixels {

@@ -22,6 +22,7 @@ import { filmOf } from "./film.ts";
 import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
 import { OverlayTexture, TEXEL_OVERLAYS, type TexelOverlay } from "./overlays.ts";
 import { WorkerPool } from "./pool.ts";
+import { withRetries } from "./retries.ts";
 import { ChunkStore, rangeKey } from "./store.ts";
 import { FRAMES_AHEAD } from "./worker_units.ts";
 import { DeviceTimer } from "./timer.ts";
@@ -48,7 +49,7 @@ const OVERLAY_SHARE = 0.55;
 
 /** Opens a container to be drawn on a canvas: a NoWebGpuError without a device, an error of formats/ or of the source. */
 export async function openPlayer(source: ByteSource, canvas: HTMLCanvasElement): Promise<Player> {
-  const [opened, read] = await Promise.allSettled([Gpu.open(), Container.open(source)]);
+  const [opened, read] = await Promise.allSettled([Gpu.open(), withRetries(() => Container.open(source))]);
   if (opened.status === "rejected") {
     throw opened.reason;
   }

@@ -45,6 +45,11 @@ export class WorkerUnits implements UnitSource {
     return shown?.chunk === chunk && shown.frame === frame;
   }
 
+  /** The frame that a unit shows. */
+  frame(unit: number): number | undefined {
+    return this.#units.get(unit)?.shown?.frame;
+  }
+
   /** The pixels of a unit, row by row. */
   pixels(unit: number): Pixels | undefined {
     return this.#units.get(unit)?.shown?.pixels;

@@ -17,7 +17,7 @@ const TURN_RATE_DEG = 70;
 /** Shift, and the left stick pressed, multiply the pace. */
 const FAST = 4;
 /** After a pause the eye does not jump: longest time of a step in seconds. */
-const LONGEST_STEP_S = 0.1;
+const LONGEST_STEP_S = 0.5;
 
 function focusOf(target: EventTarget | null): Focus {
   if (!(target instanceof HTMLElement)) {
@@ -38,7 +38,9 @@ function focusOf(target: EventTarget | null): Focus {
 export class Controls {
   readonly #host: ControlsHost;
   readonly #pointer: PointerInput;
-  readonly #held = new Set<string>();
+  /** Keys that are down, and since when, in milliseconds. */
+  readonly #held = new Map<string, number>();
+  #advancedMs = 0;
   readonly #pressedPads = new Set<string>();
   #isFast = false;
 
@@ -47,11 +49,11 @@ export class Controls {
     this.#host = host;
     this.#pointer = new PointerInput(stage, host);
     window.addEventListener("keydown", (event) => this.#down(event));
-    window.addEventListener("keyup", (event) => {
-      this.#isFast = event.shiftKey;
-      this.#held.delete(event.code);
+    window.addEventListener("keyup", (event) => this.#up(event));
+    window.addEventListener("blur", () => {
+      this.#held.clear();
+      this.#isFast = false;
     });
-    window.addEventListener("blur", () => this.#held.clear());
     // What was pressed with a pointer does not keep the keyboard from the picture.
     let isPointer = false;
     window.addEventListener("pointerdown", () => (isPointer = true), { capture: true });
@@ -68,7 +70,8 @@ export class Controls {
   /** Moves the eye by what is held down, for the seconds since the last call. */
   advance(seconds: number): void {
     const time = Math.min(Math.max(seconds, 0), LONGEST_STEP_S);
-    this.#apply(motionOf(this.#held), this.#isFast, time);
+    this.#advancedMs = performance.now();
+    this.#apply(motionOf(this.#held.keys()), this.#isFast, time);
     // Gamepads are listed once one of their buttons was pressed.
     for (const pad of navigator.getGamepads?.() ?? []) {
       if (pad?.mapping === "standard") {
@@ -94,8 +97,19 @@ export class Controls {
       }
     } else if (isMotionKey(event.code) && isForPage(event, focus)) {
       event.preventDefault();
-      this.#held.add(event.code);
+      this.#held.set(event.code, this.#held.get(event.code) ?? performance.now());
     }
+  }
+
+  #up(event: KeyboardEvent): void {
+    const pressedMs = this.#held.get(event.code);
+    if (pressedMs !== undefined) {
+      // What it did since the last step, which may be all where pictures are slow.
+      const seconds = (performance.now() - Math.max(pressedMs, this.#advancedMs)) / 1000;
+      this.#apply(motionOf([event.code]), this.#isFast, Math.min(Math.max(seconds, 0), LONGEST_STEP_S));
+      this.#held.delete(event.code);
+    }
+    this.#isFast = event.shiftKey;
   }
 
   #apply({ step, turn }: Motion, isFast: boolean, seconds: number): void {

@@ -2,6 +2,7 @@
 
 import { HttpSource } from "../format/http.ts";
 import { openPlayer } from "../player/player.ts";
+import { withRetries } from "../player/retries.ts";
 import type { Player, Pose } from "../player/types.ts";
 import { openQuilt } from "../quilt.ts";
 import type { FilmFile } from "./film_file.ts";
@@ -27,7 +28,7 @@ const CONTAINER_MARKS: readonly Mark[] = ["probes", "holes", "units", "keyframes
 const SCENES = "./glb.js";
 
 async function openScene(file: FilmFile, canvas: HTMLCanvasElement): Promise<Show> {
-  const source = await HttpSource.open(file.url);
+  const source = await withRetries(() => HttpSource.open(file.url));
   const { openScene } = (await import(SCENES)) as typeof import("../glb/main.ts");
   const scene = await openScene(source, canvas, file.name);
   const show: Show = {
@@ -47,7 +48,7 @@ export async function openShow(file: FilmFile, canvas: HTMLCanvasElement): Promi
   if (file.kind === "glb") {
     return openScene(file, canvas);
   }
-  const source = await HttpSource.open(file.url);
+  const source = await withRetries(() => HttpSource.open(file.url));
   if (file.kind === "lfold") {
     return { player: await openPlayer(source, canvas), marks: CONTAINER_MARKS, isFixed: false };
   }
