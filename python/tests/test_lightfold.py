@@ -254,6 +254,9 @@ class Encode(Folder):
 
     @unittest.skipUnless(hasattr(signal, "pthread_kill"), "signals of threads are of POSIX")
     def test_interruption_leaves_no_file(self):
+        # A shell may have started Python with the signal ignored.
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
         # Signals are looked for between streams.
         light = np.random.default_rng(2).uniform(0, 1, (200, 1, 128, 128, 3)).astype(np.float16)
         probes = [str(at) for at in range(len(light))]
