@@ -286,7 +286,7 @@ test("film time goes on while pictures are slow", () => {
 function statsWith(unitsMissing: number): PlayerStats {
   const none = {
     decodeMs: 0,
-    marchMs: 0,
+    marchMs: 1,
     fetchRate: 0,
     bytesFetched: 0,
     requests: 0,

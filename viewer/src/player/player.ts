@@ -44,6 +44,8 @@ const FASTEST = 6;
 /** An eye that moved longer ago stands. Milliseconds. */
 const STILL_MS = 300;
 const FRESH_MS = 1000;
+/** After so long the first picture is drawn of what is here. */
+const FIRST_MS = 1500;
 /** How much of an overlay is shown. */
 const OVERLAY_SHARE = 0.55;
 
@@ -117,6 +119,9 @@ class FilmPlayer implements Player {
   #overlay: OverlayTexture | undefined;
   #motion: Motion | undefined;
   #shownFrame: number;
+  readonly #openedMs = performance.now();
+  /** A picture was drawn. */
+  #isShown = false;
   #draws = 0;
   #totals = { cells_decoded: 0, pixels_decoded: 0 };
   #lastView: View | undefined;
@@ -189,11 +194,13 @@ class FilmPlayer implements Player {
   async draw(view: View): Promise<PlayerStats> {
     const scene = await this.#bring(view);
     const begun = performance.now();
-    const counters = await this.#march(scene);
-    const wallMs = performance.now() - begun;
-    const times = await this.#timer.read();
     const { counts, active } = scene;
     const unitsMissing = counts.missing + counts.working;
+    // Rays through nothing known take longest: the first picture waits for what comes soon.
+    this.#isShown ||= unitsMissing === 0 || begun - this.#openedMs > FIRST_MS;
+    const counters = this.#isShown ? await this.#march(scene) : {};
+    const wallMs = this.#isShown ? performance.now() - begun : 0;
+    const times = await this.#timer.read();
     this.#shownFrame = unitsMissing === 0 ? scene.view.frame : this.#shownFrame;
     const fetched = this.#desk.store.stats;
     return {

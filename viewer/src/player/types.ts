@@ -54,6 +54,7 @@ export interface PlayerStats {
   /** Marching: primary_rays, march_steps, ...; decoding: cells_decoded, cells_skipped, bytes_read, ... */
   counters: Record<string, number>;
   decodeMs: number;
+  /** 0 where nothing was drawn: a film that has just been opened waits a moment for its first tiles and cells. */
   marchMs: number;
   /** Bytes per second over the last second. */
   fetchRate: number;

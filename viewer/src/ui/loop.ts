@@ -104,7 +104,9 @@ export class DrawLoop {
       this.#drawnMs = this.#host.now();
       this.#drawnFactor = factor;
       this.#isMissing = stats.unitsMissing > 0;
-      this.#resolution.note(factor, this.#drawnMs - start);
+      if (stats.unitsMissing === 0 || stats.marchMs > 0) {
+        this.#resolution.note(factor, this.#drawnMs - start);
+      }
       this.#host.onDrawn(stats, this.#drawnMs - start);
     } catch (error) {
       this.#hasFailed = true;
