@@ -1,4 +1,4 @@
-//! The file that is played: its kind, what the page is told of it, and its state on disk.
+//! The file that is played: its kind, its description for the page, and its state on disk.
 
 use std::fs::{File, Metadata};
 use std::io::{Read, Seek, SeekFrom};
@@ -42,7 +42,7 @@ pub struct QuiltShape {
     aspect: f64,
 }
 
-/// What the page is told of a film, in `film.json`.
+/// The description of a film that the page reads, `film.json`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Description {
     /// `lfold`, `glb` or `quilt`.
@@ -115,7 +115,7 @@ impl Film {
         }
     }
 
-    /// What the page is told, for a file of so many bytes.
+    /// The description for the page, of a file of so many bytes.
     pub fn description(&self, bytes: u64) -> Description {
         let (kind, quilt) = match self.kind {
             Kind::Container => ("lfold", None),

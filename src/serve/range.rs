@@ -2,7 +2,7 @@
 //!
 //! Written here because parsers at hand refuse a range of the end that is longer than the file, which stands for all of it.
 
-/// What of a representation is asked for.
+/// The part of a file that a request asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// All of it: there is no range, or one that a server ignores.

@@ -15,7 +15,7 @@ use crate::monitor::Monitor;
 
 /// Bytes between looks at the monitor.
 const PIECE_BYTES: u64 = 16 << 20;
-/// What the page is told of the film.
+/// The description of the film for the page.
 const DESCRIPTION: &str = "film.json";
 /// Bytes of it, at most.
 const MOST_DESCRIPTION_BYTES: u64 = 64 << 10;

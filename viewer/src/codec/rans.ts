@@ -38,7 +38,7 @@ export function distributionsOf(starts: Uint16Array): Distributions {
   return { starts, buckets };
 }
 
-/** Reads symbols and raw bits of one substream (color.md 7.2). Behind its end it goes on with words of 0: see `isShort`. */
+/** Reads symbols and raw bits of one substream (color.md 7.2). Words behind its end are read as 0: see `isShort`. */
 export class RansDecoder {
   readonly #bytes: Uint8Array;
   readonly #starts: Uint16Array;

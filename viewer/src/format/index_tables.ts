@@ -70,7 +70,7 @@ export interface UnitTable {
 }
 
 /** Columns of units of a stream's images. */
-export function columnsOf(stream: { width: number; unitWidth: number }): number {
+function columnsOf(stream: { width: number; unitWidth: number }): number {
   return Math.ceil(stream.width / stream.unitWidth);
 }
 

@@ -127,7 +127,7 @@ function unitsOf(streams: readonly Stream[], family: Family, firstSets: ArrayLik
 }
 
 /** Words of the buffer of pictures of streams of one family; a device may allow fewer. */
-export function familyWords(streams: readonly Stream[], rowMultiple: number): number {
+function familyWords(streams: readonly Stream[], rowMultiple: number): number {
   return streams.reduce((sum, stream) => sum + pictureWords(stream, rowMultiple), 0);
 }
 

@@ -28,7 +28,7 @@ export interface TexelWords {
 type TextureName = "inverse_depths" | "pyramids" | "colors" | "materials";
 
 /** Width and height of a tile: those of the largest images of a catalogue. */
-export function tileSize({ views }: Catalogue): [number, number] {
+function tileSize({ views }: Catalogue): [number, number] {
   const sizes = views.flatMap(({ faces }) => faces.map(({ size }) => size));
   return [Math.max(...sizes.map(([width]) => width)), Math.max(...sizes.map(([, height]) => height))];
 }

@@ -23,7 +23,7 @@ export const STORE_SETTINGS: StoreSettings = {
   maxDelayMs: 10_000,
 };
 
-/** Failures in a row after which the viewer is told. */
+/** Failures in a row after which the page shows a message. */
 const FAILURES_TO_REPORT = 4;
 /** The fetch rate is a mean over this time. */
 const RATE_MS = 1000;

@@ -1,4 +1,4 @@
-// What the page asks of a player, and what it is told. The page knows no container and no device.
+// The interface between page and player. The page knows no container and no device.
 
 import type { Vec3 } from "../format/types.ts";
 

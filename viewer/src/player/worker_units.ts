@@ -4,7 +4,7 @@ import type { Pixels } from "../codec/types.ts";
 import type { Chunk, Stream } from "../format/types.ts";
 import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 
-/** Pictures of frames to come that a unit keeps. */
+/** Decoded pictures of later frames that a unit keeps. */
 export const FRAMES_AHEAD = 3;
 
 interface Picture {

@@ -40,7 +40,7 @@ export const DEFAULTS: Readonly<Settings> = {
 export type NumberName = "exposureEv" | "fovDeg" | "eyeDistance" | "steps" | "scale" | "speed";
 
 /** Least and greatest value. */
-export const RANGES: Readonly<Record<NumberName, readonly [number, number]>> = {
+const RANGES: Readonly<Record<NumberName, readonly [number, number]>> = {
   exposureEv: [-10, 10],
   fovDeg: [20, 120],
   eyeDistance: [0, 0.5],

@@ -4,7 +4,7 @@
 const THUMB_HALF_PX = 7;
 
 /** Where a frame is on the track, 0..1: the first at 0, the last at 1. */
-export function partOfFrame(frame: number, first: number, count: number): number {
+function partOfFrame(frame: number, first: number, count: number): number {
   return count > 1 ? (frame - first) / (count - 1) : 0;
 }
 

@@ -17,7 +17,7 @@ const MARGIN_PIXELS = 2;
 const NEAR_PART = 0.99;
 
 /** The nearest surface of each probe that has depth, in metres of distance. */
-export function nearOfProbes(streams: readonly Stream[]): ReadonlyMap<number, number> {
+function nearOfProbes(streams: readonly Stream[]): ReadonlyMap<number, number> {
   const near = new Map<number, number>();
   for (const { probe, header } of streams) {
     if (header.kind === "depth") {
