@@ -287,7 +287,8 @@ class FilmPlayer implements Player {
     this.#visible.look(cameras);
     const { texels, desk } = this.#stage;
     // Secondary rays go anywhere.
-    const needsAll = this.#hasEffects && active.some((at) => texels.isSpecular(at));
+    const isSpecular = (): boolean => this.#hasEffects && active.some((at) => texels.isSpecular(at));
+    const needsAll = isSpecular();
     const sees = (stream: Stream, unit: number): boolean => needsAll || this.#visible.sees(stream, unit);
     const counts: UnitCounts = { shown: 0, ready: 0, working: 0, missing: 0, broken: 0 };
     const fetch: Chunk[] = [];
@@ -305,6 +306,8 @@ class FilmPlayer implements Player {
       this.#totals.pixels_decoded += pixels;
     }
     texels.update();
+    // A material that has just been decoded needs all units, which the next call asks for.
+    counts.working += Number(isSpecular() && !needsAll);
     if (counts.working > 0 && desk.pool.pending === 0) {
       // Nothing else would.
       this.#wake();
