@@ -29,7 +29,12 @@ if (process.argv.includes("--tests")) {
   const outdir = at < 0 ? "dist" : process.argv[at + 1];
   await rm(outdir, { recursive: true, force: true });
   await mkdir(outdir, { recursive: true });
-  const entryPoints = { viewer: "src/main.ts", worker: "src/worker.ts", glb: "src/glb/main.ts" };
+  const entryPoints = {
+    viewer: "src/main.ts",
+    worker: "src/worker.ts",
+    glb: "src/glb/main.ts",
+    renderer: "src/cpu/worker.ts",
+  };
   await build({ ...shared, entryPoints, outdir, minify: true, legalComments: "none" });
   for (const name of ["index.html", "style.css"]) {
     await copyFile(`src/ui/${name}`, `${outdir}/${name}`);

@@ -24,11 +24,13 @@ async function readFilmFile(): Promise<FilmFile> {
   return parseFilmFile(json, url.href);
 }
 
+const reload = (): void => location.reload();
+
 async function start(): Promise<void> {
   try {
     await new Page(await readFilmFile(), openShow).load();
   } catch (error) {
-    new Notice(() => location.reload()).failed(error, undefined);
+    new Notice(reload, reload).failed(error, undefined);
   }
 }
 

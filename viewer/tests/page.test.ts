@@ -68,31 +68,36 @@ describe("The page of lightfold view", { skip }, () => {
   });
   after(() => films.remove());
 
-  test("shows a film, asks its own server alone, and complains of nothing", async () => {
-    const { address, end } = await serveFilm(films.path("film.lfold"));
-    try {
-      const { complaints, asked } = await visit(`${address}#eye=0.05,1.55,0.05&look=0,0`, async (page) => {
-        await settled(page);
-        assert.ok((await colorsOf(page, "film")) > 100);
-        // The keyboard alone: forward, then the next frame.
-        const before = await page.evaluate(() => location.hash);
-        await page.keyboard.down("w");
-        await page.waitForTimeout(300);
-        await page.keyboard.up("w");
-        await page.keyboard.press(".");
-        await settled(page);
-        await page.waitForFunction((hash) => location.hash !== hash, before);
-        assert.match(await page.evaluate(() => location.hash), /frame=1/u);
-      });
-      assert.deepEqual(complaints, []);
-      assert.deepEqual(
-        asked.filter((url) => !url.startsWith(address) && !url.startsWith(`blob:${address}`)),
-        [],
-      );
-    } finally {
-      end();
-    }
-  });
+  for (const renderer of ["gpu", "cpu"]) {
+    test(`shows a film, asks its own server alone, and complains of nothing: ${renderer}`, async () => {
+      const { address, end } = await serveFilm(films.path("film.lfold"));
+      try {
+        const { complaints, asked } = await visit(
+          `${address}#eye=0.05,1.55,0.05&look=0,0&renderer=${renderer}`,
+          async (page) => {
+            await settled(page);
+            assert.ok((await colorsOf(page, `film-${renderer}`)) > 100);
+            // The keyboard alone: forward, then the next frame.
+            const before = await page.evaluate(() => location.hash);
+            await page.keyboard.down("w");
+            await page.waitForTimeout(300);
+            await page.keyboard.up("w");
+            await page.keyboard.press(".");
+            await settled(page);
+            await page.waitForFunction((hash) => location.hash !== hash, before);
+            assert.match(await page.evaluate(() => location.hash), /frame=1/u);
+          },
+        );
+        assert.deepEqual(complaints, []);
+        assert.deepEqual(
+          asked.filter((url) => !url.startsWith(address) && !url.startsWith(`blob:${address}`)),
+          [],
+        );
+      } finally {
+        end();
+      }
+    });
+  }
 
   test("shows a simplified scene", async () => {
     const scene = films.path("scene.glb");

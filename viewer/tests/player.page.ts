@@ -2,7 +2,7 @@
 
 import { HttpSource } from "../src/format/http.ts";
 import { openPlayer } from "../src/player/player.ts";
-import type { Film, Overlay, Player, PlayerStats, Problem, View } from "../src/player/types.ts";
+import type { Film, Overlay, Player, PlayerStats, Problem, RendererChoice, View } from "../src/player/types.ts";
 
 let player: Player;
 let problems: Problem[] = [];
@@ -33,11 +33,11 @@ async function picture(): Promise<{ size: [number, number]; words: number[] }> {
   return { size, words: [...new Uint32Array(rgba.buffer)] };
 }
 
-async function open(url: string): Promise<Film> {
+async function open([url, renderer]: [string, RendererChoice]): Promise<Film> {
   problems = [];
   const canvas = document.createElement("canvas");
   document.body.replaceChildren(canvas);
-  player = await openPlayer(await HttpSource.open(url), canvas);
+  player = await openPlayer(await HttpSource.open(url), canvas, renderer);
   player.onProblem = (problem) => problems.push(problem);
   return player.film;
 }
@@ -46,9 +46,9 @@ Object.assign(globalThis, {
   functions: {
     open,
     /** Opens a film that may be hostile, draws it, and answers what was said. */
-    survive: async ([url, view]: [string, Asked]): Promise<string[]> => {
+    survive: async ([url, renderer, view]: [string, RendererChoice, Asked]): Promise<string[]> => {
       try {
-        await open(url);
+        await open([url, renderer]);
         const failed = new Promise((resolve) => (player.onProblem = (problem) => resolve(problems.push(problem))));
         await Promise.race([player.settle(viewOf({ ...view, frame: player.film.firstFrame })), failed]);
         await player.draw(viewOf({ ...view, frame: player.film.firstFrame }));
@@ -66,6 +66,7 @@ Object.assign(globalThis, {
     picture,
     fetched: () => player.fetched(),
     problems: () => problems,
+    renderer: () => player.renderer,
     close: () => player.close(),
   },
 });

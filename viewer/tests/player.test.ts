@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
 import { Container } from "../src/format/container.ts";
 import { MemorySource } from "../src/format/memory.ts";
-import type { PlayerStats, Problem } from "../src/player/types.ts";
+import type { PlayerStats, Problem, RendererChoice } from "../src/player/types.ts";
 import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
 import { filmServer, type FilmServer } from "./film_server.ts";
 import { bytesOf, capture, codesOf, type Films, moving, psnr, readFor } from "./films.ts";
@@ -45,14 +45,24 @@ describe("The player", { skip }, () => {
   before(() => {
     films = capture("interior", FACE);
     films.encode("film.lfold", "--clip");
-    files = pageFiles(PAGE, new Map([["/worker.js", bundle("src/worker.ts")]]));
+    files = pageFiles(
+      PAGE,
+      new Map([
+        ["/worker.js", bundle("src/worker.ts")],
+        ["/renderer.js", bundle("src/cpu/worker.ts")],
+      ]),
+    );
   });
   after(() => films.remove());
 
-  const inPage = async <T>(film: string, use: (call: Call, server: FilmServer) => Promise<T>): Promise<T> => {
+  const inPage = async <T>(
+    film: string,
+    use: (call: Call, server: FilmServer) => Promise<T>,
+    renderer: RendererChoice = "gpu",
+  ): Promise<T> => {
     const server = filmServer(bytesOf(film), files);
     return withFunctions(server.answer, async (call) => {
-      await call("open", "/film.lfold");
+      await call("open", ["/film.lfold", renderer]);
       return use(call, server);
     });
   };
@@ -156,6 +166,35 @@ describe("The player", { skip }, () => {
     });
   }
 
+  test("draws on the processor what lightfold render shows", async () => {
+    for (const [name, change] of [
+      ["film.lfold", undefined],
+      ["moving.lfold", moving],
+      ["alpha.lfold", withMattes(FACE)],
+    ] as const) {
+      const film = change === undefined ? films.path(name) : films.encodeWith(name, change, "--clip");
+      // A device that is a program is slower.
+      await inPage(
+        film,
+        async (call) => {
+          assert.equal(await call("renderer"), "cpu");
+          for (const pose of [SHOTS[0], SHOTS[2], SHOTS[4]]) {
+            const one = { ...pose, steps: 128 };
+            const { counters, unitsMissing } = await call<PlayerStats>("settle", one);
+            assert.deepEqual([counters["primary_rays"], unitsMissing], [SIZE[0] * SIZE[1], 0]);
+            const found = psnr(codesOf(await picture(call)), rendered(film, one));
+            assert.ok(found >= LEAST_DB, `${found} dB of ${name} at yaw ${pose.pose.yaw}`);
+          }
+          for (const stereo of ["side-by-side", "anaglyph"]) {
+            await call("settle", { ...SHOTS[0], stereo, overlays: ["holes"] });
+          }
+          assert.deepEqual(await call("problems"), []);
+        },
+        "auto",
+      );
+    }
+  });
+
   test("does not wait for a slow server", async () => {
     await inPage(films.path("film.lfold"), async (call, server) => {
       server.fault = () => "held";
@@ -237,12 +276,13 @@ describe("The player", { skip }, () => {
     const served = new Map([...files, ...hostile.map(({ bytes }, at) => [`/${at}.lfold`, bytes] as const)]);
     await withFunctions(filmServer(film, served).answer, async (call) => {
       for (const [at, { name }] of hostile.entries()) {
-        const said = await call<string[]>("survive", [`/${at}.lfold`, SHOTS[1]]);
+        const renderer = at % 2 === 0 ? "gpu" : "cpu";
+        const said = await call<string[]>("survive", [`/${at}.lfold`, renderer, SHOTS[1]]);
         assert.ok(said.length > 0 || name.startsWith("change"), name);
         said.forEach((sentence) => assert.doesNotMatch(sentence, /undefined|TypeError|RangeError|\bat .*:\d+/u, name));
       }
       // The page itself is well.
-      await call("open", "/film.lfold");
+      await call("open", ["/film.lfold", "gpu"]);
       await call("settle", SHOTS[0]);
       assert.deepEqual(await call("problems"), []);
     });

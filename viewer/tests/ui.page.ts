@@ -2,7 +2,7 @@
 
 import { NoWebGpuError } from "../src/gpu/device.ts";
 import type { Vec3 } from "../src/format/types.ts";
-import type { Film, Player, PlayerStats, View } from "../src/player/types.ts";
+import type { Film, Player, PlayerStats, View, RendererChoice } from "../src/player/types.ts";
 import type { FilmFile } from "../src/ui/film_file.ts";
 import type { Show } from "../src/ui/opening.ts";
 import { Page } from "../src/ui/page.ts";
@@ -133,10 +133,10 @@ function statsOf(view: View): PlayerStats {
   };
 }
 
-async function openFake(_file: FilmFile, canvas: HTMLCanvasElement): Promise<Show> {
+async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<Show> {
   fake.opened += 1;
   await new Promise((resolve) => setTimeout(resolve, 30));
-  if (fake.failure === "no-webgpu") {
+  if (fake.failure === "no-webgpu" && renderer !== "cpu") {
     throw new NoWebGpuError("This browser has no WebGPU.");
   }
   if (fake.failure === "format") {

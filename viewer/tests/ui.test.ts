@@ -78,6 +78,7 @@ test("a link gives back what it was made of", () => {
     scale: 0.5,
     speed: 1.5,
     isLooped: false,
+    renderer: "cpu" as const,
     marks: new Set(["holes", "fetched"]),
   };
   const pose = { eye: [0.125, 1.5, -3] as Vec3, yaw: (-120 * Math.PI) / 180, pitch: (15.5 * Math.PI) / 180 };

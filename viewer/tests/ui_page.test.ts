@@ -242,6 +242,11 @@ test("without WebGPU the page says what is missing and how to render instead", {
     );
     assert.ok(!(await tab.isVisible("#transport")));
     assert.equal(await tab.evaluate(() => document.querySelector("#stage canvas")), null);
+    await tab.click("#notice-processor");
+    await until(tab, drawn);
+    await tab.waitForFunction(() => location.hash.includes("renderer=cpu"));
+    await tab.selectOption("#renderer", "gpu");
+    await tab.waitForSelector("#notice-webgpu:not([hidden])");
   });
   await onPage("?format", async (tab) => {
     await tab.waitForSelector("#notice-retry:not([hidden])");

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Probe, Quaternion, Rect, Stream, StreamKind, Vec3 } from "../src/format/types.ts";
 import { UnsupportedError } from "../src/format/types.ts";
-import { above, pyramidSizes } from "../src/gpu/depth_planes.ts";
+import { above, pyramidSizes } from "../src/views/pyramid.ts";
 import { tileGrid, tilePlace } from "../src/gpu/tile_grid.ts";
 import { add, cross, dot, inverse, length, normalize, rotate, rotation, scale, subtract } from "../src/math.ts";
 import type { Axes } from "../src/math.ts";

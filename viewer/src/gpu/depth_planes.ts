@@ -5,6 +5,7 @@ import type { DepthRange, Rect } from "../format/types.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
 import { rayLength } from "../views/face.ts";
 import { inverseDepths } from "../views/inverse_depth.ts";
+import { above, pyramidSizes } from "../views/pyramid.ts";
 import { bounds } from "../views/rects.ts";
 import type { UnitPicture } from "./decoder.ts";
 import type { Gpu, Pipeline } from "./device.ts";
@@ -80,27 +81,6 @@ interface Step {
   at: number;
   words: number;
   invocations: number;
-}
-
-/** Columns and rows of squares of each level above an image, up to a single square. */
-export function pyramidSizes([width, height]: readonly [number, number]): [number, number][] {
-  const sizes: [number, number][] = [];
-  let [columns, rows] = [width, height];
-  while (columns > 1 || rows > 1 || sizes.length === 0) {
-    [columns, rows] = [Math.ceil(columns / 2), Math.ceil(rows / 2)];
-    sizes.push([columns, rows]);
-  }
-  return sizes;
-}
-
-/** The part of a level of a pyramid, counted from 0, that covers a rectangle of texels. */
-export function above([left, top, width, height]: Rect, level: number): Rect {
-  const span = (begin: number, count: number): [number, number] => {
-    const first = begin >> (level + 1);
-    return [first, ((begin + count - 1) >> (level + 1)) - first + 1];
-  };
-  const [[x, columns], [y, rows]] = [span(left, width), span(top, height)];
-  return [x, y, columns, rows];
 }
 
 /** Inverse depths by code, kept by their range. */

@@ -33,7 +33,8 @@ function layoutEntry({ kind }: Binding, binding: number): GPUBindGroupLayoutEntr
     : { binding, visibility, texture: { sampleType: kind, viewDimension: "2d-array" } };
 }
 
-async function findAdapter(): Promise<GPUAdapter> {
+/** The browser's adapter, or a `NoWebGpuError`. */
+export async function findAdapter(): Promise<GPUAdapter> {
   if (!globalThis.isSecureContext) {
     throw new NoWebGpuError("WebGPU needs a secure page: open it by https, or from localhost.");
   }
@@ -47,11 +48,22 @@ async function findAdapter(): Promise<GPUAdapter> {
   return adapter;
 }
 
+function nameOf({ info: { vendor, architecture } }: GPUAdapter): string {
+  return [vendor, architecture].filter((part) => part !== "").join(" ") || "graphics device";
+}
+
+/** Whether a device is a program on the processor: such ones cannot compile the kernel of secondary rays. */
+export function isSoftware(adapter: GPUAdapter): boolean {
+  return /swiftshader|llvmpipe|lavapipe|software|basic render/iu.test(nameOf(adapter));
+}
+
 export class Gpu {
   readonly device: GPUDevice;
   readonly queue: GPUQueue;
   /** Vendor and architecture, where the browser tells. */
   readonly name: string;
+  /** See {@link isSoftware}. */
+  readonly isSoftware: boolean;
   /** Bytes of a buffer that a kernel can be given. */
   readonly maxBindingBytes: number;
   /** Whether passes can be timed. */
@@ -63,21 +75,22 @@ export class Gpu {
   #bytes = 0;
   readonly #pipelines = new Map<KernelName, Promise<Pipeline>>();
 
-  private constructor(device: GPUDevice, name: string) {
+  private constructor(device: GPUDevice, adapter: GPUAdapter) {
     const { maxStorageBufferBindingSize, maxBufferSize } = device.limits;
     const largest = Math.min(maxStorageBufferBindingSize, maxBufferSize, MAX_BUFFER_BYTES);
     this.device = device;
     this.queue = device.queue;
-    this.name = name;
+    this.name = nameOf(adapter);
+    this.isSoftware = isSoftware(adapter);
     this.maxBindingBytes = Math.floor(largest / 16) * 16;
     this.hasTimestamps = device.features.has("timestamp-query");
     this.lost = device.lost.then(({ reason, message }) => message || reason || "unknown");
     device.addEventListener("uncapturederror", (event) => this.onError(event.error.message));
   }
 
-  /** Opens the browser's device, or throws `NoWebGpuError`. */
-  static async open(): Promise<Gpu> {
-    const adapter = await findAdapter();
+  /** Opens a device, by default the browser's, or throws `NoWebGpuError`. */
+  static async open(found?: GPUAdapter): Promise<Gpu> {
+    const adapter = found ?? (await findAdapter());
     const { maxStorageBufferBindingSize, maxBufferSize, maxStorageBuffersPerShaderStage } = adapter.limits;
     if (maxStorageBuffersPerShaderStage < STORAGE_BUFFERS) {
       throw new NoWebGpuError(`The graphics device gives a kernel fewer than ${STORAGE_BUFFERS} buffers.`);
@@ -88,13 +101,7 @@ export class Gpu {
     const device = await adapter.requestDevice(descriptor).catch((error: unknown) => {
       throw new NoWebGpuError(`The graphics device cannot be opened: ${String(error)}.`);
     });
-    const { vendor, architecture } = adapter.info;
-    return new Gpu(device, [vendor, architecture].filter((part) => part !== "").join(" ") || "graphics device");
-  }
-
-  /** Whether it is a program on the processor: such ones cannot compile the kernel of secondary rays. */
-  get isSoftware(): boolean {
-    return /swiftshader|llvmpipe|lavapipe|software|basic render/iu.test(this.name);
+    return new Gpu(device, adapter);
   }
 
   /** Bytes of all buffers of `buffer` that were not released. */

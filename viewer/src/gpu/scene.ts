@@ -6,7 +6,7 @@ import type { ActiveViews, Steps } from "../views/active.ts";
 import { stepsBetween } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding, FaceStreams } from "../views/catalogue.ts";
-import { pyramidSizes } from "./depth_planes.ts";
+import { pyramidSizes } from "../views/pyramid.ts";
 import { rowsOf } from "./layout.ts";
 import type { RowValues } from "./layout.ts";
 import type { LightFieldTexels } from "./texels.ts";

@@ -3,7 +3,8 @@
 
 import type { Rect } from "../format/types.ts";
 import type { Catalogue } from "../views/catalogue.ts";
-import { above, type DepthPlanes } from "./depth_planes.ts";
+import { above } from "../views/pyramid.ts";
+import type { DepthPlanes } from "./depth_planes.ts";
 import type { Gpu } from "./device.ts";
 import type { TileGrid } from "./tile_grid.ts";
 import { tileGrid, tilePlace } from "./tile_grid.ts";

@@ -27,6 +27,8 @@ export class DeviceFamily {
     private readonly desk: Desk,
     /** Words of chunks that stay on the device beside those that a frame needs. */
     private readonly keptWords: number,
+    /** Is asked for what times a pass, where there is work. */
+    private readonly timing: () => GPUComputePassTimestampWrites | undefined,
   ) {}
 
   /** A stream's units. */
@@ -61,13 +63,13 @@ export class DeviceFamily {
   }
 
   /** Decodes what was asked for and is here; answers the units whose pictures changed, by the positions of their streams, and the pixels
-   *  written, and how many are not at their frame yet. `timing` is asked where there is work. */
-  decode(timing: () => GPUComputePassTimestampWrites | undefined): DecodedUnits {
+   *  written, and how many are not at their frame yet. */
+  decode(): DecodedUnits {
     const [wanted, needed] = [this.#wanted, this.#needed];
     this.#wanted = [];
     this.#before = needed;
     this.#needed = new Set();
-    const done = this.decoder.decode(wanted, wanted.length > 0 ? timing() : undefined);
+    const done = this.decoder.decode(wanted, wanted.length > 0 ? this.timing() : undefined);
     done.refused.forEach(({ key }) => this.#broken.add(key));
     this.decoder.drop(needed, this.keptWords);
     return { changed: done.written.map(({ wanted: one }) => one), pixels: done.pixels, behind: done.behind.length };

@@ -1,41 +1,27 @@
-// A probe on the device: where its units are decoded, and how their pictures come into the textures.
+// A probe whose texels are loaded: where its units are decoded, and how their pictures come into the texels.
 
 import type { Chunk, Stream } from "../format/types.ts";
-import { FamilyDecoder } from "../gpu/decoder.ts";
-import { ROW_WORDS } from "../gpu/depth_planes.ts";
-import type { Gpu } from "../gpu/device.ts";
-import { familyOf } from "../gpu/family.ts";
-import type { DevicePictures, LightFieldTexels } from "../gpu/texels.ts";
 import { type FaceStreams, type ProbeStreams, streamsOf } from "../views/catalogue.ts";
 import { unitsUnder } from "../views/rects.ts";
 import type { ColorTexels, UnitPixels } from "../views/straight.ts";
-import { DeviceFamily } from "./device_units.ts";
-import type { DeviceTimer } from "./timer.ts";
+import type { DeviceFamily } from "./device_units.ts";
+import type { Renderer } from "./renderer.ts";
 import { type Desk, unitFrame, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 import { WorkerUnits } from "./worker_units.ts";
 
-/** What a probe needs of the device. */
+/** What loaded views share. */
 export interface Stage {
-  gpu: Gpu;
+  renderer: Renderer;
   desk: Desk;
-  texels: LightFieldTexels;
   colors: ColorTexels;
-  /** Words of chunks that each family of streams keeps on the device. */
-  keptWords: number;
 }
 
 /** Units of a frame by their states. */
 export type UnitCounts = Record<UnitState, number>;
 
-/** Whether the device decodes the colors of a face for rendering: 8-bit cells of opaque images. Workers decode others as fast. */
-function isOfDevice({ color: { header }, alpha }: FaceStreams): boolean {
-  return header.kind === "color" && !header.isHalf && header.coding.name === "cells" && alpha === undefined;
-}
-
-/** A probe whose texels are on the device. */
 export class LoadedView {
-  readonly #families: DeviceFamily[];
-  readonly #sources = new Map<Stream, UnitSource>();
+  readonly #families: readonly DeviceFamily[];
+  readonly #sources: ReadonlyMap<Stream, UnitSource>;
   readonly #moves: boolean;
   /** Of a probe that moves: its units, and what was asked of them. */
   #asked: { stream: Stream; source: UnitSource; unit: number; wanted: UnitFrame | undefined }[] = [];
@@ -46,43 +32,29 @@ export class LoadedView {
     private readonly stage: Stage,
     private readonly view: number,
     private readonly streams: ProbeStreams,
-    families: DeviceFamily[],
+    decoders: { families: readonly DeviceFamily[]; sources: ReadonlyMap<Stream, UnitSource> },
   ) {
-    this.#families = families;
+    this.#families = decoders.families;
+    this.#sources = decoders.sources;
     const { container } = stage.desk;
     this.#moves = container.footage.poses.has(container.probes[streams.probe].name);
-    const pictures = new Map<number, DevicePictures>();
-    for (const family of families) {
-      family.decoder.streams.forEach((stream, position) => {
-        pictures.set(stream.index, { decoder: family.decoder, position });
-        this.#sources.set(stream, family.units(position));
-      });
-    }
-    for (const stream of streams.faces.flatMap(streamsOf)) {
-      if (!this.#sources.has(stream)) {
-        this.#sources.set(stream, new WorkerUnits(stream, stage.desk));
-      }
-    }
-    stage.texels.load(view, pictures);
   }
 
   /** Loads a view of the catalogue, of which nothing is known. */
-  static async load(stage: Stage, view: number): Promise<LoadedView> {
-    const streams = stage.texels.catalogue.views[view];
-    const onDevice = streams.faces.flatMap((face) => [face.depth, ...(isOfDevice(face) ? [face.color] : [])]);
-    const families = new Map<string, Stream[]>();
-    for (const stream of onDevice) {
-      const { kernel } = familyOf(stream.header);
-      families.set(kernel, [...(families.get(kernel) ?? []), stream]);
+  static async load(stage: Stage, view: number, streams: ProbeStreams): Promise<LoadedView> {
+    const { renderer, desk } = stage;
+    const workers = new Map<number, WorkerUnits>();
+    const families = await renderer.load(view, streams.faces, (stream, unit) => workers.get(stream)?.pixels(unit));
+    const sources = new Map<Stream, UnitSource>();
+    for (const family of families) {
+      family.decoder.streams.forEach((stream, position) => sources.set(stream, family.units(position)));
     }
-    const made = [...families.values()].map((family) => FamilyDecoder.create(stage.gpu, family, ROW_WORDS));
-    const decoders = await Promise.all(made);
-    return new LoadedView(
-      stage,
-      view,
-      streams,
-      decoders.map((decoder) => new DeviceFamily(decoder, stage.desk, stage.keptWords)),
-    );
+    for (const stream of streams.faces.flatMap(streamsOf).filter((one) => !sources.has(one))) {
+      const units = new WorkerUnits(stream, desk);
+      workers.set(stream.index, units);
+      sources.set(stream, units);
+    }
+    return new LoadedView(stage, view, streams, { families, sources });
   }
 
   /** Asks for a frame of the units that are seen; chunks to be fetched are added to `fetch`, and states counted. */
@@ -117,11 +89,11 @@ export class LoadedView {
 
   /** Decodes what was asked for and is here, and sends what workers decoded. Answers the units and pixels that are new, and the
    *  units that another call brings nearer to their frame. */
-  update(timer: DeviceTimer): { units: number; pixels: number; behind: number } {
-    const { texels } = this.stage;
+  update(): { units: number; pixels: number; behind: number } {
+    const { texels } = this.stage.renderer;
     let [units, pixels, behind] = [0, 0, 0];
     for (const family of this.#families) {
-      const decoded = family.decode(() => timer.pass("decode"));
+      const decoded = family.decode();
       pixels += decoded.pixels;
       behind += decoded.behind;
       units += decoded.changed.length;
@@ -143,7 +115,7 @@ export class LoadedView {
 
   /** Of a probe that moves only pictures of the present frame may be seen: older ones are seen from elsewhere. */
   #place(): void {
-    const { texels } = this.stage;
+    const { texels } = this.stage.renderer;
     for (const { stream, source, unit, wanted } of this.#asked) {
       const isRight = wanted !== undefined && source.shows(wanted);
       if (isRight && !texels.isKnown(stream.index, unit)) {
@@ -155,9 +127,9 @@ export class LoadedView {
     this.#asked = [];
   }
 
-  /** Frees what it holds on the device. */
+  /** Frees its texels and what it holds on the device. */
   unload(): void {
-    this.stage.texels.unload(this.view);
+    this.stage.renderer.texels.unload(this.view);
     this.#families.forEach((family) => family.close());
   }
 
@@ -167,10 +139,11 @@ export class LoadedView {
   }
 
   /** Sends what workers decoded of a face; answers the units. */
-  #send({ color: stream, alpha: alphaStream, material: materialStream }: FaceStreams): [Stream, number][] {
-    const { texels } = this.stage;
+  #send({ depth, color: stream, alpha: alphaStream, material: materialStream }: FaceStreams): [Stream, number][] {
+    const { texels } = this.stage.renderer;
     const [color, alpha, material] = [stream, alphaStream, materialStream].map((one) => this.#workers(one));
-    const sent: [Stream, number][] = [];
+    const tiles = this.#workers(depth)?.takeChanged() ?? [];
+    const sent = tiles.map((tile): [Stream, number] => [depth, tile]);
     for (const unit of material?.takeChanged() ?? []) {
       texels.uploadMaterial(material!.stream.index, unit, material!.pixels(unit) as Uint8Array);
       sent.push([material!.stream, unit]);
@@ -191,7 +164,8 @@ export class LoadedView {
 
   /** Sends a cell, or those parts of it over which alpha shows the same frame; answers whether that was all. */
   #sendColor(color: WorkerUnits, cell: number, alpha: WorkerUnits | undefined): boolean {
-    const { texels, colors } = this.stage;
+    const { renderer, colors } = this.stage;
+    const { texels } = renderer;
     const unit = this.#pixelsOf(color, cell);
     if (alpha === undefined) {
       texels.uploadColor(color.stream.index, unit.rect, colors.of(unit, unit.rect));

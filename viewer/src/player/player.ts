@@ -5,37 +5,33 @@
 
 import { Container } from "../format/container.ts";
 import type { ByteSource, Chunk, Stream, Vec3 } from "../format/types.ts";
-import { Gpu } from "../gpu/device.ts";
-import { Marcher, Picture } from "../gpu/march.ts";
-import { Presenter } from "../gpu/present.ts";
-import { MARCH_SETTINGS } from "../gpu/scene.ts";
-import { LightFieldTexels } from "../gpu/texels.ts";
+import { findAdapter, Gpu, isSoftware } from "../gpu/device.ts";
 import { imageBytes } from "../gpu/texture_arrays.ts";
 import { add, length, scale, subtract } from "../math.ts";
-import { activeViews } from "../views/active.ts";
 import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
 import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from "../views/catalogue.ts";
 import { selectViews } from "../views/selection.ts";
 import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
+import { CpuRenderer } from "./cpu_renderer.ts";
+import { DeviceRenderer } from "./device_renderer.ts";
 import { filmOf } from "./film.ts";
 import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
-import { OverlayTexture, TEXEL_OVERLAYS, type TexelOverlay } from "./overlays.ts";
 import { WorkerPool } from "./pool.ts";
+import type { Drawn, Renderer } from "./renderer.ts";
 import { withRetries } from "./retries.ts";
 import { ChunkStore, rangeKey } from "./store.ts";
-import { FRAMES_AHEAD } from "./worker_units.ts";
-import { DeviceTimer } from "./timer.ts";
-import type { Film, Player, PlayerStats, Problem, View } from "./types.ts";
+import type { Film, Player, PlayerStats, Problem, RendererChoice, RendererName, View } from "./types.ts";
 import type { Desk } from "./unit_source.ts";
+import { FRAMES_AHEAD } from "./worker_units.ts";
 
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
 const MOST_WORKERS = 4;
+/** Views that the processor draws from at most: each adds to the time of a picture. */
+const MOST_CPU_VIEWS = 4;
 /** An image takes about as much again as its textures for planes and pyramids, and again for pictures of its units. */
 const IMAGE_SHARE = 3;
-/** Bytes of chunks on the device beside those that a frame needs. */
-const KEPT_BYTES = 256 << 20;
 /** Seconds that chunks are fetched ahead of the film, and of the eye. */
 const FRAMES_AHEAD_S = 2;
 const EYE_AHEAD_S = 0.5;
@@ -46,24 +42,59 @@ const STILL_MS = 300;
 const FRESH_MS = 1000;
 /** After so long the first picture is drawn of what is here. */
 const FIRST_MS = 1500;
-/** How much of an overlay is shown. */
-const OVERLAY_SHARE = 0.55;
 
-/** Opens a container to be drawn on a canvas: a NoWebGpuError without a device, an error of formats/ or of the source. */
-export async function openPlayer(source: ByteSource, canvas: HTMLCanvasElement): Promise<Player> {
-  const [opened, read] = await Promise.allSettled([Gpu.open(), withRetries(() => Container.open(source))]);
+/** Opens a container to be drawn on a canvas: a NoWebGpuError without a device unless the processor shall draw, an error of formats/ or of
+ *  the source. */
+export async function openPlayer(
+  source: ByteSource,
+  canvas: HTMLCanvasElement,
+  choice: RendererChoice,
+): Promise<Player> {
+  const [opened, read] = await Promise.allSettled([openGpu(choice), withRetries(() => Container.open(source))]);
   if (opened.status === "rejected") {
     throw opened.reason;
   }
+  const gpu = opened.value;
   try {
     if (read.status === "rejected") {
       throw read.reason;
     }
-    return await FilmPlayer.create(opened.value, read.value, canvas);
+    const container = read.value;
+    const catalogue = catalogueOf(container);
+    const { views } = catalogue;
+    const mostFaces = Math.max(...views.map(({ faces }) => faces.length));
+    const ofView = mostFaces * IMAGE_SHARE * imageBytes(catalogue);
+    const room = Math.max(1, Math.floor(TEXEL_BYTES / ofView));
+    const mostViews = Math.min(views.length, gpu === undefined ? Math.min(room, MOST_CPU_VIEWS) : room);
+    const desk = deskOf(container);
+    const scene = { container, catalogue, canvas, desk, mostViews, mostImages: mostViews * mostFaces };
+    const renderer = gpu === undefined ? new CpuRenderer(scene) : await DeviceRenderer.create(gpu, scene);
+    return new FilmPlayer({ renderer, desk, catalogue, mostViews });
   } catch (error) {
-    opened.value.destroy();
+    gpu?.destroy();
     throw error;
   }
+}
+
+/** The device that shall draw, if any. */
+async function openGpu(choice: RendererChoice): Promise<Gpu | undefined> {
+  if (choice === "cpu") {
+    return undefined;
+  }
+  const adapter = await findAdapter();
+  return choice === "auto" && isSoftware(adapter) ? undefined : Gpu.open(adapter);
+}
+
+/** The chunks of a container, and workers for them. */
+function deskOf(container: Container): Desk {
+  const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
+  const start = (): Worker => new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+  const pool = new WorkerPool(workers, start, (stream) => {
+    const { kind, codec, face, width, height, unitWidth, unitHeight, headerBytes } = container.streams[stream];
+    return { stream: { kind, codec, face, width, height, unitWidth, unitHeight }, headerBytes };
+  });
+  const store = new ChunkStore(container.source);
+  return { container, store, pool, onReady: () => undefined, onBroken: () => undefined };
 }
 
 /** Where the eye was and when. */
@@ -85,11 +116,10 @@ interface Sight {
 
 /** What a player is made of. */
 interface Parts {
-  gpu: Gpu;
-  container: Container;
-  canvas: HTMLCanvasElement;
+  renderer: Renderer;
+  desk: Desk;
   catalogue: Catalogue;
-  /** Views that are on the device at once. */
+  /** Views that are loaded at once. */
   mostViews: number;
 }
 
@@ -97,26 +127,19 @@ class FilmPlayer implements Player {
   readonly film: Film;
   onProblem: (problem: Problem) => void = () => undefined;
   onShown: () => void = () => undefined;
-  readonly #gpu: Gpu;
+  readonly #renderer: Renderer;
   readonly #container: Container;
-  readonly #canvas: HTMLCanvasElement;
   readonly #catalogue: Catalogue;
   readonly #desk: Desk;
   readonly #stage: Stage;
   readonly #visible: VisibleUnits;
   /** For where the eye is heading. */
   readonly #heading: VisibleUnits;
-  readonly #marcher: Marcher;
-  readonly #presenter: Presenter;
-  readonly #timer: DeviceTimer;
-  /** Of the left and the right eye, and of overlays. */
-  readonly #pictures: [Picture, Picture, Picture];
   /** By their places in the catalogue. */
   readonly #loaded = new Map<number, LoadedView>();
   readonly #mostViews: number;
   /** When chunks arrived, by the keys of their ranges. */
   readonly #arrived = new Map<string, number>();
-  #overlay: OverlayTexture | undefined;
   #motion: Motion | undefined;
   #shownFrame: number;
   readonly #openedMs = performance.now();
@@ -128,92 +151,61 @@ class FilmPlayer implements Player {
   #wake: () => void = () => undefined;
   #isClosed = false;
 
-  private constructor(parts: Parts, texels: LightFieldTexels, presenter: Presenter) {
-    const { gpu, container, canvas, catalogue, mostViews } = parts;
-    this.#gpu = gpu;
+  constructor({ renderer, desk, catalogue, mostViews }: Parts) {
+    const { container, store, pool } = desk;
+    this.#renderer = renderer;
     this.#container = container;
-    this.#canvas = canvas;
     this.#catalogue = catalogue;
+    this.#desk = desk;
     this.#mostViews = mostViews;
     this.film = filmOf(
       container,
       catalogue.views.map(({ probe }) => probe),
     );
     this.#shownFrame = this.film.firstFrame;
-    const store = new ChunkStore(container.source);
     store.onChunk = (key) => {
       this.#arrived.set(key, performance.now());
       this.#wake();
     };
     store.onProblem = (problem) => this.#tell(problem);
-    const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
-    const start = (): Worker => new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
-    const pool = new WorkerPool(workers, start, (stream) => {
-      const { kind, codec, face, width, height, unitWidth, unitHeight, headerBytes } = container.streams[stream];
-      return { stream: { kind, codec, face, width, height, unitWidth, unitHeight }, headerBytes };
-    });
-    this.#desk = {
-      container,
-      store,
-      pool,
-      onReady: () => this.#wake(),
-      onBroken: (message) => this.#tell({ fatal: false, message }),
-    };
-    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    const colors = new ColorTexels(catalogue.coding, hasAlpha);
-    // A probe has a family or two of depth and of color.
-    const keptWords = Math.floor(KEPT_BYTES / 4 / (2 * mostViews));
-    this.#stage = { gpu, desk: this.#desk, texels, colors, keptWords };
     pool.onFailed = (message) => this.#tell({ fatal: true, message });
+    renderer.onFailed = (message) => this.#tell({ fatal: true, message });
+    desk.onReady = () => this.#wake();
+    desk.onBroken = (message) => this.#tell({ fatal: false, message });
+    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
+    this.#stage = { renderer, desk, colors: new ColorTexels(catalogue.coding, hasAlpha) };
     this.#visible = new VisibleUnits(container);
     this.#heading = new VisibleUnits(container);
-    this.#marcher = new Marcher(gpu, texels);
-    this.#presenter = presenter;
-    this.#timer = new DeviceTimer(gpu);
-    this.#pictures = [new Picture(gpu), new Picture(gpu), new Picture(gpu)];
-    gpu.onError = (message) => this.#tell({ fatal: true, message: `The graphics device failed: ${message}` });
-    void gpu.lost.then((reason) => this.#tell({ fatal: true, message: `The graphics device was lost: ${reason}` }));
   }
 
-  static async create(gpu: Gpu, container: Container, canvas: HTMLCanvasElement): Promise<FilmPlayer> {
-    const catalogue = catalogueOf(container);
-    const { views } = catalogue;
-    const mostFaces = Math.max(...views.map(({ faces }) => faces.length));
-    const ofView = mostFaces * IMAGE_SHARE * imageBytes(catalogue);
-    const mostViews = Math.min(views.length, Math.max(1, Math.floor(TEXEL_BYTES / ofView)));
-    // Compiled while the first chunks are fetched.
-    void gpu.pipeline("render-pyramid");
-    const images = mostViews * mostFaces;
-    const [texels, presenter] = await Promise.all([
-      LightFieldTexels.create(gpu, catalogue, images),
-      Presenter.create(gpu, canvas),
-    ]);
-    return new FilmPlayer({ gpu, container, canvas, catalogue, mostViews }, texels, presenter);
+  get renderer(): RendererName {
+    return this.#renderer.name;
+  }
+
+  get mostPixels(): number {
+    return this.#renderer.mostPixels;
   }
 
   async draw(view: View): Promise<PlayerStats> {
     const scene = await this.#bring(view);
-    const begun = performance.now();
     const { counts, active } = scene;
     const unitsMissing = counts.missing + counts.working;
     // Rays through nothing known take longest: the first picture waits for what comes soon.
-    this.#isShown ||= unitsMissing === 0 || begun - this.#openedMs > FIRST_MS;
-    const counters = this.#isShown ? await this.#march(scene) : {};
-    const wallMs = this.#isShown ? performance.now() - begun : 0;
-    const times = await this.#timer.read();
+    this.#isShown ||= unitsMissing === 0 || performance.now() - this.#openedMs > FIRST_MS;
+    const drawn = this.#isShown ? await this.#draw(scene) : undefined;
     this.#shownFrame = unitsMissing === 0 ? scene.view.frame : this.#shownFrame;
     const fetched = this.#desk.store.stats;
     return {
       ...fetched,
       counters: {
-        ...counters,
+        ...drawn?.counters,
         ...this.#totals,
         cells_unchanged: counts.shown,
         bytes_read: fetched.bytesFetched,
         active_probes: active.length,
       },
-      decodeMs: times.get("decode") ?? 0,
-      marchMs: times.get("march") ?? wallMs,
+      decodeMs: drawn?.decodeMs ?? (await this.#renderer.decodeMs()),
+      marchMs: drawn?.marchMs ?? 0,
       unitsMissing,
       unitsBroken: counts.broken,
       shownFrame: this.#shownFrame,
@@ -228,7 +220,7 @@ class FilmPlayer implements Player {
         return;
       }
       // Times are those of the next picture alone.
-      await Promise.all([ready, this.#timer.read()]);
+      await Promise.all([ready, this.#renderer.decodeMs()]);
     }
   }
 
@@ -256,9 +248,8 @@ class FilmPlayer implements Player {
     return next <= end ? [...spans, [next, end]] : spans;
   }
 
-  async pixels(): Promise<{ size: [number, number]; rgba: Float32Array }> {
-    const [left] = this.#pictures;
-    return { size: [...left.size], rgba: await left.readPixels() };
+  pixels(): Promise<{ size: [number, number]; rgba: Float32Array }> {
+    return this.#renderer.pixels();
   }
 
   close(): void {
@@ -266,7 +257,7 @@ class FilmPlayer implements Player {
     this.#wake();
     this.#desk.store.close();
     this.#desk.pool.close();
-    this.#gpu.destroy();
+    this.#renderer.close();
   }
 
   #tell(problem: Problem): void {
@@ -285,9 +276,10 @@ class FilmPlayer implements Player {
     const active = this.#active(view.pose.eye, view.frame);
     await this.#load(active);
     this.#visible.look(cameras);
-    const { texels, desk } = this.#stage;
+    const { renderer, desk } = this.#stage;
+    const { texels } = renderer;
     // Secondary rays go anywhere.
-    const isSpecular = (): boolean => this.#hasEffects && active.some((at) => texels.isSpecular(at));
+    const isSpecular = (): boolean => renderer.hasEffects && active.some((at) => texels.isSpecular(at));
     const needsAll = isSpecular();
     const sees = (stream: Stream, unit: number): boolean => needsAll || this.#visible.sees(stream, unit);
     const counts: UnitCounts = { shown: 0, ready: 0, working: 0, missing: 0, broken: 0 };
@@ -300,7 +292,7 @@ class FilmPlayer implements Player {
       views.forEach((one) => one.askAhead(view.frame + ahead, sees));
     }
     for (const one of views) {
-      const { units, pixels, behind } = one.update(this.#timer);
+      const { units, pixels, behind } = one.update();
       counts.working += behind;
       this.#totals.cells_decoded += units;
       this.#totals.pixels_decoded += pixels;
@@ -313,10 +305,6 @@ class FilmPlayer implements Player {
       this.#wake();
     }
     return { view, active, cameras, counts };
-  }
-
-  get #hasEffects(): boolean {
-    return !this.#gpu.isSoftware;
   }
 
   /** The cameras of the eyes. */
@@ -370,7 +358,7 @@ class FilmPlayer implements Player {
         loaded.unload();
         this.#loaded.delete(oldest);
       }
-      this.#loaded.set(view, await LoadedView.load(this.#stage, view));
+      this.#loaded.set(view, await LoadedView.load(this.#stage, view, this.#catalogue.views[view]));
     }
     active.forEach((at) => (this.#loaded.get(at)!.lastUsed = this.#draws));
   }
@@ -414,51 +402,12 @@ class FilmPlayer implements Player {
     return chunks;
   }
 
-  /** Renders the eyes and what overlays show, and presents them; answers the counters of the first eye. */
-  async #march({ view, active, cameras }: Sight): Promise<Record<string, number>> {
-    const [width, height] = view.size;
-    const size: [number, number] = [view.stereo === "side-by-side" ? Math.ceil(width / 2) : width, height];
-    const marksHoles = view.overlays.has("holes");
-    const settings = {
-      ...MARCH_SETTINGS,
-      steps: view.steps,
-      holes: marksHoles ? "nearest" : "behind",
-      effects: this.#hasEffects,
-    } as const;
-    const [left, right, marks] = this.#pictures;
-    const shot = (camera: Camera) => {
-      const probeOf = (probe: number) => this.#container.probeAt(probe, view.frame);
-      return { active: activeViews(this.#catalogue, active, camera.eye, probeOf), camera, size, settings };
-    };
-    const timing = () => this.#timer.pass("march");
-    for (const [eye, camera] of cameras.entries()) {
-      await this.#marcher.render(this.#pictures[eye], { ...shot(camera), timing });
-    }
-    const overlays = TEXEL_OVERLAYS.filter((overlay) => view.overlays.has(overlay));
-    if (overlays.length > 0) {
-      await this.#marcher.render(marks, { ...shot(cameras[0]), colors: this.#paint(overlays, view.frame, active) });
-    }
-    [this.#canvas.width, this.#canvas.height] = view.size;
-    const hasMarks = overlays.length > 0;
-    this.#presenter.show([left, cameras.length > 1 ? right : left, hasMarks ? marks : left], {
-      exposureEv: view.exposureEv,
-      toneMap: view.toneMap,
-      stereo: view.stereo,
-      marksHoles,
-      overlay: hasMarks ? OVERLAY_SHARE : 0,
-    });
-    this.onShown();
-    return left.readCounters();
-  }
-
-  #paint(overlays: readonly TexelOverlay[], frame: number, views: readonly number[]): GPUTextureView {
-    this.#overlay ??= new OverlayTexture(this.#container, this.#stage.texels);
+  #draw({ view, active, cameras }: Sight): Promise<Drawn> {
     const now = performance.now();
     const isFresh = (chunk: number): boolean => {
       const arrived = this.#arrived.get(rangeKey(this.#container.chunks[chunk]));
       return arrived !== undefined && now - arrived < FRESH_MS;
     };
-    this.#overlay.paint(overlays, { frame, isFresh, views });
-    return this.#overlay.view;
+    return this.#renderer.draw({ view, cameras, views: active, isFresh }, () => this.onShown());
   }
 }

@@ -27,6 +27,10 @@ export interface Film {
 
 export type StereoLayout = "mono" | "side-by-side" | "anaglyph";
 export type ToneMapName = "none" | "reinhard" | "filmic";
+/** What draws: the graphics device, or the processor in small pictures. */
+export type RendererName = "gpu" | "cpu";
+/** With "auto" the graphics device draws, unless that is a program on the processor, which is slower than our own. */
+export type RendererChoice = RendererName | "auto";
 /** Overlays of the inspector; several at once. */
 export type Overlay = "probes" | "holes" | "units" | "keyframes" | "fetched";
 
@@ -81,6 +85,10 @@ export interface Problem {
 
 export interface Player {
   readonly film: Film;
+  /** What draws a container. */
+  readonly renderer?: RendererName;
+  /** Pixels of a picture that it can draw while the eye moves. */
+  readonly mostPixels?: number;
   /** Draws into the canvas, from what is here; fetches what is missing for this view and for where the eye is heading. Never waits for a
    *  fetch. Resolves when the device has drawn. */
   draw(view: View): Promise<PlayerStats>;

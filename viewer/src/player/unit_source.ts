@@ -1,5 +1,6 @@
 // Where the units of a stream are decoded: on the device, or by workers.
 
+import type { Pixels } from "../codec/types.ts";
 import type { Container } from "../format/container.ts";
 import type { Chunk } from "../format/types.ts";
 import type { StoredChunk } from "./jobs.ts";
@@ -16,6 +17,9 @@ export interface Desk {
   /** A chunk cannot be decoded; the sentence of a worker. */
   onBroken: (message: string) => void;
 }
+
+/** What a unit shows, by the numbers of its stream and its own; `undefined` where nothing is known, or the device has it. */
+export type PixelsOf = (stream: number, unit: number) => Pixels | undefined;
 
 /** A frame that a unit is to show. `next` is the place of the chunk behind, or -1. */
 export interface UnitFrame {

@@ -4,7 +4,7 @@
 import type { Vec3 } from "../format/types.ts";
 import type { Pose } from "../player/types.ts";
 import { MAX_PITCH, wrapAngle } from "./pose.ts";
-import { DEFAULTS, inRange, MARKS, STEREO_LAYOUTS, TONE_MAPS } from "./settings.ts";
+import { DEFAULTS, inRange, MARKS, RENDERERS, STEREO_LAYOUTS, TONE_MAPS } from "./settings.ts";
 import type { Mark, NumberName, Settings } from "./settings.ts";
 
 /** What a link says; what it does not say, or says wrongly, is absent. */
@@ -73,6 +73,7 @@ export function parseLink(hash: string): Link {
     stereo: oneOf(STEREO_LAYOUTS, values.get("stereo")),
     isLooped: values.get("loop") === null ? undefined : values.get("loop") !== "0",
     marks: readMarks(values.get("show")),
+    renderer: oneOf(RENDERERS, values.get("renderer")),
   });
   for (const [key, name] of NUMBER_KEYS) {
     const value = readNumber(values.get(key));
@@ -115,6 +116,7 @@ export function formatLink(pose: Pose, frame: number, settings: Settings): strin
   add("tone", settings.toneMap, DEFAULTS.toneMap);
   add("stereo", settings.stereo, DEFAULTS.stereo);
   add("loop", settings.isLooped ? "1" : "0", DEFAULTS.isLooped ? "1" : "0");
+  add("renderer", settings.renderer, DEFAULTS.renderer);
   add("show", MARKS.filter((mark) => settings.marks.has(mark)).join(","), "");
   return `#${parts.join("&")}`;
 }

@@ -51,9 +51,10 @@ export class Notice {
     byId("state", HTMLElement),
   ];
 
-  /** `onRetry` is called when the viewer wants the film to be loaded again. */
-  constructor(onRetry: () => void) {
+  /** Called when the viewer wants the film to be loaded again, or to be drawn on the processor. */
+  constructor(onRetry: () => void, onProcessor: () => void) {
     this.#retry = onPress("notice-retry", onRetry);
+    onPress("notice-processor", onProcessor);
     const copy = onPress("notice-copy", () => {
       void copyText(this.#command.textContent ?? "", copy, this.#command);
     });
@@ -70,7 +71,7 @@ export class Notice {
   failed(error: unknown, command: string | undefined): void {
     const lacksWebGpu = error instanceof NoWebGpuError;
     this.#show(
-      lacksWebGpu ? "This browser cannot show light fields" : "The film cannot be shown",
+      lacksWebGpu ? "No graphics device for this page" : "The film cannot be shown",
       sentence(messageOf(error)),
     );
     this.#webGpu.hidden = !lacksWebGpu || command === undefined;

@@ -3,7 +3,7 @@
 import { HttpSource } from "../format/http.ts";
 import { openPlayer } from "../player/player.ts";
 import { withRetries } from "../player/retries.ts";
-import type { Player, Pose } from "../player/types.ts";
+import type { Player, Pose, RendererChoice, RendererName } from "../player/types.ts";
 import { openQuilt } from "../quilt.ts";
 import type { FilmFile } from "./film_file.ts";
 import { FilmFileError } from "./film_file.ts";
@@ -22,7 +22,11 @@ export interface Show {
   enterHeadset?: (pose: Pose) => Promise<void>;
 }
 
-const CONTAINER_MARKS: readonly Mark[] = ["probes", "holes", "units", "keyframes", "fetched"];
+/** Overlays of containers. */
+const MARKS_OF: Readonly<Record<RendererName, readonly Mark[]>> = {
+  gpu: ["probes", "holes", "units", "keyframes", "fetched"],
+  cpu: ["holes"],
+};
 
 /** The bundle of scenes, beside this one; three.js is in it alone. */
 const SCENES = "./glb.js";
@@ -44,13 +48,14 @@ async function openScene(file: FilmFile, canvas: HTMLCanvasElement): Promise<Sho
 }
 
 /** Opens a film to be drawn into a new canvas. */
-export async function openShow(file: FilmFile, canvas: HTMLCanvasElement): Promise<Show> {
+export async function openShow(file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<Show> {
   if (file.kind === "glb") {
     return openScene(file, canvas);
   }
   const source = await withRetries(() => HttpSource.open(file.url));
   if (file.kind === "lfold") {
-    return { player: await openPlayer(source, canvas), marks: CONTAINER_MARKS, isFixed: false };
+    const player = await openPlayer(source, canvas, renderer);
+    return { player, marks: MARKS_OF[player.renderer ?? "gpu"], isFixed: false };
   }
   if (file.quilt === undefined) {
     throw new FilmFileError("film.json, quilt: columns and rows were expected.");

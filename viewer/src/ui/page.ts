@@ -1,7 +1,7 @@
 // The page: holds pose, film time and settings, and joins input, drawing, panels and the link.
 
 import type { Vec3 } from "../format/types.ts";
-import type { Pose, Problem, View } from "../player/types.ts";
+import type { Pose, Problem, RendererChoice, View } from "../player/types.ts";
 import { clampEye, moveEye } from "./bounds.ts";
 import { FilmClock } from "./clock.ts";
 import { renderCommand } from "./command.ts";
@@ -36,7 +36,7 @@ const RELOAD_MS = 10_000;
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
 
 /** Opens the film for a new canvas. */
-export type Opener = (file: FilmFile, canvas: HTMLCanvasElement) => Promise<Show>;
+export type Opener = (file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice) => Promise<Show>;
 
 /** The last picture. */
 type Drawn = Pick<Reading, "stats" | "pictureMs" | "size">;
@@ -52,7 +52,10 @@ export class Page {
   readonly #open: Opener;
   readonly #stage = byId("stage", HTMLElement);
   readonly #messages = new Messages();
-  readonly #notice = new Notice(() => void this.load());
+  readonly #notice = new Notice(
+    () => void this.load(),
+    () => this.#set({ renderer: "cpu" }),
+  );
   readonly #panels = new Panels(() => (this.#panelsMs = -Infinity));
   readonly #settingsPanel = new SettingsPanel((change) => this.#set(change));
   readonly #inspector = new Inspector((mark, isOn) => this.#mark(mark, isOn));
@@ -113,7 +116,7 @@ export class Page {
     const canvas = document.createElement("canvas");
     this.#stage.replaceChildren(canvas);
     try {
-      this.#enter(await this.#open(this.#file, canvas), canvas);
+      this.#enter(await this.#open(this.#file, canvas, this.#settings.renderer), canvas);
       this.#notice.hide();
       this.#panels.restore();
     } catch (error) {
@@ -167,6 +170,11 @@ export class Page {
     clock.setSpeed(this.#settings.speed, performance.now());
     clock.seek(this.#frame ?? link.frame ?? film.firstFrame, performance.now());
     this.#describe(show);
+    if (player.renderer === "cpu" && this.#settings.renderer === "auto") {
+      this.#messages.say(
+        "The graphics device of this browser is software: the processor draws, in small pictures. Settings has the other renderer.",
+      );
+    }
     show.showOverdraw?.(this.#settings.marks.has("overdraw"));
   }
 
@@ -274,16 +282,20 @@ export class Page {
     const overlays = new Set(
       (this.#shown?.marks ?? []).flatMap((mark) => (mark !== "overdraw" && marks.has(mark) ? [mark] : [])),
     );
-    const [pose, frame, size] = [this.#pose ?? ORIGIN, this.#frame ?? 0, this.#size(factor)];
+    const [pose, frame, size] = [
+      this.#pose ?? ORIGIN,
+      this.#frame ?? 0,
+      this.#size(factor, this.#shown?.player.mostPixels),
+    ];
     const playing = this.#shown?.clock.isPlaying ?? false;
     return { pose, frame, playing, size, fovDeg, stereo, eyeDistance, exposureEv, toneMap, overlays, steps };
   }
 
-  /** Width, which is even, and height of a picture at a part of the resolution, in device pixels. */
-  #size(factor: number): [number, number] {
+  /** Width, which is even, and height of a picture at a part of the resolution, in device pixels, of which it has `most` in full. */
+  #size(factor: number, most = Infinity): [number, number] {
     const [width, height] = [this.#stage.clientWidth, this.#stage.clientHeight];
-    const wanted = window.devicePixelRatio * this.#settings.scale * factor;
-    const scale = Math.min(wanted, MAX_SIDE / Math.max(width, height, 1));
+    const wanted = window.devicePixelRatio * this.#settings.scale;
+    const scale = factor * Math.min(wanted, MAX_SIDE / Math.max(width, height, 1), Math.sqrt(most / (width * height)));
     return [Math.max(2, 2 * Math.round((width * scale) / 2)), Math.max(1, Math.round(height * scale))];
   }
 
@@ -344,6 +356,7 @@ export class Page {
 
   #set(change: Partial<Settings>): void {
     const settings = { ...this.#settings, ...change };
+    const isOther = settings.renderer !== this.#settings.renderer;
     this.#settings = settings;
     this.#settingsPanel.show(settings);
     this.#inspector.showMarks(settings.marks);
@@ -354,6 +367,9 @@ export class Page {
       shown.clock.setSpeed(settings.speed, performance.now());
       shown.showOverdraw?.(settings.marks.has("overdraw"));
       shown.loop.move();
+    }
+    if (isOther) {
+      void this.load();
     }
   }
 

@@ -1,6 +1,6 @@
 // What the viewer can set, with the ranges that hold for controls and links.
 
-import type { Overlay, StereoLayout, ToneMapName } from "../player/types.ts";
+import type { Overlay, RendererChoice, StereoLayout, ToneMapName } from "../player/types.ts";
 
 /** Overlays of containers, and that of scenes. */
 export type Mark = Overlay | "overdraw";
@@ -21,6 +21,7 @@ export interface Settings {
   speed: number;
   isLooped: boolean;
   marks: ReadonlySet<Mark>;
+  renderer: RendererChoice;
 }
 
 export const DEFAULTS: Readonly<Settings> = {
@@ -34,6 +35,7 @@ export const DEFAULTS: Readonly<Settings> = {
   speed: 1,
   isLooped: true,
   marks: new Set(),
+  renderer: "auto",
 };
 
 /** Settings that are numbers. */
@@ -51,6 +53,7 @@ const RANGES: Readonly<Record<NumberName, readonly [number, number]>> = {
 
 export const TONE_MAPS: readonly ToneMapName[] = ["none", "reinhard", "filmic"];
 export const STEREO_LAYOUTS: readonly StereoLayout[] = ["mono", "side-by-side", "anaglyph"];
+export const RENDERERS: readonly RendererChoice[] = ["auto", "gpu", "cpu"];
 export const MARKS: readonly Mark[] = ["probes", "holes", "units", "keyframes", "fetched", "overdraw"];
 
 /** The value within the range of its setting; steps are whole. */

@@ -3,7 +3,7 @@
 import { byId, onPress, setText } from "./dom.ts";
 import type { FilmKind } from "./film_file.ts";
 import { shortNumber } from "./link.ts";
-import { DEFAULTS, inRange, STEREO_LAYOUTS, TONE_MAPS } from "./settings.ts";
+import { DEFAULTS, inRange, RENDERERS, STEREO_LAYOUTS, TONE_MAPS } from "./settings.ts";
 import type { NumberName, Settings } from "./settings.ts";
 
 /** Sliders: setting, id, and the text of a value. */
@@ -52,6 +52,7 @@ export class SettingsPanel {
     }
     listOf("tone-map", TONE_MAPS, (toneMap) => onChange({ toneMap }));
     listOf("stereo", STEREO_LAYOUTS, (stereo) => onChange({ stereo }));
+    listOf("renderer", RENDERERS, (renderer) => onChange({ renderer }));
     onPress("reset-settings", () => {
       const { exposureEv, toneMap, fovDeg, stereo, eyeDistance, steps, scale } = DEFAULTS;
       onChange({ exposureEv, toneMap, fovDeg, stereo, eyeDistance, steps, scale });
@@ -77,6 +78,7 @@ export class SettingsPanel {
     }
     byId("tone-map", HTMLSelectElement).value = settings.toneMap;
     byId("stereo", HTMLSelectElement).value = settings.stereo;
+    byId("renderer", HTMLSelectElement).value = settings.renderer;
     byId("eye-distance", HTMLInputElement).disabled = settings.stereo === "mono";
     byId("loop", HTMLButtonElement).setAttribute("aria-pressed", String(settings.isLooped));
   }

@@ -1,0 +1,109 @@
+// The light field of the worker that renders: the texels of loaded views, as the page sends them.
+
+import { inverseDepths } from "../views/inverse_depth.ts";
+import { rayLength } from "../views/face.ts";
+import { halfValue } from "../views/straight.ts";
+import { FaceTexels, UNKNOWN } from "./face_texels.ts";
+import { MarchedViews } from "./marched_views.ts";
+import type { FaceOutline, Order, Place, Rendered, ViewPlace } from "./messages.ts";
+import { type CpuShot, Renderer } from "./render.ts";
+
+interface Face {
+  outline: FaceOutline;
+  texels: FaceTexels;
+  /** By code, in 1/m. */
+  inverseDepths: Float32Array;
+}
+
+/** Numbers of halves, by their bits. */
+let halves: Float32Array | undefined;
+
+export class Field {
+  readonly #views = new Map<number, Map<number, Face>>();
+  /** By near and far. */
+  readonly #tables = new Map<string, Float32Array>();
+
+  /** Does what the page orders; answers a picture where that was ordered. */
+  run(order: Order): Rendered | undefined {
+    switch (order.kind) {
+      case "load":
+        this.#views.set(order.view, new Map(order.faces.map((face) => [face.face, this.#faceOf(face, order.isLight)])));
+        return undefined;
+      case "unload":
+        this.#views.delete(order.view);
+        return undefined;
+      case "depth":
+        this.#writeDepths(order.place, order.codes);
+        return undefined;
+      case "color":
+        this.#writeColors(order.place, order.texels);
+        return undefined;
+      case "render":
+        return this.#render(order.shot, order.views, order.nearest);
+    }
+  }
+
+  #faceOf(outline: FaceOutline, isLight: boolean): Face {
+    const { range, size, map } = outline;
+    const key = `${range.nearM} ${range.farM}`;
+    const table = this.#tables.get(key) ?? new Float32Array(inverseDepths(range).buffer);
+    this.#tables.set(key, table);
+    return { outline, texels: new FaceTexels(size, map, isLight), inverseDepths: table };
+  }
+
+  #face({ view, face }: Place): Face {
+    const found = this.#views.get(view)?.get(face);
+    if (found === undefined) {
+      throw new Error(`View ${view} has no face ${face}`);
+    }
+    return found;
+  }
+
+  #writeDepths(place: Place, codes: Uint16Array | undefined): void {
+    const { outline, texels, inverseDepths: table } = this.#face(place);
+    const [left, top, width, height] = place.rect;
+    for (let row = 0; row < height; row += 1) {
+      const to = (top + row) * texels.width + left;
+      for (let column = 0; column < width; column += 1) {
+        let inverse = codes === undefined ? UNKNOWN : table[codes[row * width + column]];
+        if (outline.isDistance && codes !== undefined) {
+          inverse *= rayLength(outline.map, left + column, top + row);
+        }
+        texels.inverseDepths[to + column] = inverse;
+      }
+    }
+    texels.update(place.rect);
+  }
+
+  #writeColors(place: Place, colors: Uint8Array | Uint16Array): void {
+    const { texels } = this.#face(place);
+    const [left, top, width, height] = place.rect;
+    for (let row = 0; row < height; row += 1) {
+      const to = 4 * ((top + row) * texels.width + left);
+      const from = 4 * row * width;
+      if (colors instanceof Uint8Array) {
+        texels.colors.set(colors.subarray(from, from + 4 * width), to);
+      } else {
+        halves ??= Float32Array.from({ length: 1 << 16 }, (_, bits) => halfValue(bits));
+        for (let at = 0; at < 4 * width; at += 1) {
+          texels.colors[to + at] = halves[colors[from + at]];
+        }
+      }
+    }
+  }
+
+  #render(shot: CpuShot, places: readonly ViewPlace[], nearest: number): Rendered {
+    const begun = performance.now();
+    const views = places.map(({ view, ...place }) => {
+      const faces = this.#views.get(view) ?? new Map<number, Face>();
+      const texels = Array.from({ length: 7 }, (_, face) => faces.get(face)?.texels);
+      const isWhole = texels.slice(0, 6).every((face) => face !== undefined);
+      const greatest = isWhole ? Math.max(...texels.slice(0, 6).map((face) => face!.greatest)) : UNKNOWN;
+      return { ...place, faces: texels, greatest };
+    });
+    const marched = new MarchedViews(views, nearest, shot.coding.name === "light");
+    const rgba = new Float32Array(4 * shot.size[0] * shot.size[1]);
+    new Renderer(marched, shot).render(0, shot.size[1], rgba);
+    return { rgba, counts: marched.counts, ms: performance.now() - begun };
+  }
+}

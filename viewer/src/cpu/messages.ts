@@ -1,0 +1,53 @@
+// Messages between the page and the worker that renders.
+
+import type { DepthRange, Rect, Vec3 } from "../format/types.ts";
+import type { Axes } from "../math.ts";
+import type { TexelMap } from "../views/face.ts";
+import type { Counts } from "./marched_views.ts";
+import type { CpuShot } from "./render.ts";
+
+/** A face whose texels are unknown at first. */
+export interface FaceOutline {
+  /** Its number. */
+  face: number;
+  size: [number, number];
+  map: TexelMap;
+  range: DepthRange;
+  /** Codes are of distances, and not of planar depths. */
+  isDistance: boolean;
+}
+
+/** A view of a picture, by its place in the catalogue. */
+export interface ViewPlace {
+  view: number;
+  fromEye: Vec3;
+  turn: Axes;
+  cameraWeight: number;
+  nearM: number;
+}
+
+/** A rectangle of a face of a view. */
+export interface Place {
+  view: number;
+  face: number;
+  rect: Rect;
+}
+
+export type Order =
+  | { kind: "load"; view: number; faces: FaceOutline[]; isLight: boolean }
+  | { kind: "unload"; view: number }
+  /** Depth codes of a rectangle, row by row; without them it becomes unknown. */
+  | { kind: "depth"; place: Place; codes: Uint16Array | undefined }
+  /** Four components of each texel: bytes, or bits of halves. */
+  | { kind: "color"; place: Place; texels: Uint8Array | Uint16Array }
+  /** A picture; `nearest` is the place among `views` of the one nearest to the eye. */
+  | { kind: "render"; shot: CpuShot; views: ViewPlace[]; nearest: number };
+
+/** What becomes of `render`. */
+export interface Rendered {
+  /** Linear light and alpha, row by row. */
+  rgba: Float32Array;
+  counts: Counts;
+  /** Milliseconds. */
+  ms: number;
+}

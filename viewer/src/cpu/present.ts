@@ -1,0 +1,80 @@
+// Shows pictures on a canvas without a graphics device. Mirrors src/gpu/present.wgsl.
+
+import type { StereoLayout, ToneMapName } from "../player/types.ts";
+
+/** A picture of linear light: red, green, blue and alpha, row by row. */
+export interface LightPicture {
+  size: readonly [number, number];
+  rgba: Float32Array;
+}
+
+/** How pictures are shown. */
+export interface Look {
+  exposureEv: number;
+  toneMap: ToneMapName;
+  stereo: StereoLayout;
+  /** What no probe saw is marked: pixels with an alpha below 1. */
+  marksHoles: boolean;
+}
+
+/** Entries of the table of the curve of sRGB. */
+const CURVE = 4096;
+
+/** 8-bit codes of light from 0 to 1. */
+const CODES = Uint8Array.from({ length: CURVE + 1 }, (_, at) => {
+  const light = at / CURVE;
+  return Math.round(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055));
+});
+
+function toned(light: number, toneMap: ToneMapName): number {
+  const x = Math.max(light, 0);
+  switch (toneMap) {
+    case "none":
+      return x;
+    case "reinhard":
+      return x / (1 + x);
+    case "filmic":
+      return (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14);
+  }
+}
+
+/** 8-bit pixels of a picture, over black or the mark of holes, which is magenta. */
+function codesOf({ rgba }: LightPicture, { exposureEv, toneMap, marksHoles }: Look): Uint8ClampedArray<ArrayBuffer> {
+  const codes = new Uint8ClampedArray(rgba.length);
+  const gain = 2 ** exposureEv;
+  for (let at = 0; at < rgba.length; at += 1) {
+    if (at % 4 === 3) {
+      codes[at] = 255;
+      continue;
+    }
+    const alpha = Math.min(Math.max(rgba[at - (at % 4) + 3], 0), 1);
+    const behind = marksHoles && at % 4 !== 1 ? 1 : 0;
+    const light = Math.min(toned(behind + alpha * (gain * rgba[at] - behind), toneMap), 1);
+    codes[at] = CODES[Math.round(CURVE * light)];
+  }
+  return codes;
+}
+
+/** Draws the picture of the left or only eye, and that of the right one, which have one size. */
+export function present(canvas: HTMLCanvasElement, [left, right]: readonly LightPicture[], look: Look): void {
+  const context = canvas.getContext("2d");
+  if (context === null) {
+    throw new Error("The canvas cannot be drawn to.");
+  }
+  const [width, height] = left.size;
+  const codes = codesOf(left, look);
+  const isSplit = look.stereo === "side-by-side";
+  [canvas.width, canvas.height] = [isSplit ? 2 * width : width, height];
+  if (right !== undefined) {
+    const others = codesOf(right, look);
+    if (isSplit) {
+      context.putImageData(new ImageData(others, width, height), width, 0);
+    } else {
+      for (let at = 0; at < codes.length; at += 4) {
+        codes[at + 1] = others[at + 1];
+        codes[at + 2] = others[at + 2];
+      }
+    }
+  }
+  context.putImageData(new ImageData(codes, width, height), 0, 0);
+}

@@ -1,0 +1,100 @@
+// Texels that lie in the worker that renders: what of the pictures of units was not sent there yet.
+
+import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
+import type { Rect } from "../format/types.ts";
+import { unitRectOf } from "../format/index_tables.ts";
+import { FaceUnits, LoadedFaces } from "../views/known_units.ts";
+import type { Texels } from "../views/texels.ts";
+import type { Order } from "./messages.ts";
+
+/** The codes of a tile, row by row. */
+export type TileCodes = (stream: number, tile: number) => Uint16Array;
+
+class SentFace extends FaceUnits {
+  constructor(
+    streams: FaceStreams,
+    readonly view: number,
+    readonly codes: TileCodes,
+  ) {
+    super(streams);
+  }
+}
+
+export class WorkerTexels implements Texels {
+  readonly #loaded = new LoadedFaces<SentFace>();
+
+  constructor(
+    private readonly catalogue: Catalogue,
+    private readonly send: (order: Order) => void,
+  ) {}
+
+  /** Loads a view of which nothing is known; its tiles have codes once they are written. */
+  load(view: number, codes: TileCodes): void {
+    const { faces } = this.catalogue.views[view];
+    this.#loaded.load(
+      view,
+      faces.map((face) => new SentFace(face, view, codes)),
+    );
+    const outlines = faces.map(({ face, size, map, header: { range, isDistance } }) => ({
+      face,
+      size,
+      map,
+      range,
+      isDistance,
+    }));
+    this.send({ kind: "load", view, faces: outlines, isLight: this.catalogue.coding.name === "light" });
+  }
+
+  unload(view: number): void {
+    this.#loaded.unload(view);
+    this.send({ kind: "unload", view });
+  }
+
+  isKnown(stream: number, unit: number): boolean {
+    return this.#loaded.isKnown(stream, unit);
+  }
+
+  written(stream: number, unit: number): void {
+    this.#loaded.setKnown(stream, unit, true);
+  }
+
+  forget(stream: number, unit: number): void {
+    this.#loaded.setKnown(stream, unit, false);
+  }
+
+  uploadColor(stream: number, rect: Rect, texels: Uint8Array | Uint16Array): void {
+    const { view, streams } = this.#loaded.ofStream(stream).face;
+    this.send({ kind: "color", place: { view, face: streams.face, rect }, texels });
+  }
+
+  /** Materials show in secondary rays alone, which are not followed here. */
+  uploadMaterial(stream: number, unit: number): void {
+    this.written(stream, unit);
+  }
+
+  isSpecular(): boolean {
+    return false;
+  }
+
+  update(): void {
+    for (const [view, faces] of this.#loaded.views()) {
+      for (const face of faces) {
+        const { depth, face: number } = face.streams;
+        for (const { rect, tile, isKnown } of face.takeParts()) {
+          const codes = isKnown ? partOf(face.codes(depth.index, tile), unitRectOf(depth, tile), rect) : undefined;
+          this.send({ kind: "depth", place: { view, face: number, rect }, codes });
+        }
+      }
+    }
+  }
+}
+
+/** Pixels of a rectangle within the one that some lie in. */
+function partOf(codes: Uint16Array, [left, top, width]: Rect, rect: Rect): Uint16Array {
+  const part = new Uint16Array(rect[2] * rect[3]);
+  for (let row = 0; row < rect[3]; row += 1) {
+    const from = (rect[1] - top + row) * width + rect[0] - left;
+    part.set(codes.subarray(from, from + rect[2]), row * rect[2]);
+  }
+  return part;
+}

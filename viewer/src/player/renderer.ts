@@ -1,0 +1,50 @@
+// Draws pictures of loaded views, on the graphics device or on the processor.
+
+import type { FaceStreams } from "../views/catalogue.ts";
+import type { Camera } from "../views/camera.ts";
+import type { Texels } from "../views/texels.ts";
+import type { DeviceFamily } from "./device_units.ts";
+import type { RendererName, View } from "./types.ts";
+import type { PixelsOf } from "./unit_source.ts";
+
+/** A picture to be drawn. */
+export interface Shot {
+  /** With a frame that there is. */
+  view: View;
+  /** Of one eye, or of the left and the right one. */
+  cameras: readonly Camera[];
+  /** Loaded views that take part, by their places in the catalogue. */
+  views: readonly number[];
+  /** Whether a chunk, by its place in the container, was fetched within the last second. */
+  isFresh: (chunk: number) => boolean;
+}
+
+/** What drawing took. */
+export interface Drawn {
+  /** Of the first eye, by the names of `lightfold render --stats`. */
+  counters: Record<string, number>;
+  /** Milliseconds of decoding on the device, and of marching. */
+  decodeMs: number;
+  marchMs: number;
+}
+
+export interface Renderer {
+  readonly name: RendererName;
+  /** Pixels of a picture that it can draw while the eye moves. */
+  readonly mostPixels: number;
+  readonly texels: Texels;
+  /** Whether secondary rays are followed where a material is specular. */
+  readonly hasEffects: boolean;
+  /** Called where nothing more can be drawn, with a sentence. */
+  onFailed: (message: string) => void;
+  /** Loads a view of the catalogue, of which nothing is known. Answers the families of its streams that the device decodes; workers
+   *  decode the others, whose pixels are those of `pixelsOf`. */
+  load(view: number, faces: readonly FaceStreams[], pixelsOf: PixelsOf): Promise<DeviceFamily[]>;
+  /** Draws on the canvas. `onShown` is called in the task in which the picture goes there. */
+  draw(shot: Shot, onShown: () => void): Promise<Drawn>;
+  /** Milliseconds of decoding since the last picture. */
+  decodeMs(): Promise<number>;
+  /** The last picture as red, green, blue, alpha of linear light, row by row. */
+  pixels(): Promise<{ size: [number, number]; rgba: Float32Array }>;
+  close(): void;
+}

@@ -1,0 +1,22 @@
+// The texels of loaded views, wherever they lie. Views are numbered as in the catalogue, streams as in the container.
+
+import type { Rect } from "../format/types.ts";
+
+export interface Texels {
+  /** Frees the texels of a view. */
+  unload(view: number): void;
+  /** Whether a unit has a picture that may be seen. */
+  isKnown(stream: number, unit: number): boolean;
+  /** Takes in that a unit has a new picture: where it was decoded, or all of its texels were uploaded. */
+  written(stream: number, unit: number): void;
+  /** Takes in that a unit shows nothing that may be seen: its texels become unknown until it is written again. */
+  forget(stream: number, unit: number): void;
+  /** Sends texels of a rectangle of a color stream, row by row: those of `ColorTexels`. */
+  uploadColor(stream: number, rect: Rect, texels: Uint8Array | Uint16Array): void;
+  /** Sends the pixels of a unit of material, three bytes each, and takes in that it is written. */
+  uploadMaterial(stream: number, unit: number, pixels: Uint8Array): void;
+  /** Whether a weight of a material of a view is above 0: then rays may go anywhere, and all units are needed. */
+  isSpecular(view: number): boolean;
+  /** Brings the texels to what was written. */
+  update(): void;
+}
