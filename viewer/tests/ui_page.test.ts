@@ -245,6 +245,7 @@ test("without WebGPU the page says what is missing and how to render instead", {
     await tab.click("#notice-processor");
     await until(tab, drawn);
     await tab.waitForFunction(() => location.hash.includes("renderer=cpu"));
+    await tab.click("#open-settings");
     await tab.selectOption("#renderer", "gpu");
     await tab.waitForSelector("#notice-webgpu:not([hidden])");
   });
