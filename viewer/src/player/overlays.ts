@@ -6,9 +6,9 @@ import type { Rect, Stream } from "../format/types.ts";
 import type { LightFieldTexels } from "../gpu/texels.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
 import { halfBits, lightOf as lightOfCode } from "../views/straight.ts";
+import { type Color, codingColors } from "./coding_colors.ts";
+import type { UnitCodings } from "./coding_maps.ts";
 import type { Overlay } from "./types.ts";
-
-type Color = [number, number, number];
 
 const DARK: Color = [18, 20, 26];
 const TILE_EDGE: Color = [255, 255, 255];
@@ -22,19 +22,23 @@ export interface OverlayPicture {
   frame: number;
   /** Whether a chunk was fetched within the last second. */
   isFresh: (chunk: number) => boolean;
+  /** How a unit of depth is coded, where that is known. */
+  codings: (stream: number, unit: number) => UnitCodings | undefined;
   /** Loaded views, by their places in the catalogue. */
   views: readonly number[];
 }
 
 /** Overlays that are colors of texels; holes are marked when a picture is shown. */
-export const TEXEL_OVERLAYS = ["probes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
+export const TEXEL_OVERLAYS = ["probes", "nodes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
 export type TexelOverlay = (typeof TEXEL_OVERLAYS)[number];
 
 export class OverlayTexture {
   readonly view: GPUTextureView;
   readonly #texture: GPUTexture;
   /** What each tile shows. */
-  readonly #painted = new Map<number, string>();
+  readonly #painted = new Map<number, ImagePainter>();
+  /** Texels of the bytes of coding maps; 0 where there is none. */
+  readonly #codingWords = Uint32Array.from(codingColors(), (color) => (color === undefined ? 0 : wordOf(color)));
 
   constructor(
     private readonly container: Container,
@@ -52,16 +56,11 @@ export class OverlayTexture {
         const tile = this.texels.tile(view, streams.face);
         const painter = new ImagePainter(streams.size);
         overlays.forEach((overlay) => this.#paint(overlay, { view, streams }, picture, painter));
-        if (this.#painted.get(tile) !== painter.key) {
-          this.#painted.set(tile, painter.key);
-          const texels = painter.texels();
-          arrays.upload(
-            this.#texture,
-            tile,
-            [0, 0, ...streams.size],
-            arrays.colorFormat === "rgba8unorm" ? texels : halvesOf(texels),
-          );
+        for (const rect of painter.changesTo(this.#painted.get(tile))) {
+          const texels = painter.texels(rect);
+          arrays.upload(this.#texture, tile, rect, arrays.colorFormat === "rgba8unorm" ? texels : halvesOf(texels));
         }
+        this.#painted.set(tile, painter);
       }
     }
   }
@@ -75,6 +74,13 @@ export class OverlayTexture {
     const { depth, color } = streams;
     if (overlay === "probes") {
       canvas.fill([0, 0, ...streams.size], hue(view / this.texels.catalogue.views.length));
+    } else if (overlay === "nodes") {
+      this.#forEachUnit(depth, (rect, unit) => {
+        const codings = picture.codings(depth.index, unit);
+        if (codings !== undefined) {
+          canvas.map(rect, codings.bytes, this.#codingWords);
+        }
+      });
     } else if (overlay === "units") {
       this.#forEachUnit(color, (rect) => canvas.frame(rect, CELL_EDGE));
       this.#forEachUnit(depth, (rect) => canvas.frame(rect, TILE_EDGE));
@@ -122,15 +128,32 @@ function hue(turn: number): Color {
   return [part(0), part(1 / 3), part(2 / 3)];
 }
 
+/** A step of painting: a rectangle in one color, the texels along its edges, or texels by a map of it. */
+interface Step {
+  rect: Rect;
+  isFrame: boolean;
+  color: Color;
+  map?: Uint8Array;
+  words?: Uint32Array;
+}
+
 /** Rectangles of an image, painted once their texels are asked for. */
 class ImagePainter {
-  readonly #steps: { rect: Rect; color: Color; isFrame: boolean }[] = [];
+  readonly #steps: Step[] = [];
 
   constructor(readonly size: [number, number]) {}
 
-  /** Tells whether two images look alike. */
-  get key(): string {
+  /** Tells whether two images look alike but for their maps. */
+  get #key(): string {
     return this.#steps.map(({ rect, color, isFrame }) => [...rect, ...color, isFrame].join()).join(" ");
+  }
+
+  /** The rectangles in which this image differs from another one: all of it, or only maps of it. */
+  changesTo(other: ImagePainter | undefined): Rect[] {
+    if (other === undefined || other.#key !== this.#key) {
+      return [[0, 0, ...this.size]];
+    }
+    return this.#steps.filter(({ map }, at) => map !== other.#steps[at].map).map(({ rect }) => rect);
   }
 
   fill(rect: Rect, color: Color): void {
@@ -142,23 +165,46 @@ class ImagePainter {
     this.#steps.push({ rect, color, isFrame: true });
   }
 
-  texels(): Uint8Array<ArrayBuffer> {
-    const [width, height] = this.size;
+  /** A rectangle by bytes for its texels, whose texels are `words`; 0 leaves what is there. */
+  map(rect: Rect, map: Uint8Array, words: Uint32Array): void {
+    this.#steps.push({ rect, color: DARK, isFrame: false, map, words });
+  }
+
+  /** The texels of a rectangle of the image. */
+  texels(area: Rect): Uint8Array<ArrayBuffer> {
+    const [x, y, width, height] = area;
     const texels = new Uint8Array(4 * width * height);
     const words = new Uint32Array(texels.buffer);
     words.fill(wordOf(DARK));
-    for (const { rect, color, isFrame } of this.#steps) {
-      const [left, top, columns, rows] = rect;
-      for (let row = top; row < top + rows; row += 1) {
-        const start = row * width + left;
-        if (!isFrame || row === top || row === top + rows - 1) {
-          words.fill(wordOf(color), start, start + columns);
-        } else {
-          [words[start], words[start + columns - 1]] = [wordOf(color), wordOf(color)];
-        }
+    for (const step of this.#steps) {
+      const [left, top, columns, rows] = step.rect;
+      const [from, to] = [Math.max(left, x), Math.min(left + columns, x + width)];
+      for (let row = Math.max(top, y); row < Math.min(top + rows, y + height) && from < to; row += 1) {
+        const start = (row - y) * width + from - x;
+        drawRow(step, row, [from, to], words.subarray(start, start + to - from));
       }
     }
     return texels;
+  }
+}
+
+/** Draws the texels of a row of a step, from one column to before another one, which are those of the image. */
+function drawRow(step: Step, row: number, [from, to]: [number, number], out: Uint32Array): void {
+  const [left, top, columns, rows] = step.rect;
+  if (step.map !== undefined && step.words !== undefined) {
+    const start = (row - top) * columns + from - left;
+    for (let at = 0; at < out.length; at += 1) {
+      out[at] = step.words[step.map[start + at]] || out[at];
+    }
+  } else if (!step.isFrame || row === top || row === top + rows - 1) {
+    out.fill(wordOf(step.color));
+  } else {
+    if (from === left) {
+      out[0] = wordOf(step.color);
+    }
+    if (to === left + columns) {
+      out[out.length - 1] = wordOf(step.color);
+    }
   }
 }
 

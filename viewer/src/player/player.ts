@@ -18,6 +18,7 @@ import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from ".
 import { selectViews } from "../views/selection.ts";
 import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
+import { CodingMaps, type SeenUnit, type UnitCodings } from "./coding_maps.ts";
 import { filmOf } from "./film.ts";
 import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
 import { OverlayTexture, TEXEL_OVERLAYS, type TexelOverlay } from "./overlays.ts";
@@ -27,7 +28,7 @@ import { ChunkStore, rangeKey } from "./store.ts";
 import { FRAMES_AHEAD } from "./worker_units.ts";
 import { DeviceTimer } from "./timer.ts";
 import type { Film, Player, PlayerStats, Problem, View } from "./types.ts";
-import type { Desk } from "./unit_source.ts";
+import { type Desk, unitFrame } from "./unit_source.ts";
 
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
@@ -117,6 +118,9 @@ class FilmPlayer implements Player {
   /** When chunks arrived, by the keys of their ranges. */
   readonly #arrived = new Map<string, number>();
   #overlay: OverlayTexture | undefined;
+  /** For the overlay of nodes. */
+  readonly #codings: CodingMaps;
+  #overlayMissing = 0;
   #motion: Motion | undefined;
   #shownFrame: number;
   readonly #openedMs = performance.now();
@@ -159,6 +163,7 @@ class FilmPlayer implements Player {
       onReady: () => this.#wake(),
       onBroken: (message) => this.#tell({ fatal: false, message }),
     };
+    this.#codings = new CodingMaps(this.#desk);
     const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
     const colors = new ColorTexels(catalogue.coding, hasAlpha);
     // A probe has a family or two of depth and of color.
@@ -216,6 +221,7 @@ class FilmPlayer implements Player {
       marchMs: times.get("march") ?? wallMs,
       unitsMissing,
       unitsBroken: counts.broken,
+      overlayMissing: this.#overlayMissing,
       shownFrame: this.#shownFrame,
     };
   }
@@ -294,6 +300,7 @@ class FilmPlayer implements Player {
     const fetch: Chunk[] = [];
     const views = active.map((at) => this.#loaded.get(at)!);
     views.forEach((one) => one.ask(view.frame, sees, fetch, counts));
+    this.#overlayMissing = this.#mark(view, active, fetch);
     const inUse = this.#chunksOf(active, sees, [view.frame, view.frame]);
     desk.store.want([...fetch, ...this.#ahead(view, active, cameras)], inUse);
     for (let ahead = 1; view.playing && ahead <= FRAMES_AHEAD; ahead += 1) {
@@ -313,6 +320,24 @@ class FilmPlayer implements Player {
       this.#wake();
     }
     return { view, active, cameras, counts };
+  }
+
+  /** Asks for what the overlay of nodes shows, while it is on; answers how many tiles it is missing of. */
+  #mark({ overlays, frame }: View, active: readonly number[], fetch: Chunk[]): number {
+    if (!overlays.has("nodes")) {
+      this.#codings.clear();
+      return 0;
+    }
+    const units: SeenUnit[] = [];
+    for (const { depth } of active.flatMap((at) => this.#catalogue.views[at].faces)) {
+      for (let unit = 0; unit < this.#container.unitCount(depth.index); unit += 1) {
+        const seen = this.#visible.sees(depth, unit) && unitFrame(this.#container, depth.index, unit, frame);
+        if (seen) {
+          units.push({ ...seen, stream: depth.index });
+        }
+      }
+    }
+    return this.#codings.show(units, fetch);
   }
 
   get #hasEffects(): boolean {
@@ -458,7 +483,8 @@ class FilmPlayer implements Player {
       const arrived = this.#arrived.get(rangeKey(this.#container.chunks[chunk]));
       return arrived !== undefined && now - arrived < FRESH_MS;
     };
-    this.#overlay.paint(overlays, { frame, isFresh, views });
+    const codings = (stream: number, unit: number): UnitCodings | undefined => this.#codings.of(stream, unit);
+    this.#overlay.paint(overlays, { frame, isFresh, codings, views });
     return this.#overlay.view;
   }
 }

@@ -28,7 +28,7 @@ export interface Film {
 export type StereoLayout = "mono" | "side-by-side" | "anaglyph";
 export type ToneMapName = "none" | "reinhard" | "filmic";
 /** Overlays of the inspector; several at once. */
-export type Overlay = "probes" | "holes" | "units" | "keyframes" | "fetched";
+export type Overlay = "probes" | "nodes" | "holes" | "units" | "keyframes" | "fetched";
 
 export interface View {
   pose: Pose;
@@ -68,6 +68,8 @@ export interface PlayerStats {
   unitsMissing: number;
   /** Tiles and cells whose chunks cannot be decoded. */
   unitsBroken: number;
+  /** Tiles whose overlay of nodes is not that of the picture's frame yet. */
+  overlayMissing: number;
   /** Frame of the picture that is shown; the wanted one once it is complete. */
   shownFrame: number;
 }

@@ -22,7 +22,7 @@ export interface Show {
   enterHeadset?: (pose: Pose) => Promise<void>;
 }
 
-const CONTAINER_MARKS: readonly Mark[] = ["probes", "holes", "units", "keyframes", "fetched"];
+const CONTAINER_MARKS: readonly Mark[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched"];
 
 /** The bundle of scenes, beside this one; three.js is in it alone. */
 const SCENES = "./glb.js";
