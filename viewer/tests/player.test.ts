@@ -207,7 +207,7 @@ describe("The player", { skip }, () => {
   test("draws overlays and two eyes", async () => {
     await inPage(films.path("film.lfold"), async (call) => {
       await call("settle", SHOTS[0]);
-      for (const overlay of ["probes", "holes", "units", "keyframes", "fetched"]) {
+      for (const overlay of ["probes", "nodes", "holes", "units", "keyframes", "fetched"]) {
         await call("draw", { ...SHOTS[0], overlays: [overlay] });
       }
       for (const stereo of ["side-by-side", "anaglyph"]) {
@@ -216,6 +216,38 @@ describe("The player", { skip }, () => {
       assert.deepEqual(await call("problems"), []);
     });
   });
+
+  for (const codec of ["quadtree", "aabb", "predictive"]) {
+    test(`shows how depth is coded by ${codec}, and asks for that only while it is shown`, async () => {
+      const film = films.encode("codings.lfold", "--clip", "--depth-codec", codec);
+      await inPage(film, async (call) => {
+        await call("settle", SHOTS[0]);
+        const plain = await call<number[]>("shown");
+        await call("settle", { ...SHOTS[0], frame: 1 });
+        assert.equal(await call("codingJobs"), 0);
+        const marked = { ...SHOTS[0], overlays: ["nodes"] };
+        const draw = () => call<PlayerStats>("draw", marked);
+        await call("settle", marked);
+        let { overlayMissing } = await draw();
+        for (let at = 0; at < 100 && overlayMissing > 0; at += 1) {
+          ({ overlayMissing } = await draw());
+        }
+        assert.equal(overlayMissing, 0);
+        const jobs = await call<number>("codingJobs");
+        assert.ok(jobs > 0);
+        await draw();
+        const changed = (await call<number[]>("shown")).filter((code, at) => Math.abs(code - plain[at]) > 8).length;
+        assert.ok(changed > plain.length / 4, `${changed} of ${plain.length}`);
+        await call("settle", SHOTS[0]);
+        await call("settle", { ...SHOTS[0], frame: 1 });
+        // Nothing is asked for twice, nor where the overlay is off.
+        assert.equal(await call("codingJobs"), jobs);
+        await call("settle", SHOTS[0]);
+        assert.deepEqual(await call("shown"), plain);
+        assert.deepEqual(await call("problems"), []);
+      });
+    });
+  }
 
   test("ends hostile files in a sentence", async () => {
     const random = chance(11);
