@@ -2,6 +2,7 @@
 // few units at a time, and nothing waits for them.
 
 import type { Chunk } from "../format/types.ts";
+import type { StoredChunk } from "./jobs.ts";
 import { type Desk, storedChunk, type UnitFrame } from "./unit_source.ts";
 
 /** Bytes of maps at most. Units of a picture beyond it have none. */
@@ -26,6 +27,8 @@ export class CodingMaps {
   readonly #maps = new Map<string, UnitCodings>();
   /** Units of the last picture. */
   #seen = new Set<string>();
+  /** Those of them whose maps are not here, in the order in which workers are to be asked. */
+  #waiting: SeenUnit[] = [];
   readonly #asked = new Set<string>();
   /** When units were asked for last, as numbers that count up. */
   readonly #turns = new Map<string, number>();
@@ -55,7 +58,8 @@ export class CodingMaps {
       }
     }
     const turn = (unit: SeenUnit): number => this.#turns.get(keyOf(unit)) ?? -1;
-    missing.sort((one, other) => turn(one) - turn(other)).forEach((unit) => this.#ask(unit, fetch));
+    this.#waiting = missing.sort((one, other) => turn(one) - turn(other));
+    this.#pump(fetch);
     return missing.length;
   }
 
@@ -68,6 +72,7 @@ export class CodingMaps {
   clear(): void {
     this.#maps.clear();
     this.#seen.clear();
+    this.#waiting = [];
     this.#turns.clear();
   }
 
@@ -76,16 +81,23 @@ export class CodingMaps {
     return width * height;
   }
 
-  #ask(unit: SeenUnit, fetch: Chunk[]): void {
+  /** Asks for as many of the units that wait as may be asked for at once. */
+  #pump(fetch: Chunk[]): void {
+    this.#waiting = this.#waiting.filter((unit) => {
+      if (this.#asked.has(keyOf(unit)) || this.#asked.size >= MOST_ASKED) {
+        return true;
+      }
+      const stored = storedChunk(this.desk, unit.chunk, fetch);
+      if (stored !== undefined) {
+        this.#ask(unit, stored);
+      }
+      return stored === undefined;
+    });
+  }
+
+  #ask(unit: SeenUnit, stored: StoredChunk): void {
     const key = keyOf(unit);
-    if (this.#asked.has(key) || this.#asked.size >= MOST_ASKED) {
-      return;
-    }
     const { chunk, frame } = unit;
-    const stored = storedChunk(this.desk, chunk, fetch);
-    if (stored === undefined) {
-      return;
-    }
     this.#asked.add(key);
     this.#turns.set(key, (this.#turn += 1));
     const isWanted = (): boolean => this.#seen.has(key);
@@ -100,6 +112,7 @@ export class CodingMaps {
     const job = this.desk.pool.codings(stored, frame - stored.chunk.firstFrame, isWanted).then(arrive, fail);
     void job.then(() => {
       this.#asked.delete(key);
+      this.#pump([]);
       this.desk.onReady();
     });
   }
