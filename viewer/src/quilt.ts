@@ -83,6 +83,7 @@ export async function openQuilt(
     cacheBytes: 4 * size[0] * size[1],
     unitsMissing: 0,
     unitsBroken: 0,
+    overlayMissing: 0,
     shownFrame,
   });
   const player: Player = {

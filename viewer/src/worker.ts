@@ -1,6 +1,6 @@
 // The worker: checks, decompresses, parses and decodes chunks.
 
-import { chunkDecoder, prepare } from "./codec/decode.ts";
+import { chunkCodings, chunkDecoder, prepare } from "./codec/decode.ts";
 import { parseCodecHeader } from "./codec/headers.ts";
 import type { ChunkDecoder } from "./codec/types.ts";
 import { unpack } from "./format/payload.ts";
@@ -16,7 +16,7 @@ const PIXEL_BYTES = 32;
 class NextIsMissing extends Error {}
 
 const headers = new Map<number, CodecHeader>();
-/** By the places of chunks in the file and in their streams, in the order of their last use. */
+/** By the places of chunks in their streams and what is asked of them, in the order of their last use. */
 const decoders = new Map<string, { decoder: ChunkDecoder; bytes: number }>();
 let keptBytes = 0;
 
@@ -29,11 +29,12 @@ function headerOf(stream: number, outline: StreamOutline | undefined): CodecHead
   return known;
 }
 
-function decoderOf({ chunk, stored, area }: Job, header: CodecHeader): ChunkDecoder {
-  const key = `${chunk.stream} ${chunk.unit} ${chunk.firstFrame}`;
+function decoderOf({ chunk, stored, area, asksCodings }: Job, header: CodecHeader): ChunkDecoder {
+  const key = `${chunk.stream} ${chunk.unit} ${chunk.firstFrame} ${asksCodings ?? false}`;
+  const make = asksCodings ? chunkCodings : chunkDecoder;
   const [, , width, height] = area.area.rect;
   const kept = decoders.get(key) ?? {
-    decoder: chunkDecoder(header, unpack(chunk, stored), area),
+    decoder: make(header, unpack(chunk, stored), area),
     bytes: chunk.rawBytes + PIXEL_BYTES * width * height,
   };
   keptBytes += decoders.delete(key) ? 0 : kept.bytes;

@@ -88,7 +88,14 @@ async function picture(film: string, { pose, frame, size, fovDeg, steps }: Shot)
   texels.update();
   const camera = cameraOf(pose, fovDeg, size[0] / size[1]);
   const views = catalogue.views.map((_, view) => view);
-  return field.run(renderOrder({ container, catalogue }, { frame, steps, marksHoles: false, views }, camera, size))!;
+  return field.run(
+    renderOrder(
+      { container, catalogue },
+      { frame, steps, marksHoles: false, views, showsOverlay: false },
+      camera,
+      size,
+    ),
+  )!;
 }
 
 function shot(yaw: number, more: Partial<Shot> = {}): Shot {

@@ -2,10 +2,27 @@
 
 import { HttpSource } from "../src/format/http.ts";
 import { openPlayer } from "../src/player/player.ts";
+import type { Job } from "../src/player/jobs.ts";
 import type { Film, Overlay, Player, PlayerStats, Problem, RendererChoice, View } from "../src/player/types.ts";
 
 let player: Player;
 let problems: Problem[] = [];
+/** The canvas as it was shown last. */
+let shown: ImageData | undefined;
+/** Jobs of coding maps that workers were asked for. */
+let codingJobs = 0;
+
+const { postMessage } = Worker.prototype;
+Worker.prototype.postMessage = function (this: Worker, message: Job, ...others: unknown[]): void {
+  codingJobs += Number(message.asksCodings ?? false);
+  Reflect.apply(postMessage, this, [message, ...others]);
+};
+
+function copyOf(canvas: HTMLCanvasElement): ImageData {
+  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d")!;
+  context.drawImage(canvas, 0, 0);
+  return context.getImageData(0, 0, canvas.width, canvas.height);
+}
 
 /** A view in the form in which it comes from the test. */
 type Asked = Partial<Omit<View, "overlays">> & { overlays?: string[] };
@@ -39,6 +56,7 @@ async function open([url, renderer]: [string, RendererChoice]): Promise<Film> {
   document.body.replaceChildren(canvas);
   player = await openPlayer(await HttpSource.open(url), canvas, renderer);
   player.onProblem = (problem) => problems.push(problem);
+  player.onShown = () => (shown = copyOf(canvas));
   return player.film;
 }
 
@@ -64,6 +82,9 @@ Object.assign(globalThis, {
       return player.draw(viewOf(view));
     },
     picture,
+    /** Red, green, blue and alpha of the canvas. */
+    shown: () => [...shown!.data],
+    codingJobs: () => codingJobs,
     fetched: () => player.fetched(),
     problems: () => problems,
     renderer: () => player.renderer,

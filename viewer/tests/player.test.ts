@@ -243,18 +243,72 @@ describe("The player", { skip }, () => {
     });
   });
 
-  test("draws overlays and two eyes", async () => {
-    await inPage(films.path("film.lfold"), async (call) => {
-      await call("settle", SHOTS[0]);
-      for (const overlay of ["probes", "holes", "units", "keyframes", "fetched"]) {
-        await call("draw", { ...SHOTS[0], overlays: [overlay] });
-      }
-      for (const stereo of ["side-by-side", "anaglyph"]) {
-        await call("settle", { ...SHOTS[0], stereo });
-      }
-      assert.deepEqual(await call("problems"), []);
+  test("presents the same on device and processor: overlays, two eyes, tone maps", async () => {
+    const looks: Record<string, unknown>[] = [
+      ...["probes", "nodes", "holes", "units", "keyframes", "fetched"].map((overlay) => ({ overlays: [overlay] })),
+      ...["side-by-side", "anaglyph"].map((stereo) => ({ stereo, overlays: ["units"] })),
+      ...["reinhard", "filmic"].map((toneMap) => ({ toneMap, exposureEv: 1 })),
+    ];
+    const show = (renderer: RendererChoice): Promise<number[][]> =>
+      inPage(
+        films.path("film.lfold"),
+        async (call) => {
+          const all: number[][] = [];
+          for (const look of looks) {
+            const view = { ...SHOTS[0], steps: 128, ...look };
+            await call("settle", view);
+            // What was fetched is no longer new, and maps of nodes are here.
+            await new Promise((resolve) => setTimeout(resolve, 1200));
+            for (let left = 100; left > 0; left -= 1) {
+              left = (await call<PlayerStats>("draw", view)).overlayMissing > 0 ? left : 1;
+            }
+            all.push(await call<number[]>("shown"));
+          }
+          assert.deepEqual(await call("problems"), []);
+          return all;
+        },
+        renderer,
+      );
+    const [device, processor] = [await show("gpu"), await show("cpu")];
+    looks.forEach((look, at) => {
+      const found = psnr(Uint8Array.from(device[at]), Uint8Array.from(processor[at]));
+      assert.ok(found >= 40, `${found} dB with ${JSON.stringify(look)}`);
+      const same = looks.findIndex((_, other) => device[other].join() === device[at].join());
+      assert.ok(same === at || "fetched" === (look["overlays"] as string[])?.[0], JSON.stringify(look));
     });
   });
+
+  for (const codec of ["quadtree", "aabb", "predictive"]) {
+    test(`shows how depth is coded by ${codec}, and asks for that only while it is shown`, async () => {
+      const film = films.encode("codings.lfold", "--clip", "--depth-codec", codec);
+      await inPage(film, async (call) => {
+        await call("settle", SHOTS[0]);
+        const plain = await call<number[]>("shown");
+        await call("settle", { ...SHOTS[0], frame: 1 });
+        assert.equal(await call("codingJobs"), 0);
+        const marked = { ...SHOTS[0], overlays: ["nodes"] };
+        const draw = () => call<PlayerStats>("draw", marked);
+        await call("settle", marked);
+        let { overlayMissing } = await draw();
+        for (let at = 0; at < 100 && overlayMissing > 0; at += 1) {
+          ({ overlayMissing } = await draw());
+        }
+        assert.equal(overlayMissing, 0);
+        const jobs = await call<number>("codingJobs");
+        assert.ok(jobs > 0);
+        await draw();
+        const changed = (await call<number[]>("shown")).filter((code, at) => Math.abs(code - plain[at]) > 8).length;
+        assert.ok(changed > plain.length / 4, `${changed} of ${plain.length}`);
+        await call("settle", SHOTS[0]);
+        await call("settle", { ...SHOTS[0], frame: 1 });
+        // Nothing is asked for twice, nor where the overlay is off.
+        assert.equal(await call("codingJobs"), jobs);
+        await call("settle", SHOTS[0]);
+        assert.deepEqual(await call("shown"), plain);
+        assert.deepEqual(await call("problems"), []);
+      });
+    });
+  }
 
   test("ends hostile files in a sentence", async () => {
     const random = chance(11);

@@ -128,6 +128,7 @@ function statsOf(view: View): PlayerStats {
     chunksRefetched: 0,
     cacheBytes: 21_000_000,
     unitsBroken: 0,
+    overlayMissing: 0,
     unitsMissing: fake.missing,
     shownFrame: view.frame,
   };
@@ -170,7 +171,7 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: Re
     },
   };
   fake.player = player;
-  return { player, marks: ["probes", "holes", "units", "keyframes", "fetched"], isFixed: false };
+  return { player, marks: ["probes", "nodes", "holes", "units", "keyframes", "fetched"], isFixed: false };
 }
 
 Object.assign(globalThis, { fake });

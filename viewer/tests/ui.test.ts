@@ -293,6 +293,7 @@ function statsWith(unitsMissing: number): PlayerStats {
     requests: 0,
     chunksFetched: 0,
     unitsBroken: 0,
+    overlayMissing: 0,
   };
   return { ...none, counters: {}, chunksRefetched: 0, cacheBytes: 0, unitsMissing, shownFrame: 0 };
 }

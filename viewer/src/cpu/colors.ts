@@ -31,10 +31,12 @@ export class Colors {
   /** What a step of a component is: 1 of light, 1/255 of codes. */
   readonly #unit: number;
 
-  /** `tolerance`: a hit whose texels differ more, in the logarithm of distances, is disoccluded. */
+  /** `tolerance`: a hit whose texels differ more, in the logarithm of distances, is disoccluded. `showsOverlay`: colors are those of the
+   *  overlay. */
   constructor(
     private readonly marched: MarchedViews,
     private readonly tolerance: number,
+    private readonly showsOverlay: boolean,
   ) {
     this.#unit = marched.isLight ? 1 : 1 / 255;
   }
@@ -70,7 +72,7 @@ export class Colors {
         all += nearer <= tolerance ? weight : 0;
         const covers = difference <= tolerance ? weight : 0;
         covered += covers;
-        opaque += covers * face.colors[4 * texel + 3] * this.#unit;
+        opaque += covers * this.#colorsOf(face)[4 * texel + 3] * this.#unit;
         const isEdge = edgePart < 1 && isBesideNearer(face, texel, surface * NEARER);
         this.#add(face, texel, weight * fitWeight(difference) * (isEdge ? edgePart : 1));
         this.difference = Math.min(this.difference, difference);
@@ -112,7 +114,12 @@ export class Colors {
     this.difference = Infinity;
   }
 
-  #add({ colors }: FaceTexels, texel: number, weight: number): void {
+  #colorsOf({ colors, overlay }: FaceTexels): Uint8Array | Float32Array {
+    return this.showsOverlay && overlay !== undefined ? overlay : colors;
+  }
+
+  #add(face: FaceTexels, texel: number, weight: number): void {
+    const colors = this.#colorsOf(face);
     const shown = weight * colors[4 * texel + 3] * this.#unit;
     this.red += shown * colors[4 * texel];
     this.green += shown * colors[4 * texel + 1];

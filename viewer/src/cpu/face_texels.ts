@@ -24,6 +24,8 @@ export class FaceTexels {
   readonly inverseDepths: Float32Array;
   /** Red, green, blue and alpha of each texel: codes over 255, or light. */
   readonly colors: Uint8Array | Float32Array;
+  /** Codes of an overlay in the place of colors, once there is one. */
+  overlay: Uint8Array | undefined;
   /** From the texels up; the last one has a single square. */
   readonly levels: readonly Level[];
 

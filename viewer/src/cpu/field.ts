@@ -36,8 +36,14 @@ export class Field {
         this.#writeDepths(order.place, order.codes);
         return undefined;
       case "color":
-        this.#writeColors(order.place, order.texels);
+        writeColors(this.#face(order.place).texels.colors, this.#face(order.place).texels.width, order);
         return undefined;
+      case "overlay": {
+        const { texels } = this.#face(order.place);
+        texels.overlay ??= new Uint8Array(4 * texels.width * texels.height);
+        writeColors(texels.overlay, texels.width, order);
+        return undefined;
+      }
       case "render":
         return this.#render(order.shot, order.views, order.nearest);
     }
@@ -75,23 +81,6 @@ export class Field {
     texels.update(place.rect);
   }
 
-  #writeColors(place: Place, colors: Uint8Array | Uint16Array): void {
-    const { texels } = this.#face(place);
-    const [left, top, width, height] = place.rect;
-    for (let row = 0; row < height; row += 1) {
-      const to = 4 * ((top + row) * texels.width + left);
-      const from = 4 * row * width;
-      if (colors instanceof Uint8Array) {
-        texels.colors.set(colors.subarray(from, from + 4 * width), to);
-      } else {
-        halves ??= Float32Array.from({ length: 1 << 16 }, (_, bits) => halfValue(bits));
-        for (let at = 0; at < 4 * width; at += 1) {
-          texels.colors[to + at] = halves[colors[from + at]];
-        }
-      }
-    }
-  }
-
   #render(shot: CpuShot, places: readonly ViewPlace[], nearest: number): Rendered {
     const begun = performance.now();
     const views = places.map(({ view, ...place }) => {
@@ -101,9 +90,30 @@ export class Field {
       const greatest = isWhole ? Math.max(...texels.slice(0, 6).map((face) => face!.greatest)) : UNKNOWN;
       return { ...place, faces: texels, greatest };
     });
-    const marched = new MarchedViews(views, nearest, shot.coding.name === "light");
+    const marched = new MarchedViews(views, nearest, shot.coding.name === "light" && !shot.showsOverlay);
     const rgba = new Float32Array(4 * shot.size[0] * shot.size[1]);
     new Renderer(marched, shot).render(0, shot.size[1], rgba);
     return { rgba, counts: marched.counts, ms: performance.now() - begun };
+  }
+}
+
+/** Writes colors of a rectangle of an image of so many columns. */
+function writeColors(
+  to: Uint8Array | Float32Array,
+  columns: number,
+  { place, texels }: { place: Place; texels: Uint8Array | Uint16Array },
+): void {
+  const [left, top, width, height] = place.rect;
+  for (let row = 0; row < height; row += 1) {
+    const begin = 4 * ((top + row) * columns + left);
+    const from = 4 * row * width;
+    if (texels instanceof Uint8Array) {
+      to.set(texels.subarray(from, from + 4 * width), begin);
+    } else {
+      halves ??= Float32Array.from({ length: 1 << 16 }, (_, bits) => halfValue(bits));
+      for (let at = 0; at < 4 * width; at += 1) {
+        to[begin + at] = halves[texels[from + at]];
+      }
+    }
   }
 }

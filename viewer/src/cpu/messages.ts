@@ -40,6 +40,8 @@ export type Order =
   | { kind: "depth"; place: Place; codes: Uint16Array | undefined }
   /** Four components of each texel: bytes, or bits of halves. */
   | { kind: "color"; place: Place; texels: Uint8Array | Uint16Array }
+  /** The same of an overlay: codes behind the curve of sRGB. */
+  | { kind: "overlay"; place: Place; texels: Uint8Array }
   /** A picture; `nearest` is the place among `views` of the one nearest to the eye. */
   | { kind: "render"; shot: CpuShot; views: ViewPlace[]; nearest: number };
 

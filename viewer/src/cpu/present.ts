@@ -15,6 +15,8 @@ export interface Look {
   stereo: StereoLayout;
   /** What no probe saw is marked: pixels with an alpha below 1. */
   marksHoles: boolean;
+  /** Part of the overlay that is shown, 0 to 1. */
+  overlayShare: number;
 }
 
 /** Entries of the table of the curve of sRGB. */
@@ -39,7 +41,10 @@ function toned(light: number, toneMap: ToneMapName): number {
 }
 
 /** 8-bit pixels of a picture, over black or the mark of holes, which is magenta. */
-function codesOf({ rgba }: LightPicture, { exposureEv, toneMap, marksHoles }: Look): Uint8ClampedArray<ArrayBuffer> {
+function codesOf(
+  { rgba }: LightPicture,
+  { exposureEv, toneMap, marksHoles }: Omit<Look, "stereo" | "overlayShare">,
+): Uint8ClampedArray<ArrayBuffer> {
   const codes = new Uint8ClampedArray(rgba.length);
   const gain = 2 ** exposureEv;
   for (let at = 0; at < rgba.length; at += 1) {
@@ -55,8 +60,20 @@ function codesOf({ rgba }: LightPicture, { exposureEv, toneMap, marksHoles }: Lo
   return codes;
 }
 
-/** Draws the picture of the left or only eye, and that of the right one, which have one size. */
-export function present(canvas: HTMLCanvasElement, [left, right]: readonly LightPicture[], look: Look): void {
+/** Mixes an overlay into codes of a picture, of which it has the size. */
+function mix(codes: Uint8ClampedArray, overlay: LightPicture, share: number): void {
+  const marks = codesOf(overlay, { exposureEv: 0, toneMap: "none", marksHoles: false });
+  for (let at = 0; at < codes.length; at += 1) {
+    codes[at] = codes[at] + share * (marks[at] - codes[at]);
+  }
+}
+
+/** Draws the picture of the left or only eye, that of the right one, and an overlay, which have one size. */
+export function present(
+  canvas: HTMLCanvasElement,
+  { eyes: [left, right], overlay }: { eyes: readonly LightPicture[]; overlay: LightPicture | undefined },
+  look: Look,
+): void {
   const context = canvas.getContext("2d");
   if (context === null) {
     throw new Error("The canvas cannot be drawn to.");
@@ -65,16 +82,19 @@ export function present(canvas: HTMLCanvasElement, [left, right]: readonly Light
   const codes = codesOf(left, look);
   const isSplit = look.stereo === "side-by-side";
   [canvas.width, canvas.height] = [isSplit ? 2 * width : width, height];
-  if (right !== undefined) {
-    const others = codesOf(right, look);
-    if (isSplit) {
-      context.putImageData(new ImageData(others, width, height), width, 0);
-    } else {
-      for (let at = 0; at < codes.length; at += 4) {
-        codes[at + 1] = others[at + 1];
-        codes[at + 2] = others[at + 2];
-      }
+  const others = right && codesOf(right, look);
+  if (others !== undefined && !isSplit) {
+    for (let at = 0; at < codes.length; at += 4) {
+      codes[at + 1] = others[at + 1];
+      codes[at + 2] = others[at + 2];
     }
   }
-  context.putImageData(new ImageData(codes, width, height), 0, 0);
+  [codes, isSplit ? others : undefined].forEach((one, at) => {
+    if (one !== undefined) {
+      if (overlay !== undefined) {
+        mix(one, overlay, look.overlayShare);
+      }
+      context.putImageData(new ImageData(one, width, height), at * width, 0);
+    }
+  });
 }

@@ -15,12 +15,16 @@ const MAX_EXITS = 64;
 const HOLE_DIFFERENCE = 0.1;
 const BEHIND = Math.exp(HOLE_DIFFERENCE);
 
+const OVERLAY_CODING: ColorCoding = { name: "codes", transfer: "srgb", exposureEv: 0 };
+
 /** What a picture is rendered with. */
 export interface CpuShot {
   camera: Pick<Camera, "axes" | "half">;
   /** Width and height in pixels. */
   size: readonly [number, number];
   coding: ColorCoding;
+  /** Whether colors are those of the overlay, which are codes behind the curve of sRGB. */
+  showsOverlay: boolean;
   /** Least and greatest distance of surfaces, in metres. */
   nearM: number;
   farM: number;
@@ -59,8 +63,8 @@ export class Renderer {
     this.#steps = stepsBetween(shot.steps, shot.nearM / 10, shot.farM, shot.refine);
     this.#tolerance = HOLE_DIFFERENCE + this.#steps.uncertainty;
     this.#rays = new Rays(marched, this.#steps, shot.refine);
-    this.#colors = new Colors(marched, this.#tolerance);
-    this.#light = lightOf(shot.coding);
+    this.#colors = new Colors(marched, this.#tolerance, shot.showsOverlay);
+    this.#light = lightOf(shot.showsOverlay ? OVERLAY_CODING : shot.coding);
   }
 
   /** Writes red, green and blue of linear light, and alpha, of rows from `first` up to, but without, `end`. */

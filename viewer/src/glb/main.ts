@@ -72,6 +72,7 @@ export async function openScene(source: ByteSource, canvas: HTMLCanvasElement, n
     cacheBytes: bytes.length + 4 * head.textureSize[0] * head.textureSize[1],
     unitsMissing: 0,
     unitsBroken: 0,
+    overlayMissing: 0,
     shownFrame: head.frame,
   });
   const player: ScenePlayer = {

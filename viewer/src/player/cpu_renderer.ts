@@ -8,6 +8,7 @@ import { activeViews } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
 import type { DeviceFamily } from "./device_units.ts";
+import { OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
 import type { Drawn, Renderer, Shot } from "./renderer.ts";
 import type { PixelsOf } from "./unit_source.ts";
 
@@ -31,17 +32,23 @@ export class CpuRenderer implements Renderer {
   readonly hasEffects = false;
   onFailed: (message: string) => void = () => undefined;
   readonly #worker: Worker;
+  readonly #painter: OverlayPainter;
   #picture: LightPicture = { size: [0, 0], rgba: new Float32Array() };
 
   constructor(private readonly scene: Scene) {
     this.#worker = new Worker(new URL("./renderer.js", import.meta.url), { type: "module" });
     this.#worker.onerror = ({ message }) =>
       this.onFailed(`The worker that renders failed: ${message ?? "it did not load"}`);
-    this.texels = new WorkerTexels(scene.catalogue, (order) => this.#worker.postMessage(order));
+    const send = (order: Order): void => this.#worker.postMessage(order);
+    this.texels = new WorkerTexels(scene.catalogue, send);
+    this.#painter = new OverlayPainter(scene.container, scene.catalogue, (place, rect, texels) => {
+      send({ kind: "overlay", place: { ...place, rect }, texels });
+    });
   }
 
   load(view: number, _faces: readonly FaceStreams[], pixelsOf: PixelsOf): Promise<DeviceFamily[]> {
     // Written tiles have pixels, and those of depth are codes.
+    this.#painter.forget(view);
     this.texels.load(view, (stream, tile) => pixelsOf(stream, tile) as Uint16Array);
     return Promise.resolve([]);
   }
@@ -54,9 +61,16 @@ export class CpuRenderer implements Renderer {
     for (const camera of cameras) {
       rendered.push(await this.#render(shot, camera, size));
     }
-    const pictures = rendered.map(({ rgba }) => ({ size, rgba }));
-    [this.#picture] = pictures;
-    present(this.scene.canvas, pictures, { ...view, marksHoles: view.overlays.has("holes") });
+    const overlays = texelOverlays(view);
+    let overlay: LightPicture | undefined;
+    if (overlays.length > 0) {
+      this.#painter.paint(overlays, shot);
+      overlay = { size, rgba: (await this.#render(shot, cameras[0], size, true)).rgba };
+    }
+    const eyes = rendered.map(({ rgba }) => ({ size, rgba }));
+    [this.#picture] = eyes;
+    const look = { ...view, marksHoles: view.overlays.has("holes"), overlayShare: OVERLAY_SHARE };
+    present(this.scene.canvas, { eyes, overlay }, look);
     onShown();
     const [{ counts }] = rendered;
     return { counters: { ...counts }, decodeMs: 0, marchMs: rendered.reduce((sum, { ms }) => sum + ms, 0) };
@@ -76,9 +90,14 @@ export class CpuRenderer implements Renderer {
     this.#worker.terminate();
   }
 
-  #render({ view, views }: Shot, camera: Camera, size: readonly [number, number]): Promise<Rendered> {
+  #render(
+    { view, views }: Shot,
+    camera: Camera,
+    size: readonly [number, number],
+    showsOverlay = false,
+  ): Promise<Rendered> {
     const marksHoles = view.overlays.has("holes");
-    const asked = { frame: view.frame, steps: Math.min(view.steps, MOST_STEPS), marksHoles, views };
+    const asked = { frame: view.frame, steps: Math.min(view.steps, MOST_STEPS), marksHoles, views, showsOverlay };
     return new Promise((resolve) => {
       this.#worker.onmessage = ({ data }: MessageEvent<Rendered>) => resolve(data);
       this.#worker.postMessage(renderOrder(this.scene, asked, camera, size));
@@ -89,7 +108,7 @@ export class CpuRenderer implements Renderer {
 /** Orders a picture of views, by their places in the catalogue. */
 export function renderOrder(
   { container, catalogue }: Pick<Scene, "container" | "catalogue">,
-  asked: { frame: number; steps: number; marksHoles: boolean; views: readonly number[] },
+  asked: { frame: number; steps: number; marksHoles: boolean; views: readonly number[]; showsOverlay: boolean },
   camera: Camera,
   size: readonly [number, number],
 ): Order {
@@ -101,6 +120,7 @@ export function renderOrder(
       camera: { axes: camera.axes, half: camera.half },
       size,
       coding,
+      showsOverlay: asked.showsOverlay,
       nearM,
       farM,
       steps: asked.steps,

@@ -13,16 +13,15 @@ import { type DevicePictures, LightFieldTexels } from "../gpu/texels.ts";
 import { activeViews } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
+import { halfBits, lightOf as lightOfCode } from "../views/straight.ts";
 import { DeviceFamily } from "./device_units.ts";
-import { OverlayTexture, TEXEL_OVERLAYS, type TexelOverlay } from "./overlays.ts";
+import { OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
 import type { Drawn, Renderer, Shot } from "./renderer.ts";
 import { DeviceTimer } from "./timer.ts";
 import type { Desk } from "./unit_source.ts";
 
 /** Bytes of chunks on the device beside those that a frame needs. */
 const KEPT_BYTES = 256 << 20;
-/** How much of an overlay is shown. */
-const OVERLAY_SHARE = 0.55;
 
 /** Whether the device decodes the colors of a face for rendering: 8-bit cells of opaque images. Workers decode others as fast. */
 function isOfDevice({ color: { header }, alpha }: FaceStreams): boolean {
@@ -48,7 +47,7 @@ export class DeviceRenderer implements Renderer {
   readonly #timer: DeviceTimer;
   /** Of the left and the right eye, and of overlays. */
   readonly #pictures: [Picture, Picture, Picture];
-  #overlay: OverlayTexture | undefined;
+  #overlay: { painter: OverlayPainter; view: GPUTextureView } | undefined;
 
   private constructor(
     private readonly gpu: Gpu,
@@ -95,10 +94,13 @@ export class DeviceRenderer implements Renderer {
       decoder.streams.forEach(({ index }, position) => pictures.set(index, { decoder, position }));
     }
     this.texels.load(view, pictures);
+    // Its tiles of the textures may have had other images.
+    this.#overlay?.painter.forget(view);
     return families;
   }
 
-  async draw({ view, cameras, views, isFresh }: Shot, onShown: () => void): Promise<Drawn> {
+  async draw(asked: Shot, onShown: () => void): Promise<Drawn> {
+    const { view, cameras, views } = asked;
     const begun = performance.now();
     const { container, catalogue, canvas } = this.scene;
     const [width, height] = view.size;
@@ -119,10 +121,11 @@ export class DeviceRenderer implements Renderer {
     for (const [eye, camera] of cameras.entries()) {
       await this.#marcher.render(this.#pictures[eye], { ...shot(camera), timing });
     }
-    const overlays = TEXEL_OVERLAYS.filter((overlay) => view.overlays.has(overlay));
+    const overlays = texelOverlays(view);
     if (overlays.length > 0) {
-      const colors = this.#paint(overlays, { frame: view.frame, views, isFresh });
-      await this.#marcher.render(marks, { ...shot(cameras[0]), colors });
+      this.#overlay ??= this.#makeOverlay();
+      this.#overlay.painter.paint(overlays, asked);
+      await this.#marcher.render(marks, { ...shot(cameras[0]), colors: this.#overlay.view });
     }
     [canvas.width, canvas.height] = view.size;
     const hasMarks = overlays.length > 0;
@@ -153,12 +156,20 @@ export class DeviceRenderer implements Renderer {
     this.gpu.destroy();
   }
 
-  #paint(
-    overlays: readonly TexelOverlay[],
-    picture: { frame: number; views: readonly number[]; isFresh: (chunk: number) => boolean },
-  ): GPUTextureView {
-    this.#overlay ??= new OverlayTexture(this.scene.container, this.texels);
-    this.#overlay.paint(overlays, picture);
-    return this.#overlay.view;
+  #makeOverlay(): { painter: OverlayPainter; view: GPUTextureView } {
+    const { container, catalogue } = this.scene;
+    const { arrays } = this.texels;
+    const texture = arrays.colorTexture("overlay");
+    const painter = new OverlayPainter(container, catalogue, ({ view, face }, rect, texels) => {
+      const colors = arrays.colorFormat === "rgba8unorm" ? texels : halvesOf(texels);
+      arrays.upload(texture, this.texels.tile(view, face), rect, colors);
+    });
+    return { painter, view: texture.createView({ dimension: "2d-array" }) };
   }
+}
+
+/** 8-bit codes as half floats of light. */
+function halvesOf(codes: Uint8Array): Uint16Array {
+  const halves = Array.from({ length: 256 }, (_, code) => halfBits(lightOfCode(code, "srgb")));
+  return Uint16Array.from(codes, (code) => halves[code]);
 }

@@ -17,13 +17,15 @@ export interface StoredChunk {
   area: ChunkArea;
 }
 
-/** Work on a chunk: to bring it into the form of the device, or, with `frame`, to decode a frame of it. */
+/** Work on a chunk: to bring it into the form of the device, or, with `frame`, to decode a frame of it or to tell how that is coded. */
 export interface Job extends StoredChunk {
   id: number;
   /** Sent with the first job of a stream to each worker. */
   outline?: StreamOutline;
   /** The frame, counted from the chunk's first. */
   frame?: number;
+  /** The answer is how each pixel of the frame is coded (codec/depth/coding_map.ts), and not the pixels. */
+  asksCodings?: true;
   /** The unit's next chunk, into which the frame may blend. */
   next?: StoredChunk;
 }

@@ -3,12 +3,10 @@
 
 import type { Container } from "../format/container.ts";
 import type { Rect, Stream } from "../format/types.ts";
-import type { LightFieldTexels } from "../gpu/texels.ts";
-import type { FaceStreams } from "../views/catalogue.ts";
-import { halfBits, lightOf as lightOfCode } from "../views/straight.ts";
-import type { Overlay } from "./types.ts";
-
-type Color = [number, number, number];
+import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
+import { type Color, codingColors } from "./coding_colors.ts";
+import type { Shot } from "./renderer.ts";
+import type { Overlay, View } from "./types.ts";
 
 const DARK: Color = [18, 20, 26];
 const TILE_EDGE: Color = [255, 255, 255];
@@ -17,51 +15,49 @@ const FRESH: Color = [60, 220, 90];
 const KEYFRAME: Color = [255, 120, 40];
 const LATER: Color = [40, 90, 200];
 
-/** What an overlay is painted from. */
-export interface OverlayPicture {
-  frame: number;
-  /** Whether a chunk was fetched within the last second. */
-  isFresh: (chunk: number) => boolean;
-  /** Loaded views, by their places in the catalogue. */
-  views: readonly number[];
-}
-
 /** Overlays that are colors of texels; holes are marked when a picture is shown. */
-export const TEXEL_OVERLAYS = ["probes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
+export const TEXEL_OVERLAYS = ["probes", "nodes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
 export type TexelOverlay = (typeof TEXEL_OVERLAYS)[number];
 
-export class OverlayTexture {
-  readonly view: GPUTextureView;
-  readonly #texture: GPUTexture;
-  /** What each tile shows. */
-  readonly #painted = new Map<number, string>();
+/** How much of an overlay is shown. */
+export const OVERLAY_SHARE = 0.55;
+
+/** The overlays of a picture that are colors of texels, those that others are painted over first. */
+export function texelOverlays({ overlays }: View): TexelOverlay[] {
+  return TEXEL_OVERLAYS.filter((overlay) => overlays.has(overlay));
+}
+
+/** Sends texels of a rectangle of a face of a view: codes of red, green and blue behind the curve of sRGB, and alpha, row by row. */
+export type SendTexels = (place: { view: number; face: number }, rect: Rect, texels: Uint8Array<ArrayBuffer>) => void;
+
+/** Paints overlays for images of a film. */
+export class OverlayPainter {
+  /** What the image of each face shows, by its depth stream. */
+  readonly #painted = new Map<number, ImagePainter>();
+  /** Texels of the bytes of coding maps; 0 where there is none. */
+  readonly #codingWords = Uint32Array.from(codingColors(), (color) => (color === undefined ? 0 : wordOf(color)));
 
   constructor(
     private readonly container: Container,
-    private readonly texels: LightFieldTexels,
-  ) {
-    this.#texture = texels.arrays.colorTexture("overlay");
-    this.view = this.#texture.createView({ dimension: "2d-array" });
+    private readonly catalogue: Catalogue,
+    private readonly send: SendTexels,
+  ) {}
+
+  /** Takes in that nothing of a view is painted any more. */
+  forget(view: number): void {
+    this.catalogue.views[view].faces.forEach(({ depth }) => this.#painted.delete(depth.index));
   }
 
   /** Paints overlays over each other, each image only where it changed. */
-  paint(overlays: readonly TexelOverlay[], picture: OverlayPicture): void {
-    const { arrays, catalogue } = this.texels;
-    for (const view of picture.views) {
-      for (const streams of catalogue.views[view].faces) {
-        const tile = this.texels.tile(view, streams.face);
+  paint(overlays: readonly TexelOverlay[], shot: Shot): void {
+    for (const view of shot.views) {
+      for (const streams of this.catalogue.views[view].faces) {
         const painter = new ImagePainter(streams.size);
-        overlays.forEach((overlay) => this.#paint(overlay, { view, streams }, picture, painter));
-        if (this.#painted.get(tile) !== painter.key) {
-          this.#painted.set(tile, painter.key);
-          const texels = painter.texels();
-          arrays.upload(
-            this.#texture,
-            tile,
-            [0, 0, ...streams.size],
-            arrays.colorFormat === "rgba8unorm" ? texels : halvesOf(texels),
-          );
+        overlays.forEach((overlay) => this.#paint(overlay, { view, streams }, shot, painter));
+        for (const rect of painter.changesTo(this.#painted.get(streams.depth.index))) {
+          this.send({ view, face: streams.face }, rect, painter.texels(rect));
         }
+        this.#painted.set(streams.depth.index, painter);
       }
     }
   }
@@ -69,33 +65,40 @@ export class OverlayTexture {
   #paint(
     overlay: TexelOverlay,
     { view, streams }: { view: number; streams: FaceStreams },
-    picture: OverlayPicture,
+    { view: { frame }, isFresh, codings }: Shot,
     canvas: ImagePainter,
   ): void {
     const { depth, color } = streams;
     if (overlay === "probes") {
-      canvas.fill([0, 0, ...streams.size], hue(view / this.texels.catalogue.views.length));
+      canvas.fill([0, 0, ...streams.size], hue(view / this.catalogue.views.length));
+    } else if (overlay === "nodes") {
+      this.#forEachUnit(depth, (rect, unit) => {
+        const known = codings(depth.index, unit);
+        if (known !== undefined) {
+          canvas.map(rect, known.bytes, this.#codingWords);
+        }
+      });
     } else if (overlay === "units") {
       this.#forEachUnit(color, (rect) => canvas.frame(rect, CELL_EDGE));
       this.#forEachUnit(depth, (rect) => canvas.frame(rect, TILE_EDGE));
     } else {
       this.#forEachUnit(depth, (rect, unit) => {
-        const chunk = this.container.chunkIndex(depth.index, unit, picture.frame);
+        const chunk = this.container.chunkIndex(depth.index, unit, frame);
         if (chunk < 0) {
           return;
         }
         if (overlay === "fetched") {
-          canvas.fill(rect, picture.isFresh(chunk) ? FRESH : DARK);
+          canvas.fill(rect, isFresh(chunk) ? FRESH : DARK);
         } else {
           const { firstFrame, frameCount } = this.container.chunks[chunk];
-          const age = (picture.frame - firstFrame) / Math.max(1, frameCount - 1);
+          const age = (frame - firstFrame) / Math.max(1, frameCount - 1);
           canvas.fill(rect, KEYFRAME.map((part, at) => Math.round(part + (LATER[at] - part) * age)) as Color);
         }
       });
       if (overlay === "fetched") {
         this.#forEachUnit(color, (rect, unit) => {
-          const chunk = this.container.chunkIndex(color.index, unit, picture.frame);
-          if (chunk >= 0 && picture.isFresh(chunk)) {
+          const chunk = this.container.chunkIndex(color.index, unit, frame);
+          if (chunk >= 0 && isFresh(chunk)) {
             canvas.frame(rect, FRESH);
           }
         });
@@ -110,27 +113,38 @@ export class OverlayTexture {
   }
 }
 
-/** 8-bit codes as half floats of light. */
-function halvesOf(codes: Uint8Array): Uint16Array {
-  const halves = Array.from({ length: 256 }, (_, code) => halfBits(lightOfCode(code, "srgb")));
-  return Uint16Array.from(codes, (code) => halves[code]);
-}
-
 /** A hue of even brightness; `turn` from 0 to 1. */
 function hue(turn: number): Color {
   const part = (shift: number): number => Math.round(255 * (0.55 + 0.4 * Math.cos(2 * Math.PI * (turn - shift))));
   return [part(0), part(1 / 3), part(2 / 3)];
 }
 
+/** A step of painting: a rectangle in one color, the texels along its edges, or texels by a map of it. */
+interface Step {
+  rect: Rect;
+  isFrame: boolean;
+  color: Color;
+  map?: Uint8Array;
+  words?: Uint32Array;
+}
+
 /** Rectangles of an image, painted once their texels are asked for. */
 class ImagePainter {
-  readonly #steps: { rect: Rect; color: Color; isFrame: boolean }[] = [];
+  readonly #steps: Step[] = [];
 
   constructor(readonly size: [number, number]) {}
 
-  /** Tells whether two images look alike. */
-  get key(): string {
+  /** Tells whether two images look alike but for their maps. */
+  get #key(): string {
     return this.#steps.map(({ rect, color, isFrame }) => [...rect, ...color, isFrame].join()).join(" ");
+  }
+
+  /** The rectangles in which this image differs from another one: all of it, or only maps of it. */
+  changesTo(other: ImagePainter | undefined): Rect[] {
+    if (other === undefined || other.#key !== this.#key) {
+      return [[0, 0, ...this.size]];
+    }
+    return this.#steps.filter(({ map }, at) => map !== other.#steps[at].map).map(({ rect }) => rect);
   }
 
   fill(rect: Rect, color: Color): void {
@@ -142,23 +156,46 @@ class ImagePainter {
     this.#steps.push({ rect, color, isFrame: true });
   }
 
-  texels(): Uint8Array<ArrayBuffer> {
-    const [width, height] = this.size;
+  /** A rectangle by bytes for its texels, whose texels are `words`; 0 leaves what is there. */
+  map(rect: Rect, map: Uint8Array, words: Uint32Array): void {
+    this.#steps.push({ rect, color: DARK, isFrame: false, map, words });
+  }
+
+  /** The texels of a rectangle of the image. */
+  texels(area: Rect): Uint8Array<ArrayBuffer> {
+    const [x, y, width, height] = area;
     const texels = new Uint8Array(4 * width * height);
     const words = new Uint32Array(texels.buffer);
     words.fill(wordOf(DARK));
-    for (const { rect, color, isFrame } of this.#steps) {
-      const [left, top, columns, rows] = rect;
-      for (let row = top; row < top + rows; row += 1) {
-        const start = row * width + left;
-        if (!isFrame || row === top || row === top + rows - 1) {
-          words.fill(wordOf(color), start, start + columns);
-        } else {
-          [words[start], words[start + columns - 1]] = [wordOf(color), wordOf(color)];
-        }
+    for (const step of this.#steps) {
+      const [left, top, columns, rows] = step.rect;
+      const [from, to] = [Math.max(left, x), Math.min(left + columns, x + width)];
+      for (let row = Math.max(top, y); row < Math.min(top + rows, y + height) && from < to; row += 1) {
+        const start = (row - y) * width + from - x;
+        drawRow(step, row, [from, to], words.subarray(start, start + to - from));
       }
     }
     return texels;
+  }
+}
+
+/** Draws the texels of a row of a step, from one column to before another one, which are those of the image. */
+function drawRow(step: Step, row: number, [from, to]: [number, number], out: Uint32Array): void {
+  const [left, top, columns, rows] = step.rect;
+  if (step.map !== undefined && step.words !== undefined) {
+    const start = (row - top) * columns + from - left;
+    for (let at = 0; at < out.length; at += 1) {
+      out[at] = step.words[step.map[start + at]] || out[at];
+    }
+  } else if (!step.isFrame || row === top || row === top + rows - 1) {
+    out.fill(wordOf(step.color));
+  } else {
+    if (from === left) {
+      out[0] = wordOf(step.color);
+    }
+    if (to === left + columns) {
+      out[out.length - 1] = wordOf(step.color);
+    }
   }
 }
 

@@ -13,6 +13,7 @@ import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from ".
 import { selectViews } from "../views/selection.ts";
 import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
+import { CodingMaps, type SeenUnit } from "./coding_maps.ts";
 import { CpuRenderer } from "./cpu_renderer.ts";
 import { DeviceRenderer } from "./device_renderer.ts";
 import { filmOf } from "./film.ts";
@@ -22,7 +23,7 @@ import type { Drawn, Renderer } from "./renderer.ts";
 import { withRetries } from "./retries.ts";
 import { ChunkStore, rangeKey } from "./store.ts";
 import type { Film, Player, PlayerStats, Problem, RendererChoice, RendererName, View } from "./types.ts";
-import type { Desk } from "./unit_source.ts";
+import { type Desk, unitFrame } from "./unit_source.ts";
 import { FRAMES_AHEAD } from "./worker_units.ts";
 
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
@@ -140,6 +141,9 @@ class FilmPlayer implements Player {
   readonly #mostViews: number;
   /** When chunks arrived, by the keys of their ranges. */
   readonly #arrived = new Map<string, number>();
+  /** For the overlay of nodes. */
+  readonly #codings: CodingMaps;
+  #overlayMissing = 0;
   #motion: Motion | undefined;
   #shownFrame: number;
   readonly #openedMs = performance.now();
@@ -168,6 +172,7 @@ class FilmPlayer implements Player {
       this.#wake();
     };
     store.onProblem = (problem) => this.#tell(problem);
+    this.#codings = new CodingMaps(desk);
     pool.onFailed = (message) => this.#tell({ fatal: true, message });
     renderer.onFailed = (message) => this.#tell({ fatal: true, message });
     desk.onReady = () => this.#wake();
@@ -208,6 +213,7 @@ class FilmPlayer implements Player {
       marchMs: drawn?.marchMs ?? 0,
       unitsMissing,
       unitsBroken: counts.broken,
+      overlayMissing: this.#overlayMissing,
       shownFrame: this.#shownFrame,
     };
   }
@@ -286,6 +292,7 @@ class FilmPlayer implements Player {
     const fetch: Chunk[] = [];
     const views = active.map((at) => this.#loaded.get(at)!);
     views.forEach((one) => one.ask(view.frame, sees, fetch, counts));
+    this.#overlayMissing = this.#mark(view, active, fetch);
     const inUse = this.#chunksOf(active, sees, [view.frame, view.frame]);
     desk.store.want([...fetch, ...this.#ahead(view, active, cameras)], inUse);
     for (let ahead = 1; view.playing && ahead <= FRAMES_AHEAD; ahead += 1) {
@@ -305,6 +312,24 @@ class FilmPlayer implements Player {
       this.#wake();
     }
     return { view, active, cameras, counts };
+  }
+
+  /** Asks for what the overlay of nodes shows, while it is on; answers how many tiles it is missing of. */
+  #mark({ overlays, frame }: View, active: readonly number[], fetch: Chunk[]): number {
+    if (!overlays.has("nodes")) {
+      this.#codings.clear();
+      return 0;
+    }
+    const units: SeenUnit[] = [];
+    for (const { depth } of active.flatMap((at) => this.#catalogue.views[at].faces)) {
+      for (let unit = 0; unit < this.#container.unitCount(depth.index); unit += 1) {
+        const seen = this.#visible.sees(depth, unit) && unitFrame(this.#container, depth.index, unit, frame);
+        if (seen) {
+          units.push({ ...seen, stream: depth.index });
+        }
+      }
+    }
+    return this.#codings.show(units, fetch);
   }
 
   /** The cameras of the eyes. */
@@ -408,6 +433,7 @@ class FilmPlayer implements Player {
       const arrived = this.#arrived.get(rangeKey(this.#container.chunks[chunk]));
       return arrived !== undefined && now - arrived < FRESH_MS;
     };
-    return this.#renderer.draw({ view, cameras, views: active, isFresh }, () => this.onShown());
+    const codings = (stream: number, unit: number) => this.#codings.of(stream, unit);
+    return this.#renderer.draw({ view, cameras, views: active, isFresh, codings }, () => this.onShown());
   }
 }

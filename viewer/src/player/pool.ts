@@ -65,6 +65,12 @@ export class WorkerPool {
     return answer && "pixels" in answer ? answer.pixels : undefined;
   }
 
+  /** How each pixel of a frame of depth is coded (codec/depth/coding_map.ts), like {@link WorkerPool.decode}. */
+  async codings(chunk: StoredChunk, frame: number, isWanted: () => boolean): Promise<Uint8Array | undefined> {
+    const answer = await this.run({ ...chunk, id: this.nextId++, frame, asksCodings: true }, isWanted);
+    return answer && "pixels" in answer ? (answer.pixels as Uint8Array) : undefined;
+  }
+
   /** Ends the workers. Jobs that wait answer nothing more. */
   close(): void {
     this.members.forEach(({ worker }) => worker.terminate());

@@ -3,6 +3,7 @@
 import type { FaceStreams } from "../views/catalogue.ts";
 import type { Camera } from "../views/camera.ts";
 import type { Texels } from "../views/texels.ts";
+import type { UnitCodings } from "./coding_maps.ts";
 import type { DeviceFamily } from "./device_units.ts";
 import type { RendererName, View } from "./types.ts";
 import type { PixelsOf } from "./unit_source.ts";
@@ -17,6 +18,8 @@ export interface Shot {
   views: readonly number[];
   /** Whether a chunk, by its place in the container, was fetched within the last second. */
   isFresh: (chunk: number) => boolean;
+  /** How a unit of depth is coded, where that is known. */
+  codings: (stream: number, unit: number) => UnitCodings | undefined;
 }
 
 /** What drawing took. */

@@ -32,7 +32,7 @@ export type RendererName = "gpu" | "cpu";
 /** With "auto" the graphics device draws, unless that is a program on the processor, which is slower than our own. */
 export type RendererChoice = RendererName | "auto";
 /** Overlays of the inspector; several at once. */
-export type Overlay = "probes" | "holes" | "units" | "keyframes" | "fetched";
+export type Overlay = "probes" | "nodes" | "holes" | "units" | "keyframes" | "fetched";
 
 export interface View {
   pose: Pose;
@@ -72,6 +72,8 @@ export interface PlayerStats {
   unitsMissing: number;
   /** Tiles and cells whose chunks cannot be decoded. */
   unitsBroken: number;
+  /** Tiles whose overlay of nodes is not that of the picture's frame yet. */
+  overlayMissing: number;
   /** Frame of the picture that is shown; the wanted one once it is complete. */
   shownFrame: number;
 }

@@ -1,5 +1,6 @@
 // The inspector: overlays, counters, streams, the head box, and the view as a command line.
 
+import { CODING_LEGEND } from "../player/coding_colors.ts";
 import type { Film, PlayerStats, Pose } from "../player/types.ts";
 import { byId, byteText, copyText, msText, onPress, setRows, setText, numberText } from "./dom.ts";
 import { HeadMap } from "./head_map.ts";
@@ -42,6 +43,18 @@ function bodyOf(id: string): HTMLTableSectionElement {
   return table.tBodies[0] ?? table.createTBody();
 }
 
+/** The colors of the overlay of nodes, and what they stand for. */
+function fillLegend(): void {
+  const rows = CODING_LEGEND.map(({ color, name }) => {
+    const row = document.createElement("li");
+    const swatch = row.appendChild(document.createElement("span"));
+    swatch.style.backgroundColor = `rgb(${color.join()})`;
+    row.append(name);
+    return row;
+  });
+  byId("nodes-legend", HTMLUListElement).prepend(...rows);
+}
+
 export class Inspector {
   readonly #map = new HeadMap(byId("map", SVGSVGElement));
   readonly #boxes = [...byId("marks", HTMLFieldSetElement).querySelectorAll<HTMLInputElement>("input")];
@@ -52,6 +65,7 @@ export class Inspector {
     for (const box of this.#boxes) {
       box.addEventListener("change", () => onMark(box.value as Mark, box.checked));
     }
+    fillLegend();
     const copy = onPress("copy-command", () => {
       void copyText(this.#command.textContent ?? "", copy, this.#command);
     });

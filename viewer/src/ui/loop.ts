@@ -54,6 +54,7 @@ export class DrawLoop {
   readonly #resolution = new Resolution();
   #isChanged = true;
   #isMissing = true;
+  #isOverlayMissing = false;
   #isBusy = false;
   #hasFailed = false;
   #drawnFactor = 0;
@@ -89,7 +90,7 @@ export class DrawLoop {
   tick(): void {
     const now = this.#host.now();
     const factor = this.#resolution.factor(!this.isStill || this.#isMissing);
-    const awaits = this.#isMissing && now - this.#drawnMs >= ARRIVAL_MS;
+    const awaits = (this.#isMissing || this.#isOverlayMissing) && now - this.#drawnMs >= ARRIVAL_MS;
     if (this.#isBusy || this.#hasFailed || !(this.#isChanged || awaits || factor > this.#drawnFactor)) {
       return;
     }
@@ -104,6 +105,7 @@ export class DrawLoop {
       this.#drawnMs = this.#host.now();
       this.#drawnFactor = factor;
       this.#isMissing = stats.unitsMissing > 0;
+      this.#isOverlayMissing = stats.overlayMissing > 0;
       if (stats.unitsMissing === 0 || stats.marchMs > 0) {
         this.#resolution.note(factor, this.#drawnMs - start);
       }

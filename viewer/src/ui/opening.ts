@@ -3,7 +3,7 @@
 import { HttpSource } from "../format/http.ts";
 import { openPlayer } from "../player/player.ts";
 import { withRetries } from "../player/retries.ts";
-import type { Player, Pose, RendererChoice, RendererName } from "../player/types.ts";
+import type { Player, Pose, RendererChoice } from "../player/types.ts";
 import { openQuilt } from "../quilt.ts";
 import type { FilmFile } from "./film_file.ts";
 import { FilmFileError } from "./film_file.ts";
@@ -23,10 +23,7 @@ export interface Show {
 }
 
 /** Overlays of containers. */
-const MARKS_OF: Readonly<Record<RendererName, readonly Mark[]>> = {
-  gpu: ["probes", "holes", "units", "keyframes", "fetched"],
-  cpu: ["holes"],
-};
+const CONTAINER_MARKS: readonly Mark[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched"];
 
 /** The bundle of scenes, beside this one; three.js is in it alone. */
 const SCENES = "./glb.js";
@@ -54,8 +51,7 @@ export async function openShow(file: FilmFile, canvas: HTMLCanvasElement, render
   }
   const source = await withRetries(() => HttpSource.open(file.url));
   if (file.kind === "lfold") {
-    const player = await openPlayer(source, canvas, renderer);
-    return { player, marks: MARKS_OF[player.renderer ?? "gpu"], isFixed: false };
+    return { player: await openPlayer(source, canvas, renderer), marks: CONTAINER_MARKS, isFixed: false };
   }
   if (file.quilt === undefined) {
     throw new FilmFileError("film.json, quilt: columns and rows were expected.");

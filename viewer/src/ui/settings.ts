@@ -54,7 +54,7 @@ const RANGES: Readonly<Record<NumberName, readonly [number, number]>> = {
 export const TONE_MAPS: readonly ToneMapName[] = ["none", "reinhard", "filmic"];
 export const STEREO_LAYOUTS: readonly StereoLayout[] = ["mono", "side-by-side", "anaglyph"];
 export const RENDERERS: readonly RendererChoice[] = ["auto", "gpu", "cpu"];
-export const MARKS: readonly Mark[] = ["probes", "holes", "units", "keyframes", "fetched", "overdraw"];
+export const MARKS: readonly Mark[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched", "overdraw"];
 
 /** The value within the range of its setting; steps are whole. */
 export function inRange(name: NumberName, value: number): number {

@@ -19,6 +19,15 @@ export interface Box {
   at: number;
 }
 
+/** A rectangle that a record writes: its place in the unit, the byte that it starts at, how its pixels are stored, and in which box of the
+ *  record it lies. */
+export interface WrittenRect {
+  rect: Rect;
+  at: number;
+  coding: "values" | "one value" | "blocks";
+  box: number;
+}
+
 /** What a frame changes: the whole unit to one value, or rectangles to stored pixels. */
 export type BoxRecord = { frame: number; constantAt: number } | { frame: number; boxes: Box[] };
 
@@ -102,6 +111,19 @@ export class BoxChunk {
       return this.#width * this.#height;
     }
     return record.boxes.reduce((sum, { rect }) => sum + rect[2] * rect[3], 0);
+  }
+
+  /** The rectangles that a record writes, box by box. */
+  *written(record: BoxRecord): Generator<WrittenRect> {
+    if ("constantAt" in record) {
+      yield { rect: [0, 0, this.#width, this.#height], at: record.constantAt, coding: "one value", box: 0 };
+      return;
+    }
+    for (const [box, { rect, at }] of record.boxes.entries()) {
+      for (const part of partsOf(this.layout, this.payload, at, rect)) {
+        yield { rect: part.rect, at: part.at, coding: part.inBlocks ? "blocks" : "values", box };
+      }
+    }
   }
 
   /** Applies a record to a picture of the unit. */

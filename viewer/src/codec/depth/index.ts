@@ -4,6 +4,7 @@ import { FormatError } from "../../format/types.ts";
 import type { ChunkArea, ChunkDecoder, Pixels, Prepared } from "../types.ts";
 import { BoxChunk } from "./boxes.ts";
 import { type DepthLikeHeader, parseChunk } from "./chunk.ts";
+import { CodingMap, paintBoxes, paintNodes, paintPredictive } from "./coding_map.ts";
 import { NodeChunk } from "./node_chunk.ts";
 import { PredictiveChunk } from "./predictive.ts";
 import { preparedBoxes, preparedNodes, preparedPredictive } from "./prepare.ts";
@@ -16,10 +17,11 @@ export type { DepthLikeHeader } from "./chunk.ts";
  *  predictive coding also from `frame`, since only decoding tells whether a substream is whole. */
 export function depthDecoder(header: DepthLikeHeader, payload: Uint8Array, area: ChunkArea): ChunkDecoder {
   const chunk = parseChunk(header, payload, area);
-  if (chunk instanceof PredictiveChunk) {
-    return new PredictiveDecoder(chunk, header.kind === "alpha");
-  }
   const [, , width, height] = area.area.rect;
+  if (chunk instanceof PredictiveChunk) {
+    const bytes = header.kind === "alpha" ? new Uint8Array(width * height) : undefined;
+    return new PredictiveDecoder(chunk, () => (bytes === undefined ? chunk.picture : asBytes(chunk.picture, bytes)));
+  }
   if (chunk instanceof BoxChunk) {
     const picture = chunk.layout.texel.picture(width * height);
     const apply = (record: number): void => {
@@ -34,6 +36,31 @@ export function depthDecoder(header: DepthLikeHeader, payload: Uint8Array, area:
   return new SteppingDecoder(picture, chunk.frames, area.frames, windowOf(header), apply);
 }
 
+/** Checks a chunk like {@link depthDecoder}, and answers how each pixel of its frames is coded in place of their codes: maps as of
+ *  coding_map.ts, which do not depend on the order in which they are asked for. */
+export function depthCodings(header: DepthLikeHeader, payload: Uint8Array, area: ChunkArea): ChunkDecoder {
+  const chunk = parseChunk(header, payload, area);
+  const [, , width, height] = area.area.rect;
+  const map = new CodingMap(width, height);
+  if (chunk instanceof PredictiveChunk) {
+    const show = (): Uint8Array => map.at(chunk.next - 1);
+    return new PredictiveDecoder(chunk, show, () => paintPredictive(map, chunk));
+  }
+  // Each record on the way counts, also where a decoder may leave some out.
+  const window = Math.min(windowOf(header), 1);
+  const [records, paint] =
+    chunk instanceof BoxChunk
+      ? [chunk.records, (record: number) => paintBoxes(map, chunk, chunk.records[record])]
+      : [chunk.frames, (record: number) => paintNodes(map, chunk, chunk.frames[record], window === 0)];
+  const steps = new SteppingDecoder(map.bytes, records, area.frames, window, paint);
+  return {
+    frame: (frame) => {
+      steps.frame(frame);
+      return map.at(frame);
+    },
+  };
+}
+
 /** Checks a chunk, and brings it into the form of the kernels of shaders/ (src/gpu/prepare.rs): predictive coding is decoded to boxes of
  *  the codes that each frame changes. An UnsupportedError where these take more than 128 MiB. */
 export function prepareDepth(header: DepthLikeHeader, payload: Uint8Array, area: ChunkArea): Prepared {
@@ -41,7 +68,7 @@ export function prepareDepth(header: DepthLikeHeader, payload: Uint8Array, area:
   if (chunk instanceof PredictiveChunk) {
     return preparedPredictive(chunk, area.area.rect[2]);
   }
-  return chunk instanceof NodeChunk ? preparedNodes(chunk) : preparedBoxes(chunk, area.area.rect);
+  return chunk instanceof NodeChunk ? preparedNodes(chunk) : preparedBoxes(chunk);
 }
 
 /** Longest step in frames; 0 where any frame is complete in itself. */
@@ -92,14 +119,15 @@ class SteppingDecoder implements ChunkDecoder {
 /** Decodes all frames on the way (depth.md 15.1). */
 class PredictiveDecoder implements ChunkDecoder {
   readonly #chunk: PredictiveChunk;
-  /** Of alpha: the codes as bytes. */
-  readonly #alpha: boolean;
-  #bytes = new Uint8Array();
+  readonly #show: () => Pixels;
+  readonly #onFrame: () => void;
   #failed: FormatError | undefined;
 
-  constructor(chunk: PredictiveChunk, isAlpha: boolean) {
+  /** `show` answers the picture of the frame decoded last; `onFrame` is called for each one on the way. */
+  constructor(chunk: PredictiveChunk, show: () => Pixels, onFrame: () => void = () => undefined) {
     this.#chunk = chunk;
-    this.#alpha = isAlpha;
+    this.#show = show;
+    this.#onFrame = onFrame;
   }
 
   frame(frame: number): Pixels {
@@ -115,6 +143,7 @@ class PredictiveDecoder implements ChunkDecoder {
     try {
       while (chunk.next <= frame) {
         chunk.decodeNext();
+        this.#onFrame();
       }
     } catch (error) {
       if (error instanceof FormatError) {
@@ -122,17 +151,14 @@ class PredictiveDecoder implements ChunkDecoder {
       }
       throw error;
     }
-    return this.#alpha ? this.#asBytes(chunk.picture) : chunk.picture;
+    return this.#show();
   }
+}
 
-  /** Codes above 255 are taken for 255 (depth.md 16). */
-  #asBytes(codes: Uint16Array): Uint8Array {
-    if (this.#bytes.length !== codes.length) {
-      this.#bytes = new Uint8Array(codes.length);
-    }
-    for (let pixel = 0; pixel < codes.length; pixel += 1) {
-      this.#bytes[pixel] = Math.min(codes[pixel], 255);
-    }
-    return this.#bytes;
+/** Codes above 255 are taken for 255 (depth.md 16). */
+function asBytes(codes: Uint16Array, bytes: Uint8Array): Uint8Array {
+  for (let pixel = 0; pixel < codes.length; pixel += 1) {
+    bytes[pixel] = Math.min(codes[pixel], 255);
   }
+  return bytes;
 }

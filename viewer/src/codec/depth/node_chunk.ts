@@ -1,11 +1,11 @@
 // Chunks of nodes: packed nodes, the intermediate form, and plain blocks (formats/depth.md 9, 11 and 12), checked and brought into the
 // runtime form (depth.md 10), which is decoded here and on devices.
 
-import type { DepthDomain } from "../../format/types.ts";
+import type { DepthDomain, Rect } from "../../format/types.ts";
 import { Fields } from "../fields.ts";
 import { codeIn, DOMAIN_LOG } from "./domain.ts";
 import { decodeNode } from "./functions.ts";
-import { type Grid, levelOf, LEVELS, MARKER, NODE_WORDS, placeOf, sideOf } from "./nodes.ts";
+import { type Grid, levelOf, LEVELS, MARKER, NODE_WORDS, type Place, placeOf } from "./nodes.ts";
 import { checkStart, readRecordTable } from "./record_table.ts";
 import { type Nodes, readNodes, readTreeRecord } from "./storage.ts";
 
@@ -23,6 +23,8 @@ export interface NodeFrame {
   pixels: number;
   /** Leaves that its nodes are worth: 4^level each. */
   leaves: number;
+  /** Of the intermediate form: functions of coarser places, which are not decoded. */
+  coarse?: Nodes;
 }
 
 /** A checked chunk. Nodes lie in the unit, those of a record do not overlap, and the first record covers the unit. */
@@ -56,11 +58,11 @@ export class NodeChunk {
   static ofTree(payload: Uint8Array, grid: Grid, frames: number, domain: DepthDomain): NodeChunk {
     const fields = new Fields(payload, "depth.md 11");
     return NodeChunk.#ofRecords(fields, grid, frames, domain, (frame) => {
-      const nodes = readTreeRecord(grid, fields);
-      if (frame === 0 && nodes.places.length !== grid.leaves) {
+      const { leaves, coarse } = readTreeRecord(grid, fields);
+      if (frame === 0 && leaves.places.length !== grid.leaves) {
         throw fields.error("The first record of a chunk does not hold all leaves");
       }
-      return nodes;
+      return { ...leaves, coarse };
     });
   }
 
@@ -69,7 +71,7 @@ export class NodeChunk {
     grid: Grid,
     frames: number,
     domain: DepthDomain,
-    read: (frame: number) => Nodes,
+    read: (frame: number) => Nodes & { coarse?: Nodes },
   ): NodeChunk {
     const runtime = new Runtime(grid);
     for (const row of readRecordTable(fields, frames)) {
@@ -104,24 +106,30 @@ export class NodeChunk {
   }
 
   /** Decodes the nodes of a frame into a picture of the unit. */
-  apply({ at }: NodeFrame, picture: Uint16Array): void {
+  apply(frame: NodeFrame, picture: Uint16Array): void {
+    const stride = this.#grid.width;
+    const target = { picture, start: 0, stride, width: 0, height: 0 };
+    this.forEachNode(frame, (place, coefficients, [left, top, width, height]) => {
+      target.start = top * stride + left;
+      target.width = width;
+      target.height = height;
+      decodeNode(levelOf(place), this.words, coefficients, this.#code, target);
+    });
+  }
+
+  /** Calls `visit` with the nodes of a frame, level by level: their places, the words at which their coefficients start, and the
+   *  rectangles of the unit that they cover. */
+  forEachNode({ at }: NodeFrame, visit: (place: Place, coefficients: number, rect: Rect) => void): void {
     const { words } = this;
-    const { width, height } = this.#grid;
-    const target = { picture, start: 0, stride: width, width: 0, height: 0 };
     const count = words[at];
     const places = at + HEADER_WORDS;
     const coefficients = aligned(places + Math.ceil(count / 2));
     let node = 0;
     for (let level = 0; level < LEVELS; level += 1) {
-      const side = sideOf(level);
       for (const end = node + words[at + 1 + level]; node < end; node += 1) {
-        const place = words[places + (node >> 1)] >>> (16 * (node & 1));
-        const x = (place & 0xff) * side;
-        const y = ((place >>> 8) & 0xff) * side;
-        target.start = y * width + x;
-        target.width = Math.min(side, width - x);
-        target.height = Math.min(side, height - y);
-        decodeNode(level, words, coefficients + NODE_WORDS * node, this.#code, target);
+        const corner = words[places + (node >> 1)] >>> (16 * (node & 1));
+        const place = placeOf(level, corner & 0xff, (corner >>> 8) & 0xff);
+        visit(place, coefficients + NODE_WORDS * node, this.#grid.rectOf(place));
       }
     }
   }
@@ -143,7 +151,7 @@ class Runtime {
   }
 
   /** Appends the nodes of a frame, level by level. */
-  push(frame: number, { places, words }: Nodes): void {
+  push(frame: number, { places, words, coarse }: Nodes & { coarse?: Nodes }): void {
     const at = this.#length;
     const firstPlace = at + HEADER_WORDS;
     const firstNode = aligned(firstPlace + Math.ceil(places.length / 2));
@@ -167,7 +175,7 @@ class Runtime {
       out[at + 1 + level] = node - before;
       leaves += (node - before) * 4 ** level;
     }
-    this.frames.push({ frame, at, pixels, leaves });
+    this.frames.push({ frame, at, pixels, leaves, ...(coarse && { coarse }) });
   }
 
   #reserve(length: number): void {

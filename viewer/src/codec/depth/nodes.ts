@@ -1,5 +1,7 @@
 // Nodes of the quadtree of a unit: where they lie, and the eight words that say what they hold (formats/depth.md 7).
 
+import type { Rect } from "../../format/types.ts";
+
 /** Words of a node's coefficients: bytes 0 to 3 are the first, the lowest byte first. */
 export const NODE_WORDS = 8;
 /** Levels of nodes: 0 to 8. */
@@ -66,11 +68,17 @@ export class Grid {
     return x < this.width && y < this.height;
   }
 
-  /** Pixels of a place that lie in the unit. */
-  pixelsOf(place: Place): number {
+  /** The rectangle of a place as far as it lies in the unit. */
+  rectOf(place: Place): Rect {
     const [x, y] = cornerOf(place);
     const side = sideOf(levelOf(place));
-    return Math.min(side, this.width - x) * Math.min(side, this.height - y);
+    return [x, y, Math.min(side, this.width - x), Math.min(side, this.height - y)];
+  }
+
+  /** Pixels of a place that lie in the unit. */
+  pixelsOf(place: Place): number {
+    const [, , width, height] = this.rectOf(place);
+    return width * height;
   }
 }
 

@@ -17,6 +17,25 @@ const MOST_FRAMES = 4096;
 const MOST_SIDE = 1024;
 const BLOCK = 8;
 const MODE_SAME = 1;
+/** How blocks are coded, by their modes (depth.md 15.2). A block that is as before a first frame is background. */
+const CODING_OF_MODE = [
+  "pixels",
+  "background",
+  "background",
+  "quarters",
+  "plane",
+  "plane",
+  "plane",
+  "changed plane",
+  "changed plane",
+  "changed plane",
+] as const;
+
+/** A block that a frame wrote: its place in the unit, and how it is coded. */
+export interface WrittenBlock {
+  rect: Rect;
+  coding: (typeof CODING_OF_MODE)[number];
+}
 
 /** A chunk and the frame that it decoded last. */
 export class PredictiveChunk {
@@ -101,24 +120,35 @@ export class PredictiveChunk {
       return [[0, 0, width, height]];
     }
     const written: Rect[] = [];
-    if (this.#tile === undefined || !this.#isCoded) {
-      return written;
-    }
-    const { modes, columns } = this.#tile;
-    for (let block = 0; block < modes.length; block += 1) {
-      if (modes[block] === MODE_SAME) {
-        continue;
-      }
-      const x = (block % columns) * BLOCK;
-      const y = Math.floor(block / columns) * BLOCK;
-      const blockWidth = Math.min(BLOCK, width - x);
+    for (const { rect } of this.writtenBlocks()) {
       const last = written.at(-1);
-      if (last !== undefined && last[1] === y && last[0] + last[2] === x) {
-        last[2] += blockWidth;
+      if (last !== undefined && last[1] === rect[1] && last[0] + last[2] === rect[0]) {
+        last[2] += rect[2];
       } else {
-        written.push([x, y, blockWidth, Math.min(BLOCK, height - y)]);
+        written.push(rect);
       }
     }
     return written;
+  }
+
+  /** Blocks of the unit that the frame decoded last has written: all in a first frame, or the unit as one where its blocks are not coded. */
+  *writtenBlocks(): Generator<WrittenBlock> {
+    const [, , width, height] = this.#area.rect;
+    const isFirst = this.next === 1;
+    if (this.#tile === undefined || !this.#isCoded) {
+      if (isFirst) {
+        yield { rect: [0, 0, width, height], coding: "background" };
+      }
+      return;
+    }
+    const { modes, columns } = this.#tile;
+    for (let block = 0; block < modes.length; block += 1) {
+      if (modes[block] !== MODE_SAME || isFirst) {
+        const x = (block % columns) * BLOCK;
+        const y = Math.floor(block / columns) * BLOCK;
+        const rect: Rect = [x, y, Math.min(BLOCK, width - x), Math.min(BLOCK, height - y)];
+        yield { rect, coding: CODING_OF_MODE[modes[block]] };
+      }
+    }
   }
 }

@@ -1,25 +1,18 @@
 // Checked chunks in the form of the device: words of the stream, and rows of offsets into them (src/gpu/prepare.rs).
 
-import { type Rect, UnsupportedError } from "../../format/types.ts";
+import { UnsupportedError } from "../../format/types.ts";
 import type { Prepared, Timeline, Words } from "../types.ts";
-import { partsOf } from "./block_tiles.ts";
-import type { BoxChunk, BoxRecord } from "./boxes.ts";
+import type { BoxChunk, WrittenRect } from "./boxes.ts";
 import type { NodeChunk } from "./node_chunk.ts";
 import type { PredictiveChunk } from "./predictive.ts";
 
-/** `coding` of a `BoxRow`: `BOX_VALUES` and so on of shaders/kernels.json. */
-const BOX_VALUES = 0;
-const BOX_CONSTANT = 1;
-const BOX_BLOCKS = 2;
+/** `coding` of a `BoxRow`: `BOX_VALUES`, `BOX_CONSTANT` and `BOX_BLOCKS` of shaders/kernels.json. */
+const BOX_CODINGS = { values: 0, "one value": 1, blocks: 2 } as const;
 /** Most bytes of the codes of a chunk of predictive coding, whose payload may be far smaller. */
 const MOST_UNPACKED = 128 * 2 ** 20;
 
 /** What a record writes, of which kind, and where it stands. */
-interface Written {
-  rect: Rect;
-  coding: number;
-  at: number;
-}
+type Written = Omit<WrittenRect, "box">;
 
 /** Rows `Record` and `BoxRow` of a chunk of boxes. */
 class BoxRows {
@@ -43,7 +36,7 @@ class BoxRows {
       // As many as the kernel writes words of each row.
       const columns = this.#areCodes ? ((x + width + 1) >> 1) - (x >> 1) : width;
       work += columns * height;
-      this.#boxes.push(x, y, width, height, at, coding, work);
+      this.#boxes.push(x, y, width, height, at, BOX_CODINGS[coding], work);
     }
     // frame, at, first, count, work, coding
     this.#records.push(frame, 0, first, this.#boxes.length / 7 - first, work, 0);
@@ -96,25 +89,13 @@ export function preparedNodes(chunk: NodeChunk): Prepared {
   };
 }
 
-/** Chunks of boxes: the payload, and a row for each part of a box. `unit` is the unit's rectangle in its image. */
-export function preparedBoxes(chunk: BoxChunk, unit: Rect): Prepared {
+/** Chunks of boxes: the payload, and a row for each part of a box. */
+export function preparedBoxes(chunk: BoxChunk): Prepared {
   const rows = new BoxRows(chunk.layout.texel.samples === 1);
   for (const record of chunk.records) {
-    rows.push(record.frame, chunk.updatedPixels(record), writtenBy(chunk, record, unit));
+    rows.push(record.frame, chunk.updatedPixels(record), chunk.written(record));
   }
   return rows.prepared(wordsOf(chunk.payload));
-}
-
-function* writtenBy({ layout, payload }: BoxChunk, record: BoxRecord, [, , width, height]: Rect): Generator<Written> {
-  if ("constantAt" in record) {
-    yield { rect: [0, 0, width, height], coding: BOX_CONSTANT, at: record.constantAt };
-    return;
-  }
-  for (const { rect, at } of record.boxes) {
-    for (const part of partsOf(layout, payload, at, rect)) {
-      yield { rect: part.rect, coding: part.inBlocks ? BOX_BLOCKS : BOX_VALUES, at: part.at };
-    }
-  }
 }
 
 /** Chunks of predictive coding of a unit of `width` columns: their codes in boxes that each frame changes. Symbols depend on those before,
@@ -142,7 +123,7 @@ export function preparedPredictive(chunk: PredictiveChunk, width: number): Prepa
     for (const rect of chunk.written()) {
       const [x, y, columns, lines] = rect;
       reserve(columns * lines);
-      written.push({ rect, coding: BOX_VALUES, at: 2 * count });
+      written.push({ rect, coding: "values", at: 2 * count });
       for (let line = y; line < y + lines; line += 1) {
         codes.set(picture.subarray(line * width + x, line * width + x + columns), count);
         count += columns;

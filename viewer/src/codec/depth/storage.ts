@@ -67,30 +67,30 @@ export function readNodes(grid: Grid, isPartial: boolean, fields: Fields): Nodes
   return readFunctions(places, fields);
 }
 
-/** Reads a record of the intermediate form and answers its leaves; functions of coarser places are checked (depth.md 11). */
-export function readTreeRecord(grid: Grid, fields: Fields): Nodes {
+/** Reads a record of the intermediate form: its leaves, and the functions of coarser places (depth.md 11). */
+export function readTreeRecord(grid: Grid, fields: Fields): { leaves: Nodes; coarse: Nodes } {
   const bits = new Bits(fields);
-  const leaves: Place[] = [];
-  const coarse: Place[] = [];
+  const leafPlaces: Place[] = [];
+  const coarsePlaces: Place[] = [];
   const visit = (place: Place): void => {
     if (!grid.has(place) || !bits.take()) {
       return;
     }
     if (levelOf(place) === 0) {
-      leaves.push(place);
+      leafPlaces.push(place);
       return;
     }
     if (bits.take()) {
-      coarse.push(place);
+      coarsePlaces.push(place);
     }
     forChildren(place, visit);
   };
   visit(placeOf(grid.rootLevel, 0, 0));
   bits.finish();
-  const nodes = readFunctions(leaves, fields);
-  readFunctions(coarse, fields);
-  fields.skip(2 * coarse.length);
-  return nodes;
+  const leaves = readFunctions(leafPlaces, fields);
+  const coarse = readFunctions(coarsePlaces, fields);
+  fields.skip(2 * coarsePlaces.length);
+  return { leaves, coarse };
 }
 
 /** Reads heads, numbers, lines, blocks and leaves, each in the order of the places. */
