@@ -215,6 +215,18 @@ void test("each frame of each unit is in one chunk, and other frames are in none
           assert.ok(frame >= chunk.firstFrame && frame < chunk.firstFrame + chunk.frameCount);
           assert.equal(container.placeOf(at), at === end - 1 ? "last" : "inner");
         }
+        const last = firstFrame + frameCount - 1;
+        for (const [from, to] of [
+          [0, Infinity],
+          [firstFrame + 1, firstFrame + 2],
+          [last, last + 9],
+          [last + 1, last + 9],
+        ]) {
+          const found = container.chunks.slice(...container.chunksAmong(index, unit, [from, to]));
+          const all = container.chunks.slice(start, end);
+          const wanted = all.filter((chunk) => chunk.firstFrame <= to && chunk.firstFrame + chunk.frameCount > from);
+          assert.deepEqual(found, wanted);
+        }
         assert.equal(container.chunkIndex(index, unit, firstFrame - 1), -1);
         assert.equal(container.chunkIndex(index, unit, firstFrame + frameCount), -1);
         const { area, frames } = container.areaOf(start);

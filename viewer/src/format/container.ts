@@ -126,6 +126,13 @@ export class Container {
     return isHeld ? at : -1;
   }
 
+  /** The places of a unit's chunks that hold any of some frames, first and last: the first, and the one behind the last. */
+  chunksAmong(stream: number, unit: number, [first, last]: readonly [number, number]): [number, number] {
+    const [start, end] = this.chunksOf(stream, unit);
+    const at = firstFrom(start, end, (row) => this.chunks[row].firstFrame + this.chunks[row].frameCount > first);
+    return [at, firstFrom(at, end, (row) => this.chunks[row].firstFrame > last)];
+  }
+
   /** Whether a chunk is the last of its unit. */
   placeOf(chunkIndex: number): ChunkPlace {
     const { stream, unit } = this.chunks[chunkIndex];

@@ -410,17 +410,14 @@ class FilmPlayer implements Player {
   #chunksOf(
     active: readonly number[],
     sees: (stream: Stream, unit: number) => boolean,
-    [first, last]: readonly [number, number],
+    frames: readonly [number, number],
   ): Chunk[] {
     const chunks: Chunk[] = [];
     for (const stream of active.flatMap((at) => this.#catalogue.views[at].faces).flatMap(streamsOf)) {
       for (let unit = 0; unit < this.#container.unitCount(stream.index); unit += 1) {
-        const [start, end] = sees(stream, unit) ? this.#container.chunksOf(stream.index, unit) : [0, 0];
-        for (let at = start; at < end; at += 1) {
-          const chunk = this.#container.chunks[at];
-          if (chunk.firstFrame <= last && chunk.firstFrame + chunk.frameCount > first) {
-            chunks.push(chunk);
-          }
+        if (sees(stream, unit)) {
+          const [start, end] = this.#container.chunksAmong(stream.index, unit, frames);
+          chunks.push(...this.#container.chunks.slice(start, end));
         }
       }
     }
