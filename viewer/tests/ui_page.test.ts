@@ -153,6 +153,70 @@ test("what was pressed by a pointer leaves the keyboard to the picture", { skip 
   });
 });
 
+test("a panel that opens takes the focus, and gives it back", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    const focused = (): Promise<string> => tab.evaluate(() => document.activeElement?.id ?? "");
+    for (const [key, name] of [
+      ["v", "settings"],
+      ["i", "inspector"],
+      ["h", "help"],
+    ]) {
+      await tab.focus(`#open-${name}`);
+      await tab.keyboard.press("Enter");
+      assert.equal(await focused(), `${name}-title`);
+      assert.equal(await tab.getAttribute("#side", "aria-labelledby"), `${name}-title`);
+      await tab.keyboard.press("Escape");
+      assert.equal(await focused(), `open-${name}`);
+      await tab.focus("#stage");
+      await tab.keyboard.press(key!);
+      assert.equal(await focused(), `${name}-title`);
+      await tab.keyboard.press(key!);
+      assert.equal(await focused(), "stage");
+      assert.ok(!(await tab.isVisible("#side")));
+    }
+    // From panel to panel, and back to where it was.
+    await tab.keyboard.press("v");
+    await tab.keyboard.press("i");
+    assert.equal(await focused(), "inspector-title");
+    await tab.keyboard.press("Escape");
+    assert.equal(await focused(), "stage");
+    // By pointer.
+    await tab.click("#open-settings");
+    assert.equal(await focused(), "settings-title");
+  });
+});
+
+test("letters act on the page while a list, a button or a checkbox has the focus", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    await tab.keyboard.press("i");
+    for (const [at, selector] of ["#speed", "#marks input[value=holes]", "#copy-link", "#inspector-title"].entries()) {
+      await tab.focus(selector);
+      await tab.keyboard.press(".");
+      await until(
+        tab,
+        new Function("fake", `return fake.views.at(-1).frame === ${11 + at}`) as (fake: Fake) => boolean,
+      );
+      await tab.evaluate("fake.views = []");
+      await tab.keyboard.down("w");
+      await until(tab, (fake) => fake.views.length > 1);
+      await tab.keyboard.up("w");
+      await tab.keyboard.press("0");
+    }
+    // A list keeps the keys that choose.
+    await tab.focus("#speed");
+    await tab.keyboard.press("ArrowDown");
+    assert.equal(await tab.inputValue("#speed"), "1.5");
+    await tab.keyboard.press("ArrowUp");
+    assert.equal(await tab.inputValue("#speed"), "1");
+    // One that shows its choices keeps all.
+    await tab.keyboard.press("Space");
+    await tab.keyboard.press("i");
+    assert.ok(await tab.isVisible("#inspector"));
+  });
+});
+
 test("dragging turns, and the eye stays near the head box", { skip }, async () => {
   await onPage("#eye=99,1.5,-99&look=0,0", async (tab) => {
     await until(tab, drawn);

@@ -19,20 +19,26 @@ const FAST = 4;
 /** After a pause the eye does not jump: longest time of a step in seconds. */
 const LONGEST_STEP_S = 0.5;
 
+/** Whether the choices of a list are shown. Browsers that do not tell let no keys through meanwhile. */
+function isOpen(list: HTMLSelectElement): boolean {
+  return CSS.supports("selector(:open)") && list.matches(":open");
+}
+
 function focusOf(target: EventTarget | null): Focus {
   if (!(target instanceof HTMLElement)) {
     return "picture";
   }
-  if (target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type)) {
-    return "text";
+  if (target instanceof HTMLSelectElement) {
+    return isOpen(target) ? "text" : "widget";
   }
-  if (target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) {
-    return "text";
+  if (target instanceof HTMLInputElement) {
+    const isPressed = ["checkbox", "radio", "button"].includes(target.type);
+    return target.type === "range" ? "slider" : isPressed ? "widget" : "text";
   }
-  if (target instanceof HTMLInputElement && target.type === "range") {
-    return "slider";
+  if (target.matches("aside, aside h2")) {
+    return "panel";
   }
-  return target.closest("button, input, a, summary, pre, aside") === null ? "picture" : "widget";
+  return target.closest("button, a, summary, pre, aside") === null ? "picture" : "widget";
 }
 
 export class Controls {
@@ -63,7 +69,9 @@ export class Controls {
         stage.focus({ preventScroll: true });
       }
     };
-    window.addEventListener("click", (event) => free(event, "#tools button, #transport button"));
+    window.addEventListener("click", (event) =>
+      free(event, "#tools button:not([aria-expanded='true']), #transport button"),
+    );
     window.addEventListener("change", (event) => free(event, "select"));
   }
 
