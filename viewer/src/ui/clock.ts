@@ -7,6 +7,14 @@ export interface Reel {
   framesPerSecond: number;
 }
 
+/** Least and greatest frames per second: an image an hour, and more than any camera of films gives. */
+const RATES: readonly [number, number] = [1 / 3600, 10_000];
+
+/** A rate within {@link RATES}: others would leave no frame that is due. */
+function soundRate(framesPerSecond: number): number {
+  return Math.min(Math.max(framesPerSecond || 0, RATES[0]), RATES[1]);
+}
+
 /** Runs with the clock of the page and never waits for pictures. Times in milliseconds. */
 export class FilmClock {
   readonly #reel: Reel;
@@ -18,7 +26,7 @@ export class FilmClock {
   isLooped = true;
 
   constructor(reel: Reel) {
-    this.#reel = reel;
+    this.#reel = { ...reel, framesPerSecond: soundRate(reel.framesPerSecond) };
   }
 
   get isPlaying(): boolean {
