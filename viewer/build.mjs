@@ -31,7 +31,7 @@ if (process.argv.includes("--tests")) {
   await mkdir(outdir, { recursive: true });
   const entryPoints = { viewer: "src/main.ts", worker: "src/worker.ts", glb: "src/glb/main.ts" };
   await build({ ...shared, entryPoints, outdir, minify: true, legalComments: "none" });
-  for (const name of ["index.html", "style.css"]) {
+  for (const name of ["index.html", "style.css", "narrow.css"]) {
     await copyFile(`src/ui/${name}`, `${outdir}/${name}`);
   }
 }

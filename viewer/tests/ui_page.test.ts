@@ -25,6 +25,7 @@ async function onPage(path: string, use: (tab: Tab) => Promise<void>): Promise<v
   const files = new Map([
     ["/index.html", readFileSync("src/ui/index.html", "utf8")],
     ["/style.css", readFileSync("src/ui/style.css", "utf8")],
+    ["/narrow.css", readFileSync("src/ui/narrow.css", "utf8")],
     ["/viewer.js", bundle("tests/ui.page.ts")],
   ]);
   await inBrowser(serve(files), `/index.html${path}`, async (tab) => {
@@ -184,6 +185,62 @@ test("a panel that opens takes the focus, and gives it back", { skip }, async ()
     // By pointer.
     await tab.click("#open-settings");
     assert.equal(await focused(), "settings-title");
+  });
+});
+
+test("small windows keep most of their height for the picture, and panels lie over it", { skip }, async () => {
+  for (const [width, height] of [
+    [480, 320],
+    [320, 640],
+    [720, 480],
+  ] as const) {
+    await onPage("", async (tab) => {
+      await tab.setViewportSize({ width, height });
+      await until(tab, drawn);
+      const sides = (selector: string): Promise<number[]> =>
+        tab.evaluate((wanted) => {
+          const { left, right, top, bottom } = document.querySelector(wanted)!.getBoundingClientRect();
+          return [left, right, top, bottom];
+        }, selector);
+      const stage = await sides("#stage");
+      assert.ok(stage[2]! <= 40 && height - stage[3]! <= 66, `${stage.join()} of ${width}x${height}`);
+      assert.deepEqual(stage.slice(0, 2), [0, width]);
+      const parts = await tab.evaluate(() =>
+        [...document.querySelectorAll("header button, #transport button, #transport select, .track, #frame-label")]
+          .filter((part) => part.checkVisibility())
+          .map((part) => [part.getBoundingClientRect().left, part.getBoundingClientRect().right]),
+      );
+      assert.ok(parts.length > 13 && parts.every(([left, right]) => left! >= 0 && right! <= width), String(parts));
+      await tab.keyboard.press("v");
+      assert.deepEqual(await sides("#stage"), stage);
+      const side = await sides("#side");
+      assert.ok(side[0]! > 150 || side[2]! > 250, `${side.join()} hides the picture`);
+      assert.deepEqual(await violations(tab), []);
+    });
+  }
+});
+
+test("a quilt has views, and nothing that needs a pose", { skip }, async () => {
+  await onPage("?quilt", async (tab) => {
+    await until(tab, drawn);
+    await tab.keyboard.press("End");
+    await tab.waitForFunction(() => document.querySelector("#frame-label")?.textContent === "View 105 of 10–105");
+    assert.equal(await tab.getAttribute("#timeline", "aria-label"), "View");
+    assert.ok(!(await tab.isVisible("#time-code")));
+    assert.match((await tab.textContent("#film-facts")) ?? "", /· 96 views ·/);
+    // There are no settings to open.
+    await tab.keyboard.press("v");
+    assert.ok(!(await tab.isVisible("#open-settings")) && !(await tab.isVisible("#side")));
+    await tab.keyboard.press("h");
+    assert.ok(!/head box|look around|view settings/.test(await tab.innerText("#help")));
+    await tab.keyboard.press("i");
+    assert.ok(!(await tab.isVisible("#map")));
+  });
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    await tab.waitForFunction(
+      () => document.querySelector("#frame-label")?.parentElement?.textContent === "Frame 10 of 10–105 · 00:00:00:00",
+    );
   });
 });
 

@@ -7,7 +7,7 @@ import { FilmClock } from "./clock.ts";
 import { renderCommand } from "./command.ts";
 import { Controls } from "./controls.ts";
 import { byId, byteText, copyText, messageOf, onPress, setText, numberText } from "./dom.ts";
-import type { FilmFile } from "./film_file.ts";
+import type { FilmFile, FilmKind } from "./film_file.ts";
 import { Inspector } from "./inspector.ts";
 import type { Reading } from "./inspector.ts";
 import type { Action } from "./keys.ts";
@@ -76,11 +76,14 @@ export class Page {
     this.#open = open;
     // Isolated: the name may hold marks of direction.
     document.title = `\u2068${file.name}\u2069 · lightfold`;
-    setText(byId("film-name", HTMLElement), file.name);
+    const name = byId("film-name", HTMLElement);
+    name.title = file.name;
+    setText(name, file.name);
     const parts = {
       slider: byId("timeline", HTMLInputElement),
       canvas: byId("fetched", HTMLCanvasElement),
       label: byId("frame-label", HTMLElement),
+      time: byId("time-code", HTMLElement),
     };
     this.#timeline = new Timeline(parts, (frame) => this.#seek(frame));
     this.#controls = new Controls(this.#stage, {
@@ -174,18 +177,23 @@ export class Page {
   #describe({ player: { film }, marks, isFixed, enterHeadset }: Show): void {
     const isStill = film.frameCount < 2;
     const isQuilt = this.#file.kind === "quilt";
-    ["place", "help-moving"].forEach((id) => (byId(id, HTMLElement).hidden = isQuilt));
+    showPartsFor(this.#file.kind);
     this.#stage.classList.toggle("fits", isFixed);
-    byId("transport", HTMLElement).hidden = isStill;
+    if (isQuilt) {
+      this.#stage.ariaDescription = "The pointer chooses the view, Space plays, H opens help.";
+    }
+    ["transport", "help-playing"].forEach((id) => (byId(id, HTMLElement).hidden = isStill));
     byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
-    this.#settingsPanel.setKind(this.#file.kind);
-    this.#timeline.setFilm(film.firstFrame, film.frameCount, film.framesPerSecond);
+    this.#timeline.setFilm(film, isQuilt ? "View" : "Frame");
     this.#inspector.setFilm(film, marks);
-    const unit = isQuilt ? "views" : "frames";
-    const frames = isStill ? "still" : `${film.frameCount} ${unit} at ${Number(film.framesPerSecond.toFixed(3))}/s`;
+    const rate = Number(film.framesPerSecond.toFixed(3));
+    const moving = isQuilt ? `${film.frameCount} views` : `${film.frameCount} frames at ${rate}/s`;
+    const frames = isStill ? "still" : moving;
     const { length } = film.probes;
     const probes = length === 0 ? [] : [`${numberText(length)} ${length === 1 ? "probe" : "probes"}`];
-    setText(byId("film-facts", HTMLElement), [...probes, frames, byteText(film.fileBytes)].join(" · "));
+    const facts = byId("film-facts", HTMLElement);
+    facts.title = [...probes, frames, byteText(film.fileBytes)].join(" · ");
+    setText(facts, facts.title);
     setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
   }
 
@@ -461,6 +469,13 @@ export class Page {
 }
 
 const ORIGIN: Pose = { eye: [0, 0, 0], yaw: 0, pitch: 0 };
+
+/** Shows of the parts of index.html that some kinds of films have those of this one. */
+function showPartsFor(kind: FilmKind): void {
+  document.querySelectorAll<HTMLElement>("[data-kinds]").forEach((part) => {
+    part.hidden = !(part.dataset.kinds ?? "").split(" ").includes(kind);
+  });
+}
 
 function headsetHelp({ kind }: FilmFile, hasHeadset: boolean): string {
   if (kind === "glb") {

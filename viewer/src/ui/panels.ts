@@ -9,9 +9,10 @@ const NAMES: readonly PanelName[] = ["settings", "inspector", "help"];
 
 export class Panels {
   readonly #side = byId("side", HTMLElement);
+  readonly #stage = byId("stage", HTMLElement);
   readonly #onChange: () => void;
   #open: PanelName | undefined;
-  /** Had the focus before a panel took it. */
+  /** Had the focus before a panel took it; the picture where nothing had. */
   #before: HTMLElement | undefined;
 
   /** `onChange` is called when another panel is open. Escape closes the one that has the focus. */
@@ -37,15 +38,13 @@ export class Panels {
   /** Opens a panel and moves the focus to its heading, or closes it and gives the focus back. Does nothing where the panel has no
    *  button. */
   toggle(name: PanelName): void {
-    const button = byId(`open-${name}`, HTMLButtonElement);
-    if (button.hidden) {
+    if (byId(`open-${name}`, HTMLButtonElement).hidden) {
       return;
     }
     const focused = document.activeElement;
     const isInside = this.#side.contains(focused);
     if (!isInside) {
-      // Some browsers do not focus a button that is clicked.
-      this.#before = focused instanceof HTMLElement && focused !== document.body ? focused : button;
+      this.#before = focused instanceof HTMLElement && focused !== document.body ? focused : this.#stage;
     }
     this.#open = this.#open === name ? undefined : name;
     this.restore();
