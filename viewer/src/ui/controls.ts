@@ -9,12 +9,12 @@ import type { PointerHost } from "./pointer.ts";
 export interface ControlsHost extends PointerHost {
   act(action: Action): void;
   /** Metres per second of held keys. */
-  pace(): number;
+  moveSpeed(): number;
 }
 
 /** Degrees per second of arrow keys and sticks, at a field of view of 60 degrees. */
 const TURN_RATE_DEG = 70;
-/** Shift, and the left stick pressed, multiply the pace. */
+/** Shift, and the left stick pressed, multiply the speed. */
 const FAST = 4;
 /** After a pause the eye does not jump: longest time of a step in seconds. */
 const LONGEST_STEP_S = 0.5;
@@ -64,15 +64,15 @@ export class Controls {
     let isPointer = false;
     window.addEventListener("pointerdown", () => (isPointer = true), { capture: true });
     window.addEventListener("keydown", () => (isPointer = false), { capture: true });
-    const free = ({ target }: Event, selector: string): void => {
+    const returnFocus = ({ target }: Event, selector: string): void => {
       if (isPointer && target instanceof Element && target.closest(selector) !== null) {
         stage.focus({ preventScroll: true });
       }
     };
     window.addEventListener("click", (event) =>
-      free(event, "#tools button:not([aria-expanded='true']), #transport button"),
+      returnFocus(event, "#tools button:not([aria-expanded='true']), #transport button"),
     );
-    window.addEventListener("change", (event) => free(event, "select"));
+    window.addEventListener("change", (event) => returnFocus(event, "select"));
   }
 
   /** Moves the eye by what is held down, for the seconds since the last call. */
@@ -123,7 +123,7 @@ export class Controls {
   #apply({ step, turn }: Motion, isFast: boolean, seconds: number): void {
     if (step.some((value) => value !== 0)) {
       const length = Math.max(1, Math.hypot(...step));
-      const metres = ((isFast ? FAST : 1) * this.#host.pace() * seconds) / length;
+      const metres = ((isFast ? FAST : 1) * this.#host.moveSpeed() * seconds) / length;
       this.#host.move(step.map((value) => value * metres) as Vec3);
     }
     if (turn.some((value) => value !== 0)) {

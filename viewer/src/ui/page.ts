@@ -29,8 +29,8 @@ const PANEL_MS = 200;
 /** Longest side of a picture in pixels. */
 const MAX_SIDE = 8192;
 /** Metres per second of held keys: this part of the longest side of the head box, within bounds. */
-const PACE_SHARE = 0.4;
-const PACES: [number, number] = [0.15, 3];
+const MOVE_SPEED_SHARE = 0.4;
+const MOVE_SPEEDS: [number, number] = [0.15, 3];
 /** Milliseconds of pictures after which a lost film is loaded again by itself. */
 const RELOAD_MS = 10_000;
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
@@ -93,8 +93,8 @@ export class Page {
       zoom: (factor) => this.#set({ fovDeg: inRange("fovDeg", this.#settings.fovDeg * factor) }),
       hover: (part) => this.#hover(part),
       fovDeg: () => this.#settings.fovDeg,
-      pace: () => this.#pace(),
-      reach: () => this.#pace() * 2,
+      moveSpeed: () => this.#moveSpeed(),
+      reach: () => this.#moveSpeed() * 2,
     });
     this.#buttons();
     this.#settings = { ...DEFAULTS, ...parseLink(location.hash).settings };
@@ -313,10 +313,10 @@ export class Page {
     return renderCommand(name, kind === "glb" || frame === undefined ? shot : { ...shot, frame });
   }
 
-  #pace(): number {
+  #moveSpeed(): number {
     const box = this.#shown?.player.film.headBox;
     const sides = box === undefined ? [0] : box.least.map((value, axis) => box.greatest[axis] - value);
-    return Math.min(Math.max(PACE_SHARE * Math.max(...sides), PACES[0]), PACES[1]);
+    return Math.min(Math.max(MOVE_SPEED_SHARE * Math.max(...sides), MOVE_SPEEDS[0]), MOVE_SPEEDS[1]);
   }
 
   #turn(left: number, up: number): void {

@@ -1,6 +1,6 @@
 // The timeline: a slider over the frames, with the fetched ones drawn on its track.
 
-import type { Reel } from "./clock.ts";
+import type { FilmTiming } from "./clock.ts";
 
 /** Half the width of the slider's thumb in CSS pixels, as in style.css: the thumb's middle stays so far from both ends. */
 const THUMB_HALF_PX = 7;
@@ -67,7 +67,7 @@ export class Timeline {
     parts.slider.addEventListener("input", () => onSeek(Number(parts.slider.value)));
   }
 
-  setFilm({ firstFrame, frameCount, framesPerSecond }: Reel, unit: TimelineUnit): void {
+  setFilm({ firstFrame, frameCount, framesPerSecond }: FilmTiming, unit: TimelineUnit): void {
     [this.#first, this.#count, this.#framesPerSecond] = [firstFrame, frameCount, framesPerSecond];
     this.#unit = unit;
     const { slider, time } = this.#parts;
