@@ -36,7 +36,7 @@ if (process.argv.includes("--tests")) {
     renderer: "src/cpu/worker.ts",
   };
   await build({ ...shared, entryPoints, outdir, minify: true, legalComments: "none" });
-  for (const name of ["index.html", "style.css"]) {
+  for (const name of ["index.html", "style.css", "narrow.css"]) {
     await copyFile(`src/ui/${name}`, `${outdir}/${name}`);
   }
 }

@@ -9,7 +9,7 @@ import { NodeChunk } from "../src/codec/depth/node_chunk.ts";
 import { functionOf, levelOf } from "../src/codec/depth/nodes.ts";
 import type { ChunkArea, Pixels } from "../src/codec/types.ts";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "../src/format/memory.ts";
+import { MemorySource } from "./memory_source.ts";
 import { unpack } from "../src/format/payload.ts";
 import { FormatError, type DepthHeader, type Rect, type Stream, UnsupportedError } from "../src/format/types.ts";
 import { codingColors, CODING_LEGEND } from "../src/player/coding_colors.ts";

@@ -9,7 +9,7 @@ import { Field } from "../src/cpu/field.ts";
 import type { Rendered } from "../src/cpu/messages.ts";
 import { WorkerTexels } from "../src/cpu/texels.ts";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "../src/format/memory.ts";
+import { MemorySource } from "./memory_source.ts";
 import { unpack } from "../src/format/payload.ts";
 import type { Stream } from "../src/format/types.ts";
 import { renderOrder } from "../src/player/cpu_renderer.ts";

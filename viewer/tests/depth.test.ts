@@ -14,7 +14,7 @@ import { RansDecoder } from "../src/codec/rans.ts";
 import type { ChunkArea, Pixels, Prepared } from "../src/codec/types.ts";
 import { Container } from "../src/format/container.ts";
 import { crc32 } from "../src/format/crc32.ts";
-import { MemorySource } from "../src/format/memory.ts";
+import { MemorySource } from "./memory_source.ts";
 import { unpack } from "../src/format/payload.ts";
 import { FormatError, type Stream, UnsupportedError } from "../src/format/types.ts";
 

@@ -10,7 +10,7 @@ import { FileFields, quoted } from "../src/format/bytes.ts";
 import { Container } from "../src/format/container.ts";
 import { crc32 } from "../src/format/crc32.ts";
 import { decompressLzma2 } from "../src/format/lzma2.ts";
-import { MemorySource } from "../src/format/memory.ts";
+import { MemorySource } from "./memory_source.ts";
 import { unpack } from "../src/format/payload.ts";
 import { FormatError, UnsupportedError } from "../src/format/types.ts";
 import { decompressZstd } from "../src/format/zstd.ts";

@@ -4,7 +4,7 @@ import { prepare } from "../src/codec/decode.ts";
 import type { Pixels, Prepared } from "../src/codec/types.ts";
 import { Container } from "../src/format/container.ts";
 import { crc32 } from "../src/format/crc32.ts";
-import { MemorySource } from "../src/format/memory.ts";
+import { MemorySource } from "./memory_source.ts";
 import { unpack } from "../src/format/payload.ts";
 import type { DepthHeader, Stream } from "../src/format/types.ts";
 import { FamilyDecoder } from "../src/gpu/decoder.ts";
@@ -13,7 +13,7 @@ import { Gpu } from "../src/gpu/device.ts";
 import { familyOf } from "../src/gpu/family.ts";
 import { KERNEL_NAMES, kernelSource } from "../src/gpu/kernels.ts";
 import { CONSTANTS, memberOffset, putRow, rowsOf, rowWords } from "../src/gpu/layout.ts";
-import { readStream, readUnit } from "../src/gpu/readback.ts";
+import { readStream } from "./readback.ts";
 
 const gpu = await Gpu.open();
 const errors: string[] = [];
@@ -195,7 +195,7 @@ async function rounds(): Promise<{ codes: number[][]; pixels: number[]; refused:
   for (let done: Decoded | undefined; done === undefined || done.behind.length > 0;) {
     done = decoder.decode([wanted(150)]);
     pixels.push(done.pixels);
-    codes.push([...(await readUnit(gpu, decoder, 0, 0))]);
+    codes.push([...(await readStream(gpu, decoder, 0))]);
   }
   const { refused } = decoder.decode([wanted(frames - 1)]);
   decoder.destroy();
@@ -207,7 +207,7 @@ async function dropping(): Promise<Record<string, unknown>> {
   const before = gpu.bytes;
   const decoder = await FamilyDecoder.create(gpu, [smallStream(8)]);
   const wanted = (frame: number): Wanted => ({ stream: 0, unit: 0, frame, key: 1, firstFrame: 0 });
-  const code = async (): Promise<number | undefined> => (await readUnit(gpu, decoder, 0, 0))[3];
+  const code = async (): Promise<number | undefined> => (await readStream(gpu, decoder, 0))[3];
   const found: Record<string, unknown> = {};
   found.absent = decoder.decode([wanted(3)]).missing.length;
   decoder.add(1, countingChunk(8));

@@ -4,6 +4,11 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Gpu, NoWebGpuError } from "../src/gpu/device.ts";
 
+/** A browser with this adapter. */
+function browserWith(adapter: unknown): { gpu: object } {
+  return { gpu: { requestAdapter: () => Promise.resolve(adapter) } };
+}
+
 /** The message of opening a device where these globals are as given. */
 async function refusal(globals: { isSecureContext: boolean; navigator: object }): Promise<string> {
   for (const [name, value] of Object.entries(globals)) {
@@ -18,22 +23,45 @@ async function refusal(globals: { isSecureContext: boolean; navigator: object })
 }
 
 test("A missing device is named in one sentence", async () => {
-  const without = (adapter: unknown): object => ({ gpu: { requestAdapter: () => Promise.resolve(adapter) } });
   assert.match(
-    await refusal({ isSecureContext: false, navigator: without(null) }),
+    await refusal({ isSecureContext: false, navigator: browserWith(null) }),
     /^WebGPU needs a secure page:.*\.$/,
   );
   assert.equal(await refusal({ isSecureContext: true, navigator: {} }), "This browser has no WebGPU.");
   assert.match(
-    await refusal({ isSecureContext: true, navigator: without(null) }),
+    await refusal({ isSecureContext: true, navigator: browserWith(null) }),
     /no graphics device that it may use\.$/,
   );
   const few = { limits: { maxStorageBuffersPerShaderStage: 4 } };
-  assert.match(await refusal({ isSecureContext: true, navigator: without(few) }), /fewer than 8 buffers\.$/);
+  assert.match(await refusal({ isSecureContext: true, navigator: browserWith(few) }), /fewer than 8 buffers\.$/);
   const busy = {
     limits: { maxStorageBuffersPerShaderStage: 8 },
     features: new Set(),
     requestDevice: () => Promise.reject(new Error("busy")),
   };
-  assert.match(await refusal({ isSecureContext: true, navigator: without(busy) }), /cannot be opened: Error: busy\.$/);
+  assert.match(
+    await refusal({ isSecureContext: true, navigator: browserWith(busy) }),
+    /cannot be opened: Error: busy\.$/,
+  );
+});
+
+test("The device gets as much as the adapter has of what the player uses", async () => {
+  const limits = {
+    maxStorageBuffersPerShaderStage: 10,
+    maxBufferSize: 2 ** 31,
+    maxStorageBufferBindingSize: 2 ** 30,
+    maxTextureArrayLayers: 2048,
+    maxTextureDimension2D: 16384,
+    maxTextureDimension3D: 2048,
+  };
+  let asked: GPUDeviceDescriptor = {};
+  const requestDevice = (descriptor: GPUDeviceDescriptor): Promise<never> => {
+    asked = descriptor;
+    return Promise.reject(new Error("enough"));
+  };
+  const adapter = { limits, features: new Set(["timestamp-query"]), requestDevice };
+  await refusal({ isSecureContext: true, navigator: browserWith(adapter) });
+  const { maxStorageBuffersPerShaderStage, maxTextureDimension3D, ...used } = limits;
+  assert.deepEqual(asked.requiredLimits, used);
+  assert.deepEqual(asked.requiredFeatures, ["timestamp-query"]);
 });

@@ -175,5 +175,6 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: Re
 }
 
 Object.assign(globalThis, { fake });
-const file: FilmFile = { kind: "lfold", url: `${location.origin}/film.lfold`, name: NAME, bytes: FILM.fileBytes };
+const kind = location.search === "?quilt" ? "quilt" : "lfold";
+const file: FilmFile = { kind, url: `${location.origin}/film.lfold`, name: NAME, bytes: FILM.fileBytes };
 void new Page(file, openFake).load();

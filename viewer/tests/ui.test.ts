@@ -3,6 +3,8 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import type { AddressInfo } from "node:net";
 import { test } from "node:test";
 import type { Vec3 } from "../src/format/types.ts";
 import { parseSceneHead } from "../src/glb/glb_file.ts";
@@ -12,7 +14,7 @@ import { clampEye, marginOf, moveEye, moveWithin } from "../src/ui/bounds.ts";
 import { FilmClock } from "../src/ui/clock.ts";
 import { renderCommand, shellWord } from "../src/ui/command.ts";
 import { byteText, sentence } from "../src/ui/dom.ts";
-import { FilmFileError, parseFilmFile } from "../src/ui/film_file.ts";
+import { fetchFilmFile, FilmFileError, parseFilmFile } from "../src/ui/film_file.ts";
 import { actionOf, isForPage, motionOf, motionOfPad } from "../src/ui/keys.ts";
 import type { KeyPress } from "../src/ui/keys.ts";
 import { formatLink, parseLink } from "../src/ui/link.ts";
@@ -260,6 +262,32 @@ test("a film.json that is wrong, or of another origin, is refused with a sentenc
   }
 });
 
+test("of a film.json that does not end, no more is read than any has", async () => {
+  let sent = 0;
+  const server = createServer((request, response) => {
+    if (request.url === "/film.json") {
+      response.end(film({}));
+      return;
+    }
+    const timer = setInterval(() => {
+      response.write(" ".repeat(10_000));
+      sent += 10_000;
+    }, 1);
+    response.on("close", () => clearInterval(timer));
+  });
+  await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const origin = `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
+  try {
+    assert.equal((await fetchFilmFile(`${origin}/film.json`)).url, `${origin}/film.lfold`);
+    await assert.rejects(fetchFilmFile(`${origin}/endless`), /^FilmFileError: film\.json is longer than any/);
+    assert.ok(sent < 10_000_000);
+  } finally {
+    server.closeAllConnections();
+    server.close();
+  }
+  await assert.rejects(fetchFilmFile(`${origin}/film.json`), /^FilmFileError: film\.json.* cannot be reached\.$/);
+});
+
 test("film time goes on while pictures are slow", () => {
   const clock = new FilmClock({ firstFrame: 10, frameCount: 48, framesPerSecond: 24 });
   assert.equal(clock.frame(0), 10);
@@ -282,6 +310,20 @@ test("film time goes on while pictures are slow", () => {
   assert.equal(clock.isPlaying, false);
   clock.seek(1e9, 99_000);
   assert.equal(clock.frame(99_000), 57);
+});
+
+test("film time has a frame at any rate", () => {
+  for (const framesPerSecond of [0, 1e-300, 1e300, Infinity, -24, NaN]) {
+    const clock = new FilmClock({ firstFrame: 10, frameCount: 48, framesPerSecond });
+    for (const isLooped of [true, false]) {
+      clock.isLooped = isLooped;
+      clock.play(0);
+      for (const ms of [0, 1, 40, 1e6, 1e12]) {
+        const frame = clock.frame(ms);
+        assert.ok(Number.isInteger(frame) && frame >= 10 && frame <= 57, `${frame} at ${framesPerSecond}/s, ${ms} ms`);
+      }
+    }
+  }
 });
 
 function statsWith(unitsMissing: number): PlayerStats {
@@ -494,5 +536,7 @@ test("the page has no inline code or style, and its policy lets nothing else in"
     "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' blob: data:; " +
     "connect-src 'self' blob:; base-uri 'none'; form-action 'none'";
   assert.equal(policy, expected);
-  assert.ok(!/https?:/.test(html + readFileSync("src/ui/style.css", "utf8")));
+  assert.ok(
+    !/https?:/.test(html + readFileSync("src/ui/style.css", "utf8") + readFileSync("src/ui/narrow.css", "utf8")),
+  );
 });

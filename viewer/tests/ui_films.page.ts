@@ -49,4 +49,38 @@ async function refusal(wish: Wish): Promise<string | undefined> {
   );
 }
 
-Object.assign(globalThis, { functions: { scene, quilt, refusal } });
+/** What is left of a scene that was closed while a headset was to show it: sessions that did not end, and whether the canvas is still
+ *  drawn to. `isEarly`: before the browser gave the session. */
+async function headset({ path, isEarly }: { path: string; isEarly: boolean }): Promise<object> {
+  const open = new Set<EventTarget>();
+  let allow: () => void = () => undefined;
+  const requestSession = async (): Promise<EventTarget> => {
+    await new Promise<void>((resolve) => (allow = resolve));
+    const session = new EventTarget();
+    const end = (): Promise<void> => {
+      open.delete(session);
+      session.dispatchEvent(new Event("end"));
+      return Promise.resolve();
+    };
+    open.add(session);
+    return Object.assign(session, { end });
+  };
+  Object.defineProperty(navigator, "xr", { value: { requestSession }, configurable: true });
+  // No device answers: the session stays as it begins.
+  WebGL2RenderingContext.prototype.makeXRCompatible = () => new Promise(() => undefined);
+  const canvas = document.createElement("canvas");
+  const player = await openScene(await sourceOf(path), canvas, "scene.glb");
+  let problems = 0;
+  player.onProblem = () => (problems += 1);
+  void player.enterHeadset(player.film.start).catch(() => undefined);
+  const steps = isEarly ? [() => player.close(), allow] : [allow, () => player.close()];
+  const sessions: number[] = [];
+  for (const step of steps) {
+    step();
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    sessions.push(open.size);
+  }
+  return { sessions, isLost: canvas.getContext("webgl2")?.isContextLost(), problems };
+}
+
+Object.assign(globalThis, { functions: { scene, quilt, refusal, headset } });

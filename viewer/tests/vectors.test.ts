@@ -6,7 +6,7 @@ import { chunkDecoder, prepare } from "../src/codec/decode.ts";
 import type { ChunkDecoder, Pixels } from "../src/codec/types.ts";
 import { Container } from "../src/format/container.ts";
 import { crc32 } from "../src/format/crc32.ts";
-import { MemorySource } from "../src/format/memory.ts";
+import { MemorySource } from "./memory_source.ts";
 import { unpack } from "../src/format/payload.ts";
 import { FormatError, type Stream, UnsupportedError } from "../src/format/types.ts";
 import { chance, fileOf, indexRange, seal, spoiled, type Vector, vectors } from "./vectors.ts";

@@ -10,7 +10,7 @@ import { add, cross, dot, inverse, length, normalize, rotate, rotation, scale, s
 import type { Axes } from "../src/math.ts";
 import { activeViews, stepsBetween } from "../src/views/active.ts";
 import type { Camera } from "../src/views/camera.ts";
-import { cameraOf, directionAt, stereoEyes } from "../src/views/camera.ts";
+import { cameraOf, stereoEyes } from "../src/views/camera.ts";
 import { catalogueOf, hasFrame } from "../src/views/catalogue.ts";
 import { FACE_AXES, rayLength, texelMap, VIEW_FACE } from "../src/views/face.ts";
 import { inverseDepths } from "../src/views/inverse_depth.ts";
@@ -76,6 +76,12 @@ test("Quaternions turn as rotations do, and back", () => {
   near(rotate(inverse(turn), rotate(turn, [1, 2, 3])), [1, 2, 3], 1e-14);
   assert.equal(rotation([0, 0, 0, 0.9]), undefined);
 });
+
+/** Direction, of length 1, of a position in the picture: 0 to 1 from left to right, and from top to bottom. */
+function directionAt({ axes: [forward, right, down], half }: Camera, [x, y]: readonly [number, number]): Vec3 {
+  const [u, v] = [(2 * x - 1) * half[0], (2 * y - 1) * half[1]];
+  return normalize(add(add(forward, scale(right, u)), scale(down, v)));
+}
 
 test("A camera looks where its pose says", () => {
   const pose = { eye: [1, 2, 3] as Vec3, yaw: 0, pitch: 0 };

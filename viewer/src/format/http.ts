@@ -171,27 +171,35 @@ async function discard(response: Response): Promise<void> {
   await response.body?.cancel().catch(() => undefined);
 }
 
-/** A body of exactly `count` bytes. Memory grows with what comes, and no more is read. */
+/** A body of exactly `count` bytes. */
 async function bodyOf(response: Response, count: number, signal?: AbortSignal): Promise<Uint8Array> {
+  const bytes = await readBody(response, count).catch(() => {
+    throw cutError(signal);
+  });
+  if (bytes.length !== count) {
+    const found = bytes.length > count ? "more" : bytes.length;
+    throw new TransportError(`The server sent ${found} bytes where ${count} were asked for`);
+  }
+  return bytes;
+}
+
+/** The body of an answer, or its beginning, which is longer than `limit` bytes. Memory grows with what comes, and no more is read. */
+export async function readBody(response: Response, limit: number): Promise<Uint8Array> {
   const parts: Uint8Array[] = [];
   let length = 0;
   const reader = response.body?.getReader();
-  try {
-    for (let part = await reader?.read(); part && !part.done && length <= count; part = await reader?.read()) {
-      parts.push(part.value);
-      length += part.value.length;
+  for (let part = await reader?.read(); part && !part.done; part = await reader?.read()) {
+    parts.push(part.value);
+    length += part.value.length;
+    if (length > limit) {
+      await reader?.cancel().catch(() => undefined);
+      break;
     }
-  } catch {
-    throw cutError(signal);
-  }
-  if (length !== count) {
-    await reader?.cancel().catch(() => undefined);
-    throw new TransportError(`The server sent ${length > count ? "more" : length} bytes where ${count} were asked for`);
   }
   if (parts.length === 1) {
     return parts[0];
   }
-  const bytes = new Uint8Array(count);
+  const bytes = new Uint8Array(length);
   let at = 0;
   for (const part of parts) {
     bytes.set(part, at);

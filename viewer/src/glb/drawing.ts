@@ -24,16 +24,14 @@ import {
 } from "three";
 import type { Object3D, Texture } from "three";
 import { FormatError, UnsupportedError } from "../format/types.ts";
-import type { StereoLayout, ToneMapName, View } from "../player/types.ts";
+import type { View } from "../player/types.ts";
+import { STEREO_NUMBERS, TONE_MAP_NUMBERS } from "../views/presentation.ts";
 import { rightOf } from "../ui/pose.ts";
 import { OVERDRAW_FRAGMENT, QUAD_FRAGMENT, QUAD_VERTEX, SCREEN_FRAGMENT, SCREEN_VERTEX } from "./shaders.ts";
 
 /** Clip planes in metres: nothing is hidden by depth, so that the range may be wide. */
 const NEAR_M = 0.001;
 const FAR_M = 1e7;
-
-const STEREO: Readonly<Record<StereoLayout, number>> = { mono: 0, "side-by-side": 1, anaglyph: 2 };
-const TONE_MAPS: Readonly<Record<ToneMapName, number>> = { none: 0, reinhard: 1, filmic: 2 };
 
 const PAINTER = { transparent: true, depthTest: false, depthWrite: false, side: DoubleSide, forceSinglePass: true };
 
@@ -92,6 +90,11 @@ function target(): WebGLRenderTarget {
   return new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthBuffer: false, ...filters });
 }
 
+/** Ends what a headset shows, unless it has ended. */
+export function endSession(session: XRSession | null): void {
+  session?.end().catch(() => undefined);
+}
+
 /** Mean and greatest number of triangles over a pixel. */
 export interface Overdraw {
   mean: number;
@@ -107,6 +110,7 @@ export class Drawing {
   readonly #screen = new Scene();
   readonly #show: ShaderMaterial;
   readonly #overdraw = overdrawMaterial();
+  #isClosed = false;
 
   constructor(canvas: HTMLCanvasElement, root: Object3D) {
     try {
@@ -121,7 +125,7 @@ export class Drawing {
     try {
       prepare(root, this.renderer.capabilities.maxTextureSize);
     } catch (error) {
-      this.renderer.dispose();
+      this.#release();
       throw error;
     }
     this.#show = new ShaderMaterial({
@@ -159,9 +163,9 @@ export class Drawing {
     this.scene.overrideMaterial = null;
     const { uniforms } = this.#show;
     uniforms.rightEye.value = this.#eyes[half > 0 ? 1 : 0].texture;
-    uniforms.stereo.value = STEREO[view.stereo];
+    uniforms.stereo.value = STEREO_NUMBERS[view.stereo];
     uniforms.gain.value = 2 ** view.exposureEv;
-    uniforms.toneMap.value = TONE_MAPS[view.toneMap];
+    uniforms.toneMap.value = TONE_MAP_NUMBERS[view.toneMap];
     uniforms.isOverdraw.value = isOverdraw;
     this.renderer.setSize(width, height, false);
     this.renderer.setRenderTarget(null);
@@ -189,7 +193,15 @@ export class Drawing {
     return { size: [width, height], rgba };
   }
 
+  /** Whether {@link Drawing.close} was called. */
+  get isClosed(): boolean {
+    return this.#isClosed;
+  }
+
+  /** Ends what a headset shows, and gives the graphics device all back. */
   close(): void {
+    this.#isClosed = true;
+    endSession(this.renderer.xr.getSession());
     this.#root.traverse((object) => {
       if (object instanceof Mesh) {
         const { geometry, material } = object as Mesh<BufferGeometry, ShaderMaterial>;
@@ -199,7 +211,13 @@ export class Drawing {
       }
     });
     this.#eyes.forEach((eye) => eye.dispose());
+    this.#release();
+  }
+
+  /** Browsers keep a context of WebGL until its canvas is collected, and allow few at a time. */
+  #release(): void {
     this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   #drawEye({ pose, fovDeg }: View, into: WebGLRenderTarget, offset: number): void {

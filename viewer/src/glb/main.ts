@@ -102,7 +102,9 @@ export async function openScene(source: ByteSource, canvas: HTMLCanvasElement, n
     },
   };
   canvas.addEventListener("webglcontextlost", () => {
-    player.onProblem({ fatal: true, message: "The graphics device was lost." });
+    if (!drawing.isClosed) {
+      player.onProblem({ fatal: true, message: "The graphics device was lost." });
+    }
   });
   return player;
 }

@@ -1,5 +1,7 @@
 // Shaders of scenes. They are GLSL, as three.js draws by WebGL, whose renderer has WebXR.
 
+import { STEREO_NUMBERS, TONE_MAP_NUMBERS } from "../views/presentation.ts";
+
 /** Corners with homogeneous texture coordinates where the file has them (src/simplify/export/glb.rs), else affine ones. */
 export const QUAD_VERTEX = /* glsl */ `
 #ifdef PROJECTIVE
@@ -42,27 +44,25 @@ void main() {
 export const SCREEN_FRAGMENT = /* glsl */ `
 uniform sampler2D leftEye;
 uniform sampler2D rightEye;
-// 0: mono, 1: side by side, 2: anaglyph.
 uniform int stereo;
 uniform float gain;
-// 0: none, 1: reinhard, 2: filmic.
 uniform int toneMap;
 uniform bool isOverdraw;
 varying vec2 at;
 
 vec4 picture() {
-  if (stereo == 1) {
+  if (stereo == ${STEREO_NUMBERS["side-by-side"]}) {
     return at.x < 0.5 ? texture2D(leftEye, vec2(2.0 * at.x, at.y)) : texture2D(rightEye, vec2(2.0 * at.x - 1.0, at.y));
   }
   vec4 left = texture2D(leftEye, at);
-  return stereo == 2 ? vec4(left.r, texture2D(rightEye, at).gba) : left;
+  return stereo == ${STEREO_NUMBERS.anaglyph} ? vec4(left.r, texture2D(rightEye, at).gba) : left;
 }
 
 vec3 shown(vec3 light) {
-  if (toneMap == 1) {
+  if (toneMap == ${TONE_MAP_NUMBERS.reinhard}) {
     return light / (1.0 + light);
   }
-  if (toneMap == 2) {
+  if (toneMap == ${TONE_MAP_NUMBERS.filmic}) {
     // The fit of Narkowicz to the curve of ACES.
     return light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14);
   }

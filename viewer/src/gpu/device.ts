@@ -9,6 +9,14 @@ const MAX_BUFFER_BYTES = 2 ** 30;
 /** Storage buffers that a kernel is given at most. */
 const STORAGE_BUFFERS = 8;
 
+/** Limits that are asked for as great as the adapter has them: sizes of buffers, and of the texture arrays of texture_arrays.ts. */
+const LIMITS = [
+  "maxBufferSize",
+  "maxStorageBufferBindingSize",
+  "maxTextureArrayLayers",
+  "maxTextureDimension2D",
+] as const;
+
 /** This browser has no WebGPU device for the page. The message says in one sentence what is missing. */
 export class NoWebGpuError extends Error {
   override name = "NoWebGpuError";
@@ -91,12 +99,11 @@ export class Gpu {
   /** Opens a device, by default the browser's, or throws `NoWebGpuError`. */
   static async open(found?: GPUAdapter): Promise<Gpu> {
     const adapter = found ?? (await findAdapter());
-    const { maxStorageBufferBindingSize, maxBufferSize, maxStorageBuffersPerShaderStage } = adapter.limits;
-    if (maxStorageBuffersPerShaderStage < STORAGE_BUFFERS) {
+    if (adapter.limits.maxStorageBuffersPerShaderStage < STORAGE_BUFFERS) {
       throw new NoWebGpuError(`The graphics device gives a kernel fewer than ${STORAGE_BUFFERS} buffers.`);
     }
     const requiredFeatures: GPUFeatureName[] = adapter.features.has("timestamp-query") ? ["timestamp-query"] : [];
-    const requiredLimits = { maxStorageBufferBindingSize, maxBufferSize };
+    const requiredLimits = Object.fromEntries(LIMITS.map((name) => [name, adapter.limits[name]]));
     const descriptor = { label: "lightfold", requiredFeatures, requiredLimits };
     const device = await adapter.requestDevice(descriptor).catch((error: unknown) => {
       throw new NoWebGpuError(`The graphics device cannot be opened: ${String(error)}.`);

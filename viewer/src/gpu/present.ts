@@ -1,13 +1,19 @@
 // Shows pictures on a canvas: exposure, tone map, the curve of sRGB, and two eyes.
 
 import type { StereoLayout, ToneMapName } from "../player/types.ts";
+import { STEREO_NUMBERS, TONE_MAP_NUMBERS } from "../views/presentation.ts";
 import { DeviceError } from "./device.ts";
 import type { Gpu } from "./device.ts";
 import type { Picture } from "./march.ts";
 import source from "./present.wgsl";
 
-const TONES: Readonly<Record<ToneMapName, number>> = { none: 0, reinhard: 1, filmic: 2 };
-const EYES: Readonly<Record<StereoLayout, number>> = { mono: 0, "side-by-side": 1, anaglyph: 2 };
+/** Overrides of present.wgsl. */
+const CONSTANTS = {
+  TONE_REINHARD: TONE_MAP_NUMBERS.reinhard,
+  TONE_FILMIC: TONE_MAP_NUMBERS.filmic,
+  EYES_SIDE_BY_SIDE: STEREO_NUMBERS["side-by-side"],
+  EYES_ANAGLYPH: STEREO_NUMBERS.anaglyph,
+};
 /** Words of `Look` of present.wgsl. */
 const LOOK_WORDS = 10;
 
@@ -52,7 +58,7 @@ export class Presenter {
       label: "present",
       layout: "auto",
       vertex: { module, entryPoint: "corner" },
-      fragment: { module, entryPoint: "show", targets: [{ format }] },
+      fragment: { module, entryPoint: "show", constants: CONSTANTS, targets: [{ format }] },
     });
     return new Presenter(gpu, canvas, { context, pipeline });
   }
@@ -62,7 +68,7 @@ export class Presenter {
     const words = new Uint32Array(LOOK_WORDS);
     const floats = new Float32Array(words.buffer);
     floats.set([...left.size, this.canvas.width, this.canvas.height, 2 ** look.exposureEv]);
-    words.set([TONES[look.toneMap], EYES[look.stereo], Number(look.marksHoles)], 5);
+    words.set([TONE_MAP_NUMBERS[look.toneMap], STEREO_NUMBERS[look.stereo], Number(look.marksHoles)], 5);
     floats[8] = look.overlay;
     this.gpu.write(this.#look, 0, words);
     const buffers = [this.#look, left.pixels, right.pixels, overlay.pixels];

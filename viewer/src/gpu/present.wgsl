@@ -15,10 +15,11 @@ struct Look {
   overlay: f32,
 }
 
-const TONE_REINHARD = 1u;
-const TONE_FILMIC = 2u;
-const EYES_SIDE_BY_SIDE = 1u;
-const EYES_ANAGLYPH = 2u;
+// Numbers of views/presentation.ts.
+override TONE_REINHARD: u32;
+override TONE_FILMIC: u32;
+override EYES_SIDE_BY_SIDE: u32;
+override EYES_ANAGLYPH: u32;
 const HOLE_COLOR = vec3(1.0, 0.0, 1.0);
 
 @group(0) @binding(0) var<uniform> look: Look;

@@ -1,15 +1,23 @@
 // Film time: which frame is due, whatever the drawing takes.
 
 /** Frames of a film that plays. */
-export interface Reel {
+export interface FilmTiming {
   firstFrame: number;
   frameCount: number;
   framesPerSecond: number;
 }
 
+/** Least and greatest frames per second: an image an hour, and more than displays show. */
+const RATES: readonly [number, number] = [1 / 3600, 10_000];
+
+/** A rate within {@link RATES}: others would leave no frame that is due. */
+function usableRate(framesPerSecond: number): number {
+  return Math.min(Math.max(framesPerSecond || 0, RATES[0]), RATES[1]);
+}
+
 /** Runs with the clock of the page and never waits for pictures. Times in milliseconds. */
 export class FilmClock {
-  readonly #reel: Reel;
+  readonly #timing: FilmTiming;
   /** Frames since the first, at `#sinceMs`. */
   #at = 0;
   #sinceMs = 0;
@@ -17,8 +25,8 @@ export class FilmClock {
   #speed = 1;
   isLooped = true;
 
-  constructor(reel: Reel) {
-    this.#reel = reel;
+  constructor(timing: FilmTiming) {
+    this.#timing = { ...timing, framesPerSecond: usableRate(timing.framesPerSecond) };
   }
 
   get isPlaying(): boolean {
@@ -26,12 +34,12 @@ export class FilmClock {
   }
 
   get lastFrame(): number {
-    return this.#reel.firstFrame + this.#reel.frameCount - 1;
+    return this.#timing.firstFrame + this.#timing.frameCount - 1;
   }
 
   /** The frame that is due. At the end of a film without loop the clock stops. */
   frame(nowMs: number): number {
-    const { firstFrame, frameCount } = this.#reel;
+    const { firstFrame, frameCount } = this.#timing;
     let at = this.#position(nowMs);
     if (at >= frameCount) {
       if (this.isLooped) {
@@ -50,24 +58,24 @@ export class FilmClock {
   play(nowMs: number): void {
     const isAtEnd = !this.isLooped && this.frame(nowMs) === this.lastFrame;
     this.#start(isAtEnd ? 0 : this.#position(nowMs), nowMs);
-    this.#isPlaying = this.#reel.frameCount > 1;
+    this.#isPlaying = this.#timing.frameCount > 1;
   }
 
   pause(nowMs: number): void {
-    this.#start(this.frame(nowMs) - this.#reel.firstFrame, nowMs);
+    this.#start(this.frame(nowMs) - this.#timing.firstFrame, nowMs);
     this.#isPlaying = false;
   }
 
   /** Shows a frame, the nearest there is; whether it plays stays. */
   seek(frame: number, nowMs: number): void {
-    const at = Math.round(frame) - this.#reel.firstFrame;
-    this.#start(Math.min(Math.max(at, 0), this.#reel.frameCount - 1), nowMs);
+    const at = Math.round(frame) - this.#timing.firstFrame;
+    this.#start(Math.min(Math.max(at, 0), this.#timing.frameCount - 1), nowMs);
   }
 
   /** Steps by frames, around the ends in a loop, and pauses. */
   step(frames: number, nowMs: number): void {
     this.pause(nowMs);
-    const { frameCount } = this.#reel;
+    const { frameCount } = this.#timing;
     const at = this.#at + frames;
     const around = ((at % frameCount) + frameCount) % frameCount;
     this.#at = this.isLooped ? around : Math.min(Math.max(at, 0), frameCount - 1);
@@ -86,6 +94,6 @@ export class FilmClock {
 
   #position(nowMs: number): number {
     const passedMs = this.#isPlaying ? Math.max(nowMs - this.#sinceMs, 0) : 0;
-    return this.#at + (passedMs / 1000) * this.#speed * this.#reel.framesPerSecond;
+    return this.#at + (passedMs / 1000) * this.#speed * this.#timing.framesPerSecond;
   }
 }

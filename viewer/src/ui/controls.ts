@@ -9,30 +9,36 @@ import type { PointerHost } from "./pointer.ts";
 export interface ControlsHost extends PointerHost {
   act(action: Action): void;
   /** Metres per second of held keys. */
-  pace(): number;
+  moveSpeed(): number;
 }
 
 /** Degrees per second of arrow keys and sticks, at a field of view of 60 degrees. */
 const TURN_RATE_DEG = 70;
-/** Shift, and the left stick pressed, multiply the pace. */
+/** Shift, and the left stick pressed, multiply the speed. */
 const FAST = 4;
 /** After a pause the eye does not jump: longest time of a step in seconds. */
 const LONGEST_STEP_S = 0.5;
+
+/** Whether the choices of a list are shown. Browsers that do not tell let no keys through meanwhile. */
+function isOpen(list: HTMLSelectElement): boolean {
+  return CSS.supports("selector(:open)") && list.matches(":open");
+}
 
 function focusOf(target: EventTarget | null): Focus {
   if (!(target instanceof HTMLElement)) {
     return "picture";
   }
-  if (target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type)) {
-    return "text";
+  if (target instanceof HTMLSelectElement) {
+    return isOpen(target) ? "text" : "widget";
   }
-  if (target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) {
-    return "text";
+  if (target instanceof HTMLInputElement) {
+    const isPressed = ["checkbox", "radio", "button"].includes(target.type);
+    return target.type === "range" ? "slider" : isPressed ? "widget" : "text";
   }
-  if (target instanceof HTMLInputElement && target.type === "range") {
-    return "slider";
+  if (target.matches("aside, aside h2")) {
+    return "panel";
   }
-  return target.closest("button, input, a, summary, pre, aside") === null ? "picture" : "widget";
+  return target.closest("button, a, summary, pre, aside") === null ? "picture" : "widget";
 }
 
 export class Controls {
@@ -58,13 +64,15 @@ export class Controls {
     let isPointer = false;
     window.addEventListener("pointerdown", () => (isPointer = true), { capture: true });
     window.addEventListener("keydown", () => (isPointer = false), { capture: true });
-    const free = ({ target }: Event, selector: string): void => {
+    const returnFocus = ({ target }: Event, selector: string): void => {
       if (isPointer && target instanceof Element && target.closest(selector) !== null) {
         stage.focus({ preventScroll: true });
       }
     };
-    window.addEventListener("click", (event) => free(event, "#tools button, #transport button"));
-    window.addEventListener("change", (event) => free(event, "select"));
+    window.addEventListener("click", (event) =>
+      returnFocus(event, "#tools button:not([aria-expanded='true']), #transport button"),
+    );
+    window.addEventListener("change", (event) => returnFocus(event, "select"));
   }
 
   /** Moves the eye by what is held down, for the seconds since the last call. */
@@ -115,7 +123,7 @@ export class Controls {
   #apply({ step, turn }: Motion, isFast: boolean, seconds: number): void {
     if (step.some((value) => value !== 0)) {
       const length = Math.max(1, Math.hypot(...step));
-      const metres = ((isFast ? FAST : 1) * this.#host.pace() * seconds) / length;
+      const metres = ((isFast ? FAST : 1) * this.#host.moveSpeed() * seconds) / length;
       this.#host.move(step.map((value) => value * metres) as Vec3);
     }
     if (turn.some((value) => value !== 0)) {

@@ -75,7 +75,8 @@ export function sentence(text: string): string {
 
 /** Puts text on the clipboard and says so on the button. Where the clipboard is closed to the page, `code` is selected for the viewer to copy. */
 export async function copyText(text: string, button: HTMLButtonElement, code?: Element): Promise<void> {
-  const usual = (button.dataset.text ??= button.textContent ?? "");
+  const label = button.querySelector("span") ?? button;
+  const usual = (button.dataset.text ??= label.textContent ?? "");
   let said = "Copied";
   try {
     await navigator.clipboard.writeText(text);
@@ -87,8 +88,13 @@ export async function copyText(text: string, button: HTMLButtonElement, code?: E
       said = "Copy the address";
     }
   }
-  button.textContent = said;
-  setTimeout(() => (button.textContent = usual), 1500);
+  label.textContent = said;
+  // Where buttons show icons alone, this one shows its text meanwhile.
+  button.classList.add("says");
+  setTimeout(() => {
+    label.textContent = usual;
+    button.classList.remove("says");
+  }, 1500);
 }
 
 /** What an error says. */

@@ -1,5 +1,7 @@
 // film.json, which lies beside the page and names the film.
 
+import { readBody } from "../format/http.ts";
+
 /** Kinds of files that the page shows. */
 export type FilmKind = "lfold" | "glb" | "quilt";
 
@@ -27,6 +29,8 @@ export class FilmFileError extends Error {
 }
 
 const KINDS: readonly FilmKind[] = ["lfold", "glb", "quilt"];
+/** Bytes of film.json. */
+const MAX_BYTES = 65_536;
 const MAX_URL = 4096;
 const MAX_NAME = 1024;
 /** Columns or rows of a quilt. */
@@ -103,4 +107,20 @@ export function parseFilmFile(json: string, base: string): FilmFile {
     bytes: whole(value.bytes, "film.json, bytes", [0, Number.MAX_SAFE_INTEGER]),
   };
   return kind === "quilt" ? { ...film, quilt: quiltOf(value.quilt) } : film;
+}
+
+/** Reads film.json at an address: what it says, or a FilmFileError. */
+export async function fetchFilmFile(url: string): Promise<FilmFile> {
+  const unreachable = (): never => {
+    throw new FilmFileError("film.json, which names the film, cannot be reached.");
+  };
+  const response = await fetch(url, { cache: "no-store" }).catch(unreachable);
+  if (!response.ok) {
+    throw new FilmFileError(`film.json, which names the film: the server answered ${response.status}.`);
+  }
+  const bytes = await readBody(response, MAX_BYTES).catch(unreachable);
+  if (bytes.length > MAX_BYTES) {
+    throw new FilmFileError("film.json is longer than any that names a film.");
+  }
+  return parseFilmFile(new TextDecoder().decode(bytes), url);
 }

@@ -29,8 +29,9 @@ export interface KeyPress {
   metaKey: boolean;
 }
 
-/** What has the focus: `text` takes all keys, `widget` those that press and scroll it, `slider` those that move it. */
-export type Focus = "picture" | "widget" | "slider" | "text";
+/** What has the focus: `text` takes all keys, `widget` those that press, move or scroll it, `slider` and `panel` those that move or
+ *  scroll them. */
+export type Focus = "picture" | "panel" | "slider" | "widget" | "text";
 
 const ACTIONS: ReadonlyMap<string, Action> = new Map<string, Action>([
   [" ", "play"],
@@ -53,12 +54,13 @@ const ACTIONS: ReadonlyMap<string, Action> = new Map<string, Action>([
   ["c", "screenshot"],
 ]);
 
-/** Keys that sliders use themselves, and those that other widgets do. */
-const SLIDER_KEYS: ReadonlySet<string> = new Set(["Home", "End", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]);
-const WIDGET_KEYS: ReadonlySet<string> = new Set([...SLIDER_KEYS, " ", "Enter"]);
+/** Keys that move a slider or scroll a panel, and those that other widgets use. */
+const MOVING_KEYS: ReadonlySet<string> = new Set(["Home", "End", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]);
+const WIDGET_KEYS: ReadonlySet<string> = new Set([...MOVING_KEYS, " ", "Enter"]);
 const KEYS_OF: Readonly<Record<Focus, ReadonlySet<string>>> = {
   picture: new Set(),
-  slider: SLIDER_KEYS,
+  panel: MOVING_KEYS,
+  slider: MOVING_KEYS,
   widget: WIDGET_KEYS,
   text: WIDGET_KEYS,
 };

@@ -7,7 +7,7 @@ import { FilmClock } from "./clock.ts";
 import { renderCommand } from "./command.ts";
 import { Controls } from "./controls.ts";
 import { byId, byteText, copyText, messageOf, onPress, setText, numberText } from "./dom.ts";
-import type { FilmFile } from "./film_file.ts";
+import type { FilmFile, FilmKind } from "./film_file.ts";
 import { Inspector } from "./inspector.ts";
 import type { Reading } from "./inspector.ts";
 import type { Action } from "./keys.ts";
@@ -29,8 +29,8 @@ const PANEL_MS = 200;
 /** Longest side of a picture in pixels. */
 const MAX_SIDE = 8192;
 /** Metres per second of held keys: this part of the longest side of the head box, within bounds. */
-const PACE_SHARE = 0.4;
-const PACES: [number, number] = [0.15, 3];
+const MOVE_SPEED_SHARE = 0.4;
+const MOVE_SPEEDS: [number, number] = [0.15, 3];
 /** Milliseconds of pictures after which a lost film is loaded again by itself. */
 const RELOAD_MS = 10_000;
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
@@ -79,11 +79,14 @@ export class Page {
     this.#open = open;
     // Isolated: the name may hold marks of direction.
     document.title = `\u2068${file.name}\u2069 · lightfold`;
-    setText(byId("film-name", HTMLElement), file.name);
+    const name = byId("film-name", HTMLElement);
+    name.title = file.name;
+    setText(name, file.name);
     const parts = {
       slider: byId("timeline", HTMLInputElement),
       canvas: byId("fetched", HTMLCanvasElement),
       label: byId("frame-label", HTMLElement),
+      time: byId("time-code", HTMLElement),
     };
     this.#timeline = new Timeline(parts, (frame) => this.#seek(frame));
     this.#controls = new Controls(this.#stage, {
@@ -93,8 +96,8 @@ export class Page {
       zoom: (factor) => this.#set({ fovDeg: inRange("fovDeg", this.#settings.fovDeg * factor) }),
       hover: (part) => this.#hover(part),
       fovDeg: () => this.#settings.fovDeg,
-      pace: () => this.#pace(),
-      reach: () => this.#pace() * 2,
+      moveSpeed: () => this.#moveSpeed(),
+      reach: () => this.#moveSpeed() * 2,
     });
     this.#buttons();
     this.#settings = { ...DEFAULTS, ...parseLink(location.hash).settings };
@@ -182,18 +185,23 @@ export class Page {
   #describe({ player: { film }, marks, isFixed, enterHeadset }: Show): void {
     const isStill = film.frameCount < 2;
     const isQuilt = this.#file.kind === "quilt";
-    ["place", "help-moving"].forEach((id) => (byId(id, HTMLElement).hidden = isQuilt));
+    showPartsFor(this.#file.kind);
     this.#stage.classList.toggle("fits", isFixed);
-    byId("transport", HTMLElement).hidden = isStill;
+    if (isQuilt) {
+      this.#stage.ariaDescription = "The pointer chooses the view, Space plays, H opens help.";
+    }
+    ["transport", "help-playing"].forEach((id) => (byId(id, HTMLElement).hidden = isStill));
     byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
-    this.#settingsPanel.setKind(this.#file.kind);
-    this.#timeline.setFilm(film.firstFrame, film.frameCount, film.framesPerSecond);
+    this.#timeline.setFilm(film, isQuilt ? "View" : "Frame");
     this.#inspector.setFilm(film, marks);
-    const unit = isQuilt ? "views" : "frames";
-    const frames = isStill ? "still" : `${film.frameCount} ${unit} at ${Number(film.framesPerSecond.toFixed(3))}/s`;
+    const rate = Number(film.framesPerSecond.toFixed(3));
+    const moving = isQuilt ? `${film.frameCount} views` : `${film.frameCount} frames at ${rate}/s`;
+    const frames = isStill ? "still" : moving;
     const { length } = film.probes;
     const probes = length === 0 ? [] : [`${numberText(length)} ${length === 1 ? "probe" : "probes"}`];
-    setText(byId("film-facts", HTMLElement), [...probes, frames, byteText(film.fileBytes)].join(" · "));
+    const facts = byId("film-facts", HTMLElement);
+    facts.title = [...probes, frames, byteText(film.fileBytes)].join(" · ");
+    setText(facts, facts.title);
     setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
   }
 
@@ -317,10 +325,10 @@ export class Page {
     return renderCommand(name, kind === "glb" || frame === undefined ? shot : { ...shot, frame });
   }
 
-  #pace(): number {
+  #moveSpeed(): number {
     const box = this.#shown?.player.film.headBox;
     const sides = box === undefined ? [0] : box.least.map((value, axis) => box.greatest[axis] - value);
-    return Math.min(Math.max(PACE_SHARE * Math.max(...sides), PACES[0]), PACES[1]);
+    return Math.min(Math.max(MOVE_SPEED_SHARE * Math.max(...sides), MOVE_SPEEDS[0]), MOVE_SPEEDS[1]);
   }
 
   #turn(left: number, up: number): void {
@@ -477,6 +485,13 @@ export class Page {
 }
 
 const ORIGIN: Pose = { eye: [0, 0, 0], yaw: 0, pitch: 0 };
+
+/** Shows of the parts of index.html that some kinds of films have those of this one. */
+function showPartsFor(kind: FilmKind): void {
+  document.querySelectorAll<HTMLElement>("[data-kinds]").forEach((part) => {
+    part.hidden = !(part.dataset.kinds ?? "").split(" ").includes(kind);
+  });
+}
 
 function headsetHelp({ kind }: FilmFile, hasHeadset: boolean): string {
   if (kind === "glb") {

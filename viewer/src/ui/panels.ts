@@ -2,24 +2,25 @@
 
 import { byId } from "./dom.ts";
 
-/** Ids of sections in index.html; the button of each is `open-` and its id. */
+/** Ids of sections in index.html; the button of each is `open-` and its id, its heading its id and `-title`. */
 export type PanelName = "settings" | "inspector" | "help";
 
 const NAMES: readonly PanelName[] = ["settings", "inspector", "help"];
 
 export class Panels {
   readonly #side = byId("side", HTMLElement);
+  readonly #stage = byId("stage", HTMLElement);
   readonly #onChange: () => void;
   #open: PanelName | undefined;
+  /** Had the focus before a panel took it; the picture where nothing had. */
+  #before: HTMLElement | undefined;
 
   /** `onChange` is called when another panel is open. Escape closes the one that has the focus. */
   constructor(onChange: () => void) {
     this.#onChange = onChange;
     this.#side.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && this.#open !== undefined) {
-        const button = byId(`open-${this.#open}`, HTMLButtonElement);
         this.toggle(this.#open);
-        button.focus();
       }
     });
   }
@@ -34,13 +35,30 @@ export class Panels {
     this.#side.hidden = this.#open === undefined;
   }
 
-  /** Opens a panel, or closes it. */
+  /** Opens a panel and moves the focus to its heading, or closes it and gives the focus back. Does nothing where the panel has no
+   *  button. */
   toggle(name: PanelName): void {
+    if (byId(`open-${name}`, HTMLButtonElement).hidden) {
+      return;
+    }
+    const focused = document.activeElement;
+    const isInside = this.#side.contains(focused);
+    if (!isInside) {
+      this.#before = focused instanceof HTMLElement && focused !== document.body ? focused : this.#stage;
+    }
     this.#open = this.#open === name ? undefined : name;
     this.restore();
     for (const other of NAMES) {
       byId(other, HTMLElement).hidden = other !== this.#open;
       byId(`open-${other}`, HTMLButtonElement).setAttribute("aria-expanded", String(other === this.#open));
+    }
+    if (this.#open !== undefined) {
+      const heading = byId(`${name}-title`, HTMLElement);
+      this.#side.setAttribute("aria-labelledby", heading.id);
+      this.#side.scrollTop = 0;
+      heading.focus();
+    } else if (isInside) {
+      this.#before?.focus();
     }
     this.#onChange();
   }

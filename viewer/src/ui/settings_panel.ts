@@ -1,7 +1,6 @@
 // The panel of view settings.
 
 import { byId, onPress, setText } from "./dom.ts";
-import type { FilmKind } from "./film_file.ts";
 import { shortNumber } from "./link.ts";
 import { DEFAULTS, inRange, RENDERERS, STEREO_LAYOUTS, TONE_MAPS } from "./settings.ts";
 import type { NumberName, Settings } from "./settings.ts";
@@ -57,14 +56,6 @@ export class SettingsPanel {
       const { exposureEv, toneMap, fovDeg, stereo, eyeDistance, steps, scale } = DEFAULTS;
       onChange({ exposureEv, toneMap, fovDeg, stereo, eyeDistance, steps, scale });
     });
-  }
-
-  /** Shows only what such a film has. */
-  setKind(kind: FilmKind): void {
-    document.querySelectorAll<HTMLElement>("#settings > *").forEach((part) => {
-      part.hidden = kind === "quilt" || (part.classList.contains("march-field") && kind !== "lfold");
-    });
-    byId("open-settings", HTMLButtonElement).hidden = kind === "quilt";
   }
 
   show(settings: Settings): void {

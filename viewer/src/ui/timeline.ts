@@ -1,5 +1,7 @@
 // The timeline: a slider over the frames, with the fetched ones drawn on its track.
 
+import type { FilmTiming } from "./clock.ts";
+
 /** Half the width of the slider's thumb in CSS pixels, as in style.css: the thumb's middle stays so far from both ends. */
 const THUMB_HALF_PX = 7;
 
@@ -38,11 +40,16 @@ export function timeCode(at: number, framesPerSecond: number): string {
   return [Math.floor(minutes / 60), minutes % 60, seconds % 60, at % rate].map(two).join(":");
 }
 
+/** What the timeline counts. Views of a quilt have no time. */
+export type TimelineUnit = "Frame" | "View";
+
 export interface TimelineParts {
   slider: HTMLInputElement;
   canvas: HTMLCanvasElement;
-  /** Shows the frame and its time. */
+  /** Shows the frame. */
   label: HTMLElement;
+  /** Shows its time. */
+  time: HTMLElement;
 }
 
 /** The widget. */
@@ -51,6 +58,7 @@ export class Timeline {
   #first = 0;
   #count = 1;
   #framesPerSecond = 24;
+  #unit: TimelineUnit = "Frame";
   #drawn = "";
 
   /** `onSeek` is called with the frame that the viewer chose. */
@@ -59,26 +67,29 @@ export class Timeline {
     parts.slider.addEventListener("input", () => onSeek(Number(parts.slider.value)));
   }
 
-  setFilm(first: number, count: number, framesPerSecond: number): void {
-    [this.#first, this.#count, this.#framesPerSecond] = [first, count, framesPerSecond];
-    const { slider } = this.#parts;
-    slider.min = String(first);
-    slider.max = String(first + count - 1);
-    slider.disabled = count < 2;
+  setFilm({ firstFrame, frameCount, framesPerSecond }: FilmTiming, unit: TimelineUnit): void {
+    [this.#first, this.#count, this.#framesPerSecond] = [firstFrame, frameCount, framesPerSecond];
+    this.#unit = unit;
+    const { slider, time } = this.#parts;
+    slider.min = String(firstFrame);
+    slider.max = String(firstFrame + frameCount - 1);
+    slider.disabled = frameCount < 2;
+    slider.ariaLabel = unit;
+    time.hidden = unit === "View";
     this.#drawn = "";
   }
 
   /** The wanted frame, and the one of the picture where it is another. */
   showFrame(frame: number, shown: number): void {
-    const { slider, label } = this.#parts;
-    const time = timeCode(frame - this.#first, this.#framesPerSecond);
+    const { slider, label, time } = this.#parts;
     const behind = shown === frame ? "" : ` (shown: ${shown})`;
-    const text = `${frame} / ${this.#first + this.#count - 1} · ${time}`;
+    const text = `${this.#unit} ${frame} of ${this.#first}–${this.#first + this.#count - 1}`;
     if (label.textContent !== text) {
       slider.value = String(frame);
       label.textContent = text;
+      time.textContent = ` · ${timeCode(frame - this.#first, this.#framesPerSecond)}`;
     }
-    slider.setAttribute("aria-valuetext", `Frame ${frame}${behind}`);
+    slider.setAttribute("aria-valuetext", `${this.#unit} ${frame}${behind}`);
   }
 
   showFetched(ranges: readonly (readonly [number, number])[]): void {

@@ -2,7 +2,7 @@
 
 import type { Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";
-import { add, cross, normalize, scale } from "../math.ts";
+import { add, cross, scale } from "../math.ts";
 import type { Pose } from "../player/types.ts";
 
 export interface Camera {
@@ -26,12 +26,6 @@ export function cameraOf({ eye, yaw, pitch }: Pose, fovDeg: number, aspect: numb
 export function stereoEyes(camera: Camera, eyeDistance: number): [Camera, Camera] {
   const moved = (by: number): Camera => ({ ...camera, eye: add(camera.eye, scale(camera.axes[1], by)) });
   return [moved(-eyeDistance / 2), moved(eyeDistance / 2)];
-}
-
-/** Direction, of length 1, of a position in the picture: 0 to 1 from left to right, and from top to bottom. */
-export function directionAt({ axes: [forward, right, down], half }: Camera, [x, y]: readonly [number, number]): Vec3 {
-  const [u, v] = [(2 * x - 1) * half[0], (2 * y - 1) * half[1]];
-  return normalize(add(add(forward, scale(right, u)), scale(down, v)));
 }
 
 /** Whether two cameras see the same. */

@@ -1,20 +1,15 @@
-// BC4: one channel, 16 pixels in 8 bytes; BC5: two of it in 16 bytes (formats/blocks.md 4 and 5).
+// BC5: two blocks of BC4, which have one channel of 16 pixels in 8 bytes each (formats/blocks.md 4 and 5).
 
 const values = new Uint8Array(8);
 
-/** Decodes the block of 8 bytes at byte `at` into 16 values, row by row (formats/blocks.md 4). */
-export function decodeBc4Block(bytes: Uint8Array, at: number, out: Uint8Array): void {
-  decodeChannel(bytes, at, out, 0, 1);
-}
-
 /** Decodes the block of 16 bytes at byte `at` into red and green of 16 pixels, row by row: 32 bytes (formats/blocks.md 5). */
 export function decodeBc5Block(bytes: Uint8Array, at: number, out: Uint8Array): void {
-  decodeChannel(bytes, at, out, 0, 2);
-  decodeChannel(bytes, at + 8, out, 1, 2);
+  decodeBc4Block(bytes, at, out, 0);
+  decodeBc4Block(bytes, at + 8, out, 1);
 }
 
-/** Writes every `stride`th byte of `out`, from `to` on. */
-function decodeChannel(bytes: Uint8Array, at: number, out: Uint8Array, to: number, stride: number): void {
+/** Decodes the block of 8 bytes at byte `at` into a channel of 16 pixels of two channels. */
+function decodeBc4Block(bytes: Uint8Array, at: number, out: Uint8Array, channel: number): void {
   const a = (values[0] = bytes[at]);
   const b = (values[1] = bytes[at + 1]);
   if (a > b) {
@@ -32,7 +27,7 @@ function decodeChannel(bytes: Uint8Array, at: number, out: Uint8Array, to: numbe
     const from = at + 2 + 3 * half;
     const indices = bytes[from] | (bytes[from + 1] << 8) | (bytes[from + 2] << 16);
     for (let texel = 0; texel < 8; texel++) {
-      out[to + stride * (8 * half + texel)] = values[(indices >> (3 * texel)) & 7];
+      out[channel + 2 * (8 * half + texel)] = values[(indices >> (3 * texel)) & 7];
     }
   }
 }

@@ -1,11 +1,11 @@
-// Pictures read back from the graphics device, in the form of the CPU's decoders. Mirrors src/gpu/pictures.rs.
+// Pictures for tests, read back from the graphics device, in the form of the CPU's decoders. Mirrors src/gpu/pictures.rs.
 
-import type { Pixels } from "../codec/types.ts";
-import type { Rect, Stream } from "../format/types.ts";
-import { unitCountOf, unitRectOf } from "../format/index_tables.ts";
-import type { FamilyDecoder, UnitPicture } from "./decoder.ts";
-import type { Gpu } from "./device.ts";
-import type { PixelWords } from "./family.ts";
+import type { Pixels } from "../src/codec/types.ts";
+import type { Rect, Stream } from "../src/format/types.ts";
+import { unitCountOf, unitRectOf } from "../src/format/index_tables.ts";
+import type { FamilyDecoder, UnitPicture } from "../src/gpu/decoder.ts";
+import type { Gpu } from "../src/gpu/device.ts";
+import type { PixelWords } from "../src/gpu/family.ts";
 
 /** A picture of `width` columns that units are unpacked into. */
 interface Target {
@@ -52,15 +52,6 @@ function unpack(kind: PixelWords, words: Uint32Array, stride: number, target: Ta
 
 function wordsOf({ stride, height }: UnitPicture): number {
   return stride * height;
-}
-
-/** The picture of a unit, after all submitted work. */
-export async function readUnit(gpu: Gpu, decoder: FamilyDecoder, stream: number, unit: number): Promise<Pixels> {
-  const place = decoder.unit(stream, unit);
-  const words = await gpu.read(decoder.pictures, 4 * place.picture, wordsOf(place));
-  const target = emptyTarget(decoder.family.words, place.width, place.height);
-  unpack(decoder.family.words, words, place.stride, target, [0, 0, place.width, place.height]);
-  return target.pixels;
 }
 
 /** The image of a stream, by its position among those of the decoder: all its units. */
