@@ -269,7 +269,7 @@ describe("The player", { skip }, () => {
     const served = new Map([...files, ...hostile.map(({ bytes }, at) => [`/${at}.lfold`, bytes] as const)]);
     await withFunctions(filmServer(film, served).answer, async (call) => {
       for (const [at, { name }] of hostile.entries()) {
-        const said = await call<string[]>("survive", [`/${at}.lfold`, SHOTS[1]]);
+        const said = await call<string[]>("survive", [`/${at}.lfold`, { ...SHOTS[1], overlays: ["nodes"] }]);
         assert.ok(said.length > 0 || name.startsWith("change"), name);
         said.forEach((sentence) => assert.doesNotMatch(sentence, /undefined|TypeError|RangeError|\bat .*:\d+/u, name));
       }
