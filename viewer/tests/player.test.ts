@@ -331,7 +331,8 @@ describe("The player", { skip }, () => {
     await withFunctions(filmServer(film, served).answer, async (call) => {
       for (const [at, { name }] of hostile.entries()) {
         const renderer = at % 2 === 0 ? "gpu" : "cpu";
-        const said = await call<string[]>("survive", [`/${at}.lfold`, renderer, SHOTS[1]]);
+        const view = { ...SHOTS[1], overlays: ["nodes"] };
+        const said = await call<string[]>("survive", [`/${at}.lfold`, renderer, view]);
         assert.ok(said.length > 0 || name.startsWith("change"), name);
         said.forEach((sentence) => assert.doesNotMatch(sentence, /undefined|TypeError|RangeError|\bat .*:\d+/u, name));
       }

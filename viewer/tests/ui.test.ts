@@ -326,7 +326,7 @@ test("film time has a frame at any rate", () => {
   }
 });
 
-function statsWith(unitsMissing: number): PlayerStats {
+function statsWith(unitsMissing: number, overlayMissing: number): PlayerStats {
   const none = {
     decodeMs: 0,
     marchMs: 1,
@@ -335,20 +335,19 @@ function statsWith(unitsMissing: number): PlayerStats {
     requests: 0,
     chunksFetched: 0,
     unitsBroken: 0,
-    overlayMissing: 0,
   };
-  return { ...none, counters: {}, chunksRefetched: 0, cacheBytes: 0, unitsMissing, shownFrame: 0 };
+  return { ...none, counters: {}, chunksRefetched: 0, cacheBytes: 0, unitsMissing, overlayMissing, shownFrame: 0 };
 }
 
 test("pictures are drawn one at a time, where something changed or is to come, and coarser in motion", async () => {
   let now = 0;
-  let missing = 0;
+  let [missing, overlayMissing] = [0, 0];
   const factors: number[] = [];
   const waiting: (() => void)[] = [];
   const loop = new DrawLoop({
     draw: (factor) => {
       factors.push(factor);
-      return new Promise((resolve) => waiting.push(() => resolve(statsWith(missing))));
+      return new Promise((resolve) => waiting.push(() => resolve(statsWith(missing, overlayMissing))));
     },
     onDrawn: () => undefined,
     onFailed: () => assert.fail("drawing does not fail"),
@@ -397,7 +396,13 @@ test("pictures are drawn one at a time, where something changed or is to come, a
   now += 100;
   loop.tick();
   assert.deepEqual(taken(), [1]);
-  missing = 0;
+  // A picture whose overlay is to come is drawn again, at its full resolution.
+  [missing, overlayMissing] = [0, 5];
+  await finish(10);
+  now += 100;
+  loop.tick();
+  assert.deepEqual(taken(), [1]);
+  overlayMissing = 0;
   await finish(10);
   now += 1000;
   loop.tick();

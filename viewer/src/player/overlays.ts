@@ -75,7 +75,7 @@ export class OverlayPainter {
       this.#forEachUnit(depth, (rect, unit) => {
         const known = codings(depth.index, unit);
         if (known !== undefined) {
-          canvas.map(rect, known.bytes, this.#codingWords);
+          canvas.map(rect, { bytes: known.bytes, words: this.#codingWords });
         }
       });
     } else if (overlay === "units") {
@@ -119,13 +119,18 @@ function hue(turn: number): Color {
   return [part(0), part(1 / 3), part(2 / 3)];
 }
 
+/** Bytes for the texels of a rectangle, row by row, and the texels of all bytes; 0 leaves what is there. */
+interface TexelMap {
+  bytes: Uint8Array;
+  words: Uint32Array;
+}
+
 /** A step of painting: a rectangle in one color, the texels along its edges, or texels by a map of it. */
 interface Step {
   rect: Rect;
   isFrame: boolean;
   color: Color;
-  map?: Uint8Array;
-  words?: Uint32Array;
+  map?: TexelMap;
 }
 
 /** Rectangles of an image, painted once their texels are asked for. */
@@ -144,7 +149,7 @@ class ImagePainter {
     if (other === undefined || other.#key !== this.#key) {
       return [[0, 0, ...this.size]];
     }
-    return this.#steps.filter(({ map }, at) => map !== other.#steps[at].map).map(({ rect }) => rect);
+    return this.#steps.filter(({ map }, at) => map?.bytes !== other.#steps[at].map?.bytes).map(({ rect }) => rect);
   }
 
   fill(rect: Rect, color: Color): void {
@@ -156,9 +161,9 @@ class ImagePainter {
     this.#steps.push({ rect, color, isFrame: true });
   }
 
-  /** A rectangle by bytes for its texels, whose texels are `words`; 0 leaves what is there. */
-  map(rect: Rect, map: Uint8Array, words: Uint32Array): void {
-    this.#steps.push({ rect, color: DARK, isFrame: false, map, words });
+  /** The texels of a rectangle by a map. */
+  map(rect: Rect, map: TexelMap): void {
+    this.#steps.push({ rect, color: DARK, isFrame: false, map });
   }
 
   /** The texels of a rectangle of the image. */
@@ -182,10 +187,11 @@ class ImagePainter {
 /** Draws the texels of a row of a step, from one column to before another one, which are those of the image. */
 function drawRow(step: Step, row: number, [from, to]: [number, number], out: Uint32Array): void {
   const [left, top, columns, rows] = step.rect;
-  if (step.map !== undefined && step.words !== undefined) {
+  if (step.map !== undefined) {
+    const { bytes, words } = step.map;
     const start = (row - top) * columns + from - left;
     for (let at = 0; at < out.length; at += 1) {
-      out[at] = step.words[step.map[start + at]] || out[at];
+      out[at] = words[bytes[start + at]] || out[at];
     }
   } else if (!step.isFrame || row === top || row === top + rows - 1) {
     out.fill(wordOf(step.color));
