@@ -1,14 +1,14 @@
 //! The file that is played: its kind, its description for the page, and its state on disk.
 
 use std::fs::{File, Metadata};
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::container::header::{self, FOOT_BYTES};
-use crate::dataset::manifest;
+use crate::container::header::{FOOT_BYTES, MAGIC};
+use crate::dataset::manifest::{MANIFEST_NAME, MAX_MANIFEST_BYTES};
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::files::open_regular;
@@ -77,23 +77,26 @@ impl Film {
     /// Checks that a file can be played: a container that opens, a binary glTF file, or a PNG picture whose name has the layout of a
     /// quilt.
     pub fn open(path: &Path) -> Result<Film> {
-        if manifest::is_dataset(path) {
-            return Err(Error::Usage(format!("{}: a dataset; encode it, and view the container", path.display())));
+        if path.join(MANIFEST_NAME).is_file() {
+            return Err(dataset(path));
         }
-        let file = open_regular(path)?;
+        let mut file = open_regular(path)?;
         let mut head = Vec::new();
-        file.take(GLB_HEAD_BYTES as u64).read_to_end(&mut head).map_err(|error| Error::io(path, error))?;
-        let kind = if header::is_container(path)? {
+        Read::by_ref(&mut file)
+            .take(GLB_HEAD_BYTES as u64)
+            .read_to_end(&mut head)
+            .map_err(|error| Error::io(path, error))?;
+        let kind = if head.starts_with(&MAGIC) {
             Decoder::open(path)?;
             Kind::Container
         } else if is_glb(&head) {
             check_glb(&head, path)?;
             Kind::Glb
         } else if head.starts_with(&PNG_MAGIC) {
+            check_png(file, path)?;
             Kind::Quilt(quilt_shape(path)?)
         } else {
-            let possible = "a container (.lfold), a simplified scene (.glb) or a quilt (.png) was expected";
-            return Err(Error::unsupported(format!("not a film: {possible}")).in_file(path));
+            return Err(not_a_film(file, path));
         };
         Ok(Film { path: path.to_path_buf(), kind })
     }
@@ -169,6 +172,84 @@ fn inode(_metadata: &Metadata) -> u64 {
     0
 }
 
+fn dataset(path: &Path) -> Error {
+    let message = "a dataset, where a film was expected; encode it with lightfold encode, and view the container";
+    Error::Usage(format!("{}: {message}", path.display()))
+}
+
+/// The error of a file whose first bytes are of no film.
+fn not_a_film(mut file: File, path: &Path) -> Error {
+    /// What every manifest has.
+    #[derive(Deserialize)]
+    struct ManifestHead {
+        #[serde(rename = "lightfield")]
+        _version: u32,
+    }
+    let is_manifest = file.rewind().is_ok() && {
+        let text = BufReader::new(file.take(MAX_MANIFEST_BYTES));
+        serde_json::from_reader::<_, ManifestHead>(text).is_ok()
+    };
+    if is_manifest || path.ends_with(MANIFEST_NAME) {
+        return dataset(path);
+    }
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let (expected, command) = match extension.to_str() {
+        Some("lfold") => ("a container", "encode"),
+        Some("glb") => ("a binary glTF file", "simplify"),
+        Some("png") => ("a PNG picture", "quilt"),
+        _ => {
+            let message = "not a film: a container (.lfold), a simplified scene (.glb) or a quilt (.png) was expected; lightfold encode, \
+                simplify and quilt write them";
+            return Error::unsupported(message).in_file(path);
+        }
+    };
+    let message =
+        format!("not {expected}, though its name says so; copy it again, or write it with lightfold {command}");
+    Error::invalid(message).in_file(path)
+}
+
+/// Checks the chunks of a PNG file by the CRC-32 of each, up to the last one.
+fn check_png(file: File, path: &Path) -> Result<()> {
+    let mut file = BufReader::new(file);
+    match png_is_whole(&mut file) {
+        Ok(true) => Ok(()),
+        Err(error) if error.kind() != ErrorKind::UnexpectedEof => Err(Error::io(path, error)),
+        _ => {
+            let message = "a PNG picture that is damaged or cut short; copy it again, or write it with lightfold quilt";
+            Err(Error::invalid(message).in_file(path))
+        }
+    }
+}
+
+fn png_is_whole(file: &mut (impl BufRead + Seek)) -> std::io::Result<bool> {
+    file.seek(SeekFrom::Start(PNG_MAGIC.len() as u64))?;
+    loop {
+        let (mut length, mut name, mut stored) = ([0; 4], [0; 4], [0; 4]);
+        file.read_exact(&mut length)?;
+        file.read_exact(&mut name)?;
+        let mut crc32 = crc32fast::Hasher::new();
+        crc32.update(&name);
+        let mut left = u32::from_be_bytes(length) as usize;
+        while left > 0 {
+            let bytes = file.fill_buf()?;
+            let count = bytes.len().min(left);
+            if count == 0 {
+                return Ok(false);
+            }
+            crc32.update(&bytes[..count]);
+            file.consume(count);
+            left -= count;
+        }
+        file.read_exact(&mut stored)?;
+        if crc32.finalize() != u32::from_be_bytes(stored) {
+            return Ok(false);
+        }
+        if &name == b"IEND" {
+            return Ok(true);
+        }
+    }
+}
+
 /// Checks version and length in the first bytes of a binary glTF file.
 fn check_glb(head: &[u8], path: &Path) -> Result<()> {
     let field = |at: usize| head.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
@@ -187,8 +268,8 @@ fn check_glb(head: &[u8], path: &Path) -> Result<()> {
 }
 
 /// What the page takes of a quilt (viewer/src/ui/film_file.ts, viewer/src/quilt.ts).
-const MOST_TILES: u32 = 4096;
-const MOST_QUILT_PIXELS: u64 = 1 << 28;
+const MAX_TILES: u32 = 4096;
+const MAX_QUILT_PIXELS: u64 = 1 << 28;
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
 /// The layout that the name of a picture says, checked against its size.
@@ -203,9 +284,9 @@ fn quilt_shape(path: &Path) -> Result<QuiltShape> {
         let message = format!("{width}x{height} pixels, and its name says {columns}x{rows} tiles");
         return Err(Error::invalid(message).in_file(path));
     }
-    if columns > MOST_TILES || rows > MOST_TILES || u64::from(width) * u64::from(height) > MOST_QUILT_PIXELS {
+    if columns > MAX_TILES || rows > MAX_TILES || u64::from(width) * u64::from(height) > MAX_QUILT_PIXELS {
         let message = format!(
-            "{width}x{height} pixels in {columns}x{rows} tiles; the player shows up to {MOST_QUILT_PIXELS} pixels, and {MOST_TILES} tiles \
+            "{width}x{height} pixels in {columns}x{rows} tiles; the player shows up to {MAX_QUILT_PIXELS} pixels, and {MAX_TILES} tiles \
              along a side"
         );
         return Err(Error::unsupported(message).in_file(path));
@@ -247,6 +328,25 @@ mod tests {
         assert_ne!(tag(), second, "another time");
         let opened = film.open_now().unwrap();
         assert_eq!((opened.state.bytes, opened.tag().matches('"').count()), (64, 2));
+    }
+
+    #[test]
+    fn a_quilt_that_is_damaged_anywhere_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a_qs2x2.png");
+        png::write_color8(&path, &crate::image::Plane::from_fn(12, 8, |x, y| [x as u8, y as u8, 7])).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        assert!(Film::open(&path).is_ok());
+        let refused = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            Film::open(&path).unwrap_err().to_string()
+        };
+        for at in PNG_MAGIC.len()..whole.len() {
+            assert!(refused(&whole[..at]).contains("damaged or cut short"), "cut at byte {at}");
+            let mut other = whole.clone();
+            other[at] ^= 1;
+            assert!(refused(&other).contains("damaged or cut short"), "byte {at}");
+        }
     }
 
     #[test]

@@ -20,17 +20,19 @@ use super::film::Film;
 use crate::error::{Error, Result};
 
 /// Connections at a time; further ones wait until one ends.
-const MOST_CONNECTIONS: usize = 256;
+const MAX_CONNECTIONS: usize = 256;
 /// Threads that read the file.
-const MOST_READERS: usize = 16;
+const MAX_READERS: usize = 16;
 /// Bytes of a request's head, at most.
-const MOST_HEAD_BYTES: usize = 16 << 10;
+const MAX_HEAD_BYTES: usize = 16 << 10;
 /// How long a connection may take for the head of its next request, and be idle.
-const HEAD_TIME: Duration = Duration::from_secs(10);
+const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
+/// The same for connections that are accepted while more than half of [`MAX_CONNECTIONS`] are open: idle ones make room for others.
+const CROWDED_HEAD_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long a client may take none of the bytes that wait for it.
-const WRITE_TIME: Duration = Duration::from_secs(120);
+const WRITE_TIMEOUT: Duration = Duration::from_secs(120);
 /// Pause after a connection that could not be accepted, as where there are too many open files.
-const PAUSE: Duration = Duration::from_millis(50);
+const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(50);
 
 /// A server that is bound to its address.
 #[derive(Debug)]
@@ -81,7 +83,7 @@ impl Server {
         let runtime = Builder::new_current_thread()
             .enable_io()
             .enable_time()
-            .max_blocking_threads(MOST_READERS)
+            .max_blocking_threads(MAX_READERS)
             .build()
             .map_err(io)?;
         let served = Arc::new(Served { film: self.film, bound: self.address.ip() });
@@ -98,35 +100,37 @@ impl Server {
 }
 
 async fn accept(listener: TcpListener, served: Arc<Served>) {
-    let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
-    while let Ok(place) = Arc::clone(&places).acquire_owned().await {
+    let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    while let Ok(permit) = Arc::clone(&permits).acquire_owned().await {
         let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(PAUSE).await;
+            tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
             continue;
         };
         let served = Arc::clone(&served);
+        let is_crowded = permits.available_permits() < MAX_CONNECTIONS / 2;
+        let head_timeout = if is_crowded { CROWDED_HEAD_TIMEOUT } else { HEAD_TIMEOUT };
         tokio::spawn(async move {
-            serve(stream, served).await;
-            drop(place);
+            serve(stream, served, head_timeout).await;
+            drop(permit);
         });
     }
 }
 
-async fn serve(stream: TcpStream, served: Arc<Served>) {
+async fn serve(stream: TcpStream, served: Arc<Served>, head_timeout: Duration) {
     // Without it the last bytes of an answer may wait for an acknowledgement of those before: slower, not wrong.
     let _ = stream.set_nodelay(true);
     let mut stream = TimeoutStream::new(stream);
-    stream.set_write_timeout(Some(WRITE_TIME));
+    stream.set_write_timeout(Some(WRITE_TIMEOUT));
     let service = service_fn(|request: Request<Incoming>| {
         let served = Arc::clone(&served);
         async move { Ok::<_, Infallible>(answer(&served, &request.into_parts().0).await) }
     });
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(HEAD_TIME)
+        .header_read_timeout(head_timeout)
         // A client that has sent its request may close its side.
         .half_close(true)
-        .max_buf_size(MOST_HEAD_BYTES)
+        .max_buf_size(MAX_HEAD_BYTES)
         .serve_connection(TokioIo::new(Box::pin(stream)), service);
     // A client that goes, or breaks the protocol, is its own affair.
     let _ = connection.await;

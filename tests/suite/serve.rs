@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use lightfold::image::{Face, Plane, png};
 use serde_json::{Value, json};
@@ -220,33 +220,20 @@ fn ranges_are_parts_of_the_file() {
     let film = fs::read(folder.path().join("a.lfold")).unwrap();
     let all = film.len();
     let part = |first: usize, last: usize| (206, format!("bytes {first}-{last}/{all}"), first..last + 1);
-    let whole = || (200, String::new(), 0..all);
+    // Further forms of the header are tested in src/serve/range.rs.
     let rows = [
         ("bytes=0-15".to_owned(), part(0, 15)),
-        ("bytes=7-7".to_owned(), part(7, 7)),
-        (format!("bytes={}-", all - 1), part(all - 1, all - 1)),
         (format!("bytes=5-{}", all + 5), part(5, all - 1)),
-        ("bytes=5-18446744073709551615".to_owned(), part(5, all - 1)),
         ("bytes=-40".to_owned(), part(all - 40, all - 1)),
-        (format!("bytes=-{}", all + 1), part(0, all - 1)),
-        ("bytes=0-1,4-5".to_owned(), whole()),
-        ("bytes=5-2".to_owned(), whole()),
-        ("lines=0-1".to_owned(), whole()),
-        ("bytes=a-b".to_owned(), whole()),
+        ("bytes=0-1,4-5".to_owned(), (200, String::new(), 0..all)),
     ];
     for (range, (status, content_range, span)) in rows {
         let answer = server.ask("GET", "/film.lfold", &format!("Range: {range}\r\n"));
         assert_eq!(answer.range(), (status, content_range.as_str(), span.len().to_string().as_str()), "{range}");
         assert_eq!(answer.body, film[span], "{range}");
     }
-    for range in [format!("bytes={all}-"), format!("bytes={all}-{}", all + 9), "bytes=-0".to_owned()] {
-        let answer = server.ask("GET", "/film.lfold", &format!("Range: {range}\r\n"));
-        assert_eq!(
-            (answer.status, answer.header("content-range")),
-            (416, format!("bytes */{all}").as_str()),
-            "{range}"
-        );
-    }
+    let beyond = server.ask("GET", "/film.lfold", &format!("Range: bytes={all}-\r\n"));
+    assert_eq!((beyond.status, beyond.header("content-range")), (416, format!("bytes */{all}").as_str()));
     let twice = server.ask("GET", "/film.lfold", "Range: bytes=0-1\r\nRange: bytes=2-3\r\n");
     assert_eq!((twice.status, twice.body.len()), (200, all));
     // The page's files are answered alike.
@@ -475,6 +462,17 @@ fn slow_and_many_clients_do_not_hold_up_others() {
 }
 
 #[test]
+fn idle_connections_make_room_soon() {
+    let folder = place();
+    let server = Server::start(folder.path(), "a.lfold");
+    let started = Instant::now();
+    let idle: Vec<TcpStream> = (0..256).map(|_| server.connect()).collect();
+    assert_eq!(server.get("/film.json").status, 200);
+    assert!(started.elapsed() < Duration::from_secs(8), "{:?}", started.elapsed());
+    drop(idle);
+}
+
+#[test]
 fn quilts_are_served_with_their_layout() {
     let folder = TempDir::new().unwrap();
     let name = "a<b>_qs4x2a0.75.png";
@@ -539,19 +537,32 @@ fn what_cannot_be_played_is_refused() {
     fs::write(at.join("short.glb"), b"glTF").unwrap();
     fs::write(at.join("old.glb"), b"glTF\x01\0\0\0\x0c\0\0\0").unwrap();
     fs::write(at.join("damaged_qs1x1.png"), b"\x89PNG\r\n\x1a\n").unwrap();
+    for name in ["junk.glb", "junk_qs1x1.PNG"] {
+        fs::write(at.join(name), "junk").unwrap();
+    }
+    fs::write(at.join("other.json"), "{\"probes\": []}").unwrap();
+    fs::copy(at.join("lightfield.json"), at.join("renamed")).unwrap();
     png::write_color8(&at.join("picture.png"), &Plane::filled(4, 4, [0, 0, 0])).unwrap();
     png::write_color8(&at.join("small_qs5x1.png"), &Plane::filled(4, 4, [0, 0, 0])).unwrap();
     for (words, expected) in [
         ("none.lfold", "none.lfold: "),
         ("text.txt", "text.txt: not a film: a container (.lfold), a simplified scene (.glb) or a quilt (.png)"),
-        ("damaged.lfold", "damaged.lfold: "),
+        ("other.json", "other.json: not a film: "),
+        (
+            "damaged.lfold",
+            "damaged.lfold: not a container, though its name says so; copy it again, or write it with lightfold encode",
+        ),
+        ("junk.glb", "junk.glb: not a binary glTF file, though"),
+        ("junk_qs1x1.PNG", "junk_qs1x1.PNG: not a PNG picture, though"),
         ("cut.glb", "cut.glb: cut short: 12 of the 255 bytes"),
         ("short.glb", "short.glb: cut short: 4 bytes"),
         ("old.glb", "version 1; 2 was expected"),
-        ("damaged_qs1x1.png", "damaged_qs1x1.png: "),
+        ("damaged_qs1x1.png", "damaged_qs1x1.png: a PNG picture that is damaged or cut short; copy it again"),
         ("picture.png", "picture.png: a picture whose name says no layout"),
         ("small_qs5x1.png", "4x4 pixels, and its name says 5x1 tiles"),
-        (".", "a dataset; encode it"),
+        (".", "a dataset, where a film was expected; encode it with lightfold encode"),
+        ("lightfield.json", "lightfield.json: a dataset"),
+        ("renamed", "renamed: a dataset"),
         ("probe_00", "not a regular file"),
         ("-", "not standard input"),
         ("a.lfold --port 65536", "65536"),

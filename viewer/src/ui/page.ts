@@ -173,16 +173,11 @@ export class Page {
     clock.setSpeed(this.#settings.speed, performance.now());
     clock.seek(this.#frame ?? link.frame ?? film.firstFrame, performance.now());
     this.#describe(show);
-    if (player.renderer === "cpu" && this.#settings.renderer === "auto") {
-      this.#messages.say(
-        "The graphics device of this browser is software: the processor draws, in small pictures. Settings has the other renderer.",
-      );
-    }
     show.showOverdraw?.(this.#settings.marks.has("overdraw"));
   }
 
   /** Words and controls for this film. */
-  #describe({ player: { film }, marks, isFixed, enterHeadset }: Show): void {
+  #describe({ player: { film, renderer }, marks, isFixed, enterHeadset }: Show): void {
     const isStill = film.frameCount < 2;
     const isQuilt = this.#file.kind === "quilt";
     showPartsFor(this.#file.kind);
@@ -200,7 +195,8 @@ export class Page {
     const { length } = film.probes;
     const probes = length === 0 ? [] : [`${numberText(length)} ${length === 1 ? "probe" : "probes"}`];
     const facts = byId("film-facts", HTMLElement);
-    facts.title = [...probes, frames, byteText(film.fileBytes)].join(" · ");
+    const small = renderer === "cpu" ? ["small pictures, drawn on the processor"] : [];
+    facts.title = [...probes, frames, byteText(film.fileBytes), ...small].join(" · ");
     setText(facts, facts.title);
     setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
   }
