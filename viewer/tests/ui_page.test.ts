@@ -288,6 +288,73 @@ test("dragging turns, and the eye stays near the head box", { skip }, async () =
   });
 });
 
+test("fingers turn and move, without scrolling the page", { skip }, async () => {
+  await onPage("#eye=0,1.5,0&look=0,0", async (tab) => {
+    await until(tab, drawn);
+    const devtools = await tab.context().newCDPSession(tab);
+    await devtools.send("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 2 });
+    const box = (await tab.locator("#stage").boundingBox())!;
+    const touch = (type: "touchStart" | "touchMove" | "touchEnd", fingers: [number, number][]): Promise<void> =>
+      devtools
+        .send("Input.dispatchTouchEvent", {
+          type,
+          touchPoints: fingers.map(([x, y], id) => ({ x: box.x + x * box.width, y: box.y + y * box.height, id })),
+        })
+        .then(() => undefined);
+    await touch("touchStart", [[0.4, 0.5]]);
+    await touch("touchMove", [[0.5, 0.5]]);
+    await touch("touchMove", [[0.6, 0.5]]);
+    // The picture follows the finger: what is on the left comes into sight.
+    await until(tab, (fake) => fake.views.some((view) => view.pose.yaw > 0.1));
+    await touch("touchEnd", []);
+    const { yaw } = (await lastView(tab)).pose;
+    await touch("touchStart", [
+      [0.45, 0.5],
+      [0.55, 0.5],
+    ]);
+    for (const spread of [0.1, 0.2]) {
+      await touch("touchMove", [
+        [0.45 - spread, 0.5],
+        [0.55 + spread, 0.5],
+      ]);
+    }
+    // Fingers that part go ahead, and do not turn.
+    await until(tab, (fake) => fake.views[fake.views.length - 1]!.pose.eye[2] < -0.02);
+    await touch("touchEnd", []);
+    assert.equal((await lastView(tab)).pose.yaw, yaw);
+  });
+});
+
+test("a gamepad moves, turns and plays", { skip }, async () => {
+  await onPage("#eye=0,1.5,0&look=0,0", async (tab) => {
+    await until(tab, drawn);
+    const hold = (axes: number[], pressed: number[]): Promise<void> =>
+      tab.evaluate(
+        ([sticks, down]) => {
+          const buttons = Array.from({ length: 17 }, (_, at) => ({
+            pressed: down.includes(at),
+            touched: down.includes(at),
+            value: Number(down.includes(at)),
+          }));
+          const pad = { connected: true, mapping: "standard", id: "pad", index: 0, axes: sticks, buttons };
+          Object.defineProperty(navigator, "getGamepads", { value: () => [pad], configurable: true });
+        },
+        [axes, pressed] as const,
+      );
+    await hold([0, -1, 0, 0], []);
+    await until(tab, (fake) => fake.views.some((view) => view.pose.eye[2] < -0.05));
+    await hold([0, 0, -1, 0], []);
+    await until(tab, (fake) => fake.views.some((view) => view.pose.yaw > 0.1));
+    await hold([0, 0, 0, 0], [0]);
+    await until(tab, (fake) => fake.views.some((view) => view.playing));
+    await hold([0, 0, 0, 0], []);
+    // The page looks once a picture of the screen.
+    await tab.waitForTimeout(100);
+    await hold([0, 0, 0, 0], [0]);
+    await until(tab, (fake) => !fake.views[fake.views.length - 1]!.playing);
+  });
+});
+
 test("nothing is drawn while nothing changes, and data that arrive are drawn", { skip }, async () => {
   await onPage("", async (tab) => {
     await until(tab, drawn);
