@@ -264,6 +264,7 @@ function deskOf(side: number): { desk: Desk; jobs: (() => Promise<void>)[]; isHe
         ),
     },
     onReady: () => undefined,
+    frames: { shown: 0, next: [0, 0] },
     onBroken: () => assert.fail("told twice"),
   };
   return Object.assign(made, { desk: desk as unknown as Desk });

@@ -134,6 +134,33 @@ describe("The player", { skip }, () => {
     });
   });
 
+  test("goes from one whole frame to another while the film plays", async () => {
+    const film = films.path("film.lfold");
+    const [first, second] = [0, 1].map((frame) => rendered(film, { ...SHOTS[0], frame }));
+    assert.ok(psnr(first, second) < 45);
+    for (const renderer of ["gpu", "cpu"] as const) {
+      await inPage(
+        film,
+        async (call) => {
+          const view = { ...SHOTS[0], steps: renderer === "cpu" ? 128 : 256 };
+          await call("settle", view);
+          let [stats, seen] = [await call<PlayerStats>("draw", view), 0];
+          for (let at = 0; at < 200 && stats.shownFrame < 1; at += 1) {
+            stats = await call<PlayerStats>("draw", { ...view, frame: 1, playing: true });
+            const codes = codesOf(await picture(call));
+            const found = [psnr(codes, first), psnr(codes, second)];
+            assert.ok(Math.max(...found) >= 47, `${found.join()} dB`);
+            seen += Number(found[0] > found[1]);
+          }
+          assert.equal(stats.shownFrame, 1);
+          assert.ok(psnr(codesOf(await picture(call)), second) >= 47);
+          assert.ok(seen > 0, "no picture was drawn meanwhile");
+        },
+        renderer,
+      );
+    }
+  });
+
   test("shows probes that move as they stand in each frame", async () => {
     const film = films.encodeWith("moving.lfold", moving, "--clip");
     await inPage(film, async (call, server) => {

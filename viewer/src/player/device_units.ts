@@ -46,6 +46,14 @@ export class DeviceFamily {
   }
 
   ask(position: number, one: UnitFrame, fetch: Chunk[]): UnitState {
+    const state = this.prepare(position, one, fetch);
+    if (state === "ready") {
+      this.#wanted.push(this.#wantedOf(position, one));
+    }
+    return state;
+  }
+
+  prepare(position: number, one: UnitFrame, fetch: Chunk[]): UnitState {
     const { chunk, next } = one;
     const wanted = this.#wantedOf(position, one);
     if (this.decoder.shows(wanted)) {
@@ -56,7 +64,6 @@ export class DeviceFamily {
       states.push(this.#bring(next, fetch));
     }
     if (states.every((state) => state === "shown")) {
-      this.#wanted.push(wanted);
       return "ready";
     }
     return (["broken", "missing", "working"] as const).find((state) => states.includes(state)) ?? "working";
@@ -149,5 +156,9 @@ export class DeviceUnits implements UnitSource {
 
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {
     return this.family.ask(this.position, wanted, fetch);
+  }
+
+  prepare(wanted: UnitFrame, fetch: Chunk[]): UnitState {
+    return this.family.prepare(this.position, wanted, fetch);
   }
 }

@@ -19,6 +19,14 @@ export interface Stage {
 /** Units of a frame by their states. */
 export type UnitCounts = Record<UnitState, number>;
 
+/** Units that are asked for. */
+export interface Asking {
+  sees: (stream: Stream, unit: number) => boolean;
+  /** Takes chunks that must be fetched. */
+  fetch: Chunk[];
+  counts: UnitCounts;
+}
+
 export class LoadedView {
   readonly #families: readonly DeviceFamily[];
   readonly #sources: ReadonlyMap<Stream, UnitSource>;
@@ -58,31 +66,37 @@ export class LoadedView {
   }
 
   /** Asks for a frame of the units that are seen; chunks to be fetched are added to `fetch`, and states counted. */
-  ask(frame: number, sees: (stream: Stream, unit: number) => boolean, fetch: Chunk[], counts: UnitCounts): void {
-    const { container } = this.stage.desk;
+  ask(frame: number, { sees, fetch, counts }: Asking): void {
     this.#asked = [];
-    for (const [stream, source] of this.#sources) {
-      for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
-        const wanted = sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined;
-        if (wanted !== undefined) {
-          counts[source.ask(wanted, fetch)] += 1;
-        }
-        if (this.#moves) {
-          this.#asked.push({ stream, source, unit, wanted });
-        }
+    this.#forEachUnit(frame, sees, (stream, source, unit, wanted) => {
+      if (wanted !== undefined) {
+        counts[source.ask(wanted, fetch)] += 1;
       }
-    }
+      if (this.#moves) {
+        this.#asked.push({ stream, source, unit, wanted });
+      }
+    });
   }
 
-  /** Decodes the next frames of a film that plays, as far as workers do it and their chunks are here. */
-  askAhead(frame: number, sees: (stream: Stream, unit: number) => boolean): void {
+  /** The same of a frame that comes later: units go on to show what they do. */
+  prepare(frame: number, { sees, fetch, counts }: Asking): void {
+    this.#forEachUnit(frame, sees, (_stream, source, _unit, wanted) => {
+      if (wanted !== undefined) {
+        counts[source.prepare(wanted, fetch)] += 1;
+      }
+    });
+  }
+
+  /** Visits all units; `wanted` is the frame of those that are seen and have it. */
+  #forEachUnit(
+    frame: number,
+    sees: Asking["sees"],
+    visit: (stream: Stream, source: UnitSource, unit: number, wanted: UnitFrame | undefined) => void,
+  ): void {
     const { container } = this.stage.desk;
     for (const [stream, source] of this.#sources) {
-      for (let unit = 0; source instanceof WorkerUnits && unit < container.unitCount(stream.index); unit += 1) {
-        const wanted = sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined;
-        if (wanted !== undefined) {
-          source.askAhead(wanted);
-        }
+      for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
+        visit(stream, source, unit, sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined);
       }
     }
   }

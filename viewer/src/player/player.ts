@@ -17,6 +17,7 @@ import { CodingMaps, type SeenUnit } from "./coding_maps.ts";
 import { CpuRenderer } from "./cpu_renderer.ts";
 import { DeviceRenderer } from "./device_renderer.ts";
 import { filmOf } from "./film.ts";
+import { FramePacing } from "./frame_pacing.ts";
 import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
 import { WorkerPool } from "./pool.ts";
 import type { Drawn, Renderer } from "./renderer.ts";
@@ -24,7 +25,6 @@ import { withRetries } from "./retries.ts";
 import { ChunkStore, rangeKey } from "./store.ts";
 import type { Film, Player, PlayerStats, Problem, RendererChoice, RendererName, View } from "./types.ts";
 import { type Desk, unitFrame } from "./unit_source.ts";
-import { FRAMES_AHEAD } from "./worker_units.ts";
 
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
@@ -33,6 +33,8 @@ const MOST_WORKERS = 4;
 const MOST_CPU_VIEWS = 4;
 /** An image takes about as much again as its textures for planes and pyramids, and again for pictures of its units. */
 const IMAGE_SHARE = 3;
+/** Frames that are decoded ahead of a film that plays. */
+const FRAMES_AHEAD = 3;
 /** Seconds that chunks are fetched ahead of the film, and of the eye. */
 const FRAMES_AHEAD_S = 2;
 const EYE_AHEAD_S = 0.5;
@@ -95,7 +97,14 @@ function deskOf(container: Container): Desk {
     return { stream: { kind, codec, face, width, height, unitWidth, unitHeight }, headerBytes };
   });
   const store = new ChunkStore(container.source);
-  return { container, store, pool, onReady: () => undefined, onBroken: () => undefined };
+  return {
+    container,
+    frames: { shown: 0, next: [0, 0] },
+    store,
+    pool,
+    onReady: () => undefined,
+    onBroken: () => undefined,
+  };
 }
 
 /** Where the eye was and when. */
@@ -144,6 +153,7 @@ class FilmPlayer implements Player {
   /** For the overlay of nodes. */
   readonly #codings: CodingMaps;
   #overlayMissing = 0;
+  readonly #pacing = new FramePacing();
   #motion: Motion | undefined;
   #shownFrame: number;
   readonly #openedMs = performance.now();
@@ -272,14 +282,15 @@ class FilmPlayer implements Player {
     }
   }
 
-  /** Brings the device to a view as far as chunks are here, and asks for the others. */
+  /** Brings the texels to a view as far as chunks are here, and asks for the others. */
   async #bring(asked: View): Promise<Sight> {
-    const view = { ...asked, frame: this.#frameOf(asked.frame) };
+    const { playing } = asked;
+    const frame = this.#pacing.next(this.#frameOf(asked.frame), playing, performance.now());
     this.#draws += 1;
-    this.#lastView = view;
-    this.#notice(view);
-    const cameras = this.#cameras(view);
-    const active = this.#active(view.pose.eye, view.frame);
+    this.#lastView = asked;
+    this.#notice(asked);
+    const cameras = this.#cameras(asked);
+    const active = this.#active(asked.pose.eye, frame);
     await this.#load(active);
     this.#visible.look(cameras);
     const { renderer, desk } = this.#stage;
@@ -288,16 +299,26 @@ class FilmPlayer implements Player {
     const isSpecular = (): boolean => renderer.hasEffects && active.some((at) => texels.isSpecular(at));
     const needsAll = isSpecular();
     const sees = (stream: Stream, unit: number): boolean => needsAll || this.#visible.sees(stream, unit);
-    const counts: UnitCounts = { shown: 0, ready: 0, working: 0, missing: 0, broken: 0 };
-    const fetch: Chunk[] = [];
     const views = active.map((at) => this.#loaded.get(at)!);
-    views.forEach((one) => one.ask(view.frame, sees, fetch, counts));
-    this.#overlayMissing = this.#mark(view, active, fetch);
-    const inUse = this.#chunksOf(active, sees, [view.frame, view.frame]);
-    desk.store.want([...fetch, ...this.#ahead(view, active, cameras)], inUse);
-    for (let ahead = 1; view.playing && ahead <= FRAMES_AHEAD; ahead += 1) {
-      views.forEach((one) => one.askAhead(view.frame + ahead, sees));
+    const fetch: Chunk[] = [];
+    const bring = (how: "ask" | "prepare", of: number, missing: Chunk[]): UnitCounts => {
+      const counts: UnitCounts = { shown: 0, ready: 0, working: 0, missing: 0, broken: 0 };
+      views.forEach((one) => one[how](of, { sees, fetch: missing, counts }));
+      return counts;
+    };
+    const next: [number, number] = [frame, frame + (playing ? FRAMES_AHEAD : 0)];
+    desk.frames = { shown: this.#pacing.shown ?? frame, next };
+    const prepared = bring("prepare", frame, fetch);
+    const shown = this.#pacing.show(prepared.missing + prepared.working === 0, playing, performance.now());
+    desk.frames = { shown, next };
+    const counts = bring("ask", shown, fetch);
+    for (let ahead = frame + 1; ahead <= next[1]; ahead += 1) {
+      bring("prepare", ahead, []);
     }
+    const view = { ...asked, frame: shown };
+    this.#overlayMissing = this.#mark(view, active, fetch);
+    const inUse = [...new Set([frame, shown])].flatMap((one) => this.#chunksOf(active, sees, [one, one]));
+    desk.store.want([...fetch, ...this.#ahead({ ...asked, frame }, active, cameras)], inUse);
     for (const one of views) {
       const { units, pixels, behind } = one.update();
       counts.working += behind;
@@ -311,7 +332,7 @@ class FilmPlayer implements Player {
       // Nothing else would.
       this.#wake();
     }
-    return { view, active, cameras, counts };
+    return { view, active, cameras, counts: shown === frame ? counts : prepared };
   }
 
   /** Asks for what the overlay of nodes shows, while it is on; answers how many tiles it is missing of. */

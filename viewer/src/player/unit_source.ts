@@ -7,8 +7,21 @@ import type { StoredChunk } from "./jobs.ts";
 import type { WorkerPool } from "./pool.ts";
 import type { ChunkStore } from "./store.ts";
 
+/** Frames whose pictures are of use: the one that is shown, and those that are shown next. */
+export interface FrameWindow {
+  shown: number;
+  /** First and last. */
+  next: [number, number];
+}
+
+/** Whether pictures of a frame are of use. */
+export function isWithin({ shown, next: [first, last] }: FrameWindow, frame: number): boolean {
+  return frame === shown || (frame >= first && frame <= last);
+}
+
 /** What units of all streams share. */
 export interface Desk {
+  frames: FrameWindow;
   container: Container;
   store: ChunkStore;
   pool: WorkerPool;
@@ -49,8 +62,10 @@ export interface UnitSource {
   hasPicture(unit: number): boolean;
   /** Whether what a unit shows is right for a frame. */
   shows(wanted: UnitFrame): boolean;
-  /** What keeps a unit from a frame. Chunks to be fetched are added to `fetch`; jobs begin where their chunks are here. */
+  /** What keeps a unit from a frame that it is to show. Chunks to be fetched are added to `fetch`; jobs begin where their chunks are here. */
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState;
+  /** The same of a frame that comes later: the unit goes on to show what it does. */
+  prepare(wanted: UnitFrame, fetch: Chunk[]): UnitState;
 }
 
 /** The frame of a unit and where its chunks are; `undefined` where its stream does not have the frame. */

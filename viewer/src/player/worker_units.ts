@@ -2,10 +2,7 @@
 
 import type { Pixels } from "../codec/types.ts";
 import type { Chunk, Stream } from "../format/types.ts";
-import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
-
-/** Decoded pictures of later frames that a unit keeps. */
-export const FRAMES_AHEAD = 3;
+import { type Desk, isWithin, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 
 interface Picture {
   pixels: Pixels;
@@ -19,8 +16,6 @@ interface Unit {
   ready: Map<number, Picture>;
   /** Frames that workers are at. */
   working: Set<number>;
-  /** The frame that was asked for last. */
-  asked: number;
 }
 
 /** One stream. The processor keeps the pictures. */
@@ -63,32 +58,27 @@ export class WorkerUnits implements UnitSource {
   }
 
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {
-    const unit = this.#unit(wanted.unit);
-    unit.asked = wanted.frame;
-    const { ready } = unit;
-    [...ready.keys()].filter((frame) => !isNear(frame, wanted.frame)).forEach((frame) => ready.delete(frame));
+    const { ready } = this.#unit(wanted.unit);
+    const useless = [...ready.keys()].filter((frame) => !isWithin(this.desk.frames, frame));
+    useless.forEach((frame) => ready.delete(frame));
+    const state = this.prepare(wanted, fetch);
+    if (state === "ready") {
+      this.#show(wanted.unit, ready.get(wanted.frame)!);
+      ready.delete(wanted.frame);
+    }
+    return state;
+  }
+
+  prepare(wanted: UnitFrame, fetch: Chunk[]): UnitState {
     if (this.shows(wanted)) {
       return "shown";
     }
-    const picture = ready.get(wanted.frame);
-    if (picture?.chunk === wanted.chunk) {
-      ready.delete(wanted.frame);
-      this.#show(wanted.unit, picture);
-      return "ready";
-    }
-    return this.#start(wanted, fetch);
-  }
-
-  /** Decodes a frame that comes next, where its chunks are here. */
-  askAhead(wanted: UnitFrame): void {
-    const unit = this.#unit(wanted.unit);
-    if (isNear(wanted.frame, unit.asked) && !unit.ready.has(wanted.frame) && !this.shows(wanted)) {
-      this.#start(wanted, []);
-    }
+    const picture = this.#unit(wanted.unit).ready.get(wanted.frame);
+    return picture?.chunk === wanted.chunk ? "ready" : this.#start(wanted, fetch);
   }
 
   #unit(unit: number): Unit {
-    const known = this.#units.get(unit) ?? { shown: undefined, ready: new Map(), working: new Set(), asked: -1 };
+    const known = this.#units.get(unit) ?? { shown: undefined, ready: new Map(), working: new Set() };
     this.#units.set(unit, known);
     return known;
   }
@@ -112,7 +102,7 @@ export class WorkerUnits implements UnitSource {
     if (!unit.working.has(wanted.frame)) {
       unit.working.add(wanted.frame);
       const frame = wanted.frame - chunk.chunk.firstFrame;
-      const job = this.desk.pool.decode(chunk, frame, () => isNear(wanted.frame, unit.asked), next);
+      const job = this.desk.pool.decode(chunk, frame, () => isWithin(this.desk.frames, wanted.frame), next);
       void job.then(
         (answer) => this.#arrive(wanted, answer),
         (error: Error) => this.#fail(wanted, error),
@@ -128,12 +118,13 @@ export class WorkerUnits implements UnitSource {
       this.#needsNext.add(wanted.chunk);
     } else if (answer !== undefined) {
       const picture = { pixels: answer, chunk: wanted.chunk, frame: wanted.frame };
-      if (wanted.frame > unit.asked) {
-        unit.ready.set(wanted.frame, picture);
-      } else if (wanted.frame === unit.asked || unit.shown === undefined) {
+      const { frames } = this.desk;
+      if (wanted.frame === frames.shown || unit.shown === undefined) {
         // A late picture is better than none.
         this.#show(wanted.unit, picture);
-      } else if (unit.shown.frame < wanted.frame || unit.shown.frame > unit.asked) {
+      } else if (isWithin(frames, wanted.frame)) {
+        unit.ready.set(wanted.frame, picture);
+      } else if (unit.shown.frame > frames.shown || (unit.shown.frame < wanted.frame && wanted.frame < frames.shown)) {
         this.#show(wanted.unit, picture);
       }
     }
@@ -146,9 +137,4 @@ export class WorkerUnits implements UnitSource {
     this.desk.onBroken(error.message);
     this.desk.onReady();
   }
-}
-
-/** Whether a frame is the one that is asked for, or one of the next. */
-function isNear(frame: number, asked: number): boolean {
-  return frame >= asked && frame <= asked + FRAMES_AHEAD;
 }
