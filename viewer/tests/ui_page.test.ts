@@ -235,6 +235,11 @@ test("a quilt has views, and nothing that needs a pose", { skip }, async () => {
     assert.ok(!/head box|look around|view settings/.test(await tab.innerText("#help")));
     await tab.keyboard.press("i");
     assert.ok(!(await tab.isVisible("#map")));
+    await tab.waitForSelector("#figures td");
+    const rows = await tab.evaluate(() =>
+      [...document.querySelectorAll("#figures th")].map((cell) => cell.textContent),
+    );
+    assert.deepEqual(rows, ["Picture", "Decoding", "Size", "Fetched", "Cache"]);
   });
   await onPage("", async (tab) => {
     await until(tab, drawn);

@@ -3,6 +3,7 @@
 import { CODING_LEGEND } from "../player/coding_colors.ts";
 import type { Film, PlayerStats, Pose } from "../player/types.ts";
 import { byId, byteText, copyText, msText, onPress, setRows, setText, numberText } from "./dom.ts";
+import type { FilmKind } from "./film_file.ts";
 import { HeadMap } from "./head_map.ts";
 import type { Mark } from "./settings.ts";
 
@@ -19,23 +20,29 @@ export interface Reading {
   command: string | undefined;
 }
 
-/** Rows of the table of figures. */
-function figuresOf({ stats, pictureMs, size }: Reading): [string, string][] {
-  return [
+/** Rows of the table of figures. Scenes and quilts are fetched at once, as a whole. */
+function figuresOf({ stats, pictureMs, size }: Reading, kind: FilmKind): [string, string][] {
+  const rows: [string, string][] = [
     ["Picture", msText(pictureMs)],
     ["Decoding", msText(stats.decodeMs)],
-    ["Rendering", msText(stats.marchMs)],
-    ["Size", `${size[0]}×${size[1]}`],
-    ["Frame shown", String(stats.shownFrame)],
-    ["Tiles and cells not loaded", numberText(stats.unitsMissing)],
-    ["Tiles and cells damaged", numberText(stats.unitsBroken)],
-    ["Rate", `${(stats.fetchRate / 1e6).toFixed(2)} MB/s`],
-    ["Fetched", byteText(stats.bytesFetched)],
-    ["Requests", numberText(stats.requests)],
-    ["Chunks", numberText(stats.chunksFetched)],
-    ["Chunks fetched again", numberText(stats.chunksRefetched)],
-    ["Cache", byteText(stats.cacheBytes)],
   ];
+  if (kind !== "quilt") {
+    rows.push(["Rendering", msText(stats.marchMs)]);
+  }
+  rows.push(["Size", `${size[0]}×${size[1]}`]);
+  if (kind === "lfold") {
+    rows.push(
+      ["Frame shown", String(stats.shownFrame)],
+      ["Tiles and cells not loaded", numberText(stats.unitsMissing)],
+      ["Tiles and cells damaged", numberText(stats.unitsBroken)],
+      ["Rate", `${(stats.fetchRate / 1e6).toFixed(2)} MB/s`],
+      ["Requests", numberText(stats.requests)],
+      ["Chunks", numberText(stats.chunksFetched)],
+      ["Chunks fetched again", numberText(stats.chunksRefetched)],
+    );
+  }
+  rows.push(["Fetched", byteText(stats.bytesFetched)], ["Cache", byteText(stats.cacheBytes)]);
+  return rows;
 }
 
 function bodyOf(id: string): HTMLTableSectionElement {
@@ -59,9 +66,11 @@ export class Inspector {
   readonly #map = new HeadMap(byId("map", SVGSVGElement));
   readonly #boxes = [...byId("marks", HTMLFieldSetElement).querySelectorAll<HTMLInputElement>("input")];
   readonly #command = byId("command", HTMLElement);
+  readonly #kind: FilmKind;
 
   /** `onMark` is called when the viewer turns an overlay on or off. */
-  constructor(onMark: (mark: Mark, isOn: boolean) => void) {
+  constructor(kind: FilmKind, onMark: (mark: Mark, isOn: boolean) => void) {
+    this.#kind = kind;
     for (const box of this.#boxes) {
       box.addEventListener("change", () => onMark(box.value as Mark, box.checked));
     }
@@ -98,7 +107,7 @@ export class Inspector {
 
   show(reading: Reading): void {
     const { pose, stats } = reading;
-    setRows(bodyOf("figures"), figuresOf(reading));
+    setRows(bodyOf("figures"), figuresOf(reading, this.#kind));
     const counters = Object.entries(stats.counters).map(([name, value]) => [name, numberText(value)]);
     setRows(bodyOf("counters"), counters);
     this.#map.showPose(pose, reading.fovDeg);

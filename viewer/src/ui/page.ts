@@ -58,7 +58,7 @@ export class Page {
   );
   readonly #panels = new Panels(() => (this.#panelsMs = -Infinity));
   readonly #settingsPanel = new SettingsPanel((change) => this.#set(change));
-  readonly #inspector = new Inspector((mark, isOn) => this.#mark(mark, isOn));
+  readonly #inspector: Inspector;
   readonly #timeline: Timeline;
   readonly #controls: Controls;
   #settings: Settings = { ...DEFAULTS };
@@ -77,6 +77,7 @@ export class Page {
   constructor(file: FilmFile, open: Opener) {
     this.#file = file;
     this.#open = open;
+    this.#inspector = new Inspector(file.kind, (mark, isOn) => this.#mark(mark, isOn));
     // Isolated: the name may hold marks of direction.
     document.title = `\u2068${file.name}\u2069 · lightfold`;
     const name = byId("film-name", HTMLElement);
