@@ -33,7 +33,7 @@ if (process.argv.includes("--tests")) {
     viewer: "src/main.ts",
     worker: "src/worker.ts",
     glb: "src/glb/main.ts",
-    renderer: "src/cpu/worker.ts",
+    cpu_worker: "src/cpu/worker.ts",
   };
   await build({ ...shared, entryPoints, outdir, minify: true, legalComments: "none" });
   for (const name of ["index.html", "style.css", "narrow.css"]) {

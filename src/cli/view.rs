@@ -17,9 +17,10 @@ use crate::serve::{self, Description, Film, Server, Site, Stop};
     lightfold view film_qs8x6a0.75.png\n  lightfold view film.lfold --export site\n\n\
     The address of the page is the line on standard output; Ctrl-C ends the server. It answers requests for the page and for FILE, \
     nothing else, and unless --listen says otherwise to programs on this machine only; to hosts by their address, not their name. \
-    Containers are drawn by WebGPU, which browsers offer to pages of this machine and to pages by HTTPS; without it the processor draws \
-    small pictures. To look from another machine, forward the port (ssh -L 8000:localhost:8000 HOST), or put the site that --export writes on a web server with HTTPS that answers requests for \
-    ranges, as nginx and Apache do and python3 -m http.server does not.\n\n\
+    Containers are drawn by WebGPU, which browsers offer to pages of this machine and to pages by HTTPS; without it the page offers \
+    small pictures, drawn on the processor. To look from another machine, forward the port (ssh -L 8000:localhost:8000 HOST), or put the \
+    site that --export writes on a web server with HTTPS that answers requests for ranges, as nginx and Apache do and python3 -m \
+    http.server does not.\n\n\
     --export writes into a new or empty folder, or over an earlier site that has no other files.")]
 pub struct Args {
     /// What to play: a container (.lfold), a simplified scene (.glb) or a quilt (.png)
@@ -102,7 +103,7 @@ fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     if !args.listen.is_loopback() {
         global.note(format_args!(
-            "whoever reaches {} sees the film; by plain HTTP from another machine browsers give the page no WebGPU, and containers are drawn small",
+            "whoever reaches {} sees the film; by plain HTTP from another machine browsers give the page no WebGPU: it offers small pictures of containers",
             server.address()
         ));
     }

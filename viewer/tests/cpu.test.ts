@@ -2,101 +2,21 @@
 
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import { chunkDecoder } from "../src/codec/decode.ts";
-import { parseCodecHeader } from "../src/codec/headers.ts";
-import type { Pixels } from "../src/codec/types.ts";
-import { Field } from "../src/cpu/field.ts";
-import type { Rendered } from "../src/cpu/messages.ts";
-import { WorkerTexels } from "../src/cpu/texels.ts";
-import { Container } from "../src/format/container.ts";
-import { MemorySource } from "./memory_source.ts";
-import { unpack } from "../src/format/payload.ts";
-import type { Stream } from "../src/format/types.ts";
-import { renderOrder } from "../src/player/cpu_renderer.ts";
+import { FaceTexels, UNKNOWN } from "../src/cpu/face_texels.ts";
+import type { Order, Rendered } from "../src/cpu/messages.ts";
+import type { Container } from "../src/format/container.ts";
+import type { Rect } from "../src/format/types.ts";
+import { CpuRenderer } from "../src/player/cpu_renderer.ts";
+import type { DrawRequest } from "../src/player/renderer.ts";
 import { cameraOf } from "../src/views/camera.ts";
-import { catalogueOf, streamsOf } from "../src/views/catalogue.ts";
-import { unitsUnder } from "../src/views/rects.ts";
-import { ColorTexels } from "../src/views/straight.ts";
-import {
-  bytesOf,
-  capture,
-  codesOf,
-  type Films,
-  psnr,
-  rendered,
-  type Shot,
-  withMattes,
-  withoutProgram,
-} from "./films.ts";
+import type { Catalogue } from "../src/views/catalogue.ts";
+import { bytesOf, capture, codesOf, type Films, psnr } from "./films.ts";
+import { lightfold, rendered, type Shot, shotOptions, withMattes, withoutProgram } from "./films.ts";
+import { MemoryFilm } from "./memory_film.ts";
+import { chance } from "./vectors.ts";
 
 const SIZE: [number, number] = [64, 48];
 const LEAST_DB = 50;
-
-/** Decodes a frame of a film and renders it, without workers and a page. */
-async function picture(film: string, { pose, frame, size, fovDeg, steps }: Shot): Promise<Rendered> {
-  const source = new MemorySource(bytesOf(film));
-  const container = await Container.open(source);
-  const catalogue = catalogueOf(container);
-  const field = new Field();
-  const pixels = new Map<string, Pixels>();
-  const texels = new WorkerTexels(catalogue, (order) => field.run(structuredClone(order)));
-  const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-  const colors = new ColorTexels(catalogue.coding, hasAlpha);
-
-  const decode = async (stream: Stream, unit: number): Promise<Pixels> => {
-    const at = container.chunkIndex(stream.index, unit, frame);
-    const chunk = container.chunks[at];
-    const payload = async (number: number): Promise<Uint8Array> => {
-      const { offset, storedBytes } = container.chunks[number];
-      return unpack(container.chunks[number], await source.read(offset, storedBytes));
-    };
-    const area = container.areaOf(at);
-    const next = area.place === "last" ? undefined : await payload(at + 1);
-    const decoder = chunkDecoder(parseCodecHeader(stream, stream.headerBytes), await payload(at), area);
-    return decoder.frame(frame - chunk.firstFrame, () => next!).slice();
-  };
-
-  for (const [view, { faces }] of catalogue.views.entries()) {
-    texels.load(view, (stream, tile) => pixels.get(`${stream} ${tile}`) as Uint16Array);
-    for (const face of faces) {
-      for (const stream of streamsOf(face)) {
-        for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
-          pixels.set(`${stream.index} ${unit}`, await decode(stream, unit));
-        }
-      }
-      const unitPixels = (stream: Stream, unit: number) => ({
-        pixels: pixels.get(`${stream.index} ${unit}`)!,
-        rect: container.unitRect(stream.index, unit),
-      });
-      for (let cell = 0; cell < container.unitCount(face.color.index); cell += 1) {
-        const of = unitPixels(face.color, cell);
-        const parts = face.alpha === undefined ? [] : [...unitsUnder(face.alpha, of.rect)];
-        for (const [matte, part] of parts) {
-          texels.uploadColor(face.color.index, part, colors.of(of, part, unitPixels(face.alpha!, matte)));
-        }
-        if (face.alpha === undefined) {
-          texels.uploadColor(face.color.index, of.rect, colors.of(of, of.rect));
-        }
-      }
-      for (const stream of streamsOf(face)) {
-        for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
-          texels.written(stream.index, unit);
-        }
-      }
-    }
-  }
-  texels.update();
-  const camera = cameraOf(pose, fovDeg, size[0] / size[1]);
-  const views = catalogue.views.map((_, view) => view);
-  return field.run(
-    renderOrder(
-      { container, catalogue },
-      { frame, steps, marksHoles: false, views, showsOverlay: false },
-      camera,
-      size,
-    ),
-  )!;
-}
 
 function shot(yaw: number, more: Partial<Shot> = {}): Shot {
   return { pose: { eye: [0.05, 1.55, 0.05], yaw, pitch: -0.1 }, frame: 0, size: SIZE, fovDeg: 90, steps: 256, ...more };
@@ -111,6 +31,12 @@ const SHOTS: Shot[] = [
   // At a probe.
   shot(-0.7, { frame: 1, fovDeg: 60, pose: { eye: [0.3, 1.5, 0], yaw: -0.7, pitch: 0 } }),
 ];
+
+/** Rays of a kind that the program counts. */
+function raysOf(film: string, one: Shot): Record<string, number> {
+  const report = lightfold("render", film, ...shotOptions(one), "--null", "--stats", "--json", "-q").toString();
+  return JSON.parse(report) as Record<string, number>;
+}
 
 describe("The processor", { skip: withoutProgram }, () => {
   let films: Films;
@@ -128,18 +54,166 @@ describe("The processor", { skip: withoutProgram }, () => {
     test(`shows what lightfold render shows: ${name}`, async () => {
       const film = films.encode("film.lfold", ...options);
       for (const one of shots) {
-        const { rgba, counts } = await picture(film, one);
+        const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
         const found = psnr(codesOf(rgba), rendered(film, one));
         assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
         assert.equal(counts.primary_rays, SIZE[0] * SIZE[1]);
+        const rays = raysOf(film, one);
+        for (const kind of ["hole_rays", "background_rays"] as const) {
+          assert.ok(Math.abs(counts[kind] - rays[kind]) <= 2, `${kind}: ${counts[kind]}, and ${rays[kind]}`);
+        }
       }
     });
   }
 
   test("shows what is behind panes with alpha", async () => {
     const film = films.encodeWith("alpha.lfold", withMattes(64), "--clip");
-    const { rgba } = await picture(film, SHOTS[1]);
+    const { rgba } = (await MemoryFilm.open(bytesOf(film), SHOTS[1].frame)).render(SHOTS[1]);
     const found = psnr(codesOf(rgba), rendered(film, SHOTS[1]));
     assert.ok(found >= LEAST_DB, `${found} dB`);
   });
+
+  for (const depth of ["planar", "distance"]) {
+    test(`shows what perspective probes of ${depth} see, and nothing beside it`, async () => {
+      const views = capture("interior", "67x45", "--look-at=0,1.2,-3", "--fov", "70", "--depth", depth);
+      try {
+        const film = views.encode("film.lfold", "--clip");
+        for (const one of [shot(0.1), shot(0.9, { frame: 1 })]) {
+          const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
+          const found = psnr(codesOf(rgba), rendered(film, one));
+          assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+          assert.ok(Math.abs(counts.hole_rays - raysOf(film, one)["hole_rays"]) <= 2);
+          assert.ok(counts.hole_rays > 0);
+        }
+      } finally {
+        views.remove();
+      }
+    });
+  }
+
+  test("does not know tiles that are forgotten, until they are written again", async () => {
+    const film = await MemoryFilm.open(bytesOf(films.encode("film.lfold", "--clip")), 0);
+    const before = film.render(SHOTS[0]);
+    const units = film.catalogue.views.flatMap(({ faces }) => faces.flatMap((face) => [...film.unitsOf(face)]));
+    const tiles = units.filter(([{ kind }]) => kind === "depth");
+    tiles.slice(0, tiles.length / 2).forEach(([{ index }, unit]) => film.texels.forget(index, unit));
+    film.texels.update();
+    assert.ok(film.render(SHOTS[0]).rgba.some((value, at) => value !== before.rgba[at]));
+    tiles.slice(tiles.length / 2).forEach(([{ index }, unit]) => film.texels.forget(index, unit));
+    film.texels.update();
+    const marked = film.render(SHOTS[0], { looksBehindHoles: false });
+    assert.equal(marked.counts.hole_rays, SIZE[0] * SIZE[1]);
+    assert.ok(marked.rgba.every((value) => value === 0));
+    tiles.forEach(([{ index }, unit]) => film.texels.written(index, unit));
+    film.texels.update();
+    assert.deepEqual(film.render(SHOTS[0]).rgba, before.rgba);
+  });
+
+  test("ends a picture in an error where its worker fails, or the film is closed", async () => {
+    const { container, catalogue } = await MemoryFilm.open(bytesOf(films.encode("film.lfold", "--clip")), 0);
+    const workers: FakeWorker[] = [];
+    class FakeWorker {
+      onmessage: ((event: { data: Rendered }) => void) | undefined;
+      onerror: ((event: { message: string }) => void) | undefined;
+      readonly orders: Order[] = [];
+      isEnded = false;
+      constructor() {
+        workers.push(this);
+      }
+      postMessage(order: Order): void {
+        this.orders.push(order);
+      }
+      terminate(): void {
+        this.isEnded = true;
+      }
+    }
+    const real = globalThis.Worker;
+    globalThis.Worker = FakeWorker as unknown as typeof Worker;
+    try {
+      for (const end of ["error", "close"] as const) {
+        const renderer = newRenderer(container, catalogue);
+        const failures: string[] = [];
+        renderer.onFailed = (message) => failures.push(message);
+        const picture = renderer.draw(requestOf(catalogue), () => assert.fail("shown"));
+        const worker = workers.at(-1)!;
+        assert.equal(worker.orders.at(-1)!.kind, "render");
+        if (end === "error") {
+          worker.onerror!({ message: "out of memory" });
+        } else {
+          renderer.close();
+        }
+        await assert.rejects(picture, end === "error" ? /failed: out of memory/u : /closed/u);
+        await assert.rejects(
+          renderer.draw(requestOf(catalogue), () => assert.fail("shown")),
+          /failed|closed/u,
+        );
+        assert.deepEqual([failures.length, worker.isEnded], end === "error" ? [1, false] : [0, true]);
+      }
+    } finally {
+      globalThis.Worker = real;
+    }
+  });
+});
+
+function newRenderer(container: Container, catalogue: Catalogue): CpuRenderer {
+  const canvas = {} as HTMLCanvasElement;
+  const desk = {} as never;
+  return new CpuRenderer({ container, catalogue, canvas, desk, mostViews: 3, mostImages: 18 });
+}
+
+function requestOf(catalogue: Catalogue): DrawRequest {
+  const pose = SHOTS[0].pose;
+  const view = {
+    pose,
+    frame: 0,
+    playing: false,
+    size: SIZE,
+    fovDeg: 90,
+    stereo: "mono",
+    eyeDistance: 0.063,
+    exposureEv: 0,
+    toneMap: "none",
+    overlays: new Set<never>(),
+    steps: 128,
+  } as const;
+  const views = catalogue.views.map((_, place) => place);
+  const cameras = [cameraOf(pose, 90, 4 / 3)];
+  return { view, cameras, views, isFresh: () => false, codings: () => undefined };
+}
+
+test("pyramids follow rectangles that change, and bound the texels below", () => {
+  const random = chance(5);
+  for (const size of [
+    [1, 1],
+    [5, 3],
+    [16, 16],
+    [33, 20],
+  ] as [number, number][]) {
+    const map = { scale: [1, 1] as [number, number], center: [0, 0] as [number, number] };
+    const [parts, whole] = [new FaceTexels(size, map, false), new FaceTexels(size, map, false)];
+    assert.equal(parts.greatest, UNKNOWN);
+    const rect = (): Rect => {
+      const [left, top] = [random(size[0]), random(size[1])];
+      return [left, top, 1 + random(size[0] - left), 1 + random(size[1] - top)];
+    };
+    for (let turn = 0; turn < 40; turn += 1) {
+      const [left, top, width, height] = turn === 0 ? [0, 0, ...size] : rect();
+      for (let at = 0; at < width * height; at += 1) {
+        const to = (top + Math.floor(at / width)) * size[0] + left + (at % width);
+        parts.inverseDepths[to] = random(20) === 0 ? UNKNOWN : random(1000);
+      }
+      parts.update([left, top, width, height]);
+      whole.inverseDepths.set(parts.inverseDepths);
+      whole.update([0, 0, ...size]);
+      assert.deepEqual(parts.levels, whole.levels);
+      assert.equal(parts.greatest, Math.max(...parts.inverseDepths));
+      const [x, y, columns, rows] = rect();
+      let greatest = 0;
+      for (let row = y; row < y + rows; row += 1) {
+        const texels = parts.inverseDepths.subarray(row * size[0] + x, row * size[0] + x + columns);
+        greatest = Math.max(greatest, ...texels);
+      }
+      assert.ok(parts.greatestBetween(x, y, x + columns - 1, y + rows - 1) >= greatest);
+    }
+  }
 });

@@ -26,12 +26,12 @@ export interface Films {
   remove(): void;
 }
 
-/** Three probes in a scene of the program, three frames each. */
-export function capture(scene: string, size: number): Films {
+/** Three probes in a scene of the program, three frames each, with further options. */
+export function capture(scene: string, size: number | string, ...options: string[]): Films {
   const folder = mkdtempSync(join(tmpdir(), "lightfold-viewer-"));
   const images = join(folder, "images");
   const positions = ["-0.3,1.5,0", "0.3,1.5,0", "0,1.7,0.2"].map((position) => `--position=${position}`);
-  lightfold("capture", scene, ...positions, "--size", String(size), "--frames", "0-2", "-o", images, "-q");
+  lightfold("capture", scene, ...positions, "--size", String(size), "--frames", "0-2", ...options, "-o", images, "-q");
   const path = (name: string): string => join(folder, name);
   return {
     encode: (name, ...options) => {

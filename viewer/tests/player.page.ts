@@ -12,6 +12,21 @@ let shown: ImageData | undefined;
 /** Jobs of coding maps that workers were asked for. */
 let codingJobs = 0;
 
+/** Workers that were started and not ended. */
+let workers = 0;
+
+globalThis.Worker = class extends Worker {
+  constructor(...options: ConstructorParameters<typeof Worker>) {
+    super(...options);
+    workers += 1;
+  }
+
+  override terminate(): void {
+    workers -= 1;
+    super.terminate();
+  }
+};
+
 const { postMessage } = Worker.prototype;
 Worker.prototype.postMessage = function (this: Worker, message: Job, ...others: unknown[]): void {
   codingJobs += Number(message.asksCodings ?? false);
@@ -65,14 +80,17 @@ Object.assign(globalThis, {
     open,
     /** Opens a film that may be hostile, draws it, and answers what was said. */
     survive: async ([url, renderer, view]: [string, RendererChoice, Asked]): Promise<string[]> => {
+      let opened: Player | undefined;
       try {
         await open([url, renderer]);
+        opened = player;
         const failed = new Promise((resolve) => (player.onProblem = (problem) => resolve(problems.push(problem))));
         await Promise.race([player.settle(viewOf({ ...view, frame: player.film.firstFrame })), failed]);
         await player.draw(viewOf({ ...view, frame: player.film.firstFrame }));
-        player.close();
       } catch (error) {
         return [error instanceof Error ? `${error.name}: ${error.message}` : String(error)];
+      } finally {
+        opened?.close();
       }
       return problems.map(({ message }) => message);
     },
@@ -88,6 +106,7 @@ Object.assign(globalThis, {
     fetched: () => player.fetched(),
     problems: () => problems,
     renderer: () => player.renderer,
+    workers: () => workers,
     close: () => player.close(),
   },
 });

@@ -449,6 +449,26 @@ test("without WebGPU the page says what is missing and how to render instead", {
   });
 });
 
+test("a link with another renderer keeps its pose and frame, also while the film is opened", { skip }, async () => {
+  await onPage("#eye=0,1.5,0&look=0,0&frame=20", async (tab) => {
+    await until(tab, drawn);
+    await tab.evaluate(() => (location.hash = "#eye=0.2,1.5,0&look=90,0&frame=31&renderer=cpu"));
+    await until(tab, (fake) => fake.opened === 2 && fake.views[fake.views.length - 1]!.frame === 31);
+    const { pose } = await lastView(tab);
+    assert.deepEqual(pose.eye, [0.2, 1.5, 0]);
+    assert.ok(Math.abs(pose.yaw - Math.PI / 2) < 1e-9);
+    // Twice in a row: the first is being opened.
+    await tab.evaluate(async () => {
+      location.hash = "#eye=0,1.5,0&look=0,0&frame=40&renderer=gpu";
+      await new Promise((resolve) => setTimeout(resolve, 10));
+      location.hash = "#eye=0.1,1.5,0&look=0,0&frame=41&renderer=cpu";
+    });
+    await until(tab, (fake) => fake.opened === 4 && fake.views[fake.views.length - 1]!.frame === 41);
+    assert.deepEqual((await lastView(tab)).pose.eye, [0.1, 1.5, 0]);
+    assert.equal(await tab.inputValue("#renderer"), "cpu");
+  });
+});
+
 test("a screenshot is saved as a PNG of the picture", { skip }, async () => {
   await onPage("", async (tab) => {
     await until(tab, drawn);

@@ -1,5 +1,6 @@
 // The color of a point: CalculateColor of algorithm 4 (CALF 6), with weights by angles and coverage. Mirrors src/march/interpolate.rs.
 
+import { HOLE_DIFFERENCE } from "../views/active.ts";
 import { BACKGROUND, type FaceTexels, UNKNOWN } from "./face_texels.ts";
 import type { MarchedView, MarchedViews } from "./marched_views.ts";
 
@@ -8,7 +9,8 @@ const ANGLE_EPSILON = 0.0005;
 const CAMERA_EPSILON = 0.01;
 const EDGE_PENALTY = 6;
 const BACKGROUND_EDGE_PENALTY = 20;
-const NEARER = 1.105171;
+/** A surface is nearer than another one where its inverse depth is so many times that. */
+const NEARER = Math.exp(HOLE_DIFFERENCE);
 const DEPTH_CUT = 0.2;
 const CUT_WEIGHT = 0.001;
 const MIN_POSITIVE = 2 ** -126;
@@ -25,6 +27,8 @@ export class Colors {
   /** The part of the texels around the point that have its surface, of those that do not have a nearer one. */
   coverage = 1;
   alpha = 0;
+  readonly #texels = new Int32Array(4);
+  readonly #weights = new Float64Array(4);
   /** Sums of weights, and of those of colors: times alpha. */
   #weight = 0;
   #shown = 0;
@@ -56,10 +60,11 @@ export class Colors {
       const edgePart = edgePartOf(view, ofView, ANGLE_EPSILON, EDGE_PENALTY);
       const face = marched.face!;
       const { inverseDepth } = marched;
+      this.#findTaps(face);
       for (let tap = 0; tap < 4; tap += 1) {
-        const texel = texelOf(face, marched, tap);
+        const texel = this.#texels[tap];
         const surface = face.inverseDepths[texel];
-        const weight = tapWeight * ofView;
+        const weight = this.#weights[tap] * ofView;
         if (surface === UNKNOWN) {
           continue;
         }
@@ -94,15 +99,37 @@ export class Colors {
       }
       const edgePart = edgePartOf(view, view.cameraWeight, CAMERA_EPSILON, BACKGROUND_EDGE_PENALTY);
       const face = marched.face!;
+      this.#findTaps(face);
       for (let tap = 0; tap < 4; tap += 1) {
-        const texel = texelOf(face, marched, tap);
+        const texel = this.#texels[tap];
         if (face.inverseDepths[texel] === BACKGROUND) {
           const isEdge = edgePart < 1 && isBesideNearer(face, texel, 0);
-          this.#add(face, texel, tapWeight * view.cameraWeight * (isEdge ? edgePart : 1));
+          this.#add(face, texel, this.#weights[tap] * view.cameraWeight * (isEdge ? edgePart : 1));
         }
       }
     }
     this.#end();
+  }
+
+  /** Finds the four texels around the projected point, the first two above the others, and their weights. */
+  #findTaps({ width, height }: FaceTexels): void {
+    const { x, y } = this.marched;
+    const left = Math.floor(x - 0.5);
+    const top = Math.floor(y - 0.5);
+    const partX = x - 0.5 - left;
+    const partY = y - 0.5 - top;
+    const first = Math.min(Math.max(left, 0), width - 1);
+    const second = Math.min(Math.max(left + 1, 0), width - 1);
+    const upper = Math.min(Math.max(top, 0), height - 1) * width;
+    const lower = Math.min(Math.max(top + 1, 0), height - 1) * width;
+    this.#texels[0] = upper + first;
+    this.#texels[1] = upper + second;
+    this.#texels[2] = lower + first;
+    this.#texels[3] = lower + second;
+    this.#weights[0] = (1 - partX) * (1 - partY);
+    this.#weights[1] = partX * (1 - partY);
+    this.#weights[2] = (1 - partX) * partY;
+    this.#weights[3] = partX * partY;
   }
 
   #begin(): void {
@@ -136,23 +163,6 @@ export class Colors {
     this.green *= scale;
     this.blue *= scale;
   }
-}
-
-/** The weight of the last tap of {@link texelOf}. */
-let tapWeight = 0;
-
-/** One of the four texels around the projected point, the first two above the others; writes {@link tapWeight}. */
-function texelOf({ width, height }: FaceTexels, { x, y }: MarchedViews, tap: number): number {
-  const cornerX = Math.floor(x - 0.5);
-  const cornerY = Math.floor(y - 0.5);
-  const partX = x - 0.5 - cornerX;
-  const partY = y - 0.5 - cornerY;
-  const isRight = tap & 1;
-  const isBelow = tap >> 1;
-  tapWeight = (isRight === 1 ? partX : 1 - partX) * (isBelow === 1 ? partY : 1 - partY);
-  const column = Math.min(Math.max(cornerX + isRight, 0), width - 1);
-  const row = Math.min(Math.max(cornerY + isBelow, 0), height - 1);
-  return row * width + column;
 }
 
 /** The weight of a view for a point that the eye sees, by the angle between their rays and by resolution. */

@@ -1,12 +1,13 @@
 // The light field of the worker that renders: the texels of loaded views, as the page sends them.
 
 import { inverseDepths } from "../views/inverse_depth.ts";
-import { rayLength } from "../views/face.ts";
+import { LEAST_M } from "../views/active.ts";
+import { rayLength, VIEW_FACE } from "../views/face.ts";
 import { halfValue } from "../views/straight.ts";
 import { FaceTexels, UNKNOWN } from "./face_texels.ts";
 import { MarchedViews } from "./marched_views.ts";
-import type { FaceOutline, Order, Place, Rendered, ViewPlace } from "./messages.ts";
-import { type CpuShot, Renderer } from "./render.ts";
+import type { FaceArea, FaceOutline, Order, PlacedView, Rendered } from "./messages.ts";
+import { Marcher, type MarchRequest } from "./marcher.ts";
 
 interface Face {
   outline: FaceOutline;
@@ -31,21 +32,22 @@ export class Field {
         return undefined;
       case "unload":
         this.#views.delete(order.view);
+        this.#dropTables();
         return undefined;
       case "depth":
-        this.#writeDepths(order.place, order.codes);
+        this.#writeDepths(order.area, order.codes);
         return undefined;
       case "color":
-        writeColors(this.#face(order.place).texels.colors, this.#face(order.place).texels.width, order);
+        writeColors(this.#face(order.area).texels.colors, this.#face(order.area).texels.width, order);
         return undefined;
       case "overlay": {
-        const { texels } = this.#face(order.place);
+        const { texels } = this.#face(order.area);
         texels.overlay ??= new Uint8Array(4 * texels.width * texels.height);
         writeColors(texels.overlay, texels.width, order);
         return undefined;
       }
       case "render":
-        return this.#render(order.shot, order.views, order.nearest);
+        return this.#render(order.request, order.views, order.nearest);
     }
   }
 
@@ -57,7 +59,14 @@ export class Field {
     return { outline, texels: new FaceTexels(size, map, isLight), inverseDepths: table };
   }
 
-  #face({ view, face }: Place): Face {
+  /** Forgets tables that no face has. */
+  #dropTables(): void {
+    const faces = [...this.#views.values()].flatMap((view) => [...view.values()]);
+    const used = new Set(faces.map(({ inverseDepths: table }) => table));
+    [...this.#tables].filter(([, table]) => !used.has(table)).forEach(([key]) => this.#tables.delete(key));
+  }
+
+  #face({ view, face }: FaceArea): Face {
     const found = this.#views.get(view)?.get(face);
     if (found === undefined) {
       throw new Error(`View ${view} has no face ${face}`);
@@ -65,9 +74,9 @@ export class Field {
     return found;
   }
 
-  #writeDepths(place: Place, codes: Uint16Array | undefined): void {
-    const { outline, texels, inverseDepths: table } = this.#face(place);
-    const [left, top, width, height] = place.rect;
+  #writeDepths(area: FaceArea, codes: Uint16Array | undefined): void {
+    const { outline, texels, inverseDepths: table } = this.#face(area);
+    const [left, top, width, height] = area.rect;
     for (let row = 0; row < height; row += 1) {
       const to = (top + row) * texels.width + left;
       for (let column = 0; column < width; column += 1) {
@@ -78,21 +87,26 @@ export class Field {
         texels.inverseDepths[to + column] = inverse;
       }
     }
-    texels.update(place.rect);
+    texels.update(area.rect);
   }
 
-  #render(shot: CpuShot, places: readonly ViewPlace[], nearest: number): Rendered {
+  #render(request: MarchRequest, places: readonly PlacedView[], nearest: number): Rendered {
     const begun = performance.now();
     const views = places.map(({ view, ...place }) => {
-      const faces = this.#views.get(view) ?? new Map<number, Face>();
-      const texels = Array.from({ length: 7 }, (_, face) => faces.get(face)?.texels);
-      const isWhole = texels.slice(0, 6).every((face) => face !== undefined);
-      const greatest = isWhole ? Math.max(...texels.slice(0, 6).map((face) => face!.greatest)) : UNKNOWN;
+      const faces = this.#views.get(view);
+      if (faces === undefined) {
+        throw new Error(`View ${view} is not loaded`);
+      }
+      const texels = Array.from({ length: VIEW_FACE + 1 }, (_, face) => faces.get(face)?.texels);
+      const cube = texels.slice(0, VIEW_FACE).filter((face) => face !== undefined);
+      // Only a cube has a texel in every direction.
+      const isBounded = cube.length === VIEW_FACE && texels[VIEW_FACE] === undefined && place.nearM >= LEAST_M;
+      const greatest = isBounded ? Math.max(...cube.map((face) => face.greatest)) : UNKNOWN;
       return { ...place, faces: texels, greatest };
     });
-    const marched = new MarchedViews(views, nearest, shot.coding.name === "light" && !shot.showsOverlay);
-    const rgba = new Float32Array(4 * shot.size[0] * shot.size[1]);
-    new Renderer(marched, shot).render(0, shot.size[1], rgba);
+    const marched = new MarchedViews(views, nearest, request.coding.name === "light" && !request.showsOverlay);
+    const rgba = new Float32Array(4 * request.size[0] * request.size[1]);
+    new Marcher(marched, request).render(0, request.size[1], rgba);
     return { rgba, counts: marched.counts, ms: performance.now() - begun };
   }
 }
@@ -101,9 +115,9 @@ export class Field {
 function writeColors(
   to: Uint8Array | Float32Array,
   columns: number,
-  { place, texels }: { place: Place; texels: Uint8Array | Uint16Array },
+  { area, texels }: { area: FaceArea; texels: Uint8Array | Uint16Array },
 ): void {
-  const [left, top, width, height] = place.rect;
+  const [left, top, width, height] = area.rect;
   for (let row = 0; row < height; row += 1) {
     const begin = 4 * ((top + row) * columns + left);
     const from = 4 * row * width;

@@ -18,7 +18,7 @@ const LEAST_DEPTH_M = 1e-37;
 /** What a view says about a point. */
 export const EMPTY = 0;
 export const OCCUPIED = 1;
-export const NOT_KNOWN = 2;
+const NOT_KNOWN = 2;
 
 /** A view, relative to the eye. */
 export interface MarchedView {

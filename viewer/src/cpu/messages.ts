@@ -4,7 +4,7 @@ import type { DepthRange, Rect, Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";
 import type { TexelMap } from "../views/face.ts";
 import type { Counts } from "./marched_views.ts";
-import type { CpuShot } from "./render.ts";
+import type { MarchRequest } from "./marcher.ts";
 
 /** A face whose texels are unknown at first. */
 export interface FaceOutline {
@@ -18,7 +18,7 @@ export interface FaceOutline {
 }
 
 /** A view of a picture, by its place in the catalogue. */
-export interface ViewPlace {
+export interface PlacedView {
   view: number;
   fromEye: Vec3;
   turn: Axes;
@@ -27,7 +27,7 @@ export interface ViewPlace {
 }
 
 /** A rectangle of a face of a view. */
-export interface Place {
+export interface FaceArea {
   view: number;
   face: number;
   rect: Rect;
@@ -37,15 +37,15 @@ export type Order =
   | { kind: "load"; view: number; faces: FaceOutline[]; isLight: boolean }
   | { kind: "unload"; view: number }
   /** Depth codes of a rectangle, row by row; without them it becomes unknown. */
-  | { kind: "depth"; place: Place; codes: Uint16Array | undefined }
+  | { kind: "depth"; area: FaceArea; codes: Uint16Array | undefined }
   /** Four components of each texel: bytes, or bits of halves. */
-  | { kind: "color"; place: Place; texels: Uint8Array | Uint16Array }
+  | { kind: "color"; area: FaceArea; texels: Uint8Array | Uint16Array }
   /** The same of an overlay: codes behind the curve of sRGB. */
-  | { kind: "overlay"; place: Place; texels: Uint8Array }
+  | { kind: "overlay"; area: FaceArea; texels: Uint8Array }
   /** A picture; `nearest` is the place among `views` of the one nearest to the eye. */
-  | { kind: "render"; shot: CpuShot; views: ViewPlace[]; nearest: number };
+  | { kind: "render"; request: MarchRequest; views: PlacedView[]; nearest: number };
 
-/** What becomes of `render`. */
+/** The answer to `render`. */
 export interface Rendered {
   /** Linear light and alpha, row by row. */
   rgba: Float32Array;

@@ -1,6 +1,6 @@
 // Shows pictures on a canvas without a graphics device. Mirrors src/gpu/present.wgsl.
 
-import type { StereoLayout, ToneMapName } from "../player/types.ts";
+import type { StereoLayout, ToneMapName } from "../views/presentation.ts";
 
 /** A picture of linear light: red, green, blue and alpha, row by row. */
 export interface LightPicture {
@@ -10,6 +10,8 @@ export interface LightPicture {
 
 /** How pictures are shown. */
 export interface Look {
+  /** Of the canvas. */
+  size: readonly [number, number];
   exposureEv: number;
   toneMap: ToneMapName;
   stereo: StereoLayout;
@@ -28,6 +30,10 @@ const CODES = Uint8Array.from({ length: CURVE + 1 }, (_, at) => {
   return Math.round(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055));
 });
 
+function codeOf(light: number): number {
+  return CODES[Math.round(CURVE * Math.min(Math.max(light, 0), 1))];
+}
+
 function toned(light: number, toneMap: ToneMapName): number {
   const x = Math.max(light, 0);
   switch (toneMap) {
@@ -41,10 +47,7 @@ function toned(light: number, toneMap: ToneMapName): number {
 }
 
 /** 8-bit pixels of a picture, over black or the mark of holes, which is magenta. */
-function codesOf(
-  { rgba }: LightPicture,
-  { exposureEv, toneMap, marksHoles }: Omit<Look, "stereo" | "overlayShare">,
-): Uint8ClampedArray<ArrayBuffer> {
+function codesOf({ rgba }: LightPicture, { exposureEv, toneMap, marksHoles }: Look): Uint8ClampedArray<ArrayBuffer> {
   const codes = new Uint8ClampedArray(rgba.length);
   const gain = 2 ** exposureEv;
   for (let at = 0; at < rgba.length; at += 1) {
@@ -54,17 +57,17 @@ function codesOf(
     }
     const alpha = Math.min(Math.max(rgba[at - (at % 4) + 3], 0), 1);
     const behind = marksHoles && at % 4 !== 1 ? 1 : 0;
-    const light = Math.min(toned(behind + alpha * (gain * rgba[at] - behind), toneMap), 1);
-    codes[at] = CODES[Math.round(CURVE * light)];
+    codes[at] = codeOf(toned(behind + alpha * (gain * rgba[at] - behind), toneMap));
   }
   return codes;
 }
 
 /** Mixes an overlay into codes of a picture, of which it has the size. */
-function mix(codes: Uint8ClampedArray, overlay: LightPicture, share: number): void {
-  const marks = codesOf(overlay, { exposureEv: 0, toneMap: "none", marksHoles: false });
+function mix(codes: Uint8ClampedArray, { rgba }: LightPicture, share: number): void {
   for (let at = 0; at < codes.length; at += 1) {
-    codes[at] = codes[at] + share * (marks[at] - codes[at]);
+    if (at % 4 < 3) {
+      codes[at] = codes[at] + share * (codeOf(rgba[at]) - codes[at]);
+    }
   }
 }
 
@@ -81,7 +84,7 @@ export function present(
   const [width, height] = left.size;
   const codes = codesOf(left, look);
   const isSplit = look.stereo === "side-by-side";
-  [canvas.width, canvas.height] = [isSplit ? 2 * width : width, height];
+  [canvas.width, canvas.height] = look.size;
   const others = right && codesOf(right, look);
   if (others !== undefined && !isSplit) {
     for (let at = 0; at < codes.length; at += 4) {
@@ -94,7 +97,8 @@ export function present(
       if (overlay !== undefined) {
         mix(one, overlay, look.overlayShare);
       }
-      context.putImageData(new ImageData(one, width, height), at * width, 0);
+      // Of an odd width the eyes share a column.
+      context.putImageData(new ImageData(one, width, height), at * (canvas.width - width), 0);
     }
   });
 }

@@ -2,14 +2,13 @@
 // src/march/segments.rs and src/march/intersect.rs.
 
 import { VIEW_FACE } from "../views/face.ts";
-import type { Steps } from "../views/active.ts";
+import { LEAST_M, segmentsOf, type Steps } from "../views/active.ts";
 import { UNKNOWN } from "./face_texels.ts";
 import { AROUND_REACH, EMPTY, type MarchedView, type MarchedViews, OCCUPIED } from "./marched_views.ts";
 
 /** Relative error of a position, and room for it. */
 const ROUNDING = 2 ** -20;
 const SURELY_BELOW_ONE = 1 - ROUNDING;
-const LEAST_M = 1e-18;
 
 /** Rays from the eye. {@link x}, {@link y} and {@link z} are the direction, of length 1. */
 export class Rays {
@@ -17,7 +16,7 @@ export class Rays {
   y = 0;
   z = 0;
   readonly #distancesM: Float32Array;
-  readonly #longest: number;
+  readonly #segments: { longest: number; first: number };
 
   constructor(
     private readonly marched: MarchedViews,
@@ -25,7 +24,7 @@ export class Rays {
     private readonly refine: number,
   ) {
     this.#distancesM = steps.distancesM;
-    this.#longest = 2 ** Math.ceil(Math.log2(this.#distancesM.length));
+    this.#segments = segmentsOf(steps);
   }
 
   /** Whether a point of the ray is on or behind a surface. */
@@ -62,7 +61,7 @@ export class Rays {
     const { marched } = this;
     const distancesM = this.#distancesM;
     const count = distancesM.length;
-    const start = Math.max(this.#longest / 4, 1);
+    const { longest, first: start } = this.#segments;
     const direction = Math.max(Math.abs(this.x), Math.abs(this.y), Math.abs(this.z));
     let at = first;
     // As long as one may be that begins here.
@@ -110,7 +109,7 @@ export class Rays {
       }
       if (isPassed) {
         at += length;
-        if (at % (2 * length) === 0 && length < this.#longest) {
+        if (at % (2 * length) === 0 && length < longest) {
           length *= 2;
         }
       }

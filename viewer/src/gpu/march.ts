@@ -1,6 +1,6 @@
 // Renders a light field on the device: the kernels of shaders/march (CALF 6). Mirrors src/gpu/render.rs.
 
-import type { ActiveViews } from "../views/active.ts";
+import { type ActiveViews, LEAST_M } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import { GREATEST_WORD } from "./depth_planes.ts";
 import { DeviceError } from "./device.ts";
@@ -35,8 +35,6 @@ const WORK = 2 ** 28;
 const MOST_SURFACES = 256;
 /** After a dispatch that took less, in milliseconds, the next one may have twice the rows. */
 const SHORT_MS = 50;
-/** The nearest surface of views with a bound on inverse depths, in metres. */
-const LEAST_M = 1e-18;
 
 /** Words of the counts of a picture: some for each workgroup. */
 function countWords([width, height]: readonly [number, number]): number {

@@ -1,7 +1,6 @@
 // Shows pictures on a canvas: exposure, tone map, the curve of sRGB, and two eyes.
 
-import type { StereoLayout, ToneMapName } from "../player/types.ts";
-import { STEREO_NUMBERS, TONE_MAP_NUMBERS } from "../views/presentation.ts";
+import { STEREO_NUMBERS, type StereoLayout, TONE_MAP_NUMBERS, type ToneMapName } from "../views/presentation.ts";
 import { DeviceError } from "./device.ts";
 import type { Gpu } from "./device.ts";
 import type { Picture } from "./march.ts";

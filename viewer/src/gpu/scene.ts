@@ -3,7 +3,7 @@
 
 import { scale } from "../math.ts";
 import type { ActiveViews, Steps } from "../views/active.ts";
-import { stepsBetween } from "../views/active.ts";
+import { HOLE_DIFFERENCE, segmentsOf, stepsOf } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding, FaceStreams } from "../views/catalogue.ts";
 import { pyramidSizes } from "../views/pyramid.ts";
@@ -37,8 +37,6 @@ export const MARCH_SETTINGS: MarchSettings = {
   effects: true,
 };
 
-/** A hit has a texel's surface where the logarithms of their distances differ by no more than this, beyond the uncertainty of steps. */
-const HOLE_DIFFERENCE = 0.1;
 /** Stands for an infinite inverse depth: shaders have no infinity. */
 const NO_BOUND = 1e30;
 const LARGEST_FLOAT = (2 - 2 ** -23) * 2 ** 127;
@@ -92,7 +90,7 @@ function sceneRow(
   settings: MarchSettings,
 ): RowValues {
   const count = steps.distancesM.length;
-  const longest = 2 ** Math.ceil(Math.log2(count));
+  const segments = segmentsOf(steps);
   return {
     forward,
     right: scale(right, half[0]),
@@ -105,8 +103,8 @@ function sceneRow(
     holes: HOLES[settings.holes],
     ...codingRow(coding),
     max_bounces: Math.min(settings.maxBounces, MOST_BOUNCES),
-    longest_segment: longest,
-    first_segment: Math.max(longest / 4, 1),
+    longest_segment: segments.longest,
+    first_segment: segments.first,
     near_m: 0,
     far_m: LARGEST_FLOAT,
     log_step: steps.logStep,
@@ -124,7 +122,7 @@ export function sceneRows(
   settings: MarchSettings,
   texels: LightFieldTexels,
 ): SceneRows {
-  const steps = stepsBetween(settings.steps, active.nearM / 10, active.farM, settings.refine);
+  const steps = stepsOf(active, settings.steps, settings.refine);
   const faces: RowValues[] = [];
   const views = active.views.map(({ view, streams, fromEye, turn, cameraWeight }): RowValues => {
     const rows = new Array<number>(FACES_OF_VIEW).fill(NO_FACE);

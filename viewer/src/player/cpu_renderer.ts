@@ -1,28 +1,26 @@
 // Draws on the processor, in a worker, where the browser has no graphics device: small pictures.
 
 import type { Order, Rendered } from "../cpu/messages.ts";
-import { present, type LightPicture } from "../cpu/present.ts";
-import { WorkerTexels } from "../cpu/texels.ts";
-import type { Container } from "../format/container.ts";
+import { renderOrder } from "../cpu/order.ts";
+import { type LightPicture, present } from "../cpu/present.ts";
 import { activeViews } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
-import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
+import type { FaceStreams } from "../views/catalogue.ts";
 import type { DeviceFamily } from "./device_units.ts";
-import { OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
-import type { Drawn, Renderer, Shot } from "./renderer.ts";
+import { OVERLAY_CODING, OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
+import { type DrawRequest, type DrawResult, type Renderer, type Scene, sizeOfEye } from "./renderer.ts";
 import type { PixelsOf } from "./unit_source.ts";
+import { WorkerTexels } from "./worker_texels.ts";
 
 /** A picture of so many pixels takes a part of a second. */
 const MOST_PIXELS = 320 * 180;
-/** Steps of a ray at most, and how often the interval before a hit is halved. */
+/** Steps of a ray at most. */
 const MOST_STEPS = 128;
-const REFINE = 8;
 
-/** What a film is drawn from. */
-interface Scene {
-  container: Container;
-  catalogue: Catalogue;
-  canvas: HTMLCanvasElement;
+/** A picture that was ordered. */
+interface Waiting {
+  resolve: (rendered: Rendered) => void;
+  reject: (error: Error) => void;
 }
 
 export class CpuRenderer implements Renderer {
@@ -33,39 +31,44 @@ export class CpuRenderer implements Renderer {
   onFailed: (message: string) => void = () => undefined;
   readonly #worker: Worker;
   readonly #painter: OverlayPainter;
+  #waiting: Waiting | undefined;
+  #failure: string | undefined;
   #picture: LightPicture = { size: [0, 0], rgba: new Float32Array() };
 
   constructor(private readonly scene: Scene) {
-    this.#worker = new Worker(new URL("./renderer.js", import.meta.url), { type: "module" });
-    this.#worker.onerror = ({ message }) =>
-      this.onFailed(`The worker that renders failed: ${message ?? "it did not load"}`);
+    this.#worker = new Worker(new URL("./cpu_worker.js", import.meta.url), { type: "module" });
+    this.#worker.onmessage = ({ data }: MessageEvent<Rendered>) => {
+      this.#waiting?.resolve(data);
+      this.#waiting = undefined;
+    };
+    this.#worker.onerror = ({ message }) => this.#fail(message ?? "it did not load");
+    this.#worker.onmessageerror = () => this.#fail("its answer cannot be read");
     const send = (order: Order): void => this.#worker.postMessage(order);
     this.texels = new WorkerTexels(scene.catalogue, send);
     this.#painter = new OverlayPainter(scene.container, scene.catalogue, (place, rect, texels) => {
-      send({ kind: "overlay", place: { ...place, rect }, texels });
+      send({ kind: "overlay", area: { ...place, rect }, texels });
     });
   }
 
   load(view: number, _faces: readonly FaceStreams[], pixelsOf: PixelsOf): Promise<DeviceFamily[]> {
-    // Written tiles have pixels, and those of depth are codes.
     this.#painter.forget(view);
+    // Written tiles have pixels, and those of depth are codes.
     this.texels.load(view, (stream, tile) => pixelsOf(stream, tile) as Uint16Array);
     return Promise.resolve([]);
   }
 
-  async draw(shot: Shot, onShown: () => void): Promise<Drawn> {
-    const { view, cameras } = shot;
+  async draw(request: DrawRequest, onShown: () => void): Promise<DrawResult> {
+    const { view, cameras } = request;
     const rendered: Rendered[] = [];
-    const [width, height] = view.size;
-    const size = [view.stereo === "side-by-side" ? Math.ceil(width / 2) : width, height] as const;
     for (const camera of cameras) {
-      rendered.push(await this.#render(shot, camera, size));
+      rendered.push(await this.#render(request, camera, false));
     }
+    const size = sizeOfEye(request);
     const overlays = texelOverlays(view);
     let overlay: LightPicture | undefined;
     if (overlays.length > 0) {
-      this.#painter.paint(overlays, shot);
-      overlay = { size, rgba: (await this.#render(shot, cameras[0], size, true)).rgba };
+      this.#painter.paint(overlays, request);
+      overlay = { size, rgba: (await this.#render(request, cameras[0], true)).rgba };
     }
     const eyes = rendered.map(({ rgba }) => ({ size, rgba }));
     [this.#picture] = eyes;
@@ -88,52 +91,41 @@ export class CpuRenderer implements Renderer {
 
   close(): void {
     this.#worker.terminate();
+    this.#end("The film was closed.");
   }
 
-  #render(
-    { view, views }: Shot,
-    camera: Camera,
-    size: readonly [number, number],
-    showsOverlay = false,
-  ): Promise<Rendered> {
-    const marksHoles = view.overlays.has("holes");
-    const asked = { frame: view.frame, steps: Math.min(view.steps, MOST_STEPS), marksHoles, views, showsOverlay };
-    return new Promise((resolve) => {
-      this.#worker.onmessage = ({ data }: MessageEvent<Rendered>) => resolve(data);
-      this.#worker.postMessage(renderOrder(this.scene, asked, camera, size));
+  #fail(why: string): void {
+    const message = `The worker that renders failed: ${why}`;
+    this.#end(message);
+    this.onFailed(message);
+  }
+
+  /** Nothing more is rendered. */
+  #end(message: string): void {
+    this.#failure ??= message;
+    this.#waiting?.reject(new Error(message));
+    this.#waiting = undefined;
+  }
+
+  #render(request: DrawRequest, camera: Camera, showsOverlay: boolean): Promise<Rendered> {
+    const { container, catalogue } = this.scene;
+    const { view, views } = request;
+    const active = activeViews(catalogue, views, camera.eye, (probe) => container.probeAt(probe, view.frame));
+    const coding = showsOverlay ? OVERLAY_CODING : active.coding;
+    const order = renderOrder({ ...active, coding }, camera, {
+      size: sizeOfEye(request),
+      steps: Math.min(view.steps, MOST_STEPS),
+      showsOverlay,
+      looksBehindHoles: !view.overlays.has("holes"),
+    });
+    return new Promise((resolve, reject) => {
+      if (this.#failure !== undefined) {
+        throw new Error(this.#failure);
+      }
+      // The page draws one picture after the other.
+      this.#waiting?.reject(new Error("Another picture was ordered."));
+      this.#waiting = { resolve, reject };
+      this.#worker.postMessage(order);
     });
   }
-}
-
-/** Orders a picture of views, by their places in the catalogue. */
-export function renderOrder(
-  { container, catalogue }: Pick<Scene, "container" | "catalogue">,
-  asked: { frame: number; steps: number; marksHoles: boolean; views: readonly number[]; showsOverlay: boolean },
-  camera: Camera,
-  size: readonly [number, number],
-): Order {
-  const probeOf = (probe: number) => container.probeAt(probe, asked.frame);
-  const { views, coding, nearest, nearM, farM } = activeViews(catalogue, asked.views, camera.eye, probeOf);
-  return {
-    kind: "render",
-    shot: {
-      camera: { axes: camera.axes, half: camera.half },
-      size,
-      coding,
-      showsOverlay: asked.showsOverlay,
-      nearM,
-      farM,
-      steps: asked.steps,
-      refine: REFINE,
-      looksBehindHoles: !asked.marksHoles,
-    },
-    views: views.map(({ view, streams, fromEye, turn, cameraWeight }) => ({
-      view,
-      fromEye,
-      turn,
-      cameraWeight,
-      nearM: streams.nearM,
-    })),
-    nearest,
-  };
 }

@@ -1,6 +1,5 @@
 // Decodes and draws on the graphics device.
 
-import type { Container } from "../format/container.ts";
 import type { Stream } from "../format/types.ts";
 import { FamilyDecoder } from "../gpu/decoder.ts";
 import { ROW_WORDS } from "../gpu/depth_planes.ts";
@@ -12,13 +11,12 @@ import { MARCH_SETTINGS } from "../gpu/scene.ts";
 import { type DevicePictures, LightFieldTexels } from "../gpu/texels.ts";
 import { activeViews } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
-import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
-import { halfBits, lightOf as lightOfCode } from "../views/straight.ts";
+import type { FaceStreams } from "../views/catalogue.ts";
+import { halfBits, lightOf } from "../views/straight.ts";
 import { DeviceFamily } from "./device_units.ts";
-import { OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
-import type { Drawn, Renderer, Shot } from "./renderer.ts";
+import { OVERLAY_CODING, OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
+import { type DrawRequest, type DrawResult, type Renderer, type Scene, sizeOfEye } from "./renderer.ts";
 import { DeviceTimer } from "./timer.ts";
-import type { Desk } from "./unit_source.ts";
 
 /** Bytes of chunks on the device beside those that a frame needs. */
 const KEPT_BYTES = 256 << 20;
@@ -26,17 +24,6 @@ const KEPT_BYTES = 256 << 20;
 /** Whether the device decodes the colors of a face for rendering: 8-bit cells of opaque images. Workers decode others as fast. */
 function isOfDevice({ color: { header }, alpha }: FaceStreams): boolean {
   return header.kind === "color" && !header.isHalf && header.coding.name === "cells" && alpha === undefined;
-}
-
-/** What a film is drawn from. */
-interface Scene {
-  container: Container;
-  catalogue: Catalogue;
-  canvas: HTMLCanvasElement;
-  desk: Desk;
-  /** Views that are loaded at once, and their images, at most. */
-  mostViews: number;
-  mostImages: number;
 }
 
 export class DeviceRenderer implements Renderer {
@@ -99,12 +86,11 @@ export class DeviceRenderer implements Renderer {
     return families;
   }
 
-  async draw(asked: Shot, onShown: () => void): Promise<Drawn> {
-    const { view, cameras, views } = asked;
+  async draw(request: DrawRequest, onShown: () => void): Promise<DrawResult> {
+    const { view, cameras, views } = request;
     const begun = performance.now();
     const { container, catalogue, canvas } = this.scene;
-    const [width, height] = view.size;
-    const size: [number, number] = [view.stereo === "side-by-side" ? Math.ceil(width / 2) : width, height];
+    const size = sizeOfEye(request);
     const marksHoles = view.overlays.has("holes");
     const settings = {
       ...MARCH_SETTINGS,
@@ -124,8 +110,14 @@ export class DeviceRenderer implements Renderer {
     const overlays = texelOverlays(view);
     if (overlays.length > 0) {
       this.#overlay ??= this.#makeOverlay();
-      this.#overlay.painter.paint(overlays, asked);
-      await this.#marcher.render(marks, { ...shot(cameras[0]), colors: this.#overlay.view });
+      this.#overlay.painter.paint(overlays, request);
+      const marked = shot(cameras[0]);
+      const coding = marked.active.coding.name === "light" ? marked.active.coding : OVERLAY_CODING;
+      await this.#marcher.render(marks, {
+        ...marked,
+        active: { ...marked.active, coding },
+        colors: this.#overlay.view,
+      });
     }
     [canvas.width, canvas.height] = view.size;
     const hasMarks = overlays.length > 0;
@@ -170,6 +162,6 @@ export class DeviceRenderer implements Renderer {
 
 /** 8-bit codes as half floats of light. */
 function halvesOf(codes: Uint8Array): Uint16Array {
-  const halves = Array.from({ length: 256 }, (_, code) => halfBits(lightOfCode(code, "srgb")));
+  const halves = Array.from({ length: 256 }, (_, code) => halfBits(lightOf(code, "srgb")));
   return Uint16Array.from(codes, (code) => halves[code]);
 }

@@ -3,9 +3,9 @@
 
 import type { Container } from "../format/container.ts";
 import type { Rect, Stream } from "../format/types.ts";
-import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
+import type { Catalogue, ColorCoding, FaceStreams } from "../views/catalogue.ts";
 import { type Color, codingColors } from "./coding_colors.ts";
-import type { Shot } from "./renderer.ts";
+import type { DrawRequest } from "./renderer.ts";
 import type { Overlay, View } from "./types.ts";
 
 const DARK: Color = [18, 20, 26];
@@ -16,9 +16,11 @@ const KEYFRAME: Color = [255, 120, 40];
 const LATER: Color = [40, 90, 200];
 
 /** Overlays that are colors of texels; holes are marked when a picture is shown. */
-export const TEXEL_OVERLAYS = ["probes", "nodes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
-export type TexelOverlay = (typeof TEXEL_OVERLAYS)[number];
+const TEXEL_OVERLAYS = ["probes", "nodes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
+type TexelOverlay = (typeof TEXEL_OVERLAYS)[number];
 
+/** How colors of overlays are coded; those of films of light are light, too. */
+export const OVERLAY_CODING: ColorCoding = { name: "codes", transfer: "srgb", exposureEv: 0 };
 /** How much of an overlay is shown. */
 export const OVERLAY_SHARE = 0.55;
 
@@ -28,7 +30,7 @@ export function texelOverlays({ overlays }: View): TexelOverlay[] {
 }
 
 /** Sends texels of a rectangle of a face of a view: codes of red, green and blue behind the curve of sRGB, and alpha, row by row. */
-export type SendTexels = (place: { view: number; face: number }, rect: Rect, texels: Uint8Array<ArrayBuffer>) => void;
+type SendTexels = (place: { view: number; face: number }, rect: Rect, texels: Uint8Array<ArrayBuffer>) => void;
 
 /** Paints overlays for images of a film. */
 export class OverlayPainter {
@@ -49,14 +51,15 @@ export class OverlayPainter {
   }
 
   /** Paints overlays over each other, each image only where it changed. */
-  paint(overlays: readonly TexelOverlay[], shot: Shot): void {
-    for (const view of shot.views) {
+  paint(overlays: readonly TexelOverlay[], request: DrawRequest): void {
+    for (const view of request.views) {
       for (const streams of this.catalogue.views[view].faces) {
         const painter = new ImagePainter(streams.size);
-        overlays.forEach((overlay) => this.#paint(overlay, { view, streams }, shot, painter));
+        overlays.forEach((overlay) => this.#paint(overlay, { view, streams }, request, painter));
         for (const rect of painter.changesTo(this.#painted.get(streams.depth.index))) {
           this.send({ view, face: streams.face }, rect, painter.texels(rect));
         }
+        painter.forgetMaps();
         this.#painted.set(streams.depth.index, painter);
       }
     }
@@ -65,7 +68,7 @@ export class OverlayPainter {
   #paint(
     overlay: TexelOverlay,
     { view, streams }: { view: number; streams: FaceStreams },
-    { view: { frame }, isFresh, codings }: Shot,
+    { view: { frame }, isFresh, codings }: DrawRequest,
     canvas: ImagePainter,
   ): void {
     const { depth, color } = streams;
@@ -74,9 +77,8 @@ export class OverlayPainter {
     } else if (overlay === "nodes") {
       this.#forEachUnit(depth, (rect, unit) => {
         const known = codings(depth.index, unit);
-        if (known !== undefined) {
-          canvas.map(rect, { bytes: known.bytes, words: this.#codingWords });
-        }
+        const key = known === undefined ? "" : `${known.chunk} ${known.frame}`;
+        canvas.map(rect, { key, bytes: known?.bytes, words: this.#codingWords });
       });
     } else if (overlay === "units") {
       this.#forEachUnit(color, (rect) => canvas.frame(rect, CELL_EDGE));
@@ -119,9 +121,13 @@ function hue(turn: number): Color {
   return [part(0), part(1 / 3), part(2 / 3)];
 }
 
-/** Bytes for the texels of a rectangle, row by row, and the texels of all bytes; 0 leaves what is there. */
-interface TexelMap {
-  bytes: Uint8Array;
+/** Texels of a rectangle by a byte for each. */
+interface ByteMap {
+  /** Tells maps of a rectangle apart. */
+  key: string;
+  /** Row by row; without them the rectangle is left as it is. */
+  bytes: Uint8Array | undefined;
+  /** The texels of all bytes; 0 leaves what is there. */
   words: Uint32Array;
 }
 
@@ -130,7 +136,7 @@ interface Step {
   rect: Rect;
   isFrame: boolean;
   color: Color;
-  map?: TexelMap;
+  map?: ByteMap;
 }
 
 /** Rectangles of an image, painted once their texels are asked for. */
@@ -149,7 +155,7 @@ class ImagePainter {
     if (other === undefined || other.#key !== this.#key) {
       return [[0, 0, ...this.size]];
     }
-    return this.#steps.filter(({ map }, at) => map?.bytes !== other.#steps[at].map?.bytes).map(({ rect }) => rect);
+    return this.#steps.filter(({ map }, at) => map?.key !== other.#steps[at].map?.key).map(({ rect }) => rect);
   }
 
   fill(rect: Rect, color: Color): void {
@@ -162,8 +168,13 @@ class ImagePainter {
   }
 
   /** The texels of a rectangle by a map. */
-  map(rect: Rect, map: TexelMap): void {
+  map(rect: Rect, map: ByteMap): void {
     this.#steps.push({ rect, color: DARK, isFrame: false, map });
+  }
+
+  /** Lets the bytes of maps go: nothing more is drawn. */
+  forgetMaps(): void {
+    this.#steps.forEach(({ map }) => map && (map.bytes = undefined));
   }
 
   /** The texels of a rectangle of the image. */
@@ -190,7 +201,7 @@ function drawRow(step: Step, row: number, [from, to]: [number, number], out: Uin
   if (step.map !== undefined) {
     const { bytes, words } = step.map;
     const start = (row - top) * columns + from - left;
-    for (let at = 0; at < out.length; at += 1) {
+    for (let at = 0; bytes !== undefined && at < out.length; at += 1) {
       out[at] = words[bytes[start + at]] || out[at];
     }
   } else if (!step.isFrame || row === top || row === top + rows - 1) {

@@ -4,12 +4,19 @@
 // there. Nothing waits for a fetch.
 
 import { Container } from "../format/container.ts";
-import type { ByteSource, Chunk, Stream, Vec3 } from "../format/types.ts";
+import { type ByteSource, type Chunk, type Stream, UnsupportedError, type Vec3 } from "../format/types.ts";
 import { findAdapter, Gpu, isSoftware } from "../gpu/device.ts";
 import { imageBytes } from "../gpu/texture_arrays.ts";
 import { add, length, scale, subtract } from "../math.ts";
 import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
-import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from "../views/catalogue.ts";
+import {
+  type Catalogue,
+  catalogueOf,
+  frameRanges,
+  hasFrame,
+  type ProbeStreams,
+  streamsOf,
+} from "../views/catalogue.ts";
 import { selectViews } from "../views/selection.ts";
 import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
@@ -20,7 +27,7 @@ import { filmOf } from "./film.ts";
 import { FramePacing } from "./frame_pacing.ts";
 import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
 import { WorkerPool } from "./pool.ts";
-import type { Drawn, Renderer } from "./renderer.ts";
+import type { DrawResult, Renderer } from "./renderer.ts";
 import { withRetries } from "./retries.ts";
 import { ChunkStore, rangeKey } from "./store.ts";
 import type { Film, Player, PlayerStats, Problem, RendererChoice, RendererName, View } from "./types.ts";
@@ -58,25 +65,48 @@ export async function openPlayer(
     throw opened.reason;
   }
   const gpu = opened.value;
+  let desk: Desk | undefined;
+  let renderer: Renderer | undefined;
   try {
     if (read.status === "rejected") {
       throw read.reason;
     }
     const container = read.value;
-    const catalogue = catalogueOf(container);
-    const { views } = catalogue;
-    const mostFaces = Math.max(...views.map(({ faces }) => faces.length));
-    const ofView = mostFaces * IMAGE_SHARE * imageBytes(catalogue);
-    const room = Math.max(1, Math.floor(TEXEL_BYTES / ofView));
-    const mostViews = Math.min(views.length, gpu === undefined ? Math.min(room, MOST_CPU_VIEWS) : room);
-    const desk = deskOf(container);
+    const all = catalogueOf(container);
+    const catalogue = gpu === undefined ? withoutMaterials(all) : all;
+    const mostFaces = Math.max(...catalogue.views.map(({ faces }) => faces.length));
+    const mostViews = mostViewsOf(catalogue, mostFaces, gpu === undefined);
+    desk = deskOf(container);
     const scene = { container, catalogue, canvas, desk, mostViews, mostImages: mostViews * mostFaces };
-    const renderer = gpu === undefined ? new CpuRenderer(scene) : await DeviceRenderer.create(gpu, scene);
+    renderer = gpu === undefined ? new CpuRenderer(scene) : await DeviceRenderer.create(gpu, scene);
     return new FilmPlayer({ renderer, desk, catalogue, mostViews });
   } catch (error) {
+    desk?.store.close();
+    desk?.pool.close();
+    renderer?.close();
     gpu?.destroy();
     throw error;
   }
+}
+
+/** The processor follows no secondary rays, which alone show materials. */
+function withoutMaterials({ views, coding }: Catalogue): Catalogue {
+  const plain = ({ faces, ...view }: ProbeStreams): ProbeStreams => ({
+    ...view,
+    faces: faces.map((face) => ({ ...face, material: undefined })),
+  });
+  return { views: views.map(plain), coding };
+}
+
+/** Views that are loaded at once. Textures of a device have limits of their own. */
+function mostViewsOf(catalogue: Catalogue, mostFaces: number, isCpu: boolean): number {
+  const { views } = catalogue;
+  const ofView = mostFaces * IMAGE_SHARE * imageBytes(catalogue);
+  if (isCpu && ofView > TEXEL_BYTES) {
+    throw new UnsupportedError("The images of a probe are larger than the processor draws; a graphics device may.");
+  }
+  const room = Math.max(1, Math.floor(TEXEL_BYTES / ofView));
+  return Math.min(views.length, room, isCpu ? MOST_CPU_VIEWS : Infinity);
 }
 
 /** The device that shall draw, if any. */
@@ -445,7 +475,7 @@ class FilmPlayer implements Player {
     return chunks;
   }
 
-  #draw({ view, active, cameras }: Sight): Promise<Drawn> {
+  #draw({ view, active, cameras }: Sight): Promise<DrawResult> {
     const now = performance.now();
     const isFresh = (chunk: number): boolean => {
       const arrived = this.#arrived.get(rangeKey(this.#container.chunks[chunk]));

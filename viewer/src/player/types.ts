@@ -1,14 +1,10 @@
 // The interface between page and player. The page knows no container and no device.
 
 import type { Vec3 } from "../format/types.ts";
+import type { Pose } from "../views/camera.ts";
+import type { StereoLayout, ToneMapName } from "../views/presentation.ts";
 
-/** Where the viewer is and looks: right-handed, +Y up, metres; angles in radians. At yaw and pitch 0 it looks along -Z; yaw turns to the
- *  left (around +Y), pitch up. */
-export interface Pose {
-  eye: Vec3;
-  yaw: number;
-  pitch: number;
-}
+export type { Pose, StereoLayout, ToneMapName };
 
 export interface Film {
   name: string;
@@ -25,8 +21,6 @@ export interface Film {
   streams: { kind: string; codec: string; count: number; bytes: number }[];
 }
 
-export type StereoLayout = "mono" | "side-by-side" | "anaglyph";
-export type ToneMapName = "none" | "reinhard" | "filmic";
 /** What draws: the graphics device, or the processor in small pictures. */
 export type RendererName = "gpu" | "cpu";
 /** With "auto" the graphics device draws, unless that is a program on the processor, which is slower than our own. */
@@ -89,7 +83,7 @@ export interface Player {
   readonly film: Film;
   /** What draws a container. */
   readonly renderer?: RendererName;
-  /** Pixels of a picture that it can draw while the eye moves. */
+  /** Pixels of a picture at most. */
   readonly mostPixels?: number;
   /** Draws into the canvas, from what is here; fetches what is missing for this view and for where the eye is heading. Never waits for a
    *  fetch. Resolves when the device has drawn. */

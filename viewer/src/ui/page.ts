@@ -54,7 +54,10 @@ export class Page {
   readonly #messages = new Messages();
   readonly #notice = new Notice(
     () => void this.load(),
-    () => this.#set({ renderer: "cpu" }),
+    () => {
+      this.#set({ renderer: "cpu" });
+      void this.load();
+    },
   );
   readonly #panels = new Panels(() => (this.#panelsMs = -Infinity));
   readonly #settingsPanel = new SettingsPanel((change) => this.#set(change));
@@ -68,6 +71,8 @@ export class Page {
   #frame: number | undefined;
   #drawn: Drawn | undefined;
   #isLoading = false;
+  /** The choice that the film was opened with last. */
+  #renderer: RendererChoice | undefined;
   #mayReload = true;
   #wantsPicture = false;
   #tickMs = 0;
@@ -115,12 +120,14 @@ export class Page {
       return;
     }
     this.#isLoading = true;
+    const { renderer } = this.#settings;
+    this.#renderer = renderer;
     this.#leave();
     this.#notice.opening(this.#file.name);
     const canvas = document.createElement("canvas");
     this.#stage.replaceChildren(canvas);
     try {
-      this.#enter(await this.#open(this.#file, canvas, this.#settings.renderer), canvas);
+      this.#enter(await this.#open(this.#file, canvas, renderer), canvas);
       this.#notice.hide();
       this.#panels.restore();
     } catch (error) {
@@ -129,6 +136,9 @@ export class Page {
       this.#notice.failed(error, this.#command());
     } finally {
       this.#isLoading = false;
+    }
+    if (this.#file.kind === "lfold" && renderer !== this.#settings.renderer) {
+      await this.load();
     }
   }
 
@@ -190,6 +200,8 @@ export class Page {
     byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
     this.#timeline.setFilm(film, isQuilt ? "View" : "Frame");
     this.#inspector.setFilm(film, marks);
+    // The processor takes few.
+    byId("steps", HTMLSelectElement).disabled = renderer === "cpu";
     const rate = Number(film.framesPerSecond.toFixed(3));
     const moving = isQuilt ? `${film.frameCount} views` : `${film.frameCount} frames at ${rate}/s`;
     const frames = isStill ? "still" : moving;
@@ -361,7 +373,6 @@ export class Page {
 
   #set(change: Partial<Settings>): void {
     const settings = { ...this.#settings, ...change };
-    const isOther = settings.renderer !== this.#settings.renderer;
     this.#settings = settings;
     this.#settingsPanel.show(settings);
     this.#inspector.showMarks(settings.marks);
@@ -373,7 +384,7 @@ export class Page {
       shown.showOverdraw?.(settings.marks.has("overdraw"));
       shown.loop.move();
     }
-    if (isOther) {
+    if (this.#file.kind === "lfold" && settings.renderer !== this.#renderer) {
       void this.load();
     }
   }
@@ -393,12 +404,15 @@ export class Page {
   /** Goes where the address says, as it was changed. */
   #follow(): void {
     const link = parseLink(location.hash);
-    this.#set({ ...DEFAULTS, ...link.settings });
-    if (this.#shown !== undefined) {
-      this.#pose = this.#posed(this.#shown.player.film.start, link);
-      this.#seek(link.frame ?? this.#shown.player.film.firstFrame);
-      this.#shown.loop.move();
+    const shown = this.#shown;
+    this.#pose = shown && this.#posed(shown.player.film.start, link);
+    this.#frame = undefined;
+    if (shown !== undefined) {
+      this.#seek(link.frame ?? shown.player.film.firstFrame);
     }
+    // Another renderer opens the film anew.
+    this.#set({ ...DEFAULTS, ...link.settings });
+    this.#shown?.loop.move();
   }
 
   #writeLink(frame: number): void {

@@ -12,6 +12,11 @@ import { rayLength } from "./face.ts";
 /** The weight of a view by its distance from the eye, relative to the farthest active view, has this beside it. */
 const CAMERA_EPSILON = 0.01;
 
+/** A hit has a texel's surface where the logarithms of their distances differ by no more than this, beyond the uncertainty of steps. */
+export const HOLE_DIFFERENCE = 0.1;
+/** Views with a nearer surface have no bound on inverse depths. Metres. */
+export const LEAST_M = 1e-18;
+
 export interface ActiveView {
   /** Its place in the catalogue. */
   view: number;
@@ -84,6 +89,17 @@ export interface Steps {
   logStep: number;
   /** Greatest distance of hits behind the surface, in the logarithm: the rest of an interval that was halved `refine` times. */
   uncertainty: number;
+}
+
+/** Steps of a picture: `count`, from a tenth of the least distance of surfaces on. */
+export function stepsOf({ nearM, farM }: Pick<ActiveViews, "nearM" | "farM">, count: number, refine: number): Steps {
+  return stepsBetween(count, nearM / 10, farM, refine);
+}
+
+/** Points of the longest segment that one test may prove empty, a power of two, and of the first one. */
+export function segmentsOf({ distancesM }: Steps): { longest: number; first: number } {
+  const longest = 2 ** Math.ceil(Math.log2(distancesM.length));
+  return { longest, first: Math.max(longest / 4, 1) };
 }
 
 /** `count` steps, at least 1, between `nearM` and `farM`, both above 0; where far is not beyond near, near alone. */

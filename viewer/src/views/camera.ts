@@ -3,7 +3,14 @@
 import type { Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";
 import { add, cross, scale } from "../math.ts";
-import type { Pose } from "../player/types.ts";
+
+/** Where the viewer is and looks: right-handed, +Y up, metres; angles in radians. At yaw and pitch 0 it looks along -Z; yaw turns to the
+ *  left (around +Y), pitch up. */
+export interface Pose {
+  eye: Vec3;
+  yaw: number;
+  pitch: number;
+}
 
 export interface Camera {
   /** Metres. */

@@ -5,10 +5,10 @@ import type { Rect } from "../format/types.ts";
 import { unitRectOf } from "../format/index_tables.ts";
 import { FaceUnits, LoadedFaces } from "../views/known_units.ts";
 import type { Texels } from "../views/texels.ts";
-import type { Order } from "./messages.ts";
+import type { Order } from "../cpu/messages.ts";
 
 /** The codes of a tile, row by row. */
-export type TileCodes = (stream: number, tile: number) => Uint16Array;
+type TileCodes = (stream: number, tile: number) => Uint16Array;
 
 class SentFace extends FaceUnits {
   constructor(
@@ -64,7 +64,7 @@ export class WorkerTexels implements Texels {
 
   uploadColor(stream: number, rect: Rect, texels: Uint8Array | Uint16Array): void {
     const { view, streams } = this.#loaded.ofStream(stream).face;
-    this.send({ kind: "color", place: { view, face: streams.face, rect }, texels });
+    this.send({ kind: "color", area: { view, face: streams.face, rect }, texels });
   }
 
   /** Materials show in secondary rays alone, which are not followed here. */
@@ -82,7 +82,7 @@ export class WorkerTexels implements Texels {
         const { depth, face: number } = face.streams;
         for (const { rect, tile, isKnown } of face.takeParts()) {
           const codes = isKnown ? partOf(face.codes(depth.index, tile), unitRectOf(depth, tile), rect) : undefined;
-          this.send({ kind: "depth", place: { view, face: number, rect }, codes });
+          this.send({ kind: "depth", area: { view, face: number, rect }, codes });
         }
       }
     }

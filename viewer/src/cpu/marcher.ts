@@ -1,9 +1,10 @@
-// Pictures of a light field on the processor: rays, the surfaces that they meet one behind the other, and the background. Mirrors
+// Marching on the processor: rays, the surfaces that they meet one behind the other, and the background. Mirrors
 // src/march/layers.rs and src/march/render.rs (CALF 6), with their default settings and no secondary rays.
 
-import { type Steps, stepsBetween } from "../views/active.ts";
+import { HOLE_DIFFERENCE, type Steps, stepsOf } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding } from "../views/catalogue.ts";
+import { lightOf } from "../views/straight.ts";
 import { Colors } from "./colors.ts";
 import { type MarchedViews } from "./marched_views.ts";
 import { Rays } from "./rays.ts";
@@ -11,19 +12,15 @@ import { Rays } from "./rays.ts";
 const LEAST_LAYER = 1 / 64;
 const MAX_LAYERS = 8;
 const MAX_EXITS = 64;
-/** A hit has a texel's surface where the logarithms of their distances differ by no more, beyond the uncertainty of steps. */
-const HOLE_DIFFERENCE = 0.1;
 const BEHIND = Math.exp(HOLE_DIFFERENCE);
 
-const OVERLAY_CODING: ColorCoding = { name: "codes", transfer: "srgb", exposureEv: 0 };
-
 /** What a picture is rendered with. */
-export interface CpuShot {
+export interface MarchRequest {
   camera: Pick<Camera, "axes" | "half">;
   /** Width and height in pixels. */
   size: readonly [number, number];
   coding: ColorCoding;
-  /** Whether colors are those of the overlay, which are codes behind the curve of sRGB. */
+  /** Whether colors are those of the overlay, and so is their coding. */
   showsOverlay: boolean;
   /** Least and greatest distance of surfaces, in metres. */
   nearM: number;
@@ -36,7 +33,7 @@ export interface CpuShot {
 }
 
 /** Renders rows of a picture. */
-export class Renderer {
+export class Marcher {
   readonly #steps: Steps;
   readonly #rays: Rays;
   readonly #colors: Colors;
@@ -58,18 +55,18 @@ export class Renderer {
 
   constructor(
     private readonly marched: MarchedViews,
-    private readonly shot: CpuShot,
+    private readonly request: MarchRequest,
   ) {
-    this.#steps = stepsBetween(shot.steps, shot.nearM / 10, shot.farM, shot.refine);
+    this.#steps = stepsOf(request, request.steps, request.refine);
     this.#tolerance = HOLE_DIFFERENCE + this.#steps.uncertainty;
-    this.#rays = new Rays(marched, this.#steps, shot.refine);
-    this.#colors = new Colors(marched, this.#tolerance, shot.showsOverlay);
-    this.#light = lightOf(shot.showsOverlay ? OVERLAY_CODING : shot.coding);
+    this.#rays = new Rays(marched, this.#steps, request.refine);
+    this.#colors = new Colors(marched, this.#tolerance, request.showsOverlay);
+    this.#light = lightOfCoding(request.coding);
   }
 
   /** Writes red, green and blue of linear light, and alpha, of rows from `first` up to, but without, `end`. */
   render(first: number, end: number, rgba: Float32Array): void {
-    const { camera, size, looksBehindHoles } = this.shot;
+    const { camera, size, looksBehindHoles } = this.request;
     const [width, height] = size;
     const [forward, right, down] = camera.axes;
     const { counts } = this.marched;
@@ -120,14 +117,7 @@ export class Renderer {
   #showSurfaces(): boolean {
     const [rays, colors, marched] = [this.#rays, this.#colors, this.marched];
     const { distancesM, logStep } = this.#steps;
-    // A surface of the nearest view shows though others see past it.
-    marched.alone = marched.nearest;
-    marched.untilUnknown = true;
-    const first = rays.firstStep(0);
-    marched.untilUnknown = false;
-    const isThin = first < distancesM.length && rays.isSurfaceAt(distancesM[first]);
-    const thinM = isThin ? rays.refined(first) : -1;
-    marched.alone = -1;
+    const { first, thinM } = this.#nearestSurface();
     let hitM = rays.intersectFrom(first);
     if (thinM >= 0 && (hitM < 0 || thinM < hitM / BEHIND)) {
       this.#lookAt(thinM);
@@ -150,7 +140,7 @@ export class Renderer {
             this.#unseen = colors.isFound ? [colors.red, colors.green, colors.blue] : this.#unseen;
             if (this.#layers === 0 && !isInside) {
               this.#isHole = true;
-              if (!this.shot.looksBehindHoles) {
+              if (!this.request.looksBehindHoles) {
                 return true;
               }
             }
@@ -175,6 +165,20 @@ export class Renderer {
       }
     }
     return false;
+  }
+
+  /** The distance of the surface of the nearest view, or -1: it shows though others see past it. No surface begins before step `first`. */
+  #nearestSurface(): { first: number; thinM: number } {
+    const [rays, marched] = [this.#rays, this.marched];
+    const { distancesM } = this.#steps;
+    marched.alone = marched.nearest;
+    marched.untilUnknown = true;
+    const first = rays.firstStep(0);
+    marched.untilUnknown = false;
+    const isThin = first < distancesM.length && rays.isSurfaceAt(distancesM[first]);
+    const thinM = isThin ? rays.refined(first) : -1;
+    marched.alone = -1;
+    return { first, thinM };
   }
 
   #lookAt(distanceM: number): void {
@@ -233,14 +237,11 @@ function firstBeyond(distancesM: Float32Array, atM: number): number {
   return next;
 }
 
-/** Linear light of colors as they are coded. */
-function lightOf(coding: ColorCoding): (code: number) => number {
+/** Linear light of colors as they are coded: codes over 255, or light. */
+function lightOfCoding(coding: ColorCoding): (code: number) => number {
   if (coding.name === "light") {
     return (light) => light;
   }
   const gain = 2 ** -coding.exposureEv;
-  if (coding.transfer === "linear") {
-    return (code) => gain * code;
-  }
-  return (code) => gain * (code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4);
+  return (code) => gain * lightOf(255 * code, coding.transfer);
 }

@@ -1,0 +1,114 @@
+// A container that is decoded and rendered on the processor, without workers and a page.
+
+import { chunkDecoder } from "../src/codec/decode.ts";
+import { parseCodecHeader } from "../src/codec/headers.ts";
+import type { Pixels } from "../src/codec/types.ts";
+import { Field } from "../src/cpu/field.ts";
+import type { Rendered } from "../src/cpu/messages.ts";
+import { type OrderOptions, renderOrder } from "../src/cpu/order.ts";
+import { Container } from "../src/format/container.ts";
+import { unpack } from "../src/format/payload.ts";
+import type { Stream } from "../src/format/types.ts";
+import { WorkerTexels } from "../src/player/worker_texels.ts";
+import { activeViews } from "../src/views/active.ts";
+import { cameraOf } from "../src/views/camera.ts";
+import { type Catalogue, catalogueOf, type FaceStreams, hasFrame, streamsOf } from "../src/views/catalogue.ts";
+import { unitsUnder } from "../src/views/rects.ts";
+import { ColorTexels, type UnitPixels } from "../src/views/straight.ts";
+import type { Shot } from "./films.ts";
+import { MemorySource } from "./memory_source.ts";
+
+/** One frame of a film in memory. */
+export class MemoryFilm {
+  readonly texels: WorkerTexels;
+  readonly #field = new Field();
+  readonly #pixels = new Map<string, Pixels>();
+  readonly #colors: ColorTexels;
+
+  private constructor(
+    readonly container: Container,
+    readonly catalogue: Catalogue,
+    private readonly source: MemorySource,
+    readonly frame: number,
+  ) {
+    this.texels = new WorkerTexels(catalogue, (order) => this.#field.run(structuredClone(order)));
+    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
+    this.#colors = new ColorTexels(catalogue.coding, hasAlpha);
+  }
+
+  /** Decodes all of a frame. */
+  static async open(bytes: Uint8Array, frame: number): Promise<MemoryFilm> {
+    const source = new MemorySource(bytes);
+    const container = await Container.open(source);
+    const film = new MemoryFilm(container, catalogueOf(container), source, frame);
+    for (const view of film.views) {
+      film.texels.load(view, (stream, tile) => film.#pixels.get(`${stream} ${tile}`) as Uint16Array);
+      for (const face of film.catalogue.views[view].faces) {
+        await film.#load(face);
+      }
+    }
+    film.texels.update();
+    return film;
+  }
+
+  /** Views that have the frame. */
+  get views(): number[] {
+    const { views } = this.catalogue;
+    return views.flatMap((streams, view) => (hasFrame(streams, this.frame) ? [view] : []));
+  }
+
+  /** The units of all streams of a face. */
+  *unitsOf(face: FaceStreams): Generator<[Stream, number]> {
+    for (const stream of streamsOf(face)) {
+      for (let unit = 0; unit < this.container.unitCount(stream.index); unit += 1) {
+        yield [stream, unit];
+      }
+    }
+  }
+
+  render(
+    { pose, size, fovDeg, steps }: Omit<Shot, "frame">,
+    options: Partial<OrderOptions> = {},
+    views = this.views,
+  ): Rendered {
+    const camera = cameraOf(pose, fovDeg, size[0] / size[1]);
+    const probeOf = (probe: number) => this.container.probeAt(probe, this.frame);
+    const active = activeViews(this.catalogue, views, pose.eye, probeOf);
+    const all = { size, steps, showsOverlay: false, looksBehindHoles: true, ...options };
+    return this.#field.run(renderOrder(active, camera, all))!;
+  }
+
+  async #load(face: FaceStreams): Promise<void> {
+    const { color, alpha } = face;
+    for (const [stream, unit] of this.unitsOf(face)) {
+      this.#pixels.set(`${stream.index} ${unit}`, await this.#decode(stream, unit));
+    }
+    for (let cell = 0; cell < this.container.unitCount(color.index); cell += 1) {
+      const of = this.#unitPixels(color, cell);
+      for (const [matte, part] of alpha === undefined ? [[-1, of.rect] as const] : unitsUnder(alpha, of.rect)) {
+        const under = alpha === undefined ? undefined : this.#unitPixels(alpha, matte);
+        this.texels.uploadColor(color.index, part, this.#colors.of(of, part, under));
+      }
+    }
+    for (const [stream, unit] of this.unitsOf(face)) {
+      this.texels.written(stream.index, unit);
+    }
+  }
+
+  #unitPixels(stream: Stream, unit: number): UnitPixels {
+    const pixels = this.#pixels.get(`${stream.index} ${unit}`)!;
+    return { pixels, rect: this.container.unitRect(stream.index, unit) };
+  }
+
+  async #decode(stream: Stream, unit: number): Promise<Pixels> {
+    const at = this.container.chunkIndex(stream.index, unit, this.frame);
+    const payload = async (number: number): Promise<Uint8Array> => {
+      const chunk = this.container.chunks[number];
+      return unpack(chunk, await this.source.read(chunk.offset, chunk.storedBytes));
+    };
+    const area = this.container.areaOf(at);
+    const next = area.place === "last" ? undefined : await payload(at + 1);
+    const decoder = chunkDecoder(parseCodecHeader(stream, stream.headerBytes), await payload(at), area);
+    return decoder.frame(this.frame - this.container.chunks[at].firstFrame, () => next!).slice();
+  }
+}
