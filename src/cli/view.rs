@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long)]
     pub open: bool,
     /// Address to listen at, 0.0.0.0 for all of this machine: whoever reaches it sees the film
-    #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into())]
+    #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into(), value_parser = parse_address)]
     pub listen: IpAddr,
     /// Write the page and a copy of FILE as a static site, and serve nothing; an earlier site in DIR is replaced
     #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "open", "listen"])]
@@ -59,6 +59,11 @@ struct SiteReport<'a> {
     path: std::borrow::Cow<'a, str>,
     files: u64,
     bytes: u64,
+}
+
+/// An address as itself, or in brackets as those of IPv6 stand in URLs.
+fn parse_address(text: &str) -> std::result::Result<IpAddr, std::net::AddrParseError> {
+    text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(text).parse()
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -113,4 +118,18 @@ fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     server.run(&stop)?;
     Ok(ExitStatus::Passed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_may_stand_in_brackets() {
+        assert_eq!(parse_address("::1"), parse_address("[::1]"));
+        assert!(parse_address("127.0.0.1").unwrap().is_loopback());
+        for text in ["[::1", "::1]", "localhost", ""] {
+            assert!(parse_address(text).is_err(), "{text}");
+        }
+    }
 }

@@ -99,18 +99,20 @@ test("what is in use stays, and ranges may overlap", async () => {
   assert.equal(source.asked.length, 4);
 });
 
-test("a failing server is asked again, and the viewer is told once", async () => {
+test("a failing server is asked again, and the viewer is told as long as it fails", async () => {
   const source = new SlowSource();
   const store = storeOf(source);
   const problems: string[] = [];
-  store.onProblem = (problem) => problems.push(`${problem.fatal} ${problem.message}`);
+  store.onProblem = (problem) => problems.push(`${problem.passes ? "passes" : "stays"}: ${problem.message}`);
   store.want([chunk(100, 4)]);
   for (let failure = 0; failure < 6; failure += 1) {
     assert.equal(source.asked.length, failure + 1);
     source.asked[failure].fail(new TransportError("the server answered 500"));
     await turn(20);
   }
-  assert.deepEqual(problems, ["false the server answered 500; trying again"]);
+  // From the fourth failure in a row on.
+  const said = "passes: the server answered 500; trying again";
+  assert.deepEqual(problems, [said, said, said]);
   source.asked[6].answer();
   await turn();
   assert.deepEqual([...store.get(chunk(100, 4))!], [100, 101, 102, 103]);

@@ -2,6 +2,7 @@
 
 import type { ByteSource, Chunk } from "../format/types.ts";
 import { FileChangedError, TransportError } from "../format/http.ts";
+import type { Problem } from "./types.ts";
 
 export interface StoreSettings {
   /** Bytes of chunks that are kept. What the last view needs is kept beyond it. */
@@ -81,7 +82,7 @@ export class ChunkStore {
   /** A wanted range has arrived; its key. */
   onChunk: (key: string) => void = () => {};
   /** A sentence for the viewer. Where it is fatal nothing more is fetched. */
-  onProblem: (problem: { fatal: boolean; message: string }) => void = () => {};
+  onProblem: (problem: Problem) => void = () => {};
 
   constructor(
     private readonly source: ByteSource,
@@ -234,8 +235,8 @@ export class ChunkStore {
       return;
     }
     this.failures += 1;
-    if (this.failures === FAILURES_TO_REPORT) {
-      this.onProblem({ fatal: false, message: `${error.message}; trying again` });
+    if (this.failures >= FAILURES_TO_REPORT) {
+      this.onProblem({ fatal: false, passes: true, message: `${error.message}; trying again` });
     }
     if (this.timer === undefined) {
       const delay = this.settings.retryDelayMs * 2 ** Math.min(this.failures - 1, 16);

@@ -72,9 +72,12 @@ export interface PlayerStats {
   shownFrame: number;
 }
 
-/** Something the viewer must know. `fatal`: nothing more will be drawn. */
+/** Something the viewer must know. */
 export interface Problem {
+  /** Nothing more will be drawn. */
   fatal: boolean;
+  /** It may pass: it is told again as long as it lasts. */
+  passes?: boolean;
   /** One sentence. Plain text: it may hold names from a file. */
   message: string;
 }

@@ -112,7 +112,7 @@ export class Inspector {
     setRows(bodyOf("counters"), counters);
     this.#map.showPose(pose, reading.fovDeg);
     const degrees = [pose.yaw, pose.pitch].map((angle) => `${((angle * 180) / Math.PI).toFixed(1)}°`);
-    const eye = pose.eye.map((value) => value.toFixed(3)).join("  ");
+    const eye = pose.eye.map((value) => (Number(value.toFixed(3)) + 0).toFixed(3)).join("  ");
     setText(byId("eye", HTMLElement), `Eye ${eye} m\nYaw ${degrees[0]}  Pitch ${degrees[1]}`);
     setText(this.#command, reading.command ?? "");
     byId("command-part", HTMLElement).hidden = reading.command === undefined;

@@ -9,12 +9,16 @@ const MAX_MESSAGES = 4;
 /** Messages over the picture, which screen readers speak. Each can be dismissed. */
 export class Messages {
   readonly #log = byId("messages", HTMLElement);
+  /** That end messages. */
+  readonly #timers = new WeakMap<Element, ReturnType<typeof setTimeout>>();
 
-  /** Shows a sentence, unless it is there already. */
-  say(text: string): void {
+  /** Shows a sentence, unless it is there already, for so many milliseconds. */
+  say(text: string, ms = Infinity): void {
     const said = sentence(text);
     const shown = [...this.#log.children];
-    if (shown.some((message) => message.firstChild?.textContent === said)) {
+    const known = shown.find((message) => message.firstChild?.textContent === said);
+    if (known !== undefined) {
+      this.#keep(known, ms);
       return;
     }
     shown.slice(0, Math.max(0, shown.length - MAX_MESSAGES + 1)).forEach((message) => message.remove());
@@ -26,6 +30,18 @@ export class Messages {
     dismiss.textContent = "Dismiss";
     dismiss.addEventListener("click", () => message.remove());
     this.#log.appendChild(message);
+    this.#keep(message, ms);
+  }
+
+  /** Removes a message after so many milliseconds from now. */
+  #keep(message: Element, ms: number): void {
+    clearTimeout(this.#timers.get(message));
+    if (ms !== Infinity) {
+      this.#timers.set(
+        message,
+        setTimeout(() => message.remove(), ms),
+      );
+    }
   }
 
   clear(): void {

@@ -33,6 +33,10 @@ const MOVE_SPEED_SHARE = 0.4;
 const MOVE_SPEEDS: [number, number] = [0.15, 3];
 /** Milliseconds of pictures after which a lost film is loaded again by itself. */
 const RELOAD_MS = 10_000;
+/** Milliseconds for which a message stands of what may pass. */
+const PASSING_MS = 15_000;
+/** Tiles and cells are said to be missing once they are for so long. Milliseconds. */
+const MISSING_MS = 400;
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
 
 /** Opens the film for a new canvas. */
@@ -78,6 +82,8 @@ export class Page {
   #tickMs = 0;
   #linkMs = -Infinity;
   #panelsMs = -Infinity;
+  /** When nothing was missing last. */
+  #wholeMs = -Infinity;
 
   constructor(file: FilmFile, open: Opener) {
     this.#file = file;
@@ -133,7 +139,11 @@ export class Page {
     } catch (error) {
       this.#leave();
       this.#stage.replaceChildren();
+      setText(byId("film-facts", HTMLElement), "");
       this.#notice.failed(error, this.#command());
+      if (this.#pose !== undefined) {
+        this.#writeLink(this.#frame ?? 0);
+      }
     } finally {
       this.#isLoading = false;
     }
@@ -225,9 +235,9 @@ export class Page {
   }
 
   /** Says a problem. After a fatal one the film is loaded again: once at once, later when the viewer wants it. */
-  #lost({ fatal, message }: Problem): void {
+  #lost({ fatal, passes, message }: Problem): void {
     if (!fatal) {
-      this.#messages.say(message);
+      this.#messages.say(message, passes === true ? PASSING_MS : Infinity);
       return;
     }
     this.#leave();
@@ -284,7 +294,9 @@ export class Page {
     this.#timeline.showFetched(shown.player.fetched());
     const missing = this.#drawn?.stats.unitsMissing ?? 0;
     const state = byId("state", HTMLElement);
-    state.hidden = missing === 0 && this.#drawn !== undefined;
+    const now = performance.now();
+    this.#wholeMs = missing === 0 ? now : this.#wholeMs;
+    state.hidden = this.#drawn !== undefined && now - this.#wholeMs < MISSING_MS;
     setText(state, this.#drawn ? `${numberText(missing)} tiles and cells not loaded yet` : "Loading the first picture");
     if (this.#drawn !== undefined && this.#pose !== undefined && this.#panels.open === "inspector") {
       const [width, height] = this.#size(1);
