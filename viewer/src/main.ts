@@ -2,7 +2,7 @@
 
 import { fetchFilmFile } from "./ui/film_file.ts";
 import { Notice } from "./ui/notices.ts";
-import { openShow } from "./ui/opening.ts";
+import { openFilm } from "./ui/opening.ts";
 import { Page } from "./ui/page.ts";
 
 const reload = (): void => location.reload();
@@ -10,7 +10,7 @@ const reload = (): void => location.reload();
 async function start(): Promise<void> {
   try {
     const url = new URL("film.json", document.baseURI);
-    await new Page(await fetchFilmFile(url.href), openShow).load();
+    await new Page(await fetchFilmFile(url.href), openFilm).load();
   } catch (error) {
     new Notice(reload, reload).failed(error, undefined);
   }

@@ -14,7 +14,7 @@ import { unpack } from "../src/format/payload.ts";
 import { FormatError, type DepthHeader, type Rect, type Stream, UnsupportedError } from "../src/format/types.ts";
 import { codingColors, CODING_LEGEND } from "../src/player/coding_colors.ts";
 import { CodingMaps, type SeenUnit } from "../src/player/coding_maps.ts";
-import type { Desk } from "../src/player/unit_source.ts";
+import type { DecodeContext } from "../src/player/unit_source.ts";
 import { lightfold, withoutProgram } from "./films.ts";
 import { chance, spoiled, vectors } from "./vectors.ts";
 
@@ -238,11 +238,15 @@ test("the legend has all codings once, and kept ones and borders are darker", ()
   }
 });
 
-/** A desk whose workers answer when they are told to, and the maps that it has. */
-function deskOf(side: number): { desk: Desk; jobs: (() => Promise<void>)[]; isHere: (chunk: number) => boolean } {
+/** A decoding whose workers answer when they are told to, and the maps that it has. */
+function decodeContextOf(side: number): {
+  decoding: DecodeContext;
+  jobs: (() => Promise<void>)[];
+  isHere: (chunk: number) => boolean;
+} {
   const jobs: (() => Promise<void>)[] = [];
   const made = { jobs, isHere: (): boolean => true };
-  const desk = {
+  const decoding = {
     container: {
       unitRect: () => [0, 0, side, side],
       chunks: Array.from({ length: 100 }, (_, unit) => ({ unit, firstFrame: 0 })),
@@ -267,14 +271,14 @@ function deskOf(side: number): { desk: Desk; jobs: (() => Promise<void>)[]; isHe
     frames: { shown: 0, next: [0, 0] },
     onBroken: () => assert.fail("told twice"),
   };
-  return Object.assign(made, { desk: desk as unknown as Desk });
+  return Object.assign(made, { decoding: decoding as unknown as DecodeContext });
 }
 
 const seen = (unit: number, frame: number): SeenUnit => ({ stream: 0, unit, frame, chunk: unit, next: -1 });
 
 test("a few maps are asked for at a time, the oldest first, and none that is not wanted", async () => {
-  const made = deskOf(4);
-  const maps = new CodingMaps(made.desk);
+  const made = decodeContextOf(4);
+  const maps = new CodingMaps(made.decoding);
   const units = (frame: number): SeenUnit[] => Array.from({ length: 12 }, (_, unit) => seen(unit, frame));
   assert.equal(maps.show(units(0), []), 12);
   assert.equal(made.jobs.length, 8);
@@ -296,20 +300,20 @@ test("a few maps are asked for at a time, the oldest first, and none that is not
 });
 
 test("maps are not asked for without their chunks, nor again of broken ones", async () => {
-  const made = deskOf(4);
-  const maps = new CodingMaps(made.desk);
+  const made = decodeContextOf(4);
+  const maps = new CodingMaps(made.decoding);
   made.isHere = (chunk) => chunk !== 1;
   const fetch: unknown[] = [];
   assert.equal(maps.show([seen(1, 0), seen(99, 0)], fetch as never), 2);
-  assert.deepEqual(fetch, [made.desk.container.chunks[1]]);
+  assert.deepEqual(fetch, [made.decoding.container.chunks[1]]);
   await Promise.all(made.jobs.splice(0).map((job) => job()));
   assert.equal(maps.show([seen(99, 1)], []), 0);
   assert.equal(made.jobs.length, 0);
 });
 
 test("maps take bounded memory", async () => {
-  const made = deskOf(4096);
-  const maps = new CodingMaps(made.desk);
+  const made = decodeContextOf(4096);
+  const maps = new CodingMaps(made.decoding);
   // 16 MiB each: four have room.
   assert.equal(
     maps.show(

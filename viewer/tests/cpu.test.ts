@@ -157,8 +157,8 @@ describe("The processor", { skip: withoutProgram }, () => {
 
 function newRenderer(container: Container, catalogue: Catalogue): CpuRenderer {
   const canvas = {} as HTMLCanvasElement;
-  const desk = {} as never;
-  return new CpuRenderer({ container, catalogue, canvas, desk, mostViews: 3, mostImages: 18 });
+  const decoding = {} as never;
+  return new CpuRenderer({ container, catalogue, canvas, decoding, mostViews: 3, mostImages: 18 });
 }
 
 function requestOf(catalogue: Catalogue): DrawRequest {

@@ -4,7 +4,7 @@ import { NoWebGpuError } from "../src/gpu/device.ts";
 import type { Vec3 } from "../src/format/types.ts";
 import type { Film, Player, PlayerStats, View, RendererChoice } from "../src/player/types.ts";
 import type { FilmFile } from "../src/ui/film_file.ts";
-import type { Show } from "../src/ui/opening.ts";
+import type { OpenFilm } from "../src/ui/opening.ts";
 import { Page } from "../src/ui/page.ts";
 import { forwardOf, rightOf } from "../src/ui/pose.ts";
 
@@ -134,7 +134,7 @@ function statsOf(view: View): PlayerStats {
   };
 }
 
-async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<Show> {
+async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<OpenFilm> {
   fake.opened += 1;
   await new Promise((resolve) => setTimeout(resolve, 30));
   if (fake.failure === "no-webgpu" && renderer !== "cpu") {

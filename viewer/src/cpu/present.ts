@@ -9,7 +9,7 @@ export interface LightPicture {
 }
 
 /** How pictures are shown. */
-export interface Look {
+export interface PresentOptions {
   /** Of the canvas. */
   size: readonly [number, number];
   exposureEv: number;
@@ -47,7 +47,10 @@ function toned(light: number, toneMap: ToneMapName): number {
 }
 
 /** 8-bit pixels of a picture, over black or the mark of holes, which is magenta. */
-function codesOf({ rgba }: LightPicture, { exposureEv, toneMap, marksHoles }: Look): Uint8ClampedArray<ArrayBuffer> {
+function codesOf(
+  { rgba }: LightPicture,
+  { exposureEv, toneMap, marksHoles }: PresentOptions,
+): Uint8ClampedArray<ArrayBuffer> {
   const codes = new Uint8ClampedArray(rgba.length);
   const gain = 2 ** exposureEv;
   for (let at = 0; at < rgba.length; at += 1) {
@@ -75,17 +78,17 @@ function mix(codes: Uint8ClampedArray, { rgba }: LightPicture, share: number): v
 export function present(
   canvas: HTMLCanvasElement,
   { eyes: [left, right], overlay }: { eyes: readonly LightPicture[]; overlay: LightPicture | undefined },
-  look: Look,
+  options: PresentOptions,
 ): void {
   const context = canvas.getContext("2d");
   if (context === null) {
     throw new Error("The canvas cannot be drawn to.");
   }
   const [width, height] = left.size;
-  const codes = codesOf(left, look);
-  const isSplit = look.stereo === "side-by-side";
-  [canvas.width, canvas.height] = look.size;
-  const others = right && codesOf(right, look);
+  const codes = codesOf(left, options);
+  const isSplit = options.stereo === "side-by-side";
+  [canvas.width, canvas.height] = options.size;
+  const others = right && codesOf(right, options);
   if (others !== undefined && !isSplit) {
     for (let at = 0; at < codes.length; at += 4) {
       codes[at + 1] = others[at + 1];
@@ -95,7 +98,7 @@ export function present(
   [codes, isSplit ? others : undefined].forEach((one, at) => {
     if (one !== undefined) {
       if (overlay !== undefined) {
-        mix(one, overlay, look.overlayShare);
+        mix(one, overlay, options.overlayShare);
       }
       // Of an odd width the eyes share a column.
       context.putImageData(new ImageData(one, width, height), at * (canvas.width - width), 0);

@@ -13,11 +13,11 @@ const CONSTANTS = {
   EYES_SIDE_BY_SIDE: STEREO_NUMBERS["side-by-side"],
   EYES_ANAGLYPH: STEREO_NUMBERS.anaglyph,
 };
-/** Words of `Look` of present.wgsl. */
-const LOOK_WORDS = 10;
+/** Words of `PresentOptions` of present.wgsl. */
+const OPTION_WORDS = 10;
 
 /** How pictures are shown. */
-export interface Look {
+export interface PresentOptions {
   exposureEv: number;
   toneMap: ToneMapName;
   stereo: StereoLayout;
@@ -31,7 +31,7 @@ export interface Look {
 export class Presenter {
   readonly #context: GPUCanvasContext;
   readonly #pipeline: GPURenderPipeline;
-  readonly #look: GPUBuffer;
+  readonly #options: GPUBuffer;
 
   private constructor(
     private readonly gpu: Gpu,
@@ -41,7 +41,7 @@ export class Presenter {
     this.#context = made.context;
     this.#pipeline = made.pipeline;
     const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-    this.#look = gpu.device.createBuffer({ label: "look", size: 4 * LOOK_WORDS, usage });
+    this.#options = gpu.device.createBuffer({ label: "options", size: 4 * OPTION_WORDS, usage });
   }
 
   /** Takes over a canvas, which nothing else has drawn to. */
@@ -63,14 +63,14 @@ export class Presenter {
   }
 
   /** Draws the picture of the left or only eye, that of the right one, and an overlay, which have one size. */
-  show([left, right, overlay]: readonly [Picture, Picture, Picture], look: Look): void {
-    const words = new Uint32Array(LOOK_WORDS);
+  show([left, right, overlay]: readonly [Picture, Picture, Picture], options: PresentOptions): void {
+    const words = new Uint32Array(OPTION_WORDS);
     const floats = new Float32Array(words.buffer);
-    floats.set([...left.size, this.canvas.width, this.canvas.height, 2 ** look.exposureEv]);
-    words.set([TONE_MAP_NUMBERS[look.toneMap], STEREO_NUMBERS[look.stereo], Number(look.marksHoles)], 5);
-    floats[8] = look.overlay;
-    this.gpu.write(this.#look, 0, words);
-    const buffers = [this.#look, left.pixels, right.pixels, overlay.pixels];
+    floats.set([...left.size, this.canvas.width, this.canvas.height, 2 ** options.exposureEv]);
+    words.set([TONE_MAP_NUMBERS[options.toneMap], STEREO_NUMBERS[options.stereo], Number(options.marksHoles)], 5);
+    floats[8] = options.overlay;
+    this.gpu.write(this.#options, 0, words);
+    const buffers = [this.#options, left.pixels, right.pixels, overlay.pixels];
     const group = this.gpu.device.createBindGroup({
       layout: this.#pipeline.getBindGroupLayout(0),
       entries: buffers.map((buffer, binding) => ({ binding, resource: { buffer } })),

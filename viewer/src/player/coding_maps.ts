@@ -3,7 +3,7 @@
 
 import type { Chunk } from "../format/types.ts";
 import type { StoredChunk } from "./jobs.ts";
-import { type Desk, storedChunk, type UnitFrame } from "./unit_source.ts";
+import { type DecodeContext, storedChunk, type UnitFrame } from "./unit_source.ts";
 
 /** Bytes of maps at most. Units of a picture beyond it have none. */
 const MOST_BYTES = 64 << 20;
@@ -35,7 +35,7 @@ export class CodingMaps {
   #turn = 0;
   readonly #broken = new Set<number>();
 
-  constructor(private readonly desk: Desk) {}
+  constructor(private readonly decoding: DecodeContext) {}
 
   /** Takes in the units that a picture shows, and asks for maps of their frames that are not here, those that waited longest first; chunks
    *  to be fetched are added to `fetch`. Answers how many are not here yet. */
@@ -77,7 +77,7 @@ export class CodingMaps {
   }
 
   #bytesOf({ stream, unit }: SeenUnit): number {
-    const [, , width, height] = this.desk.container.unitRect(stream, unit);
+    const [, , width, height] = this.decoding.container.unitRect(stream, unit);
     return width * height;
   }
 
@@ -87,7 +87,7 @@ export class CodingMaps {
       if (this.#asked.has(keyOf(unit)) || this.#asked.size >= MOST_ASKED) {
         return true;
       }
-      const stored = storedChunk(this.desk, unit.chunk, fetch);
+      const stored = storedChunk(this.decoding, unit.chunk, fetch);
       if (stored !== undefined) {
         this.#ask(unit, stored);
       }
@@ -109,11 +109,11 @@ export class CodingMaps {
     };
     // What decodes the chunk tells of its errors.
     const fail = (): void => void this.#broken.add(chunk);
-    const job = this.desk.pool.codings(stored, frame - stored.chunk.firstFrame, isWanted).then(arrive, fail);
+    const job = this.decoding.pool.codings(stored, frame - stored.chunk.firstFrame, isWanted).then(arrive, fail);
     void job.then(() => {
       this.#asked.delete(key);
       this.#pump([]);
-      this.desk.onReady();
+      this.decoding.onReady();
     });
   }
 

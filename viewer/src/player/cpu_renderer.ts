@@ -72,8 +72,8 @@ export class CpuRenderer implements Renderer {
     }
     const eyes = rendered.map(({ rgba }) => ({ size, rgba }));
     [this.#picture] = eyes;
-    const look = { ...view, marksHoles: view.overlays.has("holes"), overlayShare: OVERLAY_SHARE };
-    present(this.scene.canvas, { eyes, overlay }, look);
+    const options = { ...view, marksHoles: view.overlays.has("holes"), overlayShare: OVERLAY_SHARE };
+    present(this.scene.canvas, { eyes, overlay }, options);
     onShown();
     const [{ counts }] = rendered;
     return { counters: { ...counts }, decodeMs: 0, marchMs: rendered.reduce((sum, { ms }) => sum + ms, 0) };

@@ -65,7 +65,7 @@ export class DeviceRenderer implements Renderer {
   }
 
   async load(view: number, faces: readonly FaceStreams[]): Promise<DeviceFamily[]> {
-    const { desk, mostViews } = this.scene;
+    const { decoding, mostViews } = this.scene;
     const byKernel = new Map<string, Stream[]>();
     for (const stream of faces.flatMap((face) => [face.depth, ...(isOfDevice(face) ? [face.color] : [])])) {
       const { kernel } = familyOf(stream.header);
@@ -75,7 +75,9 @@ export class DeviceRenderer implements Renderer {
     const keptWords = Math.floor(KEPT_BYTES / 4 / (2 * mostViews));
     const decoders = [...byKernel.values()].map((streams) => FamilyDecoder.create(this.gpu, streams, ROW_WORDS));
     const timing = () => this.#timer.pass("decode");
-    const families = (await Promise.all(decoders)).map((decoder) => new DeviceFamily(decoder, desk, keptWords, timing));
+    const families = (await Promise.all(decoders)).map(
+      (decoder) => new DeviceFamily(decoder, decoding, keptWords, timing),
+    );
     const pictures = new Map<number, DevicePictures>();
     for (const { decoder } of families) {
       decoder.streams.forEach(({ index }, position) => pictures.set(index, { decoder, position }));

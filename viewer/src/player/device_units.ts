@@ -2,7 +2,7 @@
 
 import type { Chunk, Stream } from "../format/types.ts";
 import type { FamilyDecoder, Wanted } from "../gpu/decoder.ts";
-import { type Desk, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
+import { type DecodeContext, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 
 /** What a call decoded. */
 export interface DecodedUnits {
@@ -24,7 +24,7 @@ export class DeviceFamily {
 
   constructor(
     readonly decoder: FamilyDecoder,
-    private readonly desk: Desk,
+    private readonly decoding: DecodeContext,
     /** Words of chunks that stay on the device beside those that a frame needs. */
     private readonly keptWords: number,
     /** Is asked for what times a pass, where there is work. */
@@ -41,7 +41,7 @@ export class DeviceFamily {
   }
 
   #wantedOf(position: number, { unit, frame, chunk, next }: UnitFrame): Wanted {
-    const { firstFrame } = this.desk.container.chunks[chunk];
+    const { firstFrame } = this.decoding.container.chunks[chunk];
     return { stream: position, unit, frame, key: chunk + 1, firstFrame, nextKey: next + 1 };
   }
 
@@ -101,12 +101,12 @@ export class DeviceFamily {
     if (this.#preparing.has(key)) {
       return "working";
     }
-    const chunk = storedChunk(this.desk, at, fetch);
+    const chunk = storedChunk(this.decoding, at, fetch);
     if (chunk === undefined) {
       return "missing";
     }
     this.#preparing.add(key);
-    void this.desk.pool
+    void this.decoding.pool
       .prepare(chunk, () => true)
       .then(
         (prepared) => {
@@ -119,16 +119,16 @@ export class DeviceFamily {
             this.decoder.drop(this.#before, 0);
             if (!this.decoder.add(key, prepared)) {
               this.#broken.add(key);
-              this.desk.onBroken("The graphics device has no room for the chunks of a frame.");
+              this.decoding.onBroken("The graphics device has no room for the chunks of a frame.");
             }
           }
-          this.desk.onReady();
+          this.decoding.onReady();
         },
         (error: Error) => {
           this.#preparing.delete(key);
           this.#broken.add(key);
-          this.desk.onBroken(error.message);
-          this.desk.onReady();
+          this.decoding.onBroken(error.message);
+          this.decoding.onReady();
         },
       );
     return "working";

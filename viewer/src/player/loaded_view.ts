@@ -6,13 +6,13 @@ import { unitsUnder } from "../views/rects.ts";
 import type { ColorTexels, UnitPixels } from "../views/straight.ts";
 import type { DeviceFamily } from "./device_units.ts";
 import type { Renderer } from "./renderer.ts";
-import { type Desk, unitFrame, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
+import { type DecodeContext, unitFrame, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
 import { WorkerUnits } from "./worker_units.ts";
 
 /** What loaded views share. */
-export interface Stage {
+export interface ViewContext {
   renderer: Renderer;
-  desk: Desk;
+  decoding: DecodeContext;
   colors: ColorTexels;
 }
 
@@ -37,20 +37,20 @@ export class LoadedView {
   lastUsed = 0;
 
   private constructor(
-    private readonly stage: Stage,
+    private readonly context: ViewContext,
     private readonly view: number,
     private readonly streams: ProbeStreams,
     decoders: { families: readonly DeviceFamily[]; sources: ReadonlyMap<Stream, UnitSource> },
   ) {
     this.#families = decoders.families;
     this.#sources = decoders.sources;
-    const { container } = stage.desk;
+    const { container } = context.decoding;
     this.#moves = container.footage.poses.has(container.probes[streams.probe].name);
   }
 
   /** Loads a view of the catalogue, of which nothing is known. */
-  static async load(stage: Stage, view: number, streams: ProbeStreams): Promise<LoadedView> {
-    const { renderer, desk } = stage;
+  static async load(context: ViewContext, view: number, streams: ProbeStreams): Promise<LoadedView> {
+    const { renderer, decoding } = context;
     const workers = new Map<number, WorkerUnits>();
     const families = await renderer.load(view, streams.faces, (stream, unit) => workers.get(stream)?.pixels(unit));
     const sources = new Map<Stream, UnitSource>();
@@ -58,11 +58,11 @@ export class LoadedView {
       family.decoder.streams.forEach((stream, position) => sources.set(stream, family.units(position)));
     }
     for (const stream of streams.faces.flatMap(streamsOf).filter((one) => !sources.has(one))) {
-      const units = new WorkerUnits(stream, desk);
+      const units = new WorkerUnits(stream, decoding);
       workers.set(stream.index, units);
       sources.set(stream, units);
     }
-    return new LoadedView(stage, view, streams, { families, sources });
+    return new LoadedView(context, view, streams, { families, sources });
   }
 
   /** Asks for a frame of the units that are seen; chunks to be fetched are added to `fetch`, and states counted. */
@@ -93,7 +93,7 @@ export class LoadedView {
     sees: Asking["sees"],
     visit: (stream: Stream, source: UnitSource, unit: number, wanted: UnitFrame | undefined) => void,
   ): void {
-    const { container } = this.stage.desk;
+    const { container } = this.context.decoding;
     for (const [stream, source] of this.#sources) {
       for (let unit = 0; unit < container.unitCount(stream.index); unit += 1) {
         visit(stream, source, unit, sees(stream, unit) ? unitFrame(container, stream.index, unit, frame) : undefined);
@@ -104,7 +104,7 @@ export class LoadedView {
   /** Decodes what was asked for and is here, and sends what workers decoded. Answers the units and pixels that are new, and the
    *  units that another call brings nearer to their frame. */
   update(): { units: number; pixels: number; behind: number } {
-    const { texels } = this.stage.renderer;
+    const { texels } = this.context.renderer;
     let [units, pixels, behind] = [0, 0, 0];
     for (const family of this.#families) {
       const decoded = family.decode();
@@ -119,7 +119,7 @@ export class LoadedView {
       const sent = this.#send(face);
       units += sent.length;
       pixels += sent.reduce((sum, [stream, unit]) => {
-        const [, , width, height] = this.stage.desk.container.unitRect(stream.index, unit);
+        const [, , width, height] = this.context.decoding.container.unitRect(stream.index, unit);
         return sum + width * height;
       }, 0);
     }
@@ -129,7 +129,7 @@ export class LoadedView {
 
   /** Of a probe that moves only pictures of the present frame may be seen: older ones are seen from elsewhere. */
   #place(): void {
-    const { texels } = this.stage.renderer;
+    const { texels } = this.context.renderer;
     for (const { stream, source, unit, wanted } of this.#asked) {
       const isRight = wanted !== undefined && source.shows(wanted);
       if (isRight && !texels.isKnown(stream.index, unit)) {
@@ -143,7 +143,7 @@ export class LoadedView {
 
   /** Frees its texels and what it holds on the device. */
   unload(): void {
-    this.stage.renderer.texels.unload(this.view);
+    this.context.renderer.texels.unload(this.view);
     this.#families.forEach((family) => family.close());
   }
 
@@ -154,7 +154,7 @@ export class LoadedView {
 
   /** Sends what workers decoded of a face; answers the units. */
   #send({ depth, color: stream, alpha: alphaStream, material: materialStream }: FaceStreams): [Stream, number][] {
-    const { texels } = this.stage.renderer;
+    const { texels } = this.context.renderer;
     const [color, alpha, material] = [stream, alphaStream, materialStream].map((one) => this.#workers(one));
     const tiles = this.#workers(depth)?.takeChanged() ?? [];
     const sent = tiles.map((tile): [Stream, number] => [depth, tile]);
@@ -178,7 +178,7 @@ export class LoadedView {
 
   /** Sends a cell, or those parts of it over which alpha shows the same frame; answers whether that was all. */
   #sendColor(color: WorkerUnits, cell: number, alpha: WorkerUnits | undefined): boolean {
-    const { renderer, colors } = this.stage;
+    const { renderer, colors } = this.context;
     const { texels } = renderer;
     const unit = this.#pixelsOf(color, cell);
     if (alpha === undefined) {
@@ -197,6 +197,6 @@ export class LoadedView {
   }
 
   #pixelsOf(source: WorkerUnits, unit: number): UnitPixels {
-    return { pixels: source.pixels(unit)!, rect: this.stage.desk.container.unitRect(source.stream.index, unit) };
+    return { pixels: source.pixels(unit)!, rect: this.context.decoding.container.unitRect(source.stream.index, unit) };
   }
 }

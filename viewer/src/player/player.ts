@@ -25,13 +25,13 @@ import { CpuRenderer } from "./cpu_renderer.ts";
 import { DeviceRenderer } from "./device_renderer.ts";
 import { filmOf } from "./film.ts";
 import { FramePacing } from "./frame_pacing.ts";
-import { LoadedView, type Stage, type UnitCounts } from "./loaded_view.ts";
+import { LoadedView, type ViewContext, type UnitCounts } from "./loaded_view.ts";
 import { WorkerPool } from "./pool.ts";
 import type { DrawResult, Renderer } from "./renderer.ts";
 import { withRetries } from "./retries.ts";
 import { ChunkStore, rangeKey } from "./store.ts";
 import type { Film, Player, PlayerStats, Problem, RendererChoice, RendererName, View } from "./types.ts";
-import { type Desk, unitFrame } from "./unit_source.ts";
+import { type DecodeContext, unitFrame } from "./unit_source.ts";
 
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
@@ -65,7 +65,7 @@ export async function openPlayer(
     throw opened.reason;
   }
   const gpu = opened.value;
-  let desk: Desk | undefined;
+  let decoding: DecodeContext | undefined;
   let renderer: Renderer | undefined;
   try {
     if (read.status === "rejected") {
@@ -76,13 +76,13 @@ export async function openPlayer(
     const catalogue = gpu === undefined ? withoutMaterials(all) : all;
     const mostFaces = Math.max(...catalogue.views.map(({ faces }) => faces.length));
     const mostViews = mostViewsOf(catalogue, mostFaces, gpu === undefined);
-    desk = deskOf(container);
-    const scene = { container, catalogue, canvas, desk, mostViews, mostImages: mostViews * mostFaces };
+    decoding = decodeContextOf(container);
+    const scene = { container, catalogue, canvas, decoding, mostViews, mostImages: mostViews * mostFaces };
     renderer = gpu === undefined ? new CpuRenderer(scene) : await DeviceRenderer.create(gpu, scene);
-    return new FilmPlayer({ renderer, desk, catalogue, mostViews });
+    return new FilmPlayer({ renderer, decoding, catalogue, mostViews });
   } catch (error) {
-    desk?.store.close();
-    desk?.pool.close();
+    decoding?.store.close();
+    decoding?.pool.close();
     renderer?.close();
     gpu?.destroy();
     throw error;
@@ -119,7 +119,7 @@ async function openGpu(choice: RendererChoice): Promise<Gpu | undefined> {
 }
 
 /** The chunks of a container, and workers for them. */
-function deskOf(container: Container): Desk {
+function decodeContextOf(container: Container): DecodeContext {
   const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
   const start = (): Worker => new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
   const pool = new WorkerPool(workers, start, (stream) => {
@@ -146,7 +146,7 @@ interface Motion {
 }
 
 /** What a view takes: views of the catalogue, the nearest first, cameras of the eyes, and how far its units are. */
-interface Sight {
+interface PreparedView {
   /** With a frame that there is. */
   view: View;
   active: number[];
@@ -157,7 +157,7 @@ interface Sight {
 /** What a player is made of. */
 interface Parts {
   renderer: Renderer;
-  desk: Desk;
+  decoding: DecodeContext;
   catalogue: Catalogue;
   /** Views that are loaded at once. */
   mostViews: number;
@@ -170,8 +170,8 @@ class FilmPlayer implements Player {
   readonly #renderer: Renderer;
   readonly #container: Container;
   readonly #catalogue: Catalogue;
-  readonly #desk: Desk;
-  readonly #stage: Stage;
+  readonly #decoding: DecodeContext;
+  readonly #context: ViewContext;
   readonly #visible: VisibleUnits;
   /** For where the eye is heading. */
   readonly #heading: VisibleUnits;
@@ -195,12 +195,12 @@ class FilmPlayer implements Player {
   #wake: () => void = () => undefined;
   #isClosed = false;
 
-  constructor({ renderer, desk, catalogue, mostViews }: Parts) {
-    const { container, store, pool } = desk;
+  constructor({ renderer, decoding, catalogue, mostViews }: Parts) {
+    const { container, store, pool } = decoding;
     this.#renderer = renderer;
     this.#container = container;
     this.#catalogue = catalogue;
-    this.#desk = desk;
+    this.#decoding = decoding;
     this.#mostViews = mostViews;
     this.film = filmOf(
       container,
@@ -212,13 +212,13 @@ class FilmPlayer implements Player {
       this.#wake();
     };
     store.onProblem = (problem) => this.#tell(problem);
-    this.#codings = new CodingMaps(desk);
+    this.#codings = new CodingMaps(decoding);
     pool.onFailed = (message) => this.#tell({ fatal: true, message });
     renderer.onFailed = (message) => this.#tell({ fatal: true, message });
-    desk.onReady = () => this.#wake();
-    desk.onBroken = (message) => this.#tell({ fatal: false, message });
+    decoding.onReady = () => this.#wake();
+    decoding.onBroken = (message) => this.#tell({ fatal: false, message });
     const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    this.#stage = { renderer, desk, colors: new ColorTexels(catalogue.coding, hasAlpha) };
+    this.#context = { renderer, decoding, colors: new ColorTexels(catalogue.coding, hasAlpha) };
     this.#visible = new VisibleUnits(container);
     this.#heading = new VisibleUnits(container);
   }
@@ -239,7 +239,7 @@ class FilmPlayer implements Player {
     this.#isShown ||= unitsMissing === 0 || performance.now() - this.#openedMs > FIRST_MS;
     const drawn = this.#isShown ? await this.#draw(scene) : undefined;
     this.#shownFrame = unitsMissing === 0 ? scene.view.frame : this.#shownFrame;
-    const fetched = this.#desk.store.stats;
+    const fetched = this.#decoding.store.stats;
     return {
       ...fetched,
       counters: {
@@ -279,7 +279,7 @@ class FilmPlayer implements Player {
     const active = this.#active(view.pose.eye, view.frame);
     const sees = (stream: Stream, unit: number): boolean => this.#visible.sees(stream, unit);
     const missing = this.#chunksOf(active, sees, [0, Infinity])
-      .filter((chunk) => this.#desk.store.get(chunk) === undefined)
+      .filter((chunk) => this.#decoding.store.get(chunk) === undefined)
       .map((chunk): [number, number] => [chunk.firstFrame, chunk.firstFrame + chunk.frameCount - 1])
       .sort((one, other) => one[0] - other[0]);
     const spans: [number, number][] = [];
@@ -301,8 +301,8 @@ class FilmPlayer implements Player {
   close(): void {
     this.#isClosed = true;
     this.#wake();
-    this.#desk.store.close();
-    this.#desk.pool.close();
+    this.#decoding.store.close();
+    this.#decoding.pool.close();
     this.#renderer.close();
   }
 
@@ -313,7 +313,7 @@ class FilmPlayer implements Player {
   }
 
   /** Brings the texels to a view as far as chunks are here, and asks for the others. */
-  async #bring(asked: View): Promise<Sight> {
+  async #bring(asked: View): Promise<PreparedView> {
     const { playing } = asked;
     const frame = this.#pacing.next(this.#frameOf(asked.frame), playing, performance.now());
     this.#draws += 1;
@@ -323,7 +323,7 @@ class FilmPlayer implements Player {
     const active = this.#active(asked.pose.eye, frame);
     await this.#load(active);
     this.#visible.look(cameras);
-    const { renderer, desk } = this.#stage;
+    const { renderer, decoding } = this.#context;
     const { texels } = renderer;
     // Secondary rays go anywhere.
     const isSpecular = (): boolean => renderer.hasEffects && active.some((at) => texels.isSpecular(at));
@@ -337,10 +337,10 @@ class FilmPlayer implements Player {
       return counts;
     };
     const next: [number, number] = [frame, frame + (playing ? FRAMES_AHEAD : 0)];
-    desk.frames = { shown: this.#pacing.shown ?? frame, next };
+    decoding.frames = { shown: this.#pacing.shown ?? frame, next };
     const prepared = bring("prepare", frame, fetch);
     const shown = this.#pacing.show(prepared.missing + prepared.working === 0, playing, performance.now());
-    desk.frames = { shown, next };
+    decoding.frames = { shown, next };
     const counts = bring("ask", shown, fetch);
     for (let ahead = frame + 1; ahead <= next[1]; ahead += 1) {
       bring("prepare", ahead, []);
@@ -348,7 +348,7 @@ class FilmPlayer implements Player {
     const view = { ...asked, frame: shown };
     this.#overlayMissing = this.#mark(view, active, fetch);
     const inUse = [...new Set([frame, shown])].flatMap((one) => this.#chunksOf(active, sees, [one, one]));
-    desk.store.want([...fetch, ...this.#ahead({ ...asked, frame }, active, cameras)], inUse);
+    decoding.store.want([...fetch, ...this.#ahead({ ...asked, frame }, active, cameras)], inUse);
     for (const one of views) {
       const { units, pixels, behind } = one.update();
       counts.working += behind;
@@ -358,7 +358,7 @@ class FilmPlayer implements Player {
     texels.update();
     // A material that has just been decoded needs all units, which the next call asks for.
     counts.working += Number(isSpecular() && !needsAll);
-    if (counts.working > 0 && desk.pool.pending === 0) {
+    if (counts.working > 0 && decoding.pool.pending === 0) {
       // Nothing else would.
       this.#wake();
     }
@@ -434,7 +434,7 @@ class FilmPlayer implements Player {
         loaded.unload();
         this.#loaded.delete(oldest);
       }
-      this.#loaded.set(view, await LoadedView.load(this.#stage, view, this.#catalogue.views[view]));
+      this.#loaded.set(view, await LoadedView.load(this.#context, view, this.#catalogue.views[view]));
     }
     active.forEach((at) => (this.#loaded.get(at)!.lastUsed = this.#draws));
   }
@@ -475,7 +475,7 @@ class FilmPlayer implements Player {
     return chunks;
   }
 
-  #draw({ view, active, cameras }: Sight): Promise<DrawResult> {
+  #draw({ view, active, cameras }: PreparedView): Promise<DrawResult> {
     const now = performance.now();
     const isFresh = (chunk: number): boolean => {
       const arrived = this.#arrived.get(rangeKey(this.#container.chunks[chunk]));

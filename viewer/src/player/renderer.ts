@@ -7,14 +7,14 @@ import type { Texels } from "../views/texels.ts";
 import type { UnitCodings } from "./coding_maps.ts";
 import type { DeviceFamily } from "./device_units.ts";
 import type { RendererName, View } from "./types.ts";
-import type { Desk, PixelsOf } from "./unit_source.ts";
+import type { DecodeContext, PixelsOf } from "./unit_source.ts";
 
 /** What a renderer draws from, and the canvas, which nothing else has drawn to. */
 export interface Scene {
   container: Container;
   catalogue: Catalogue;
   canvas: HTMLCanvasElement;
-  desk: Desk;
+  decoding: DecodeContext;
   /** Views that are loaded at once, and their images, at most. */
   mostViews: number;
   mostImages: number;

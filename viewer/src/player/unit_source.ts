@@ -20,7 +20,7 @@ export function isWithin({ shown, next: [first, last] }: FrameWindow, frame: num
 }
 
 /** What units of all streams share. */
-export interface Desk {
+export interface DecodeContext {
   frames: FrameWindow;
   container: Container;
   store: ChunkStore;
@@ -79,7 +79,7 @@ export function unitFrame(container: Container, stream: number, unit: number, fr
 }
 
 /** A chunk with its bytes; `undefined` where they are not here, and then it is added to `fetch`. */
-export function storedChunk({ container, store }: Desk, at: number, fetch: Chunk[]): StoredChunk | undefined {
+export function storedChunk({ container, store }: DecodeContext, at: number, fetch: Chunk[]): StoredChunk | undefined {
   const chunk = container.chunks[at];
   const stored = store.get(chunk);
   if (stored === undefined) {

@@ -2,7 +2,14 @@
 
 import type { Pixels } from "../codec/types.ts";
 import type { Chunk, Stream } from "../format/types.ts";
-import { type Desk, isWithin, storedChunk, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
+import {
+  type DecodeContext,
+  isWithin,
+  storedChunk,
+  type UnitFrame,
+  type UnitSource,
+  type UnitState,
+} from "./unit_source.ts";
 
 interface Picture {
   pixels: Pixels;
@@ -28,7 +35,7 @@ export class WorkerUnits implements UnitSource {
 
   constructor(
     readonly stream: Stream,
-    private readonly desk: Desk,
+    private readonly decoding: DecodeContext,
   ) {}
 
   hasPicture(unit: number): boolean {
@@ -59,7 +66,7 @@ export class WorkerUnits implements UnitSource {
 
   ask(wanted: UnitFrame, fetch: Chunk[]): UnitState {
     const { ready } = this.#unit(wanted.unit);
-    const useless = [...ready.keys()].filter((frame) => !isWithin(this.desk.frames, frame));
+    const useless = [...ready.keys()].filter((frame) => !isWithin(this.decoding.frames, frame));
     useless.forEach((frame) => ready.delete(frame));
     const state = this.prepare(wanted, fetch);
     if (state === "ready") {
@@ -93,16 +100,16 @@ export class WorkerUnits implements UnitSource {
       return "broken";
     }
     const unit = this.#unit(wanted.unit);
-    const chunk = storedChunk(this.desk, wanted.chunk, fetch);
+    const chunk = storedChunk(this.decoding, wanted.chunk, fetch);
     const takesNext = wanted.next >= 0 && this.#needsNext.has(wanted.chunk);
-    const next = takesNext ? storedChunk(this.desk, wanted.next, fetch) : undefined;
+    const next = takesNext ? storedChunk(this.decoding, wanted.next, fetch) : undefined;
     if (chunk === undefined || (takesNext && next === undefined)) {
       return "missing";
     }
     if (!unit.working.has(wanted.frame)) {
       unit.working.add(wanted.frame);
       const frame = wanted.frame - chunk.chunk.firstFrame;
-      const job = this.desk.pool.decode(chunk, frame, () => isWithin(this.desk.frames, wanted.frame), next);
+      const job = this.decoding.pool.decode(chunk, frame, () => isWithin(this.decoding.frames, wanted.frame), next);
       void job.then(
         (answer) => this.#arrive(wanted, answer),
         (error: Error) => this.#fail(wanted, error),
@@ -118,7 +125,7 @@ export class WorkerUnits implements UnitSource {
       this.#needsNext.add(wanted.chunk);
     } else if (answer !== undefined) {
       const picture = { pixels: answer, chunk: wanted.chunk, frame: wanted.frame };
-      const { frames } = this.desk;
+      const { frames } = this.decoding;
       if (wanted.frame === frames.shown || unit.shown === undefined) {
         // A late picture is better than none.
         this.#show(wanted.unit, picture);
@@ -128,13 +135,13 @@ export class WorkerUnits implements UnitSource {
         this.#show(wanted.unit, picture);
       }
     }
-    this.desk.onReady();
+    this.decoding.onReady();
   }
 
   #fail(wanted: UnitFrame, error: Error): void {
     this.#unit(wanted.unit).working.delete(wanted.frame);
     this.#broken.add(wanted.chunk);
-    this.desk.onBroken(error.message);
-    this.desk.onReady();
+    this.decoding.onBroken(error.message);
+    this.decoding.onReady();
   }
 }

@@ -5,7 +5,7 @@ import type { Film, PlayerStats, Pose } from "../player/types.ts";
 import { byId, byteText, copyText, msText, onPress, setRows, setText, numberText } from "./dom.ts";
 import type { FilmKind } from "./film_file.ts";
 import { HeadMap } from "./head_map.ts";
-import type { Mark } from "./settings.ts";
+import type { OverlayName } from "./settings.ts";
 
 /** What the inspector shows of the last picture. */
 export interface Reading {
@@ -69,10 +69,10 @@ export class Inspector {
   readonly #kind: FilmKind;
 
   /** `onMark` is called when the viewer turns an overlay on or off. */
-  constructor(kind: FilmKind, onMark: (mark: Mark, isOn: boolean) => void) {
+  constructor(kind: FilmKind, onMark: (mark: OverlayName, isOn: boolean) => void) {
     this.#kind = kind;
     for (const box of this.#boxes) {
-      box.addEventListener("change", () => onMark(box.value as Mark, box.checked));
+      box.addEventListener("change", () => onMark(box.value as OverlayName, box.checked));
     }
     fillLegend();
     const copy = onPress("copy-command", () => {
@@ -81,7 +81,7 @@ export class Inspector {
   }
 
   /** Shows the overlays that the film has, its streams, and its head box. */
-  setFilm(film: Film, marks: readonly Mark[]): void {
+  setFilm(film: Film, marks: readonly OverlayName[]): void {
     this.#map.setFilm(film);
     byId("marks", HTMLElement).hidden = marks.length === 0;
     for (const box of this.#boxes) {
@@ -99,7 +99,7 @@ export class Inspector {
     setRows(bodyOf("streams"), streams);
   }
 
-  showMarks(marks: ReadonlySet<Mark>): void {
+  showMarks(marks: ReadonlySet<OverlayName>): void {
     for (const box of this.#boxes) {
       box.checked = [...marks].some((mark) => mark === box.value);
     }

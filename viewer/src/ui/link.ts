@@ -5,7 +5,7 @@ import type { Vec3 } from "../format/types.ts";
 import type { Pose } from "../player/types.ts";
 import { MAX_PITCH, wrapAngle } from "./pose.ts";
 import { DEFAULTS, inRange, MARKS, RENDERERS, STEREO_LAYOUTS, TONE_MAPS } from "./settings.ts";
-import type { Mark, NumberName, Settings } from "./settings.ts";
+import type { OverlayName, NumberName, Settings } from "./settings.ts";
 
 /** What a link says; what it does not say, or says wrongly, is absent. */
 export interface Link {
@@ -47,7 +47,7 @@ function oneOf<T extends string>(values: readonly T[], text: string | null): T |
   return values.find((value) => value === text);
 }
 
-function readMarks(text: string | null): ReadonlySet<Mark> | undefined {
+function readMarks(text: string | null): ReadonlySet<OverlayName> | undefined {
   if (text === null) {
     return undefined;
   }

@@ -7,13 +7,13 @@ import type { Player, Pose, RendererChoice } from "../player/types.ts";
 import { openQuilt } from "../quilt.ts";
 import type { FilmFile } from "./film_file.ts";
 import { FilmFileError } from "./film_file.ts";
-import type { Mark } from "./settings.ts";
+import type { OverlayName } from "./settings.ts";
 
 /** A film on the page. */
-export interface Show {
+export interface OpenFilm {
   player: Player;
   /** Overlays that it has. */
-  marks: readonly Mark[];
+  marks: readonly OverlayName[];
   /** The picture has a shape of its own; else it fills the stage. */
   isFixed: boolean;
   /** Of a scene: whether the overdraw is shown in place of the picture. */
@@ -23,29 +23,29 @@ export interface Show {
 }
 
 /** Overlays of containers. */
-const CONTAINER_MARKS: readonly Mark[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched"];
+const CONTAINER_MARKS: readonly OverlayName[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched"];
 
 /** The bundle of scenes, beside this one; three.js is in it alone. */
 const SCENES = "./glb.js";
 
-async function openScene(file: FilmFile, canvas: HTMLCanvasElement): Promise<Show> {
+async function openScene(file: FilmFile, canvas: HTMLCanvasElement): Promise<OpenFilm> {
   const source = await withRetries(() => HttpSource.open(file.url));
   const { openScene } = (await import(SCENES)) as typeof import("../glb/main.ts");
   const scene = await openScene(source, canvas, file.name);
-  const show: Show = {
+  const opened: OpenFilm = {
     player: scene,
     marks: ["overdraw"],
     isFixed: false,
     showOverdraw: (isOn) => scene.showOverdraw(isOn),
   };
   if (await scene.hasHeadset()) {
-    show.enterHeadset = (pose) => scene.enterHeadset(pose);
+    opened.enterHeadset = (pose) => scene.enterHeadset(pose);
   }
-  return show;
+  return opened;
 }
 
 /** Opens a film to be drawn into a new canvas. */
-export async function openShow(file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<Show> {
+export async function openFilm(file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<OpenFilm> {
   if (file.kind === "glb") {
     return openScene(file, canvas);
   }

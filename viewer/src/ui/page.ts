@@ -14,11 +14,11 @@ import type { Action } from "./keys.ts";
 import { formatLink, parseLink } from "./link.ts";
 import { DrawLoop } from "./loop.ts";
 import { Messages, Notice } from "./notices.ts";
-import type { Show } from "./opening.ts";
+import type { OpenFilm } from "./opening.ts";
 import { stepOf, turned } from "./pose.ts";
 import { savePicture, screenshotName } from "./screenshot.ts";
 import { DEFAULTS, inRange } from "./settings.ts";
-import type { Mark, Settings } from "./settings.ts";
+import type { OverlayName, Settings } from "./settings.ts";
 import { SettingsPanel } from "./settings_panel.ts";
 import { Panels } from "./panels.ts";
 import { Timeline } from "./timeline.ts";
@@ -40,12 +40,12 @@ const MISSING_MS = 400;
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
 
 /** Opens the film for a new canvas. */
-export type Opener = (file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice) => Promise<Show>;
+export type Opener = (file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice) => Promise<OpenFilm>;
 
 /** The last picture. */
 type Drawn = Pick<Reading, "stats" | "pictureMs" | "size">;
 
-interface Shown extends Show {
+interface Shown extends OpenFilm {
   canvas: HTMLCanvasElement;
   loop: DrawLoop;
   clock: FilmClock;
@@ -152,8 +152,8 @@ export class Page {
     }
   }
 
-  #enter(show: Show, canvas: HTMLCanvasElement): void {
-    const { player } = show;
+  #enter(opened: OpenFilm, canvas: HTMLCanvasElement): void {
+    const { player } = opened;
     const { film } = player;
     const clock = new FilmClock(film);
     // What comes of a film that was left is of no interest.
@@ -179,7 +179,7 @@ export class Page {
       onFailed: (error) => lost({ fatal: true, message: messageOf(error) }),
       now: () => performance.now(),
     });
-    this.#shown = { ...show, canvas, loop, clock };
+    this.#shown = { ...opened, canvas, loop, clock };
     player.onProblem = lost;
     player.onShown = () => {
       if (this.#wantsPicture && (isWhole || clock.isPlaying)) {
@@ -193,12 +193,12 @@ export class Page {
     clock.isLooped = this.#settings.isLooped;
     clock.setSpeed(this.#settings.speed, performance.now());
     clock.seek(this.#frame ?? link.frame ?? film.firstFrame, performance.now());
-    this.#describe(show);
-    show.showOverdraw?.(this.#settings.marks.has("overdraw"));
+    this.#describe(opened);
+    opened.showOverdraw?.(this.#settings.marks.has("overdraw"));
   }
 
   /** Words and controls for this film. */
-  #describe({ player: { film, renderer }, marks, isFixed, enterHeadset }: Show): void {
+  #describe({ player: { film, renderer }, marks, isFixed, enterHeadset }: OpenFilm): void {
     const isStill = film.frameCount < 2;
     const isQuilt = this.#file.kind === "quilt";
     showPartsFor(this.#file.kind);
@@ -401,7 +401,7 @@ export class Page {
     }
   }
 
-  #mark(mark: Mark, isOn: boolean): void {
+  #mark(mark: OverlayName, isOn: boolean): void {
     const others = [...this.#settings.marks].filter((other) => other !== mark);
     this.#set({ marks: new Set(isOn ? [...others, mark] : others) });
   }

@@ -3,7 +3,7 @@
 import type { Overlay, RendererChoice, StereoLayout, ToneMapName } from "../player/types.ts";
 
 /** Overlays of containers, and that of scenes. */
-export type Mark = Overlay | "overdraw";
+export type OverlayName = Overlay | "overdraw";
 
 export interface Settings {
   exposureEv: number;
@@ -20,7 +20,7 @@ export interface Settings {
   /** Seconds of the film in a second. */
   speed: number;
   isLooped: boolean;
-  marks: ReadonlySet<Mark>;
+  marks: ReadonlySet<OverlayName>;
   renderer: RendererChoice;
 }
 
@@ -54,7 +54,7 @@ const RANGES: Readonly<Record<NumberName, readonly [number, number]>> = {
 export const TONE_MAPS: readonly ToneMapName[] = ["none", "reinhard", "filmic"];
 export const STEREO_LAYOUTS: readonly StereoLayout[] = ["mono", "side-by-side", "anaglyph"];
 export const RENDERERS: readonly RendererChoice[] = ["auto", "gpu", "cpu"];
-export const MARKS: readonly Mark[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched", "overdraw"];
+export const MARKS: readonly OverlayName[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched", "overdraw"];
 
 /** The value within the range of its setting; steps are whole. */
 export function inRange(name: NumberName, value: number): number {
