@@ -5,20 +5,19 @@ import { parseCodecHeader } from "./codec/headers.ts";
 import type { ChunkDecoder } from "./codec/types.ts";
 import { unpack } from "./format/payload.ts";
 import type { CodecHeader } from "./format/types.ts";
-import type { Answer, Job, StreamOutline } from "./player/jobs.ts";
+import { DecoderCache } from "./decoder_cache.ts";
+import type { Answer, Job, StreamOutline, WorkerSettings } from "./player/jobs.ts";
 
-/** Decoders are kept for so many bytes: a frame is a step from the one before. */
-const KEPT_BYTES = 64 << 20;
-/** What a decoder holds of a pixel at most: pictures, keyframes, and what prediction knows. */
-const PIXEL_BYTES = 32;
+/** What a decoder holds of a pixel at most: pictures, keyframes, and what prediction knows; twice that of half floats. Beside it levels and
+ *  nodes, by the bytes of a payload. */
+const PIXEL_BYTES = 16;
+const PAYLOAD_FACTOR = 8;
 
 /** Thrown where a frame blends into a chunk that the job did not have. */
 class NextIsMissing extends Error {}
 
 const headers = new Map<number, CodecHeader>();
-/** By the places of chunks in their streams and what is asked of them, in the order of their last use. */
-const decoders = new Map<string, { decoder: ChunkDecoder; bytes: number }>();
-let keptBytes = 0;
+let decoders = new DecoderCache(0);
 
 function headerOf(stream: number, outline: StreamOutline | undefined): CodecHeader {
   const known = headers.get(stream) ?? (outline && parseCodecHeader(outline.stream, outline.headerBytes));
@@ -33,20 +32,9 @@ function decoderOf({ chunk, stored, area, asksCodings }: Job, header: CodecHeade
   const key = `${chunk.stream} ${chunk.unit} ${chunk.firstFrame} ${asksCodings ?? false}`;
   const make = asksCodings ? chunkCodings : chunkDecoder;
   const [, , width, height] = area.area.rect;
-  const kept = decoders.get(key) ?? {
-    decoder: make(header, unpack(chunk, stored), area),
-    bytes: chunk.rawBytes + PIXEL_BYTES * width * height,
-  };
-  keptBytes += decoders.delete(key) ? 0 : kept.bytes;
-  decoders.set(key, kept);
-  for (const [oldest, { bytes }] of decoders) {
-    if (keptBytes <= KEPT_BYTES || oldest === key) {
-      break;
-    }
-    decoders.delete(oldest);
-    keptBytes -= bytes;
-  }
-  return kept.decoder;
+  const isHalf = header.kind === "color" && header.isHalf;
+  const bytes = PAYLOAD_FACTOR * chunk.rawBytes + PIXEL_BYTES * (isHalf ? 2 : 1) * width * height;
+  return decoders.of(key, bytes, () => make(header, unpack(chunk, stored), area));
 }
 
 function answerTo(job: Job): [Answer, ArrayBufferLike[]] {
@@ -68,7 +56,11 @@ function answerTo(job: Job): [Answer, ArrayBufferLike[]] {
   return [{ id: job.id, pixels }, [pixels.buffer]];
 }
 
-self.onmessage = ({ data }: MessageEvent<Job>) => {
+self.onmessage = ({ data }: MessageEvent<Job | WorkerSettings>) => {
+  if ("keptBytes" in data) {
+    decoders = new DecoderCache(data.keptBytes);
+    return;
+  }
   try {
     const [answer, buffers] = answerTo(data);
     self.postMessage(answer, { transfer: buffers as ArrayBuffer[] });

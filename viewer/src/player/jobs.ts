@@ -10,6 +10,12 @@ export interface StreamOutline {
   headerBytes: Uint8Array;
 }
 
+/** The first message to a worker. */
+export interface WorkerSettings {
+  /** Bytes of the decoders that it keeps, at most. */
+  keptBytes: number;
+}
+
 /** A chunk, its stored bytes, and where it lies in its stream. */
 export interface StoredChunk {
   chunk: Chunk;

@@ -25,6 +25,7 @@ import { CpuRenderer } from "./cpu_renderer.ts";
 import { DeviceRenderer } from "./device_renderer.ts";
 import { filmOf } from "./film.ts";
 import { FramePacing } from "./frame_pacing.ts";
+import type { WorkerSettings } from "./jobs.ts";
 import { LoadedView, type ViewContext, type UnitCounts } from "./loaded_view.ts";
 import { WorkerPool } from "./pool.ts";
 import type { DrawResult, Renderer } from "./renderer.ts";
@@ -36,6 +37,8 @@ import { type DecodeContext, unitFrame } from "./unit_source.ts";
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
 const MOST_WORKERS = 4;
+/** Bytes of the decoders that workers keep, of all together. */
+const DECODER_BYTES = 512 << 20;
 /** Views that the processor draws from at most: each adds to the time of a picture. */
 const MOST_CPU_VIEWS = 4;
 /** An image takes about as much again as its textures for planes and pyramids, and again for pictures of its units. */
@@ -121,7 +124,12 @@ async function openGpu(choice: RendererChoice): Promise<Gpu | undefined> {
 /** The chunks of a container, and workers for them. */
 function decodeContextOf(container: Container): DecodeContext {
   const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
-  const start = (): Worker => new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+  const settings: WorkerSettings = { keptBytes: DECODER_BYTES / workers };
+  const start = (): Worker => {
+    const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+    worker.postMessage(settings);
+    return worker;
+  };
   const pool = new WorkerPool(workers, start, (stream) => {
     const { kind, codec, face, width, height, unitWidth, unitHeight, headerBytes } = container.streams[stream];
     return { stream: { kind, codec, face, width, height, unitWidth, unitHeight }, headerBytes };

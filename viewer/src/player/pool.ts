@@ -10,12 +10,16 @@ interface Waiting {
   resolve: (answer: Answer | undefined) => void;
 }
 
+/** Jobs that a worker has at a time: while one is done, the next ones are there. */
+const MOST_SENT = 8;
+
 interface Member {
   worker: Worker;
   /** Streams whose outlines it has. */
   knows: Set<number>;
   queue: Waiting[];
-  current: Waiting | undefined;
+  /** Jobs that it has, by their numbers. */
+  sent: Map<number, Waiting>;
   /** Why it does nothing any more. */
   failure: string | undefined;
 }
@@ -39,7 +43,7 @@ export class WorkerPool {
 
   /** Jobs that wait or run. */
   get pending(): number {
-    return this.members.reduce((sum, { queue, current }) => sum + queue.length + Number(current !== undefined), 0);
+    return this.members.reduce((sum, { queue, sent }) => sum + queue.length + sent.size, 0);
   }
 
   /** A chunk in the form of the device; `undefined` where it was no longer wanted when its turn came. Rejects with the worker's
@@ -78,7 +82,7 @@ export class WorkerPool {
   }
 
   private member(worker: Worker): Member {
-    const member: Member = { worker, knows: new Set(), queue: [], current: undefined, failure: undefined };
+    const member: Member = { worker, knows: new Set(), queue: [], sent: new Map(), failure: undefined };
     worker.onmessage = ({ data }: MessageEvent<Answer>) => this.finish(member, data);
     worker.onerror = ({ message }) =>
       this.fail(member, `A worker of the player failed: ${message ?? "it did not load"}`);
@@ -100,23 +104,23 @@ export class WorkerPool {
   }
 
   private pump(member: Member): void {
-    while (member.current === undefined && member.queue.length > 0) {
+    while (member.sent.size < MOST_SENT && member.queue.length > 0) {
       const waiting = member.queue.shift()!;
+      const { job } = waiting;
+      if (member.failure !== undefined) {
+        waiting.resolve({ id: job.id, error: member.failure });
+        continue;
+      }
       if (!waiting.isWanted()) {
         waiting.resolve(undefined);
         continue;
       }
-      member.current = waiting;
-      if (member.failure !== undefined) {
-        member.current = undefined;
-        waiting.resolve({ id: waiting.job.id, error: member.failure });
-        continue;
-      }
-      const { stream } = waiting.job.chunk;
+      member.sent.set(job.id, waiting);
+      const { stream } = job.chunk;
       const outline = member.knows.has(stream) ? undefined : this.outline(stream);
       member.knows.add(stream);
       // The store keeps its bytes: they are copied, not transferred.
-      member.worker.postMessage({ ...waiting.job, ...(outline && { outline }) });
+      member.worker.postMessage({ ...job, ...(outline && { outline }) });
     }
   }
 
@@ -125,12 +129,13 @@ export class WorkerPool {
       member.failure = failure;
       this.onFailed(failure);
     }
-    this.finish(member, { id: member.current?.job.id ?? 0, error: failure });
+    [...member.sent.keys()].forEach((id) => this.finish(member, { id, error: failure }));
+    this.pump(member);
   }
 
   private finish(member: Member, answer: Answer): void {
-    const done = member.current;
-    member.current = undefined;
+    const done = member.sent.get(answer.id);
+    member.sent.delete(answer.id);
     done?.resolve(answer);
     this.pump(member);
   }
