@@ -8,10 +8,11 @@ import type { CodecHeader } from "./format/types.ts";
 import { DecoderCache } from "./decoder_cache.ts";
 import type { Answer, Job, StreamOutline, WorkerSettings } from "./player/jobs.ts";
 
-/** What a decoder holds of a pixel at most: pictures, keyframes, and what prediction knows; twice that of half floats. Beside it levels and
- *  nodes, by the bytes of a payload. */
+/** What a decoder holds of a pixel at most: pictures, keyframes, and what prediction knows; twice that of half floats. */
 const PIXEL_BYTES = 16;
+/** What it holds for each byte of a payload: nodes; of the transform codec up to 8 levels of 6 bytes, in arrays that double. */
 const PAYLOAD_FACTOR = 8;
+const TRANSFORM_FACTOR = 96;
 
 /** Thrown where a frame blends into a chunk that the job did not have. */
 class NextIsMissing extends Error {}
@@ -33,7 +34,8 @@ function decoderOf({ chunk, stored, area, asksCodings }: Job, header: CodecHeade
   const make = asksCodings ? chunkCodings : chunkDecoder;
   const [, , width, height] = area.area.rect;
   const isHalf = header.kind === "color" && header.isHalf;
-  const bytes = PAYLOAD_FACTOR * chunk.rawBytes + PIXEL_BYTES * (isHalf ? 2 : 1) * width * height;
+  const factor = header.kind === "color" && header.coding.name === "transform" ? TRANSFORM_FACTOR : PAYLOAD_FACTOR;
+  const bytes = factor * chunk.rawBytes + PIXEL_BYTES * (isHalf ? 2 : 1) * width * height;
   return decoders.of(key, bytes, () => make(header, unpack(chunk, stored), area));
 }
 
