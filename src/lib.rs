@@ -5,6 +5,8 @@
 
 // Parts of a module that only a feature or a test uses are not gated one by one.
 #![cfg_attr(not(all(feature = "cli", feature = "internals")), allow(dead_code, unused_imports))]
+// Tests make their inputs as they like (`clippy.toml`).
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
 // The hidden modules are documented where a name does not say it all.
 #![cfg_attr(feature = "internals", allow(missing_docs))]
 

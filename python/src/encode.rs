@@ -229,6 +229,7 @@ impl<'py> Image<'py> {
 }
 
 /// Encodes into a file beside the final one, and renames it.
+#[allow(clippy::disallowed_methods)]
 fn write(py: Python<'_>, encoder: Encoder, path: &Path) -> PyResult<EncodeSummary> {
     let io = |error| raised(Error::io(path, error));
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -240,7 +241,11 @@ fn write(py: Python<'_>, encoder: Encoder, path: &Path) -> PyResult<EncodeSummar
     let out = BufWriter::new(partial.as_file().try_clone().map_err(io)?);
     let (mut out, summary) = run(py, encoder, out)?;
     out.flush().map_err(io)?;
+    // The content is on the disk before the name, and the name before the answer.
+    partial.as_file().sync_all().map_err(io)?;
     partial.persist(path).map_err(|error| io(error.error))?;
+    #[cfg(unix)]
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(io)?;
     Ok(summary)
 }
 

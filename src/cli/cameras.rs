@@ -95,8 +95,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Written::Folder(files) => {
             let folder = OutputFolder::create(output)?;
             for (name, text) in files {
-                let path = folder.work_path().join(name);
-                std::fs::write(&path, text).map_err(|error| folder.present(Error::io(&path, error)))?;
+                folder.write_bytes(Path::new(&name), text.as_ref())?;
             }
             folder.commit()?;
         }

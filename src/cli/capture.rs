@@ -18,7 +18,7 @@ use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
 use crate::scene::capture::CaptureReport;
 use crate::scene::capture::write::UNFINISHED;
-use crate::scene::{CapturePlan, CaptureSummary, ExistingImages, Pass, Play, Scene};
+use crate::scene::{CapturePlan, CaptureSummary, Pass, Play, Scene};
 
 pub use args::{Args, parse_size};
 
@@ -75,12 +75,11 @@ impl Work<'_> {
     fn capture(&self, folder: PartialFolder) -> Result<CaptureSummary> {
         let mut unfinished = UnfinishedFolder::new(folder, &self.args.output, "capture");
         let all = self.plan.image_count();
-        let kept = match unfinished.begin(&self.fingerprint(), all, (self.args.resume, self.global))? {
-            true => ExistingImages::Keep,
-            false => ExistingImages::Overwrite,
-        };
-        let done = self.plan.write(self.scene, unfinished.folder.work_path(), kept, self.progress);
-        let done = done.and_then(|summary| unfinished.folder.commit().map(|()| summary));
+        unfinished.begin(&self.fingerprint(), all, (self.args.resume, self.global))?;
+        let manifest = self.plan.manifest()?.to_json()?;
+        let done = self.plan.write_images(self.scene, &unfinished.folder, self.progress);
+        let description = Some((MANIFEST_NAME, manifest.as_bytes()));
+        let done = done.and_then(|summary| unfinished.folder.commit(description).map(|()| summary));
         done.map_err(|error| unfinished.stopped(error, all))
     }
 

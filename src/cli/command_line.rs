@@ -1,6 +1,7 @@
 //! The command line: every command and its arguments.
 
 use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgMatches, CommandFactory, Parser, Subcommand};
 
@@ -11,6 +12,8 @@ use crate::cli::{
     bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect,
     interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train, view,
 };
+use crate::error::Result;
+use crate::files;
 
 /// Codec toolkit for animated light fields: probes of colour and depth.
 #[derive(Debug, Parser)]
@@ -144,6 +147,32 @@ pub fn has_result_on_stdout(matches: &ArgMatches) -> bool {
     !WRITERS.contains(&name) || PRINTING.iter().any(prints) || matches.ids().any(is_dash)
 }
 
+/// Options that name a file or a folder to write.
+const OUTPUTS: &[&str] =
+    &["cameras_out", "contact_sheet", "csv", "error_map", "export", "folder", "output", "path", "plot", "trace"];
+/// Those that always name a file.
+const FILES: &[&str] = &["cameras_out", "contact_sheet", "csv", "path", "trace"];
+/// Commands of which `-o` always names one.
+const FILE_WRITERS: &[&str] = &["bc4w", "init", "place", "quilt", "scan", "simplify", "train-color", "train-depth"];
+
+/// Refuses outputs that cannot be written, before any work: names that the file system does not take, folders that are missing,
+/// standard output that is closed.
+pub fn check_outputs(matches: &ArgMatches) -> Result<()> {
+    let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
+    for id in OUTPUTS {
+        for path in matches.try_get_many::<PathBuf>(id).ok().flatten().into_iter().flatten() {
+            if path == Path::new("-") {
+                files::standard_output()?;
+            } else if FILES.contains(id) || *id == "output" && FILE_WRITERS.contains(&name) {
+                files::check_file(path)?;
+            } else {
+                files::check_name(path)?;
+            }
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
@@ -185,8 +214,12 @@ mod tests {
             assert!(of(line), "{line}");
         }
         let root = command();
-        for name in WRITERS {
+        for name in WRITERS.iter().chain(FILE_WRITERS) {
             assert!(root.find_subcommand(name).is_some(), "{name}");
+        }
+        for id in OUTPUTS {
+            let has = |command: &clap::Command| command.get_arguments().any(|argument| argument.get_id() == id);
+            assert!(root.get_subcommands().any(has), "{id}");
         }
     }
 }

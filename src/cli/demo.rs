@@ -16,13 +16,12 @@ use crate::dataset::source::{Source, SourceOptions};
 use crate::decode::{self, Decoder, Destination, FileCoding, OnCpu, OnDamage, Selection, StreamInfo};
 use crate::encode::{EncodeSettings, ErrorBound};
 use crate::error::Result;
-use crate::files::OutputFolder;
 use crate::image::StreamKind;
 use crate::inspect::{self, InspectSettings, percent};
 use crate::json::Number;
 use crate::report::Table;
 use crate::report::tradeoff::runner::shell_word;
-use crate::scene::{CapturePlan, DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
+use crate::scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Scene};
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -163,10 +162,7 @@ fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
         FootagePlan { kind: DemoKind::Courtyard, frames: args.frame_count, face_size: args.size, probes: args.probes };
     let plan = CapturePlan { samples: SAMPLES, ..plan.capture()? };
     let progress = Progress::start(global, "capturing", plan.image_count())?;
-    let folder = OutputFolder::create(path)?;
-    let scene = Scene::Procedural(DemoScene::new(DemoKind::Courtyard));
-    plan.write(&scene, folder.work_path(), ExistingImages::Overwrite, &progress)?;
-    folder.commit()
+    plan.write(&Scene::Procedural(DemoScene::new(DemoKind::Courtyard)), path, &progress).map(drop)
 }
 
 fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {

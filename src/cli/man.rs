@@ -1,9 +1,10 @@
 //! `lightfold man DIR`: writes the man pages of `man/`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::ExitStatus;
 use crate::error::{Error, Result};
+use crate::files::OutputFolder;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -41,11 +42,11 @@ fn page((title, command): (String, &clap::Command)) -> Result<Page> {
 }
 
 pub fn run(args: &Args, root: clap::Command) -> Result<ExitStatus> {
-    std::fs::create_dir_all(&args.folder).map_err(|error| Error::io(&args.folder, error))?;
+    let folder = OutputFolder::create(&args.folder)?;
     for page in pages(root)? {
-        let path = args.folder.join(&page.name);
-        std::fs::write(&path, &page.text).map_err(|error| Error::io(&path, error))?;
+        folder.write_bytes(Path::new(&page.name), &page.text)?;
     }
+    folder.commit()?;
     Ok(ExitStatus::Passed)
 }
 

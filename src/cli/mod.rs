@@ -64,7 +64,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return not_parsed(&error, as_json),
     };
-    match execute(cli) {
+    let (cli, outputs) = cli;
+    match outputs.and_then(|()| execute(cli)) {
         Ok(ExitStatus::Passed) => ExitCode::SUCCESS,
         Ok(ExitStatus::Failed) => ExitCode::from(EXIT_FAILED),
         Err(error) => {
@@ -81,11 +82,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
+/// The command line, and whether its outputs can be written.
+fn parse(arguments: &[OsString]) -> Result<(Cli, Result<()>), clap::Error> {
     let matches = short_help::with_short_help(command()).try_get_matches_from(arguments)?;
     let mut cli = Cli::from_arg_matches(&matches)?;
     cli.global.has_result_on_stdout = command_line::has_result_on_stdout(&matches);
-    Ok(cli)
+    Ok((cli, command_line::check_outputs(&matches)))
 }
 
 /// Prints help, version or what is wrong with the arguments.

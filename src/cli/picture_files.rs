@@ -8,7 +8,7 @@ use super::unfinished_folder::UnfinishedFolder;
 use crate::decode::FileFormat;
 use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::files::{FolderKind, OutputFolder, PartialFolder};
+use crate::files::{FileFolder, FolderKind, OutputFolder, PartialFolder};
 use crate::fingerprint::Fingerprint;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
@@ -30,15 +30,11 @@ pub struct PictureFiles {
 enum Work {
     /// Removed where the command stops.
     Whole(OutputFolder),
-    /// Kept; whether there are pictures of an earlier run.
-    Unfinished(UnfinishedFolder, bool),
+    /// Kept.
+    Unfinished(UnfinishedFolder),
 }
 
-/// The unfinished folder of PNG files.
-const PNG: FolderKind =
-    FolderKind { suffix: ".views.partial", state: ".views.json", extension: "png", manifest: ".views.json" };
-/// And of EXR files.
-const EXR: FolderKind = FolderKind { extension: "exr", ..PNG };
+const UNFINISHED: FolderKind = FolderKind { suffix: ".views.partial", state: ".views.json" };
 
 /// How pictures become codes or light.
 #[derive(Debug, Clone, Copy)]
@@ -57,35 +53,36 @@ impl PictureFiles {
     /// Files that are kept where the command stops, so that a later one resumes. Processes may each write a part of them, by its name.
     pub fn resumable(path: &Path, format: FileFormat, part: &str) -> Result<PictureFiles> {
         let (root, text) = root_and_text(path);
-        let kind = if format == FileFormat::Png { PNG } else { EXR };
-        let folder = PartialFolder::open_part(here(&root), kind, part)?;
-        let work = Work::Unfinished(UnfinishedFolder::new(folder, path, "sequence"), false);
+        let folder = PartialFolder::open_part(here(&root), UNFINISHED, part)?;
+        let work = Work::Unfinished(UnfinishedFolder::new(folder, path, "sequence"));
         Ok(PictureFiles { text, format, work, root })
     }
 
     /// Begins resumable files: as [`UnfinishedFolder::begin`].
     pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<()> {
-        if let Work::Unfinished(unfinished, has_earlier) = &mut self.work {
-            *has_earlier = unfinished.begin(now, all, (resume, global))?;
+        match &mut self.work {
+            Work::Whole(_) => Ok(()),
+            Work::Unfinished(unfinished) => unfinished.begin(now, all, (resume, global)),
         }
-        Ok(())
+    }
+
+    fn folder(&self) -> &dyn FileFolder {
+        match &self.work {
+            Work::Whole(folder) => folder,
+            Work::Unfinished(unfinished) => &unfinished.folder,
+        }
     }
 
     /// Whether an earlier run made a file.
     pub fn has(&self, word: &str, number: u32) -> Result<bool> {
-        match &self.work {
-            Work::Unfinished(unfinished, true) => {
-                Ok(unfinished.folder.work_path().join(self.below(word, number)?).is_file())
-            }
-            _ => Ok(false),
-        }
+        Ok(self.folder().made(&self.below(word, number)?).is_some())
     }
 
     /// The error that stopped a command.
     pub fn stopped(&mut self, error: Error, all: u64) -> Error {
         match &mut self.work {
             Work::Whole(_) => error,
-            Work::Unfinished(unfinished, _) => unfinished.stopped(error, all),
+            Work::Unfinished(unfinished) => unfinished.stopped(error, all),
         }
     }
 
@@ -118,7 +115,7 @@ impl PictureFiles {
 
     /// Writes a picture. Answers its bytes.
     pub fn write(&self, (word, number): (&str, u32), picture: &RenderedImage, coding: PictureCoding) -> Result<u64> {
-        self.write_by(word, number, |path| match self.format {
+        self.write_by(word, number, &mut |path: &Path| match self.format {
             FileFormat::Png => png::write_rgba8(path, &picture.rgba_codes(coding.tone)),
             FileFormat::Exr => {
                 let aovs = picture.aovs.iter().map(|aov| (aov.channel, &aov.plane));
@@ -128,32 +125,14 @@ impl PictureFiles {
     }
 
     /// Writes a file by its path until [`Self::commit`]. Answers its bytes.
-    pub fn write_by(&self, word: &str, number: u32, write: impl FnOnce(&Path) -> Result<()>) -> Result<u64> {
-        let folder = match &self.work {
-            Work::Whole(folder) => folder.work_path(),
-            Work::Unfinished(unfinished, _) => unfinished.folder.work_path(),
-        };
-        let path = folder.join(self.below(word, number)?);
-        // A file that is there is whole.
-        let begun = path.with_extension("begun");
-        let written = || {
-            if let Some(folder) = path.parent() {
-                std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-            }
-            write(&begun)?;
-            std::fs::rename(&begun, &path).map_err(|error| Error::io(&path, error))?;
-            Ok(std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len())
-        };
-        written().map_err(|error| match &self.work {
-            Work::Whole(folder) => folder.present(error),
-            Work::Unfinished(unfinished, _) => unfinished.folder.present(error),
-        })
+    pub fn write_by(&self, word: &str, number: u32, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64> {
+        self.folder().write_file(&self.below(word, number)?, write)
     }
 
     pub fn commit(self) -> Result<()> {
         match self.work {
             Work::Whole(folder) => folder.commit(),
-            Work::Unfinished(mut unfinished, _) => unfinished.folder.commit(),
+            Work::Unfinished(mut unfinished) => unfinished.folder.commit(None),
         }
     }
 }

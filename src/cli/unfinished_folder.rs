@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{GlobalArgs, output};
 use crate::error::{Error, Result};
-use crate::files::PartialFolder;
+use crate::files::{Kept, Left, PartialFolder};
 use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
 
@@ -23,23 +23,29 @@ impl UnfinishedFolder {
         UnfinishedFolder { folder, path: path.to_path_buf(), what }
     }
 
-    /// Keeps the pictures of an earlier run of the same options where it is to be resumed, else discards them; whether any are kept.
-    /// `all` is the number of all pictures.
-    pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<bool> {
+    /// Keeps the intact pictures of an earlier run of the same options where it is to be resumed, else discards them. `all` is the number of
+    /// all pictures.
+    pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<()> {
         let what = self.what;
         let say = |words: &str| global.note(format_args!("{}: {words}", self.path.display()));
         if !self.folder.is_locked() {
             say(&format!("the file system has no locks: do not {what} into this folder twice at the same time"));
         }
-        let (left, images) = (self.folder.state()?, self.folder.files());
+        let Left { words: left, files: images } = self.folder.left()?;
         if resume && images > 0 {
             let begun: Vec<(String, String)> =
                 serde_json::from_str(&left).map_err(|_| self.cannot("its state is damaged"))?;
             if let Some(difference) = Fingerprint(begun).difference(now) {
                 return Err(self.cannot(&difference));
             }
-            say(&format!("resuming with {images} of {all} images"));
-            return Ok(true);
+            let Kept { intact, damaged } = self.folder.resume()?;
+            let again = match damaged {
+                0 => String::new(),
+                1 => "; 1 damaged image is made again".to_owned(),
+                many => format!("; {many} damaged images are made again"),
+            };
+            say(&format!("resuming with {intact} of {all} images{again}"));
+            return Ok(());
         }
         if resume {
             say("nothing to resume; starting anew");
@@ -49,10 +55,9 @@ impl UnfinishedFolder {
             let more = if is_same { "; --resume would continue it" } else { " with other options" };
             say(&format!("replacing an unfinished {what} of {}{more}", counted(images, "image")));
         }
-        let state = serde_json::to_string_pretty(&now.0)
+        let state = serde_json::to_string(&now.0)
             .map_err(|error| Error::invalid(format!("the state of the {what}: {error}")))?;
-        self.folder.start_over(&state)?;
-        Ok(false)
+        self.folder.start_over(&state)
     }
 
     fn cannot(&self, difference: &str) -> Error {
@@ -65,11 +70,10 @@ impl UnfinishedFolder {
 
     /// The error that stopped a run, after which pictures are kept, if there are any.
     pub fn stopped(&mut self, error: Error, all: u64) -> Error {
-        let (error, images) = (self.folder.present(error), self.folder.files());
+        let (error, images) = (self.folder.present(error), self.folder.keep());
         if images == 0 {
             return error;
         }
-        self.folder.keep();
         let safe = format!(
             "{images} of {all} images are kept in {}; {}",
             self.folder.work_path().display(),

@@ -19,6 +19,7 @@ use crate::decode::memory;
 use crate::decode::selection::{Request, StreamFrames};
 use crate::decode::units::{DecodeSummary, Decoded, DecodedPart, jobs_at_once};
 use crate::error::{Error, Result};
+use crate::files::{self, DiskFile};
 use crate::image::StreamKind;
 use crate::image::picture_stream::{PictureStream, StreamFormat};
 use crate::image::sequence::{FrameRange, Pattern};
@@ -57,7 +58,7 @@ impl Destination {
             }
             for frame in missing.frames.iter().flat_map(|range| range.iter()) {
                 let path = pattern.path(frame);
-                match std::fs::remove_file(&path) {
+                match files::remove_file(&path) {
                     Ok(()) => removed += 1,
                     Err(error) if error.kind() == ErrorKind::NotFound => {}
                     Err(error) => return Err(Error::io(&path, error)),
@@ -134,7 +135,9 @@ pub fn decode_to_files(
             manifest.extra.get_or_insert_with(|| json!({}))["missing"] = json!(list);
         }
         let path = folder.join(MANIFEST_NAME);
-        std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
+        let text = manifest.to_json()?;
+        let written = DiskFile::create(&path).and_then(|mut file| file.write_all(text.as_bytes()));
+        written.map_err(|error| Error::io(&path, error))?;
     }
     Ok(decoded)
 }

@@ -1,6 +1,5 @@
 //! Writes a decoded image, or colour with its alpha, into an EXR or PNG file.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -11,6 +10,7 @@ use crate::decode::face::Picture;
 use crate::decode::manifest::{FileCoding, FileFormat};
 use crate::depth::CodeTable;
 use crate::error::{Error, Result};
+use crate::files::{DiskFile, create_folders};
 use crate::image::exr;
 use crate::image::picture_stream::CodePicture;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
@@ -65,7 +65,7 @@ impl ImageWriter {
     /// Writes a file, and its folder where there is none.
     pub fn write_new(&self, path: &Path, picture: Picture, alpha: Option<&Plane<u8>>) -> Result<WrittenFile> {
         if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+            create_folders(parent).map_err(|error| Error::io(parent, error))?;
         }
         let clipped_pixels = self.write(path, picture, alpha).map_err(|error| error.in_file(path))?;
         let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
@@ -79,7 +79,7 @@ impl ImageWriter {
                 Some(alpha) => self.codes_and_alpha(picture, alpha)?,
                 None => self.codes(picture)?,
             };
-            let file = File::create(path).map_err(|error| Error::io(path, error))?;
+            let file = DiskFile::create(path).map_err(|error| Error::io(path, error))?;
             return codes.encode_png(&mut BufWriter::new(file)).map(|()| clipped);
         }
         let half = |code: u8| f16::from_f32(convert::alpha_value(code.into()));

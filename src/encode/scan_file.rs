@@ -90,8 +90,7 @@ impl ScanFile {
     }
 
     pub fn write(&self, path: &Path) -> Result<()> {
-        let text = self.to_json()?;
-        write_whole(path, |path| std::fs::write(path, text).map_err(|error| Error::io(path, error)))
+        write_whole(path, self.to_json()?.as_bytes())
     }
 
     pub fn to_json(&self) -> Result<String> {

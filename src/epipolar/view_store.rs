@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::interpolate::{Coverage, InterpolatedView};
 use crate::error::{Error, Result};
+use crate::files::DiskFile;
 use crate::image::Plane;
 
 /// Bytes of a pixel in a file: three half floats, and the coverage.
@@ -42,7 +43,7 @@ impl ViewStore {
         let held = match storage {
             Storage::Memory => Held::Memory(vec![blank(size); count]),
             Storage::File(folder) => {
-                let file = tempfile::tempfile_in(folder).map_err(|error| Error::io(folder, error))?;
+                let file = DiskFile::scratch(folder).map_err(|error| Error::io(folder, error))?;
                 Held::File { file, folder: folder.clone() }
             }
         };

@@ -287,7 +287,7 @@ mod tests {
     use crate::encode::{EncodeSettings, encode};
     use crate::image::ImageProjection;
     use crate::monitor::Silent;
-    use crate::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Pass, Scene};
+    use crate::scene::{DemoKind, DemoScene, FootagePlan, Pass, Scene};
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 
@@ -328,7 +328,7 @@ mod tests {
         plan.cameras.cameras = vec![PlacedCamera { fov_y_deg: Some(40.0), ..camera }];
         (plan.projection, plan.size) = (Projection::Perspective, [12, 8]);
         plan.passes = vec![Pass::Color];
-        plan.write(&Scene::Procedural(DemoScene::new(PLAN.kind)), folder, ExistingImages::Overwrite, &Silent).unwrap();
+        plan.write(&Scene::Procedural(DemoScene::new(PLAN.kind)), folder, &Silent).unwrap();
         plan.manifest().unwrap()
     }
 

@@ -1,29 +1,16 @@
-//! Small files that are replaced as a whole.
+//! Small files that are replaced as a whole, and what names of outputs may be.
 
-use std::ffi::OsString;
-use std::path::Path;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
 
+use super::output_file::OutputFile;
 use crate::error::{Error, Result};
 
-/// Calls `write` with a temporary path beside `path` and renames that file afterwards. Concurrent writers do not disturb
-/// each other: the last rename wins.
-pub fn write_whole<T>(path: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
-    let mut prefix = OsString::from(".");
-    prefix.push(path.file_name().unwrap_or_default());
-    prefix.push(".");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".partial");
-    // Temporary files are private by default; a result has the usual permissions.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(parent_of(path)).map_err(|error| Error::io(path, error.kind().into()))?;
-    let file = file.into_temp_path();
-    let written = write(&file).map_err(|error| match error {
-        Error::Io { source, .. } => Error::io(path, source),
-        other => other,
-    })?;
-    file.persist(path).map_err(|error| Error::io(path, error.error))?;
-    Ok(written)
+/// Writes a file whole: [`OutputFile`] of these bytes.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.write_all(bytes).map_err(|error| Error::io(path, error))?;
+    file.commit()
 }
 
 /// The folder that a path is in; `.` for a bare name.
@@ -31,31 +18,109 @@ pub fn parent_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// Refuses a name that the file system cannot take: too long, or with a NUL. Nothing is created.
+pub fn check_name(path: &Path) -> Result<()> {
+    let refused = |why: &str| Err(Error::Usage(format!("{}: {why}; name another output", shortened(path))));
+    let existing = path.ancestors().find(|above| above.is_dir() || above.as_os_str().is_empty());
+    let folder = existing.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let missing = existing.and_then(|existing| path.strip_prefix(existing).ok()).unwrap_or(path);
+    // Where a folder is missing the system does not look at the names in it: each is tried in the folder that is there.
+    let names = missing.iter().map(|name| folder.join(name));
+    for tried in names.chain([path.to_path_buf()]) {
+        match tried.symlink_metadata().map_err(|error| error.kind()) {
+            Err(ErrorKind::InvalidFilename) => return refused("its name is too long for the file system"),
+            Err(ErrorKind::InvalidInput) => return refused("a name with a NUL character, which no file can have"),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a name that no file can have, or whose folder is missing.
+pub fn check_file(path: &Path) -> Result<()> {
+    check_name(path)?;
+    let folder = parent_of(path);
+    match folder.is_dir() {
+        true => Ok(()),
+        false => Err(Error::Usage(format!("{}: there is no folder {}", path.display(), folder.display()))),
+    }
+}
+
+/// Characters of a path in a message, at most.
+const MAX_SHOWN: usize = 120;
+
+/// The start of a path that is too long to show.
+fn shortened(path: &Path) -> String {
+    let text = path.display().to_string();
+    match text.char_indices().nth(MAX_SHOWN) {
+        Some((at, _)) => format!("{}... ({} bytes)", &text[..at], text.len()),
+        None => text,
+    }
+}
+
+/// Bytes of a hidden name, at most. File systems take 255, less where they encrypt names.
+const MAX_HIDDEN_BYTES: usize = 140;
+
+/// A path beside an output: a dot, its name and an ending. Long names are cut, and told apart by their CRC-32.
+pub fn hidden_beside(output: &Path, end: &str) -> Option<PathBuf> {
+    let name = output.file_name()?;
+    let mut hidden = std::ffi::OsString::from(".");
+    let bytes = name.as_encoded_bytes();
+    if bytes.len() + end.len() < MAX_HIDDEN_BYTES {
+        hidden.push(name);
+    } else {
+        let text = name.to_string_lossy();
+        let start: String = text.chars().take(MAX_HIDDEN_BYTES / 4 - end.len().min(20)).collect();
+        hidden.push(format!("{start}~{:08x}", crc32fast::hash(bytes)));
+    }
+    hidden.push(end);
+    Some(parent_of(output).join(hidden))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn files_appear_whole_or_not_at_all_even_when_two_write_at_once() {
+    fn replaces_files_whole_or_not_at_all() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("page");
-        let put = |partial: &Path, text: &str| std::fs::write(partial, text).map_err(|error| Error::io(partial, error));
-        write_whole(&path, |outer| {
-            put(outer, "outer")?;
-            write_whole(&path, |inner| put(inner, "inner"))?;
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), "inner");
-            Ok(())
-        })
-        .unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "outer");
-        let refused = write_whole(&path, |partial| {
-            put(partial, "half")?;
-            Err::<(), _>(Error::invalid("no more"))
-        });
-        assert!(refused.unwrap_err().to_string().contains("no more"));
-        let missing = write_whole(&path, |partial| put(&partial.join("none"), "")).unwrap_err().to_string();
+        for text in ["first", "2nd"] {
+            write_whole(&path, text.as_bytes()).unwrap();
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+        let missing = write_whole(&folder.path().join("none/page"), b"").unwrap_err().to_string();
         assert!(missing.contains("page") && !missing.contains("partial"), "{missing}");
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "outer");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn refuses_names_that_no_file_can_have() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["a", "none/b/c.%04d.png", "x/../y", "é", &"n".repeat(250)] {
+            check_name(&at(name)).unwrap();
+        }
+        let long = "n".repeat(70_000);
+        for name in [&long, &format!("none/{long}/c.png"), &"d/".repeat(30_000), "a\0b", "none/a\0b.lfold"] {
+            let error = check_name(&at(name)).unwrap_err().to_string();
+            assert!(error.len() < 400 && error.contains("name another output"), "{error}");
+            assert!(check_name(Path::new(name)).is_err());
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn hidden_names_are_short_and_differ() {
+        let name = |length: usize, end: char| format!("{}{end}.lfold", "é".repeat(length));
+        let [a, b] =
+            ['a', 'b'].map(|end| hidden_beside(Path::new(&name(120, end)), ".1-of-2.capture.partial").unwrap());
+        assert!(a != b && a.as_os_str().len() <= MAX_HIDDEN_BYTES, "{}", a.display());
+        assert_eq!(hidden_beside(Path::new("out/a.lfold"), ".partial").unwrap(), Path::new("out/.a.lfold.partial"));
+        assert_eq!(hidden_beside(Path::new(".."), ".partial"), None);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name(120, 'a'));
+        write_whole(&path, b"whole").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
     }
 }

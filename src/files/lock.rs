@@ -4,10 +4,12 @@ use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Result};
 use std::path::Path;
 
+use super::disk::DiskFile;
+
 #[derive(Debug)]
 pub struct Locked {
     /// The file; closing it releases the lock.
-    pub file: File,
+    pub file: DiskFile,
     /// False where the file system has no locks, so that other processes may open the file, too.
     pub is_locked: bool,
 }
@@ -20,9 +22,9 @@ pub fn open_locked(path: &Path) -> Result<Option<Locked>> {
             let message = format!("{} exists and is no plain file", path.display());
             return Err(Error::new(ErrorKind::AlreadyExists, message));
         }
-        let file = File::options().create(true).truncate(false).read(true).write(true).open(path)?;
-        let Some(is_locked) = lock_state(&file.try_lock()) else { return Ok(None) };
-        if is_at(&file, path) {
+        let file = DiskFile::open(path)?;
+        let Some(is_locked) = lock_state(&file.file().try_lock()) else { return Ok(None) };
+        if is_at(file.file(), path) {
             return Ok(Some(Locked { file, is_locked }));
         }
     }

@@ -1,29 +1,56 @@
-//! Files and folders that appear whole or not at all, and locks between processes.
+//! Files and folders that appear whole or not at all, also where the power fails, and locks between processes.
 //!
-//! Results are written under a temporary name that ends in `.partial` and renamed at the end, so an interrupted command
-//! leaves the previous file. Single files are locked and reach the disk before they are renamed. Folders of images are
-//! neither locked (except [`PartialFolder`]) nor synced: thousands of files would each wait for the disk. After a loss of
-//! power, files written just before may be empty.
+//! Every output of every command is written here. The order is always the same: bytes go to a temporary name, they reach the disk,
+//! the name is changed, and the name reaches the disk. So there is at any time the previous file, the whole new one, or none; and what
+//! a command has written stays once it ends. What a stopped command keeps has lengths and checksums, and a later one with `--resume`
+//! reads it again before it goes on.
 //!
-//! | type | content | lock | left by a killed process |
-//! | --- | --- | --- | --- |
-//! | [`write_whole`] | one small file | no | a temporary file |
-//! | [`OutputFile`] | one file, a pipe or a device | yes | a file and its journal, to resume from |
-//! | [`OutputFolder`] | a folder | no | a temporary folder |
-//! | [`PartialFolder`] | a folder of images | yes | a folder, to resume from |
+//! | type | content | left by a killed process |
+//! | --- | --- | --- |
+//! | [`write_whole`] | one small file | an empty or unfinished file, which the next run replaces |
+//! | [`OutputFile`] | one file, a pipe or a device | a file and its journal, to resume from |
+//! | [`OutputFolder`] | a folder | a temporary folder, which the next run removes |
+//! | [`PartialFolder`] | a folder of images | a folder, to resume from |
+//! | [`WorkFolder`] | a temporary folder | the same, which the next run removes |
+//!
+//! All are locked, so that no process takes what another still writes for left over. Files of a folder reach the disk together, several
+//! at once: one by one, thousands would each wait for it. `disk` has the operations, of which tests can make a `record`.
+
+#![allow(clippy::disallowed_methods)]
 
 mod atomic;
+mod disk;
 mod lock;
 mod output_file;
 mod output_folder;
 mod partial_file;
 mod partial_folder;
+#[cfg(feature = "internals")]
+pub mod record;
 mod regular;
+mod standard_output;
+mod work_folder;
 
-pub use atomic::{parent_of, write_whole};
-pub use lock::open_locked;
+use std::path::{Path, PathBuf};
+
+pub use atomic::{check_file, check_name, parent_of, write_whole};
+pub use disk::{DiskFile, create_folders, remove_file};
+pub use lock::{Locked, open_locked};
 pub use output_file::OutputFile;
 pub use output_folder::OutputFolder;
 pub use partial_file::IntactBytes;
-pub use partial_folder::{FolderKind, PartialFolder};
+pub use partial_folder::{FolderKind, Kept, Left, PartialFolder};
 pub use regular::open_regular;
+pub use standard_output::standard_output;
+pub use work_folder::WorkFolder;
+
+use crate::error::Result;
+
+/// A folder that takes files until they appear together.
+pub trait FileFolder: Sync {
+    /// The place of a file that an earlier process made, and that is intact.
+    fn made(&self, file: &Path) -> Option<PathBuf>;
+
+    /// Writes a file by a path, in folders that are made where they are missing. Returns its bytes.
+    fn write_file(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64>;
+}

@@ -1,11 +1,12 @@
 //! Output files: a locked partial file, a pipe, a device, or standard output.
 
-use std::fs::File;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use super::disk::DiskFile;
 use super::partial_file::{IntactBytes, PartialFile};
+use super::standard_output::standard_output;
 use crate::error::{Error, Result};
 
 enum Sink {
@@ -34,12 +35,12 @@ impl OutputFile {
     pub fn open(path: &Path) -> Result<OutputFile> {
         let io = |error| Error::io(path, error);
         let sink = if path == Path::new("-") {
-            Sink::Direct(Box::new(BufWriter::new(std::io::stdout())))
+            Sink::Direct(Box::new(BufWriter::new(standard_output()?)))
         } else if std::fs::metadata(path).is_ok_and(|meta| !meta.is_file()) {
             if path.is_dir() {
                 return Err(Error::Usage(format!("{}: a folder, where a file name was expected", path.display())));
             }
-            Sink::Direct(Box::new(BufWriter::new(File::options().write(true).open(path).map_err(io)?)))
+            Sink::Direct(Box::new(BufWriter::new(DiskFile::device(path).map_err(io)?)))
         } else {
             Sink::Partial(PartialFile::open(path)?)
         };

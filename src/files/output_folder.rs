@@ -1,18 +1,19 @@
 //! Output folders, whose files appear together.
 
-use std::ffi::OsStr;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
-use super::atomic::parent_of;
+use super::FileFolder;
+use super::atomic::{check_name, parent_of};
+use super::disk::{self, DiskFile};
+use super::work_folder::{WorkFolder, clear_left};
 use crate::error::{Error, Result};
 
-/// An output folder whose files appear only when all of them are written.
+/// An output folder whose files appear only when all of them are written, and are on the disk before.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    work: TempDir,
+    work: WorkFolder,
     /// Dropped after the temporary folder in it.
     _made: MadeFolders,
 }
@@ -23,10 +24,7 @@ pub struct MadeFolders(Vec<PathBuf>);
 
 impl MadeFolders {
     pub fn create(folder: &Path) -> std::io::Result<MadeFolders> {
-        let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
-        let made = MadeFolders(missing.map(Path::to_path_buf).collect());
-        std::fs::create_dir_all(folder)?;
-        Ok(made)
+        disk::create_folders(folder).map(MadeFolders)
     }
 }
 
@@ -34,7 +32,7 @@ impl Drop for MadeFolders {
     fn drop(&mut self) {
         for folder in &self.0 {
             // One with files stays.
-            let _ = std::fs::remove_dir(folder);
+            let _ = disk::remove_folder(folder);
         }
     }
 }
@@ -43,6 +41,7 @@ impl OutputFolder {
     /// Starts the folder; its parents are made where they are missing.
     pub fn create(path: &Path) -> Result<OutputFolder> {
         let io = |error| Error::io(path, error);
+        check_name(path)?;
         if std::fs::metadata(path).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", path.display())));
         }
@@ -52,14 +51,15 @@ impl OutputFolder {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", parent.display())));
         }
         let made = MadeFolders::create(parent).map_err(io)?;
-        let work = tempfile::Builder::new().prefix(".lightfold.").suffix(".partial").tempdir_in(parent);
-        let work = work.map_err(|error| io(error.kind().into()))?;
+        // A killed process may have begun before there was the folder.
+        clear_left(parent_of(path));
+        let work = WorkFolder::create(parent).map_err(io)?;
         Ok(OutputFolder { path: path.to_path_buf(), work, _made: made })
     }
 
     /// Where to write until [`Self::commit`].
     pub fn work_path(&self) -> &Path {
-        self.work.path()
+        self.work.files()
     }
 
     /// Replaces the temporary folder by the final one in an error's path.
@@ -67,17 +67,39 @@ impl OutputFolder {
         name_final_path(error, self.work_path(), &self.path)
     }
 
+    /// Writes a file, by its path until [`Self::commit`], in folders that are made where they are missing. Returns what `write` answers.
+    pub fn write<T>(&self, file: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
+        let path = self.work_path().join(file);
+        let made = disk::create_folders(parent_of(&path)).map_err(|error| Error::io(&path, error));
+        made.and_then(|_| write(&path)).map_err(|error| self.present(error))
+    }
+
+    /// Writes a file of these bytes.
+    pub fn write_bytes(&self, file: &Path, bytes: &[u8]) -> Result<()> {
+        self.write(file, |path| {
+            let written = DiskFile::create(path).and_then(|mut out| out.write_all(bytes));
+            written.map_err(|error| Error::io(path, error))
+        })
+    }
+
     /// Moves everything to the final folder; files of the same names there are replaced.
     pub fn commit(self) -> Result<()> {
-        let path = &self.path;
-        let io = |error| Error::io(path, error);
-        #[cfg(unix)]
-        std::fs::set_permissions(self.work.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755)).map_err(io)?;
-        if rename_or_move_into(self.work.path(), path, &|_| true).map_err(io)? {
-            // There is nothing left to remove under the old name.
-            let _ = self.work.keep();
-        }
-        Ok(())
+        let moved =
+            disk::sync_tree(self.work.files()).and_then(|()| rename_or_move_into(self.work.files(), &self.path));
+        moved.map_err(|error| Error::io(&self.path, error))
+    }
+}
+
+impl FileFolder for OutputFolder {
+    fn made(&self, _file: &Path) -> Option<PathBuf> {
+        None
+    }
+
+    fn write_file(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64> {
+        self.write(file, |path| {
+            write(path)?;
+            std::fs::metadata(path).map(|meta| meta.len()).map_err(|error| Error::io(path, error))
+        })
     }
 }
 
@@ -91,35 +113,38 @@ pub fn name_final_path(error: Error, from: &Path, to: &Path) -> Error {
     }
 }
 
-/// Gives a folder its final name, and answers true; or moves its content, except for names that are not wanted, where there is a
-/// folder of that name, which another process may have made a moment ago.
-pub fn rename_or_move_into(from: &Path, to: &Path, is_wanted: &dyn Fn(&OsStr) -> bool) -> std::io::Result<bool> {
+/// Gives a folder its final name; or moves its content where there is a folder of that name, which another process may have made a
+/// moment ago. The content is on the disk before, the names are when it returns.
+pub fn rename_or_move_into(from: &Path, to: &Path) -> std::io::Result<()> {
     if !to.exists() {
-        match std::fs::rename(from, to) {
-            Ok(()) => return Ok(true),
+        match disk::rename(from, to) {
+            Ok(()) => return disk::sync_folder(parent_of(to)),
             Err(error) if !to.is_dir() => return Err(error),
             Err(_) => {}
         }
     }
-    move_into(from, to, is_wanted).map(|()| false)
+    move_into(from, to)
 }
 
-/// Moves the content of a folder, except for names that are not wanted.
-fn move_into(from: &Path, to: &Path, is_wanted: &dyn Fn(&OsStr) -> bool) -> std::io::Result<()> {
-    std::fs::create_dir_all(to)?;
+/// Moves the content of a folder: what is in folders first, and JSON last, which describes what is then there.
+fn move_into(from: &Path, to: &Path) -> std::io::Result<()> {
+    disk::create_folders(to)?;
+    let mut entries = Vec::new();
     for entry in std::fs::read_dir(from)? {
         let entry = entry?;
-        if !is_wanted(&entry.file_name()) {
-            continue;
-        }
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            move_into(&entry.path(), &target, is_wanted)?;
-        } else {
-            std::fs::rename(entry.path(), target)?;
-        }
+        let is_file = !entry.file_type()?.is_dir();
+        let is_description = Path::new(&entry.file_name()).extension().is_some_and(|end| end == "json");
+        entries.push((is_file, is_description, entry.file_name()));
     }
-    Ok(())
+    entries.sort();
+    for (is_file, is_description, name) in entries {
+        if is_description {
+            disk::sync_folder(to)?;
+        }
+        let (from, to) = (from.join(&name), to.join(&name));
+        if is_file { disk::rename(&from, &to) } else { move_into(&from, &to) }?;
+    }
+    disk::sync_folder(to)
 }
 
 #[cfg(test)]

@@ -1,19 +1,18 @@
 //! The unfinished file beside an output, and its journal, from which a later process resumes.
 
-use std::ffi::OsString;
-use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::atomic::parent_of;
+use super::atomic::{check_file, hidden_beside, parent_of};
+use super::disk::{self, DiskFile};
 use super::lock::{Locked, open_locked};
 use crate::error::{Error, Result};
 
 /// Ending of an unfinished file's name, after a dot and the name of the output.
-const PARTIAL: &str = "partial";
+const PARTIAL: &str = ".partial";
 /// Ending of its journal's name.
-const JOURNAL: &str = "journal";
+const JOURNAL: &str = ".journal";
 
 /// Bytes that are written at once.
 const BUFFER_BYTES: usize = 1 << 20;
@@ -32,10 +31,10 @@ pub struct PartialFile {
     output: PathBuf,
     /// Of the unfinished file.
     pub path: PathBuf,
-    writer: BufWriter<File>,
+    writer: BufWriter<DiskFile>,
     journal_path: PathBuf,
     /// May not exist yet.
-    journal: Option<File>,
+    journal: Option<DiskFile>,
     /// False where the file system has no locks.
     pub is_locked: bool,
     /// Why a part of it may not have reached the disk. The system reports this only once.
@@ -47,20 +46,13 @@ pub struct PartialFile {
 }
 
 fn beside(output: &Path, end: &str) -> Result<PathBuf> {
-    let mut name = OsString::from(".");
-    name.push(output.file_name().ok_or_else(|| Error::Usage(format!("{}: no file name", output.display())))?);
-    name.push(".");
-    name.push(end);
-    Ok(parent_of(output).join(name))
+    hidden_beside(output, end).ok_or_else(|| Error::Usage(format!("{}: no file name", output.display())))
 }
 
 impl PartialFile {
     /// Opens the unfinished file of an output with its content; a new one is empty.
     pub fn open(output: &Path) -> Result<PartialFile> {
-        let folder = parent_of(output);
-        if !folder.is_dir() {
-            return Err(Error::Usage(format!("{}: there is no folder {}", output.display(), folder.display())));
-        }
+        check_file(output)?;
         let (path, journal_path) = (beside(output, PARTIAL)?, beside(output, JOURNAL)?);
         let busy = || {
             let place = path.display();
@@ -75,9 +67,9 @@ impl PartialFile {
         let journal = match journal_path.symlink_metadata().is_ok().then(|| open(&journal_path)).transpose() {
             Ok(journal) => journal.map(|journal| journal.file),
             Err(error) => {
-                if file.metadata().is_ok_and(|meta| meta.len() == 0) {
+                if file.file().metadata().is_ok_and(|meta| meta.len() == 0) {
                     // It was created above.
-                    let _ = std::fs::remove_file(&path);
+                    let _ = disk::remove_file(&path);
                 }
                 return Err(error);
             }
@@ -108,7 +100,7 @@ impl PartialFile {
     }
 
     /// Cuts file and journal to the intact bytes, or to nothing; writes append. Returns the journal, to append to.
-    pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<File> {
+    pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<DiskFile> {
         let io = |error| Error::io(&self.output, error);
         let bytes = intact.unwrap_or_default();
         truncate(self.writer.get_mut(), bytes.file).map_err(io)?;
@@ -140,7 +132,7 @@ impl PartialFile {
     fn remove_journal(&mut self) {
         if self.journal.is_some() {
             // Removed while it is still locked.
-            let _ = std::fs::remove_file(&self.journal_path);
+            let _ = disk::remove_file(&self.journal_path);
             self.journal = None;
         }
     }
@@ -151,8 +143,8 @@ impl PartialFile {
         // On a full disk this fails; chunks that the journal lists were flushed before.
         let _ = self.writer.flush();
         let file = self.sync();
-        let journal = self.journal.as_ref().map_or(Ok(()), File::sync_all);
-        let folder = sync_folder(&self.output);
+        let journal = self.journal.as_ref().map_or(Ok(()), DiskFile::sync);
+        let folder = disk::sync_folder(parent_of(&self.output));
         match &self.sync_error {
             Some(why) => Err(std::io::Error::other(why.clone())),
             None => file.and(journal).and(folder),
@@ -160,7 +152,7 @@ impl PartialFile {
     }
 
     fn sync(&mut self) -> std::io::Result<()> {
-        let done = self.writer.get_ref().sync_all();
+        let done = self.writer.get_ref().sync();
         if let Err(error) = &done {
             self.sync_error = Some(error.to_string());
         }
@@ -171,38 +163,21 @@ impl PartialFile {
         self.writer.flush()?;
         if let Some(time) = self.modified {
             // Some network file systems refuse: the file then counts as newer than it is, and is whole all the same.
-            let _ = self.writer.get_ref().set_modified(time);
+            let _ = self.writer.get_ref().file().set_modified(time);
         }
         self.sync()?;
-        std::fs::rename(&self.path, &self.output)?;
+        disk::rename(&self.path, &self.output)?;
         (self.keep, self.is_committed) = (true, true);
         // Before the journal is removed: should the disk lose the rename, the journal belongs to the old name.
-        sync_folder(&self.output)?;
+        disk::sync_folder(parent_of(&self.output))?;
         self.remove_journal();
         Ok(())
     }
 }
 
-fn truncate(file: &mut File, bytes: u64) -> std::io::Result<()> {
+fn truncate(file: &mut DiskFile, bytes: u64) -> std::io::Result<()> {
     file.set_len(bytes)?;
     file.seek(SeekFrom::Start(bytes)).map(|_| ())
-}
-
-/// Forces a rename to the disk, on systems that sync folders.
-#[cfg(unix)]
-fn sync_folder(output: &Path) -> std::io::Result<()> {
-    use std::io::ErrorKind::{InvalidInput, Unsupported};
-    // A folder may be writable without being readable.
-    let Ok(folder) = File::open(parent_of(output)) else { return Ok(()) };
-    match folder.sync_all() {
-        Err(error) if !matches!(error.kind(), InvalidInput | Unsupported) => Err(error),
-        _ => Ok(()),
-    }
-}
-
-#[cfg(not(unix))]
-fn sync_folder(_output: &Path) -> std::io::Result<()> {
-    Ok(())
 }
 
 impl Write for PartialFile {
@@ -220,7 +195,7 @@ impl Drop for PartialFile {
         // After a panic a file with a journal can still be resumed.
         let panicked = std::thread::panicking() && self.journal.is_some();
         if !self.keep && !panicked {
-            let _ = std::fs::remove_file(&self.path);
+            let _ = disk::remove_file(&self.path);
             self.remove_journal();
         }
     }
@@ -229,6 +204,8 @@ impl Drop for PartialFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
+
     use tempfile::TempDir;
 
     const LEFT: [(&str, &[u8]); 2] = [(".a.journal", b"records"), (".a.partial", b"chunks")];
@@ -259,19 +236,19 @@ mod tests {
         let (folder, output) = left();
         // A journal that may not be read.
         let mut partial = PartialFile::open(&output).unwrap();
-        partial.journal = Some(File::options().write(true).open(folder.path().join(".a.journal")).unwrap());
+        partial.journal = Some(File::options().write(true).open(folder.path().join(".a.journal")).unwrap().into());
         assert!(matches!(partial.recover(|_, _| Ok(Some(()))), Err(Error::Io { .. })));
         drop(partial);
         is_untouched(&folder);
         // A file that may not be cut.
         for intact in [Some(IntactBytes::default()), None] {
             let mut partial = PartialFile::open(&output).unwrap();
-            partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap());
+            partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap().into());
             assert!(matches!(partial.resume(intact), Err(Error::Io { .. })));
             drop(partial);
             is_untouched(&folder);
             let mut partial = PartialFile::open(&output).unwrap();
-            partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap());
+            partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap().into());
             assert!(matches!(partial.start_over(), Err(Error::Io { .. })));
             drop(partial);
             is_untouched(&folder);
@@ -301,7 +278,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_disk_that_may_have_lost_something_is_told() {
-        let null = || File::options().write(true).open("/dev/null").unwrap();
+        let null = || DiskFile::from(File::options().write(true).open("/dev/null").unwrap());
         let (folder, output) = left();
         let mut partial = PartialFile::open(&output).unwrap();
         partial.keep().unwrap();

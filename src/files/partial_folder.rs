@@ -1,11 +1,22 @@
 //! An output folder whose files are collected beside it, so that a later process can resume.
+//!
+//! A file counts as made once the state has its record: its name, length and CRC-32, in a line behind the words of the one who
+//! works. The order is fixed: the file's bytes and its name reach the disk before its record, all records before the folder gets its
+//! name. Records are written for all files of a second together, for each waits for the disk three times. A later process reads every
+//! recorded file again, and makes those anew that are not as recorded.
 
-use std::ffi::OsString;
-use std::fs::File;
+use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-use super::atomic::parent_of;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
+
+use super::FileFolder;
+use super::atomic::{check_name, hidden_beside, parent_of};
+use super::disk::{self, DiskFile};
 use super::lock::{Locked, open_locked};
 use super::output_folder::{MadeFolders, name_final_path, rename_or_move_into};
 use crate::error::{Error, Result};
@@ -15,12 +26,37 @@ use crate::error::{Error, Result};
 pub struct FolderKind {
     /// Ending of the folder's name, after a dot and the name of the output.
     pub suffix: &'static str,
-    /// The locked file in it that describes the work.
+    /// The locked file in it that describes the work and has the records.
     pub state: &'static str,
-    /// Extension of the files that are counted.
-    pub extension: &'static str,
-    /// A further file that is moved to the output.
-    pub manifest: &'static str,
+}
+
+/// The folder in it that becomes the output.
+const FILES: &str = "files";
+/// Time between records; a killed process has lost as much.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// A file that was made, as a line of the state.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Record {
+    file: PathBuf,
+    bytes: u64,
+    crc32: u32,
+}
+
+/// What an earlier process left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Left {
+    /// The words that it gave to [`PartialFolder::start_over`].
+    pub words: String,
+    /// Files that it recorded, intact or not; without records those that are there.
+    pub files: u64,
+}
+
+/// Files of an earlier process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kept {
+    pub intact: u64,
+    pub damaged: u64,
 }
 
 /// An unfinished folder that is locked by this process. Dropping it removes the folder, unless it was committed, kept, or
@@ -30,11 +66,22 @@ pub struct PartialFolder {
     kind: FolderKind,
     output: PathBuf,
     path: PathBuf,
-    state: File,
+    files: PathBuf,
+    progress: Mutex<Progress>,
     is_locked: bool,
     keep: bool,
     /// Dropped after the folder in it is removed.
     _made: MadeFolders,
+}
+
+#[derive(Debug)]
+struct Progress {
+    state: DiskFile,
+    recorded: BTreeMap<PathBuf, Record>,
+    /// Written, and not recorded yet.
+    pending: Vec<Record>,
+    /// When records were last written.
+    last: Option<Instant>,
 }
 
 impl PartialFolder {
@@ -46,6 +93,7 @@ impl PartialFolder {
     /// The same, where several processes may each write a part of the output, by the part's name.
     pub fn open_part(output: &Path, kind: FolderKind, part: &str) -> Result<PartialFolder> {
         let io = |error| Error::io(output, error);
+        check_name(output)?;
         if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", output.display())));
         }
@@ -60,15 +108,17 @@ impl PartialFolder {
             return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
         }
         let made = MadeFolders::create(parent_of(&path)).map_err(io)?;
-        std::fs::create_dir_all(&path).map_err(io)?;
-        let Some(Locked { file, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
+        let files = path.join(FILES);
+        disk::create_folders(&files).map_err(io)?;
+        let Some(Locked { file: state, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
             let place = path.display();
             let message = format!("another lightfold is writing it, in {place}; wait for it, or name another folder");
             return Err(Error::busy(output, message));
         };
-        // On a full disk the state may be empty beside intact images.
-        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || kind.count(&path) > 0;
-        Ok(PartialFolder { kind, output: output.to_path_buf(), path, state: file, is_locked, keep, _made: made })
+        // Files without a state may be all that a damaged disk has left.
+        let keep = state.file().metadata().is_ok_and(|meta| meta.len() > 0) || count_files(&files) > 0;
+        let progress = Mutex::new(Progress { state, recorded: BTreeMap::new(), pending: Vec::new(), last: None });
+        Ok(PartialFolder { kind, output: output.to_path_buf(), path, files, progress, is_locked, keep, _made: made })
     }
 
     /// False where the file system has no locks.
@@ -76,111 +126,232 @@ impl PartialFolder {
         self.is_locked
     }
 
-    /// Where to write until [`Self::commit`].
+    /// Where the unfinished files are.
     pub fn work_path(&self) -> &Path {
         &self.path
     }
 
-    /// The text that an earlier process gave to [`Self::start_over`]; empty for a new folder.
-    pub fn state(&mut self) -> Result<String> {
-        let mut text = String::new();
-        let read = self.state.seek(SeekFrom::Start(0)).and_then(|_| self.state.read_to_string(&mut text));
-        read.map(|_| text).map_err(|error| Error::io(self.path.join(self.kind.state), error))
+    fn progress(&self) -> MutexGuard<'_, Progress> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn files(&self) -> u64 {
-        self.kind.count(&self.path)
+    fn state_error(&self, error: std::io::Error) -> Error {
+        Error::io(self.path.join(self.kind.state), error)
     }
 
-    /// Removes all files and writes a new state.
-    pub fn start_over(&mut self, state: &str) -> Result<()> {
+    /// Words and records of an earlier process; empty for a new folder.
+    pub fn left(&self) -> Result<Left> {
+        let (words, records, _) = self.read_state()?;
+        let files = if records.is_empty() { count_files(&self.files) } else { records.len() as u64 };
+        Ok(Left { words, files })
+    }
+
+    /// Words, records, and bytes up to the last whole one: where the power failed, a line may be cut off or overwritten.
+    fn read_state(&self) -> Result<(String, BTreeMap<PathBuf, Record>, u64)> {
+        let mut bytes = Vec::new();
+        let state = &mut self.progress().state;
+        state
+            .seek(SeekFrom::Start(0))
+            .and_then(|_| state.read_to_end(&mut bytes))
+            .map_err(|error| self.state_error(error))?;
+        let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
+        let first = lines.next().unwrap_or_default();
+        let (mut whole, mut records) = (first.len() as u64, BTreeMap::new());
+        for line in lines {
+            let record = serde_json::from_slice::<Record>(line).ok().filter(|_| line.ends_with(b"\n"));
+            let Some(record) = record else { break };
+            whole += line.len() as u64;
+            // One that was made again has another record.
+            records.insert(record.file.clone(), record);
+        }
+        Ok((String::from_utf8_lossy(first).trim_end().to_owned(), records, whole))
+    }
+
+    /// Goes on with the recorded files of an earlier process, after each was read again.
+    pub fn resume(&mut self) -> Result<Kept> {
+        self.keep = true;
+        let (_, records, whole) = self.read_state()?;
+        let checked: Vec<(&Record, bool)> =
+            records.values().collect::<Vec<_>>().par_iter().map(|record| (*record, self.is_intact(record))).collect();
+        let intact = |record: &&(&Record, bool)| record.1;
+        let recorded = checked.iter().filter(intact).map(|(record, _)| (record.file.clone(), (*record).clone()));
+        let recorded: BTreeMap<PathBuf, Record> = recorded.collect();
+        let kept = Kept { intact: recorded.len() as u64, damaged: (records.len() - recorded.len()) as u64 };
+        let mut progress = self.progress();
+        let state = &mut progress.state;
+        let cut = state.set_len(whole).and_then(|()| state.seek(SeekFrom::Start(whole)));
+        cut.map_err(|error| self.state_error(error))?;
+        progress.recorded = recorded;
+        drop(progress);
+        Ok(kept)
+    }
+
+    fn is_intact(&self, record: &Record) -> bool {
+        self.record_of(&record.file).is_ok_and(|found| found == *record)
+    }
+
+    /// Length and CRC-32 of a file, as it is read.
+    fn record_of(&self, file: &Path) -> std::io::Result<Record> {
+        let mut opened = std::fs::File::open(self.files.join(file))?;
+        let (mut hasher, mut bytes, mut buffer) = (crc32fast::Hasher::new(), 0, vec![0; 1 << 16]);
+        loop {
+            match opened.read(&mut buffer)? {
+                0 => break,
+                count => {
+                    hasher.update(&buffer[..count]);
+                    bytes += count as u64;
+                }
+            }
+        }
+        Ok(Record { file: file.to_path_buf(), bytes, crc32: hasher.finalize() })
+    }
+
+    /// Removes all files and writes the state of a new work; `words` are one line.
+    pub fn start_over(&mut self, words: &str) -> Result<()> {
         self.keep = false;
         let io = |error| Error::io(&self.path, error);
+        let mut progress = self.progress();
+        (progress.recorded, progress.pending) = (BTreeMap::new(), Vec::new());
+        // Files go before their records do, so that none is ever found without a state.
         for entry in std::fs::read_dir(&self.path).map_err(io)? {
             let path = entry.map_err(io)?.path();
             if path.file_name() != Some(self.kind.state.as_ref()) {
                 let is_folder = path.symlink_metadata().is_ok_and(|meta| meta.is_dir());
-                if is_folder { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) }.map_err(io)?;
+                if is_folder { disk::remove_tree(&path) } else { disk::remove_file(&path) }.map_err(io)?;
             }
         }
-        let file = &mut self.state;
-        let written = file.set_len(0).and_then(|()| file.seek(SeekFrom::Start(0)));
-        written.and_then(|_| file.write_all(state.as_bytes())).and_then(|()| file.sync_all()).map_err(io)
+        disk::sync_folder(&self.path).and_then(|()| disk::create_folders(&self.files)).map_err(io)?;
+        let (state, line) = (&mut progress.state, words.replace(['\n', '\r'], " ") + "\n");
+        let emptied = state.set_len(0).and_then(|()| state.seek(SeekFrom::Start(0)));
+        emptied.and_then(|_| state.write_all(line.as_bytes())).and_then(|()| state.sync()).map_err(io)
     }
 
-    pub fn keep(&mut self) {
-        self.keep = true;
+    /// Writes and, at times, records.
+    fn put(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64> {
+        let path = self.files.join(file);
+        let mut written = || {
+            let io = |error| Error::io(&path, error);
+            disk::create_folders(parent_of(&path)).map_err(io)?;
+            write(&path)?;
+            let record = self.record_of(file).map_err(io)?;
+            let bytes = record.bytes;
+            let mut progress = self.progress();
+            progress.recorded.remove(file);
+            progress.pending.push(record);
+            if progress.last.is_none_or(|last| last.elapsed() >= PAUSE) {
+                self.record(&mut progress).map_err(io)?;
+            }
+            Ok(bytes)
+        };
+        written().map_err(|error| {
+            // On a full disk its record needs the space.
+            let _ = disk::remove_file(&path);
+            self.present(error)
+        })
+    }
+
+    /// Records the files that were written: they reach the disk before their records do.
+    fn record(&self, progress: &mut Progress) -> std::io::Result<()> {
+        let mut folders: Vec<PathBuf> =
+            progress.pending.iter().map(|record| parent_of(&self.files.join(&record.file)).to_path_buf()).collect();
+        folders.sort();
+        folders.dedup();
+        progress.pending.par_iter().try_for_each(|record| disk::sync_file(&self.files.join(&record.file)))?;
+        folders.iter().try_for_each(|folder| disk::sync_folder(folder))?;
+        let mut lines = Vec::new();
+        for record in &progress.pending {
+            serde_json::to_writer(&mut lines, record)?;
+            lines.push(b'\n');
+        }
+        progress.state.write_all(&lines)?;
+        progress.state.sync()?;
+        let pending = std::mem::take(&mut progress.pending);
+        progress.recorded.extend(pending.into_iter().map(|record| (record.file.clone(), record)));
+        progress.last = Some(Instant::now());
+        Ok(())
+    }
+
+    /// Lets dropping leave the folder, where it has files. Returns their number.
+    pub fn keep(&mut self) -> u64 {
+        let mut progress = self.progress();
+        if !progress.pending.is_empty() && self.record(&mut progress).is_err() {
+            // They are made again.
+            progress.pending.clear();
+        }
+        let files = progress.recorded.len() as u64;
+        drop(progress);
+        self.keep |= files > 0;
+        files
     }
 
     pub fn present(&self, error: Error) -> Error {
-        name_final_path(error, &self.path, &self.output)
+        name_final_path(error, &self.files, &self.output)
     }
 
-    /// Moves images and the manifest to the output, replacing files of the same names. Other files are removed.
-    /// After an error a later process can resume with the rest.
-    pub fn commit(&mut self) -> Result<()> {
-        let (output, state) = (&self.output, self.kind.state);
+    /// Writes a file that describes the others, moves all to the output, and replaces files of the same names there. Files that were not
+    /// made by this work are removed. After an error a later process can resume.
+    pub fn commit(&mut self, description: Option<(&str, &[u8])>) -> Result<()> {
+        let output = &self.output;
         let io = |error| Error::io(output, error);
         self.keep = true;
-        self.kind.remove_foreign(&self.path).map_err(io)?;
-        match rename_or_move_into(&self.path, output, &|name| name != state).map_err(io)? {
-            true => std::fs::remove_file(output.join(state)).map_err(io),
-            false => std::fs::remove_dir_all(&self.path).map_err(io),
+        let mut progress = self.progress();
+        self.record(&mut progress).map_err(io)?;
+        remove_others(&self.files, Path::new(""), &progress.recorded).map_err(io)?;
+        if let Some((name, bytes)) = description {
+            let path = self.files.join(name);
+            DiskFile::create(&path).and_then(|mut file| file.write_all(bytes)).map_err(io)?;
         }
+        disk::sync_tree(&self.files).and_then(|()| rename_or_move_into(&self.files, output)).map_err(io)?;
+        drop(progress);
+        // What is left has no file of the output.
+        let _ = disk::remove_tree(&self.path);
+        Ok(())
     }
 }
 
 /// Beside the output; or inside an existing output, which may be a mount point or a link, unless one is beside it.
 fn path_for(output: &Path, suffix: &str) -> Result<PathBuf> {
-    let beside = output.file_name().map(|name| {
-        let mut own = OsString::from(".");
-        own.push(name);
-        own.push(suffix);
-        output.with_file_name(own)
-    });
-    match beside {
+    match hidden_beside(output, suffix) {
         Some(beside) if beside.exists() || !output.exists() => Ok(beside),
         _ if output.is_dir() => Ok(output.join(suffix)),
         _ => Err(Error::Usage(format!("{}: no name of a folder", output.display()))),
     }
 }
 
-impl FolderKind {
-    fn remove_foreign(&self, folder: &Path) -> std::io::Result<()> {
-        for entry in std::fs::read_dir(folder)? {
-            let entry = entry?;
-            let name = entry.file_name();
-            if entry.file_type()?.is_dir() {
-                self.remove_foreign(&entry.path())?;
-            } else if !self.is_image(Path::new(&name)) && name != self.manifest && name != self.state {
-                std::fs::remove_file(entry.path())?;
-            }
+fn count_files(folder: &Path) -> u64 {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_folder = |entry: &std::fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
+    entries.map(|entry| if is_folder(&entry) { count_files(&entry.path()) } else { 1 }).sum()
+}
+
+/// Removes files without a record, and folders of nothing else.
+fn remove_others(folder: &Path, below: &Path, recorded: &BTreeMap<PathBuf, Record>) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let below = below.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            remove_others(&entry.path(), &below, recorded)?;
+        } else if !recorded.contains_key(&below) {
+            disk::remove_file(&entry.path())?;
         }
-        Ok(())
+    }
+    Ok(())
+}
+
+impl FileFolder for PartialFolder {
+    fn made(&self, file: &Path) -> Option<PathBuf> {
+        self.progress().recorded.contains_key(file).then(|| self.files.join(file))
     }
 
-    fn is_image(&self, path: &Path) -> bool {
-        path.extension().is_some_and(|extension| extension == self.extension)
-    }
-
-    fn count(&self, folder: &Path) -> u64 {
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let files = entries.map(|entry| {
-            let path = entry.path();
-            match entry.file_type() {
-                Ok(kind) if kind.is_dir() => self.count(&path),
-                Ok(_) => u64::from(self.is_image(&path)),
-                Err(_) => 0,
-            }
-        });
-        files.sum()
+    fn write_file(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64> {
+        self.put(file, write)
     }
 }
 
 impl Drop for PartialFolder {
     fn drop(&mut self) {
         if !self.keep && !std::thread::panicking() {
-            let _ = std::fs::remove_dir_all(&self.path);
+            let _ = disk::remove_tree(&self.path);
         }
     }
 }
@@ -190,8 +361,7 @@ mod tests {
     use super::*;
 
     const STATE: &str = ".capture.json";
-    const CAPTURE: FolderKind =
-        FolderKind { suffix: ".capture.partial", state: STATE, extension: "exr", manifest: "lightfield.json" };
+    const CAPTURE: FolderKind = FolderKind { suffix: ".capture.partial", state: STATE };
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = std::fs::read_dir(folder).unwrap();
@@ -200,47 +370,92 @@ mod tests {
         names
     }
 
+    fn put(folder: &PartialFolder, file: &str, text: &str) {
+        let mut write = |path: &Path| std::fs::write(path, text).map_err(|error| Error::io(path, error));
+        assert_eq!(folder.write_file(Path::new(file), &mut write).unwrap(), text.len() as u64);
+    }
+
     #[test]
-    fn what_is_kept_is_gone_on_with_and_what_is_not_goes() {
+    fn resumes_what_was_kept_and_removes_what_was_not() {
         let base = tempfile::tempdir().unwrap();
         let output = base.path().join("deep/cap");
         let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
-        assert_eq!(folder.state().unwrap(), "");
+        assert_eq!(folder.left().unwrap(), Left { words: String::new(), files: 0 });
         folder.start_over("of a").unwrap();
-        std::fs::create_dir(folder.work_path().join("sub")).unwrap();
-        std::fs::write(folder.work_path().join("sub/one.exr"), "1").unwrap();
-        assert_eq!(folder.files(), 1);
+        put(&folder, "sub/one.exr", "1");
         let second = PartialFolder::open(&output, CAPTURE);
         assert!(matches!(second, Err(Error::Io { .. })), "there are two of them");
-        folder.keep();
+        assert_eq!(folder.keep(), 1);
         drop(folder);
         let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
-        assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("of a", 1));
+        assert_eq!(folder.left().unwrap(), Left { words: "of a".to_owned(), files: 1 });
+        assert_eq!(folder.resume().unwrap(), Kept { intact: 1, damaged: 0 });
         drop(folder);
         assert_eq!(names(&base.path().join("deep")), [".cap.capture.partial"], "it was not ours to remove");
         let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
         folder.start_over("of b").unwrap();
-        assert_eq!(folder.files(), 0);
         drop(folder);
         assert_eq!(names(&base.path().join("deep")), [""; 0]);
+    }
+
+    #[test]
+    fn makes_damaged_files_again() {
+        let base = tempfile::tempdir().unwrap();
+        let output = base.path().join("cap");
+        let files = ["whole", "empty", "halved", "blank", "gone", "longer", "unrecorded"];
+        let text = "pixels of a picture";
+        let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
+        folder.start_over("words").unwrap();
+        files[..6].iter().for_each(|file| put(&folder, file, text));
+        folder.keep();
+        let at = folder.files.clone();
+        drop(folder);
+        for (file, damaged) in [
+            ("empty", String::new()),
+            ("halved", text[..9].to_owned()),
+            ("blank", "\0".repeat(text.len())),
+            ("longer", format!("{text}.")),
+            ("unrecorded", text.to_owned()),
+        ] {
+            std::fs::write(at.join(file), damaged).unwrap();
+        }
+        std::fs::remove_file(at.join("gone")).unwrap();
+        let state = at.with_file_name(STATE);
+        let whole = std::fs::read(&state).unwrap();
+        // The last record may have reached the disk in part.
+        for torn in ["", "{\"file\":\"unreco", "\0\0\0\0"] {
+            std::fs::write(&state, [&whole, torn.as_bytes()].concat()).unwrap();
+            let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
+            assert_eq!(folder.left().unwrap(), Left { words: "words".to_owned(), files: 6 });
+            assert_eq!(folder.resume().unwrap(), Kept { intact: 1, damaged: 5 });
+            assert!(
+                folder.made(Path::new("whole")).is_some()
+                    && files[1..].iter().all(|file| folder.made(Path::new(file)).is_none())
+            );
+        }
+        let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
+        folder.resume().unwrap();
+        files[1..6].iter().for_each(|file| put(&folder, file, text));
+        folder.commit(Some(("lightfield.json", b"{}"))).unwrap();
+        assert_eq!(names(&output), ["blank", "empty", "gone", "halved", "lightfield.json", "longer", "whole"]);
+        assert!(files[..6].iter().all(|file| std::fs::read_to_string(output.join(file)).unwrap() == text));
+        assert_eq!(names(base.path()), ["cap"]);
     }
 
     #[test]
     fn everything_moves_to_the_output_also_where_there_is_one() {
         let base = tempfile::tempdir().unwrap();
         let output = base.path().join("cap");
-        for (round, expected) in [(0, vec!["a.exr", "sub"]), (1, vec!["a.exr", "sub"])] {
+        for round in ["0", "1"] {
             let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
             folder.start_over("of it").unwrap();
-            std::fs::create_dir(folder.work_path().join("sub")).unwrap();
-            for name in ["a.exr", "sub/b.exr", "notes.txt", "sub/b.exr.partial"] {
-                std::fs::write(folder.work_path().join(name), round.to_string()).unwrap();
-            }
-            folder.commit().unwrap();
+            ["a.exr", "sub/b.exr"].iter().for_each(|file| put(&folder, file, round));
+            std::fs::write(folder.files.join("sub/b.exr.partial"), round).unwrap();
+            folder.commit(None).unwrap();
             drop(folder);
-            assert_eq!(names(&output), expected);
+            assert_eq!(names(&output), ["a.exr", "sub"]);
             assert_eq!(names(&output.join("sub")), ["b.exr"]);
-            assert_eq!(std::fs::read(output.join("sub/b.exr")).unwrap(), round.to_string().as_bytes());
+            assert_eq!(std::fs::read(output.join("sub/b.exr")).unwrap(), round.as_bytes());
             assert_eq!(names(base.path()), ["cap"]);
         }
     }
@@ -249,13 +464,13 @@ mod tests {
     fn images_without_a_state_are_not_removed() {
         let base = tempfile::tempdir().unwrap();
         let left = base.path().join(".cap.capture.partial");
-        std::fs::create_dir(&left).unwrap();
-        std::fs::write(left.join("a.exr"), "1").unwrap();
+        std::fs::create_dir_all(left.join(FILES)).unwrap();
+        std::fs::write(left.join(FILES).join("a.exr"), "1").unwrap();
         std::fs::write(left.join(STATE), "").unwrap();
-        let mut folder = PartialFolder::open(&base.path().join("cap"), CAPTURE).unwrap();
-        assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("", 1));
+        let folder = PartialFolder::open(&base.path().join("cap"), CAPTURE).unwrap();
+        assert_eq!(folder.left().unwrap(), Left { words: String::new(), files: 1 });
         drop(folder);
-        assert_eq!(names(&left), [STATE, "a.exr"]);
+        assert_eq!(names(&left.join(FILES)), ["a.exr"]);
     }
 
     #[test]

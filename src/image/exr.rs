@@ -27,6 +27,7 @@ use super::limits::ReadLimits;
 use super::plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, Plane};
 use super::primaries::Primaries;
 use crate::error::{Error, Result};
+use crate::files::DiskFile;
 
 /// Any file may claim this much; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;
@@ -587,7 +588,7 @@ fn write<T>(path: &Path, plane: &Plane<T>, channels: Channels<'_>) -> Result<()>
     if [plane.width(), plane.height()].contains(&0) {
         return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
     }
-    let file = File::create(path).map_err(|error| Error::io(path, error))?;
+    let file = DiskFile::create(path).map_err(|error| Error::io(path, error))?;
     let mut writer = BufWriter::new(file);
     encode(&mut writer, plane, channels).map_err(|error| match error {
         exr::error::Error::Io(source) => Error::io(path, source),

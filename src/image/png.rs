@@ -13,6 +13,7 @@ use super::limits::ReadLimits;
 use super::plane::{AlphaPlane, ColorPlane, DepthPlane, Plane};
 use super::transfer::{DecodeTable, ToneMap, Transfer, srgb16};
 use crate::error::{Error, Result};
+use crate::files::DiskFile;
 
 /// Any file may claim this much; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;
@@ -142,7 +143,7 @@ fn native_bytes(plane: &Plane<u16>) -> Vec<u8> {
 fn write<T>(path: &Path, plane: &Plane<T>, bytes: &[u8], color: ExtendedColorType) -> Result<()> {
     let size = [plane.width(), plane.height()];
     check_size(size).map_err(|error| error.in_file(path))?;
-    let file = File::create(path).map_err(|error| Error::io(path, error))?;
+    let file = DiskFile::create(path).map_err(|error| Error::io(path, error))?;
     encode(&mut BufWriter::new(file), size, bytes, color).map_err(|error| error.in_file(path))
 }
 

@@ -295,6 +295,10 @@ impl<T: Copy> Quilt<T> {
         Ok(())
     }
 
+    pub fn picture(&self) -> &Plane<T> {
+        &self.picture
+    }
+
     pub fn finish(self) -> Plane<T> {
         self.picture
     }

@@ -12,7 +12,7 @@ pub use pixels::{PixelTracer, Viewpoint, halves, mean_light};
 pub use plan::{CapturePlan, FrameRequest, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, capture_view};
-pub use write::{CaptureReport, CaptureSummary, ExistingImages};
+pub use write::{CaptureReport, CaptureSummary};
 
 /// Default samples of a pixel's colour.
 pub const COLOR_SAMPLES: u32 = 16;

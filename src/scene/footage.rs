@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::animated::Scene;
-use super::capture::{COLOR_SAMPLES, CapturePlan, ExistingImages, Pass};
+use super::capture::{COLOR_SAMPLES, CapturePlan, Pass};
 use super::procedural::{DemoKind, DemoScene};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::manifest::Manifest;
@@ -66,7 +66,7 @@ impl FootagePlan {
     /// Captures everything into `folder`. The monitor advances by one for each image.
     pub fn write(&self, folder: &Path, monitor: &dyn Monitor) -> Result<Manifest> {
         let plan = self.capture()?;
-        plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, ExistingImages::Overwrite, monitor)?;
+        plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, monitor)?;
         plan.manifest()
     }
 }

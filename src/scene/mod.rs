@@ -23,7 +23,7 @@ pub mod trace;
 pub use animated::Scene;
 #[cfg(test)]
 pub(crate) use capture::tests::capture_face;
-pub use capture::{CapturePlan, CaptureSummary, ExistingImages, MAX_FACE_SIZE, Pass};
+pub use capture::{CapturePlan, CaptureSummary, MAX_FACE_SIZE, Pass};
 pub use footage::FootagePlan;
 pub use light::{Cone, Lamp, Light, Sky, Sun, Window};
 pub use material::{Material, Texture};

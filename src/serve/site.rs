@@ -1,7 +1,7 @@
 //! The player and a film as a static site, for any web server that answers requests for ranges.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
 use serde_json::Value;
@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::film::{Description, Film, State};
 use super::player::{self, PlayerFile};
 use crate::error::{Error, Result};
-use crate::files::OutputFolder;
+use crate::files::{self, DiskFile, OutputFolder, create_folders, parent_of};
 use crate::json;
 use crate::monitor::Monitor;
 
@@ -47,7 +47,7 @@ pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
     folder.commit()?;
     if let Some(other) = earlier.filter(|url| *url != film.url()) {
         let other = path.join(other);
-        std::fs::remove_file(&other).map_err(|error| Error::io(other, error))?;
+        files::remove_file(&other).map_err(|error| Error::io(other, error))?;
     }
     Ok(site)
 }
@@ -108,8 +108,8 @@ fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {
         let path = folder.join(name);
         bytes += content.len() as u64;
         // The folder is new, and names of the player's files may have folders of their own.
-        let made = path.parent().map_or(Ok(()), fs::create_dir_all);
-        made.and_then(|()| fs::write(&path, content)).map_err(|error| Error::io(&path, error))
+        let made = create_folders(parent_of(&path)).and_then(|_| DiskFile::create(&path));
+        made.and_then(|mut file| file.write_all(content)).map_err(|error| Error::io(&path, error))
     };
     for file in &player::FILES {
         put(file.name, file.bytes)?;
@@ -123,7 +123,7 @@ fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {
 fn copy(film: &Film, to: &Path, monitor: &dyn Monitor) -> Result<u64> {
     let io = |error| Error::io(to, error);
     let opened = film.open_now()?;
-    let mut out = File::create(to).map_err(io)?;
+    let mut out = DiskFile::create(to).map_err(io)?;
     let (all, mut left) = (opened.state.bytes, opened.state.bytes);
     while left > 0 {
         monitor.check()?;

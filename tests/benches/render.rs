@@ -5,6 +5,8 @@
 //! pixels, and by views. Medians of the turns are printed; columns stand two spaces apart. With `--plot DIR` how cost grows
 //! is drawn into `DIR/render-cost.svg` and `.png`: times as long, for times as many.
 
+#![allow(clippy::disallowed_methods)]
+
 mod clock;
 
 use std::hint::black_box;

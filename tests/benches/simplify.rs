@@ -5,6 +5,8 @@
 //! without one a built-in room of nine probes. Both are drawn from a point between the probes, six faces of a cube map. Medians of the
 //! turns are printed; columns stand two spaces apart. Below stand the times of reading and merging, and of twice the samples.
 
+#![allow(clippy::disallowed_methods)]
+
 mod clock;
 
 use std::hint::black_box;

@@ -1,5 +1,7 @@
 //! The decoder alone, by the public API: `cargo test --test decoder --no-default-features`.
 
+#![allow(clippy::disallowed_methods)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

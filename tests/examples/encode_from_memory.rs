@@ -1,6 +1,8 @@
 //! Encodes frames that a program makes itself, here a ball that moves before a wall, as a cube map of depth and colour:
 //! `cargo run --example encode_from_memory [OUT.lfold]`.
 
+#![allow(clippy::disallowed_methods)]
+
 use std::fs::File;
 use std::io::{BufWriter, Write};
 

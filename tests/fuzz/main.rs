@@ -3,6 +3,8 @@
 //! As a test, a fixed number of inputs of each target. `scripts/fuzz` runs any number of them: with `--long`, this program
 //! runs a share of one target's inputs and prints a line of JSON.
 
+#![allow(clippy::disallowed_methods)]
+
 use std::fs;
 use std::io::{Seek, Write};
 use std::path::PathBuf;

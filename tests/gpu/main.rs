@@ -2,6 +2,8 @@
 //!
 //! The environment variable `LIGHTFOLD_GPU` picks a device by its number or a part of its name.
 
+#![allow(clippy::disallowed_methods)]
+
 mod decoding;
 mod drawings;
 mod epipolar;

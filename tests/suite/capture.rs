@@ -398,13 +398,12 @@ mod stopped {
             let there = images(&place.path().join(LEFT));
             let resumed = command(&place, &["--resume", "--json"]).output().unwrap();
             assert!(resumed.status.success(), "{}", said(&resumed));
-            assert!(
-                said(&resumed).contains(&format!("cap: resuming with {there} of 288 images")),
-                "{}",
-                said(&resumed)
-            );
             let report: serde_json::Value = serde_json::from_slice(&resumed.stdout).unwrap();
-            assert_eq!((&report["resumed_images"], &report["images"]), (&there.into(), &288.into()));
+            // A killed process may have images that are not recorded yet.
+            let taken = report["resumed_images"].as_u64().unwrap();
+            assert!(taken > 0 && taken <= there as u64 && report["images"] == 288, "{there}: {report}");
+            let words = said(&resumed);
+            assert!(words.contains(&format!("cap: resuming with {taken} of 288 images\n")), "{words}");
             assert!(files(&place.path().join("cap")) == whole, "{signal}: other bytes");
             assert_eq!(fs::read_dir(place.path()).unwrap().count(), 2, "something is left beside it");
             fs::remove_dir_all(place.path().join("cap")).unwrap();
@@ -452,7 +451,7 @@ mod stopped {
         assert!(said(&nothing).contains("cap: nothing to resume"), "{}", said(&nothing));
         assert!(files(&place.path().join("cap")) == whole, "other bytes");
         fs::remove_dir_all(place.path().join("cap")).unwrap();
-        stop(&place, &[], "-KILL", 5);
+        stop(&place, &[], "-INT", 5);
         let there = images(&place.path().join(LEFT));
         let mut first = command(&place, &["--threads", "1"]).spawn().unwrap();
         let start = Instant::now();

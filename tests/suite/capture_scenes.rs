@@ -96,7 +96,7 @@ fn a_capture_does_not_go_on_with_another_texture_beside_its_scene() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     let mut child = command.args(line.split(' ')).current_dir(folder.path()).stderr(Stdio::null()).spawn().unwrap();
     let (left, start) = (at(".cap.capture.partial"), Instant::now());
-    while !left.join("probe_00/face_px/depth.0000.exr").exists() {
+    while !left.join("files/probe_00/face_px/depth.0000.exr").exists() {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < Duration::from_secs(60), "it did not begin");
         std::thread::sleep(Duration::from_millis(1));
     }

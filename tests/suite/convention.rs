@@ -9,7 +9,7 @@ use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
 use lightfold::image::ImageProjection;
 use lightfold::image::{DepthPlane, Face, Plane, exr};
 use lightfold::monitor::Silent;
-use lightfold::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
+use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Scene};
 use tempfile::TempDir;
 
 const SIDE: u32 = 64;
@@ -29,7 +29,7 @@ impl Set {
         let camera = |(at, position)| PlacedCamera { name: Some(format!("{at:02}")), ..PlacedCamera::at(position) };
         plan.cameras = CameraSet::new(positions.into_iter().enumerate().map(camera).collect());
         let scene = Scene::Procedural(DemoScene::new(DemoKind::Courtyard));
-        plan.write(&scene, folder.path(), ExistingImages::Overwrite, &Silent).unwrap();
+        plan.write(&scene, folder.path(), &Silent).unwrap();
         let set = Set { folder, manifest: plan.manifest().unwrap() };
         set.write(&set.manifest);
         set

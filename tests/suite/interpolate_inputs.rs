@@ -242,11 +242,14 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     assert!(!is_fine && said.contains("cannot resume") && said.contains("--splits was 8 and is 1 now"), "{said}");
     let said = refused(&format!("{line} -o v/%V-%d.png --resume"), at);
     assert!(said.contains("--output was v/%V.%d.png and is v/%V-%d.png now"), "{said}");
+    // A disk that lost what was written last.
+    let kept = at.join(".v.views.partial/files/0000.0.png");
+    std::fs::write(&kept, vec![0; bytes(&kept).len()]).unwrap();
     let resumed = fine(&format!("{line} -o v/%V.%d.png --resume --json"), at);
     let said = String::from_utf8(resumed.stderr).unwrap();
-    assert!(said.contains("resuming with 3 of 6 images"), "{said}");
+    assert!(said.contains("resuming with 2 of 6 images; 1 damaged image is made again"), "{said}");
     // Of this run.
-    assert_eq!(serde_json::from_slice::<Value>(&resumed.stdout).unwrap()["views"], 3);
+    assert_eq!(serde_json::from_slice::<Value>(&resumed.stdout).unwrap()["views"], 4);
     for name in ["0000.0.png", "0002.0.png", "0000.1.png", "0002.1.png"] {
         assert!(bytes(&at.join("v").join(name)) == bytes(&at.join("whole").join(name)), "{name}");
     }

@@ -1,5 +1,7 @@
 //! One test binary for everything that is tested from outside the crate.
 
+#![allow(clippy::disallowed_methods)]
+
 mod alpha;
 mod blocks;
 mod cameras;
@@ -40,6 +42,7 @@ mod model_files;
 mod models;
 mod models_broken;
 mod models_paint;
+mod outputs;
 mod panoramas;
 mod place;
 mod properties;

@@ -27,7 +27,7 @@ use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::SquaredError;
 use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use lightfold::monitor::Silent;
-use lightfold::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Pass, Scene};
+use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Pass, Scene};
 use lightfold::streams::ColorFormat;
 use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorCoding, ColorTexels};
@@ -151,7 +151,7 @@ fn capture(kind: DemoKind, face_size: u32, folder: &Path) {
     if kind == DemoKind::Mirrors {
         plan.passes.push(Pass::Material);
     }
-    plan.write(&Scene::Procedural(DemoScene::new(kind)), folder, ExistingImages::Overwrite, &Silent).unwrap();
+    plan.write(&Scene::Procedural(DemoScene::new(kind)), folder, &Silent).unwrap();
 }
 
 fn of_scene(kind: DemoKind) -> Vec<Row> {

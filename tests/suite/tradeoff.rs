@@ -131,7 +131,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
 #[test]
 fn a_folder_is_for_one_at_a_time() {
     let folder = place().join("locked");
-    std::fs::create_dir_all(folder.join(".tradeoff.old.partial")).unwrap();
+    std::fs::create_dir_all(folder.join(".lightfold.old.partial")).unwrap();
     let lock = std::fs::File::create(folder.join(".tradeoff.lock")).unwrap();
     lock.lock().unwrap();
     let said = refused("scene --sweep color-cell=8 --repeats 1 -o locked");

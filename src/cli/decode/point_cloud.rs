@@ -1,6 +1,5 @@
 //! `decode -o NAME.ply`: frames as point clouds.
 
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
@@ -16,7 +15,7 @@ use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::point_cloud::{POINT_BYTES, write_ply};
 use crate::evaluate::reference::Reference;
-use crate::files::{OutputFolder, parent_of};
+use crate::files::{DiskFile, OutputFolder, parent_of};
 use crate::image::FrameRange;
 use crate::image::sequence::Pattern;
 use crate::memory::Need;
@@ -90,7 +89,7 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
         let path = folder.work_path().join(pattern.path(frame));
         let images = in_frame(&reference, frame);
         let mut write = || -> Result<u64> {
-            let mut file = BufWriter::new(File::create(&path).map_err(|error| Error::io(&path, error))?);
+            let mut file = BufWriter::new(DiskFile::create(&path).map_err(|error| Error::io(&path, error))?);
             let points = write_ply(&mut reference, &images, frame, &mut file, &progress)?;
             file.flush().map_err(|error| Error::io(&path, error))?;
             Ok(points)

@@ -1,5 +1,6 @@
 //! Files of interpolated views: a sequence, or quilts.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use half::f16;
@@ -12,6 +13,7 @@ use crate::epipolar::views::OutputViews;
 use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::rendered_image::HoleFill;
+use crate::files::DiskFile;
 use crate::fingerprint::Fingerprint;
 use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
 use crate::image::{Pattern, Primaries, ToneMap, exr, png};
@@ -155,7 +157,7 @@ impl Outputs {
                 quilt.put(view as u32, picture, self.coding)?;
                 match tiles.take_if(|quilt| quilt.count == *views) {
                     None => Ok(()),
-                    Some(quilt) => self.files.write_by(&word, number, |path| quilt.write(path)).map(|_| ()),
+                    Some(quilt) => self.files.write_by(&word, number, &mut |path: &Path| quilt.write(path)).map(|_| ()),
                 }
             }
         }
@@ -199,12 +201,14 @@ impl Tiles {
         }
     }
 
-    fn write(self, path: &Path) -> Result<()> {
-        match self.pixels {
-            Pixels::Png(quilt) => png::write_rgba8(path, &quilt.finish()),
+    fn write(&self, path: &Path) -> Result<()> {
+        match &self.pixels {
+            Pixels::Png(quilt) => png::write_rgba8(path, quilt.picture()),
             Pixels::Exr(quilt) => {
-                let bytes = exr::rgba_bytes(&quilt.finish(), Primaries::REC709)?;
-                std::fs::write(path, bytes).map_err(|error| Error::io(path, error))
+                let bytes = exr::rgba_bytes(quilt.picture(), Primaries::REC709)?;
+                DiskFile::create(path)
+                    .and_then(|mut file| file.write_all(&bytes))
+                    .map_err(|error| Error::io(path, error))
             }
         }
     }

@@ -9,6 +9,7 @@ use crate::cli::refuse;
 use crate::container::Compression;
 use crate::encode::EncodeSettings;
 use crate::error::Result;
+use crate::files::DiskFile;
 use crate::memory::Budget;
 
 #[derive(Debug, Clone, Args)]
@@ -112,7 +113,7 @@ fn is_terminal(path: &Path) -> bool {
         return std::io::stdout().is_terminal();
     }
     let is_device = std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir() && !is_pipe(&meta));
-    is_device && std::fs::File::options().write(true).open(path).is_ok_and(|file| file.is_terminal())
+    is_device && DiskFile::device(path).is_ok_and(|file| file.is_terminal())
 }
 
 /// Whether opening it would wait for a reader.

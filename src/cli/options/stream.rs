@@ -8,6 +8,7 @@ use clap::Args;
 use super::{Choices, check_stdout, one_of};
 use crate::cli::refuse;
 use crate::error::Result;
+use crate::files::standard_output;
 use crate::image::picture_stream::{FrameRate, PictureStream, StreamFormat};
 
 const STREAM_FORMATS: &Choices<StreamFormat> = &[
@@ -37,6 +38,6 @@ impl StreamArgs {
         }
         check_stdout(Path::new("-"), has_report)?;
         let format = self.stream_format.unwrap_or(StreamFormat::Png);
-        Ok(Some(PictureStream::new(std::io::stdout(), format, FrameRate::of(fps))))
+        Ok(Some(PictureStream::new(standard_output()?, format, FrameRate::of(fps))))
     }
 }

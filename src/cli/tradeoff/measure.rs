@@ -99,7 +99,7 @@ impl<'a> Sweeping<'a> {
         let work = folder.work()?;
         let progress = Progress::start(self.global, "measuring", schedule::runs(&self.studies, extent, store))?;
         let children = Children::new(&progress, self.start)?;
-        let mut bench = bench(work.path());
+        let mut bench = bench(work.files());
         let lab = Lab { runner: &children, bench: &mut bench, store };
         let done = schedule::measure(&self.studies, extent, lab, &progress);
         drop(progress);

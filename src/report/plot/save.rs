@@ -34,9 +34,11 @@ const SVG_BASELINE_EM: f64 = 0.76;
 pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
     let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
     let svg = to_svg(drawing)?;
-    write_whole(&paths[0], |partial| std::fs::write(partial, &svg).map_err(|error| Error::io(&paths[0], error)))?;
+    write_whole(&paths[0], svg.as_bytes())?;
     let pixels = to_pixels(drawing, CHART_DENSITY)?;
-    write_whole(&paths[1], |partial| png::write_color8(partial, &pixels))?;
+    let mut bytes = Vec::new();
+    png::encode_color8(&mut bytes, &pixels).map_err(|error| error.in_file(&paths[1]))?;
+    write_whole(&paths[1], &bytes)?;
     Ok(paths)
 }
 

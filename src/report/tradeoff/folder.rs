@@ -1,20 +1,16 @@
 //! The folder of a sweep: one process at a time, no leftovers of a killed one, no pictures of other points.
 
-use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
-use tempfile::TempDir;
 
 use super::kind::SweepKind;
 use super::page::PAGE;
 use crate::error::{Error, Result};
-use crate::files::open_locked;
+use crate::files::{DiskFile, WorkFolder, create_folders, open_locked, remove_file};
 
 const LOCK: &str = ".tradeoff.lock";
-/// Prefix and ending of names of unfinished files and folders.
-const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
 const PICTURES: &[&str] = &["svg", "png", "html"];
 
 /// A folder that no other process measures into.
@@ -22,29 +18,17 @@ pub struct Folder {
     path: PathBuf,
     kind: &'static SweepKind,
     /// Locked while it is open.
-    _lock: File,
+    _lock: DiskFile,
 }
 
 impl Folder {
-    /// Creates the folder if there is none, locks it, and removes leftovers of killed processes.
+    /// Creates the folder if there is none, and locks it.
     pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
-        std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
+        create_folders(path).map_err(|error| Error::io(path, error))?;
         let busy = || Error::busy(path, "another tradeoff measures into it; wait, or name another folder");
         let lock = path.join(LOCK);
         let _lock = open_locked(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
-        let folder = Folder { path: path.to_path_buf(), kind, _lock };
-        let [begin, end] = UNFINISHED;
-        for entry in std::fs::read_dir(path).map_err(|error| Error::io(path, error))?.flatten() {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if name.starts_with(begin) && name.ends_with(end) {
-                // What cannot be removed does no harm.
-                let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-                let path = entry.path();
-                let _ = if is_folder { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-            }
-        }
-        Ok(folder)
+        Ok(Folder { path: path.to_path_buf(), kind, _lock })
     }
 
     /// Where the JSON report goes.
@@ -67,11 +51,9 @@ impl Folder {
         lost.find(|path| path.exists())
     }
 
-    /// A folder in it for unfinished work, which is removed when it is dropped.
-    pub fn work(&self) -> Result<TempDir> {
-        let [begin, end] = UNFINISHED;
-        let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&self.path);
-        work.map_err(|error| Error::io(&self.path, error.kind().into()))
+    /// A folder in it for unfinished work, which is removed when it is dropped, as is what killed processes left.
+    pub fn work(&self) -> Result<WorkFolder> {
+        WorkFolder::create(&self.path).map_err(|error| Error::io(&self.path, error))
     }
 
     /// Names of existing files that the last report lists.
@@ -100,7 +82,7 @@ impl Folder {
 }
 
 fn remove(path: &Path) -> Result<()> {
-    match std::fs::remove_file(path) {
+    match remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io(path, error)),
         _ => Ok(()),
     }
@@ -109,7 +91,7 @@ fn remove(path: &Path) -> Result<()> {
 impl Drop for Folder {
     fn drop(&mut self) {
         // A leftover file is not locked.
-        let _ = std::fs::remove_file(self.path.join(LOCK));
+        let _ = remove_file(&self.path.join(LOCK));
     }
 }
 
@@ -141,7 +123,7 @@ mod tests {
             assert_eq!(folder.in_the_way(), Some(place.path().join(PAGE)));
             put("tradeoff.json", r#"{ "files": ["index.html"] }"#);
             assert_eq!(folder.in_the_way(), None);
-            assert!(folder.work().unwrap().path().starts_with(place.path()));
+            assert!(folder.work().unwrap().files().starts_with(place.path()));
         }
         let folder = Folder::open(place.path(), &RENDERING).unwrap();
         assert_eq!(folder.in_the_way(), Some(place.path().join(PAGE)));
@@ -158,14 +140,15 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_process_left_is_removed_and_nothing_else() {
+    fn removes_what_a_killed_process_left_and_nothing_else() {
         let place = tempfile::tempdir().unwrap();
-        std::fs::create_dir(place.path().join(".tradeoff.abc.partial")).unwrap();
-        for name in [".tradeoff.abc.partial/point.lfold", ".tradeoff.csv.x.partial", "tradeoff.csv", "a.partial", LOCK]
+        std::fs::create_dir(place.path().join(".lightfold.abc.partial")).unwrap();
+        for name in
+            [".lightfold.abc.partial/point.lfold", ".lightfold.abc.partial/lock", "tradeoff.csv", "a.partial", LOCK]
         {
             std::fs::write(place.path().join(name), "").unwrap();
         }
-        drop(Folder::open(place.path(), &CODING).unwrap());
+        drop(Folder::open(place.path(), &CODING).unwrap().work().unwrap());
         let mut left: Vec<_> =
             std::fs::read_dir(place.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();

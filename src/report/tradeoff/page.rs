@@ -10,7 +10,7 @@ use super::kind::{Measured, words};
 use super::score::Scored;
 use super::study::{Axis, Results};
 use super::table::{self, PointTable};
-use crate::error::{Error, Result, counted};
+use crate::error::{Result, counted};
 use crate::files::write_whole;
 use crate::report::plot::number;
 use crate::report::plot::save::{self, escape};
@@ -52,7 +52,7 @@ pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<Pa
         files.extend(save::save(&figure.drawing, folder, &figure.name)?);
     }
     let (path, text) = (folder.join(PAGE), html(results, &figures, &extras.findings)?);
-    write_whole(&path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(partial, error)))?;
+    write_whole(&path, text.as_bytes())?;
     files.push(path);
     Ok(files)
 }

@@ -93,8 +93,7 @@ impl Store {
     }
 
     pub fn save(&self) -> Result<()> {
-        let text = self.text()?;
-        write_whole(&self.path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(partial, error)))
+        write_whole(&self.path, self.text()?.as_bytes())
     }
 
     fn columns(&self) -> Vec<String> {

@@ -1,37 +1,27 @@
-//! Writes a capture: images, each renamed when it is complete, and the manifest. Their bytes follow from plan and
-//! scene alone; images of an earlier run can be kept.
+//! Writes the images of a capture. Their bytes follow from plan and scene alone; images of an earlier run are kept.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::plan::{CapturePlan, FrameRequest};
 use super::samples::SamplePattern;
 use super::view::{Images, Pass, PassSettings, capture_view};
 use crate::dataset::manifest::{MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
 use crate::error::{Error, Result};
-use crate::files::{FolderKind, write_whole};
+use crate::files::{FileFolder, FolderKind, OutputFolder};
 use crate::image::{ChannelSelect, DepthPlane, Plane, ReadLimits, exr};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::scene::{Scene, SceneAtTime};
 
 /// The unfinished folder of a capture.
-pub const UNFINISHED: FolderKind =
-    FolderKind { suffix: ".capture.partial", state: ".capture.json", extension: "exr", manifest: MANIFEST_NAME };
+pub const UNFINISHED: FolderKind = FolderKind { suffix: ".capture.partial", state: ".capture.json" };
 /// Memory of images in progress, if they are more than one.
 const MEMORY_BYTES: u64 = 1 << 30;
 /// A pixel with all passes, and its copy while it is written.
 const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
 /// Most time samples of a scene in memory.
 const MAX_TIME_SAMPLES: usize = 16;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ExistingImages {
-    /// Captured again.
-    Overwrite,
-    /// Kept where they can be read and have the right size.
-    Keep,
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureSummary {
@@ -96,9 +86,8 @@ impl CaptureSummary {
         }
     }
 
-    fn of_file(path: &Path, range: [f32; 2]) -> Result<CaptureSummary> {
-        let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
-        Ok(CaptureSummary { images: 1, bytes, depth_range_m: range, ..Self::NOTHING })
+    fn of_image(bytes: u64, range: [f32; 2]) -> CaptureSummary {
+        CaptureSummary { images: 1, bytes, depth_range_m: range, ..Self::NOTHING }
     }
 }
 
@@ -111,24 +100,30 @@ struct Job {
 }
 
 impl CapturePlan {
-    /// Captures the images of the plan's part into an existing folder, and writes the manifest of all. The monitor advances by one for each image. On an error, complete
-    /// images stay. In memory are at most sixteen time samples, and 1 GiB of images or one face.
-    pub fn write(
+    /// Captures everything into a folder, which appears once it is whole.
+    pub fn write(&self, scene: &Scene, path: &Path, monitor: &dyn Monitor) -> Result<CaptureSummary> {
+        let folder = OutputFolder::create(path)?;
+        let summary = self.write_images(scene, &folder, monitor)?;
+        folder.write_bytes(Path::new(MANIFEST_NAME), self.manifest()?.to_json()?.as_bytes())?;
+        folder.commit().map(|()| summary)
+    }
+
+    /// Captures the images of the plan's part, without the manifest. Those that were made are kept where they can be read and have the
+    /// right size. The monitor advances by one for each image. In memory are at most sixteen time samples, and 1 GiB of images or one
+    /// face.
+    pub fn write_images(
         &self,
         scene: &Scene,
-        folder: &Path,
-        existing: ExistingImages,
+        folder: &dyn FileFolder,
         monitor: &dyn Monitor,
     ) -> Result<CaptureSummary> {
-        let manifest = self.manifest()?;
         let run = CaptureRun { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
-        run.make_folders()?;
         let mut sum = CaptureSummary::NOTHING;
         let frames: Vec<u32> = self.frames.iter().filter(|&frame| self.requests(frame).next().is_some()).collect();
         let static_scene = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
         for frames in frames.chunks(self.frames_at_once(frames.len())) {
             let requests = frames.iter().flat_map(|&frame| self.requests(frame)).collect();
-            let jobs = try_map_at_once(requests, self.images_at_once(), |request| run.missing(request, existing))?;
+            let jobs = try_map_at_once(requests, self.images_at_once(), |request| run.missing(request))?;
             let is_needed = |frame: u32| jobs.iter().any(|job| job.request.frame == frame && !job.passes.is_empty());
             let moves = |frame: u32| static_scene.is_none() && is_needed(frame);
             let at = |&frame: &u32| moves(frame).then(|| (frame, scene.at(f64::from(frame) / self.fps)));
@@ -138,8 +133,6 @@ impl CapturePlan {
             })?;
             sum = done.into_iter().fold(sum, CaptureSummary::and);
         }
-        let path = folder.join(MANIFEST_NAME);
-        std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
         Ok(sum)
     }
 
@@ -159,35 +152,20 @@ impl CapturePlan {
 struct CaptureRun<'a> {
     plan: &'a CapturePlan,
     samples: SamplePattern,
-    folder: &'a Path,
+    folder: &'a dyn FileFolder,
     monitor: &'a dyn Monitor,
 }
 
 impl CaptureRun<'_> {
-    fn path(&self, request: &FrameRequest, pass: Pass) -> Result<PathBuf> {
-        Ok(self.folder.join(self.plan.file(request, pass)?))
-    }
-
-    fn make_folders(&self) -> Result<()> {
-        for probe in 0..self.plan.cameras.cameras.len() {
-            for &face in self.plan.faces() {
-                let file = self.path(&FrameRequest { probe, face, frame: 0 }, Pass::Color)?;
-                let folder = file.parent().unwrap_or(self.folder);
-                std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn missing(&self, request: FrameRequest, existing: ExistingImages) -> Result<Job> {
+    fn missing(&self, request: FrameRequest) -> Result<Job> {
         let mut job = Job { request, passes: Vec::new(), kept: CaptureSummary::NOTHING };
         for &pass in &self.plan.passes {
             self.monitor.check()?;
-            let path = self.path(&request, pass)?;
-            match if existing == ExistingImages::Keep { self.read(&path, pass) } else { None } {
+            let path = self.folder.made(Path::new(&self.plan.file(&request, pass)?));
+            match path.and_then(|path| Some((self.read(&path, pass)?, std::fs::metadata(path).ok()?.len()))) {
                 None => job.passes.push(pass),
-                Some(range) => {
-                    let found = CaptureSummary { kept_images: 1, ..CaptureSummary::of_file(&path, range)? };
+                Some((range, bytes)) => {
+                    let found = CaptureSummary { kept_images: 1, ..CaptureSummary::of_image(bytes, range) };
                     job.kept = job.kept.and(found);
                     self.monitor.advance(1);
                 }
@@ -198,9 +176,6 @@ impl CaptureRun<'_> {
 
     /// Near and far of an image that can be read and has the right size.
     fn read(&self, path: &Path, pass: Pass) -> Option<[f32; 2]> {
-        if !path.is_file() {
-            return None;
-        }
         let limits = ReadLimits::default();
         let none = CaptureSummary::NOTHING.depth_range_m;
         let triple = |names| exr::read_material(path, names, &limits).ok().map(|plane| size_of(&plane));
@@ -224,9 +199,13 @@ impl CaptureRun<'_> {
         let images = capture_view(scene, &self.plan.viewpoint(&job.request), &settings, self.monitor)?;
         let mut sum = job.kept;
         for &pass in &job.passes {
-            let path = self.path(&job.request, pass)?;
-            let range = write_image(&path, &images, pass)?;
-            sum = sum.and(CaptureSummary::of_file(&path, range)?);
+            let mut range = CaptureSummary::NOTHING.depth_range_m;
+            let mut write = |path: &Path| {
+                range = write_image(path, &images, pass)?;
+                Ok(())
+            };
+            let bytes = self.folder.write_file(Path::new(&self.plan.file(&job.request, pass)?), &mut write)?;
+            sum = sum.and(CaptureSummary::of_image(bytes, range));
             self.monitor.advance(1);
         }
         let pixels = self.plan.size.map(u64::from).iter().product::<u64>();
@@ -248,33 +227,34 @@ fn range_of(depth: &DepthPlane) -> [f32; 2] {
     finite.fold(CaptureSummary::NOTHING.depth_range_m, |[near, far], &depth| [near.min(depth), far.max(depth)])
 }
 
-/// Writes an image file as a whole. Returns the range of depths in metres.
+/// Writes an image file. Returns the range of depths in metres.
 fn write_image(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
     let missing = || Error::invalid(format!("no {} was captured", pass.name()));
-    write_whole(path, |partial| {
-        match pass {
-            Pass::Color => exr::write_color(partial, images.color.as_ref().ok_or_else(missing)?)?,
-            Pass::Depth => {
-                let depth = images.depth.as_ref().ok_or_else(missing)?;
-                exr::write_depth(partial, depth)?;
-                return Ok(range_of(depth));
-            }
-            Pass::Normal => {
-                exr::write_material(partial, images.normal.as_ref().ok_or_else(missing)?, NORMAL_CHANNELS)?;
-            }
-            Pass::Material => {
-                let channels = MaterialChannels::default();
-                exr::write_material(partial, images.material.as_ref().ok_or_else(missing)?, names(&channels))?;
-            }
+    match pass {
+        Pass::Color => exr::write_color(path, images.color.as_ref().ok_or_else(missing)?)?,
+        Pass::Depth => {
+            let depth = images.depth.as_ref().ok_or_else(missing)?;
+            exr::write_depth(path, depth)?;
+            return Ok(range_of(depth));
         }
-        Ok(CaptureSummary::NOTHING.depth_range_m)
-    })
+        Pass::Normal => {
+            exr::write_material(path, images.normal.as_ref().ok_or_else(missing)?, NORMAL_CHANNELS)?;
+        }
+        Pass::Material => {
+            let channels = MaterialChannels::default();
+            exr::write_material(path, images.material.as_ref().ok_or_else(missing)?, names(&channels))?;
+        }
+    }
+    Ok(CaptureSummary::NOTHING.depth_range_m)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
     use crate::dataset::cameras::{CameraSet, PlacedCamera};
+    use crate::files::{Kept, PartialFolder};
     use crate::image::FrameRange;
     use crate::image::{DepthKind, Projection};
     use crate::monitor::Silent;
@@ -315,31 +295,46 @@ mod tests {
         found
     }
 
+    fn begun(base: &Path) -> PartialFolder {
+        PartialFolder::open(&base.join("cap"), UNFINISHED).unwrap()
+    }
+
     #[test]
-    fn sound_images_are_kept_and_all_others_made_again() {
-        let folder = tempfile::tempdir().unwrap();
-        let first = plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Silent).unwrap();
+    fn keeps_sound_images_and_makes_all_others_again() {
+        let base = tempfile::tempdir().unwrap();
+        let whole = base.path().join("whole");
+        let first = plan().write(&scene(), &whole, &Silent).unwrap();
         assert_eq!((first.images, first.kept_images, first.rays), (72, 0, 18 * 64 * 3));
         assert!(first.depth_range_m[0] > 0.9 && first.depth_range_m[1].is_finite());
-        let whole = files(folder.path());
-        assert_eq!(whole.len(), 73);
-        assert_eq!(
-            first.bytes,
-            whole.iter().filter(|(path, _)| path.extension().unwrap() == "exr").map(|f| f.1.len() as u64).sum::<u64>()
-        );
-        let image = |name: &str| folder.path().join("probe_00/face_nx").join(name);
-        // Missing, cut short, of another size, no image at all.
+        assert_eq!(files(&whole).len(), 73);
+        let images = files(&whole).into_iter().filter(|(path, _)| path.extension().unwrap() == "exr");
+        assert_eq!(first.bytes, images.map(|file| file.1.len() as u64).sum::<u64>());
+        let mut folder = begun(base.path());
+        folder.start_over("words").unwrap();
+        plan().write_images(&scene(), &folder, &Silent).unwrap();
+        // Of another size, though as it was recorded.
+        let small = |path: &Path| exr::write_depth(path, &DepthPlane::filled(4, 4, 1.0));
+        folder.write_file(Path::new("probe_00/face_nx/depth.0005.exr"), &mut |path: &Path| small(path)).unwrap();
+        folder.keep();
+        let image = |name: &str| folder.work_path().join("files/probe_00/face_nx").join(name);
+        // Missing, cut short, empty.
         std::fs::remove_file(image("color.0004.exr")).unwrap();
-        std::fs::write(image("depth.0003.exr"), &whole[20].1[..100]).unwrap();
-        exr::write_depth(&image("depth.0005.exr"), &DepthPlane::filled(4, 4, 1.0)).unwrap();
+        std::fs::write(image("depth.0003.exr"), &std::fs::read(image("depth.0003.exr")).unwrap()[..100]).unwrap();
         std::fs::write(image("normal.0005.exr"), "").unwrap();
-        std::fs::remove_file(folder.path().join(MANIFEST_NAME)).unwrap();
-        let again = plan().write(&scene(), folder.path(), ExistingImages::Keep, &Silent).unwrap();
+        drop(folder);
+        let mut folder = begun(base.path());
+        assert_eq!(folder.resume().unwrap(), Kept { intact: 69, damaged: 3 });
+        let again = plan().write_images(&scene(), &folder, &Silent).unwrap();
         assert_eq!((again.images, again.kept_images), (72, 68));
         assert_eq!(again.depth_range_m, first.depth_range_m);
-        assert_eq!(files(folder.path()), whole);
-        let anew = plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Silent).unwrap();
-        assert_eq!(anew, first);
+        let manifest = plan().manifest().unwrap().to_json().unwrap();
+        folder.commit(Some((MANIFEST_NAME, manifest.as_bytes()))).unwrap();
+        let relative = |folder: &str| {
+            let folder = base.path().join(folder);
+            let name = |(path, bytes): (PathBuf, Vec<u8>)| (path.strip_prefix(&folder).unwrap().to_owned(), bytes);
+            files(&folder).into_iter().map(name).collect::<Vec<_>>()
+        };
+        assert_eq!(relative("cap"), relative("whole"));
     }
 
     #[test]
@@ -347,7 +342,7 @@ mod tests {
         let captures = [1, 3].map(|threads| {
             let folder = tempfile::tempdir().unwrap();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Silent)).unwrap();
+            pool.install(|| plan().write(&scene(), folder.path(), &Silent)).unwrap();
             let relative =
                 |(path, bytes): (PathBuf, Vec<u8>)| (path.strip_prefix(folder.path()).unwrap().to_owned(), bytes);
             files(folder.path()).into_iter().map(relative).collect::<Vec<_>>()
@@ -373,10 +368,11 @@ mod tests {
                 self.0.load(std::sync::atomic::Ordering::Relaxed) >= 30
             }
         }
-        let folder = tempfile::tempdir().unwrap();
-        let stopped = plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Stops(0.into()));
+        let base = tempfile::tempdir().unwrap();
+        let mut folder = begun(base.path());
+        folder.start_over("words").unwrap();
+        let stopped = plan().write_images(&scene(), &folder, &Stops(0.into()));
         assert!(matches!(stopped, Err(Error::Interrupted)));
-        let left = files(folder.path());
-        assert!(left.len() >= 30 && left.len() < 72 && left.iter().all(|(path, _)| path.extension().unwrap() == "exr"));
+        assert!((30..72).contains(&folder.keep()));
     }
 }

@@ -1,0 +1,35 @@
+//! Standard output as the place of a result.
+
+use std::io::{Stdout, stdout};
+
+use crate::error::{Error, Result};
+
+/// Standard output, where it leads somewhere. A shell closes it by `>&-`: then Rust opens the null device in its place, for reading
+/// and writing, so that a result would be lost without an error. One who means to discard a result opens it for writing (`>/dev/null`).
+pub fn standard_output() -> Result<Stdout> {
+    let out = stdout();
+    match is_closed(&out) {
+        true => Err(Error::Usage(
+            "standard output is closed, where a result goes: redirect it to a file or a pipe, or name a file".into(),
+        )),
+        false => Ok(out),
+    }
+}
+
+#[cfg(unix)]
+fn is_closed(out: &Stdout) -> bool {
+    use std::os::fd::AsFd;
+    use std::os::unix::fs::MetadataExt;
+
+    use rustix::fs::{OFlags, fcntl_getfl};
+    let place = |meta: std::fs::Metadata| (meta.dev(), meta.ino());
+    let opened = out.as_fd().try_clone_to_owned().and_then(|copy| std::fs::File::from(copy).metadata());
+    let (Ok(opened), Ok(flags)) = (opened, fcntl_getfl(out)) else { return true };
+    let is_null = std::fs::metadata("/dev/null").is_ok_and(|null| place(null) == place(opened));
+    is_null && flags & OFlags::RWMODE == OFlags::RDWR
+}
+
+#[cfg(not(unix))]
+fn is_closed(_out: &Stdout) -> bool {
+    false
+}

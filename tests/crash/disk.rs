@@ -1,0 +1,251 @@
+//! A disk that loses power: what reached it, and what a system may or may not have written since.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use lightfold::files::record::Operation;
+
+/// Files by their names, and folders.
+pub type Names = BTreeMap<PathBuf, Option<Vec<u8>>>;
+
+type Inode = usize;
+
+#[derive(Clone)]
+struct Content {
+    /// As programs see it.
+    now: Vec<u8>,
+    /// When it was last synced, if it was.
+    synced: Option<Vec<u8>>,
+}
+
+/// A change of names that a crash may undo.
+#[derive(Clone)]
+enum Change {
+    Put(PathBuf, Option<Inode>),
+    Remove(PathBuf),
+    Rename(PathBuf, PathBuf),
+}
+
+impl Change {
+    fn is_in(&self, folder: &Path) -> bool {
+        match self {
+            Change::Put(path, _) | Change::Remove(path) => parent(path) == folder,
+            Change::Rename(from, to) => parent(from) == folder || parent(to) == folder,
+        }
+    }
+}
+
+/// What becomes of bytes that were not synced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lost {
+    Nothing,
+    Everything,
+    SecondHalf,
+    /// The length was written, and no byte.
+    Values,
+}
+
+pub const LOSSES: [Lost; 4] = [Lost::Nothing, Lost::Everything, Lost::SecondHalf, Lost::Values];
+
+type Tree = BTreeMap<PathBuf, Option<Inode>>;
+
+pub struct Disk {
+    contents: Vec<Content>,
+    handles: HashMap<u64, Inode>,
+    now: Tree,
+    synced: Tree,
+    pending: Vec<Change>,
+}
+
+fn parent(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// A path below the working directory, without `.` in it.
+fn plain(path: &Path) -> PathBuf {
+    path.components().filter(|part| *part != Component::CurDir).collect()
+}
+
+fn apply(tree: &mut Tree, change: &Change) {
+    let has_folder = |tree: &Tree, path: &Path| parent(path) == Path::new("") || tree.contains_key(parent(path));
+    match change {
+        // A name needs its folder.
+        Change::Put(path, inode) => {
+            if has_folder(tree, path) {
+                tree.entry(path.clone()).or_insert(*inode);
+            }
+        }
+        Change::Remove(path) => {
+            tree.retain(|name, _| !name.starts_with(path));
+        }
+        Change::Rename(from, to) => {
+            let moved: Vec<PathBuf> = tree.keys().filter(|name| name.starts_with(from)).cloned().collect();
+            if moved.is_empty() || !has_folder(tree, to) {
+                return;
+            }
+            for name in moved {
+                let inode = tree.remove(&name).unwrap();
+                // Joining an empty path would end in a slash.
+                let below = name.strip_prefix(from).unwrap();
+                tree.insert(if below == Path::new("") { to.clone() } else { to.join(below) }, inode);
+            }
+        }
+    }
+}
+
+impl Disk {
+    /// A disk with what is there before a command.
+    pub fn of(names: &Names) -> Disk {
+        let mut disk = Disk {
+            contents: Vec::new(),
+            handles: HashMap::new(),
+            now: Tree::new(),
+            synced: Tree::new(),
+            pending: Vec::new(),
+        };
+        for (path, bytes) in names {
+            let inode = bytes.as_ref().map(|bytes| disk.add(bytes.clone(), Some(bytes.clone())));
+            disk.now.insert(path.clone(), inode);
+        }
+        disk.synced = disk.now.clone();
+        disk
+    }
+
+    fn add(&mut self, now: Vec<u8>, synced: Option<Vec<u8>>) -> Inode {
+        self.contents.push(Content { now, synced });
+        self.contents.len() - 1
+    }
+
+    fn change(&mut self, change: Change) {
+        apply(&mut self.now, &change);
+        self.pending.push(change);
+    }
+
+    fn sync(&mut self, inode: Inode) {
+        self.contents[inode].synced = Some(self.contents[inode].now.clone());
+    }
+
+    /// What the recorded operation does.
+    pub fn perform(&mut self, operation: &Operation) {
+        match operation {
+            Operation::Open { handle, path, is_emptied } => {
+                let path = plain(path);
+                let inode = match self.now.get(&path) {
+                    Some(inode) => inode.unwrap_or_else(|| panic!("{} is a folder", path.display())),
+                    None => {
+                        let inode = self.add(Vec::new(), None);
+                        self.change(Change::Put(path, Some(inode)));
+                        inode
+                    }
+                };
+                if *is_emptied {
+                    self.contents[inode].now.clear();
+                }
+                self.handles.insert(*handle, inode);
+            }
+            Operation::Write { handle, at, bytes } => {
+                let content = &mut self.contents[self.handles[handle]].now;
+                let (at, end) = (*at as usize, *at as usize + bytes.len());
+                content.resize(content.len().max(end), 0);
+                content[at..end].copy_from_slice(bytes);
+            }
+            Operation::SetLen { handle, bytes } => {
+                self.contents[self.handles[handle]].now.resize(*bytes as usize, 0);
+            }
+            Operation::Sync { handle } => self.sync(self.handles[handle]),
+            Operation::SyncFile { path } => {
+                let inode = self.now[&plain(path)].unwrap();
+                self.sync(inode);
+            }
+            Operation::SyncFolder { path } => {
+                let folder = plain(path);
+                let (synced, pending) = std::mem::take(&mut self.pending).into_iter().partition(|of| of.is_in(&folder));
+                let synced: Vec<Change> = synced;
+                synced.iter().for_each(|change| apply(&mut self.synced, change));
+                self.pending = pending;
+            }
+            Operation::Rename { from, to } => self.change(Change::Rename(plain(from), plain(to))),
+            Operation::Remove { path } => self.change(Change::Remove(plain(path))),
+            Operation::CreateFolder { path } => self.change(Change::Put(plain(path), None)),
+        }
+    }
+
+    /// What programs see.
+    pub fn names(&self) -> Names {
+        let content = |inode: &Option<Inode>| inode.map(|inode| self.contents[inode].now.clone());
+        self.now.iter().map(|(path, inode)| (path.clone(), content(inode))).collect()
+    }
+
+    /// What may be found after a crash: changes of names that happened, and what was lost of unsynced files.
+    pub fn crashes(&self) -> Vec<(String, Names)> {
+        let all = self.pending.len();
+        let mut chosen: Vec<(String, Vec<usize>)> = vec![
+            ("all names".into(), (0..all).collect()),
+            ("no names".into(), Vec::new()),
+            ("all names but the last".into(), (0..all.saturating_sub(1)).collect()),
+            ("all names but the first".into(), (1..all).collect()),
+        ];
+        chosen.extend((all.saturating_sub(4)..all).map(|one| (format!("only change {one} of {all}"), vec![one])));
+        let mut found = Vec::new();
+        for (words, chosen) in chosen {
+            let mut tree = self.synced.clone();
+            chosen.iter().for_each(|&change| apply(&mut tree, &self.pending[change]));
+            for lost in LOSSES {
+                let content = |inode: Inode| after(&self.contents[inode], lost);
+                let names = tree.iter().map(|(path, inode)| (path.clone(), inode.map(content))).collect();
+                found.push((format!("{words}, {lost:?} lost"), names));
+            }
+        }
+        found
+    }
+}
+
+fn after(content: &Content, lost: Lost) -> Vec<u8> {
+    if content.synced.as_ref() == Some(&content.now) {
+        return content.now.clone();
+    }
+    match lost {
+        Lost::Nothing => content.now.clone(),
+        Lost::Everything => content.synced.clone().unwrap_or_default(),
+        Lost::SecondHalf => content.now[..content.now.len() / 2].to_vec(),
+        Lost::Values => {
+            let kept = content.synced.as_ref().filter(|synced| content.now.starts_with(synced)).map_or(0, Vec::len);
+            let mut bytes = content.now.clone();
+            bytes[kept..].fill(0);
+            bytes
+        }
+    }
+}
+
+/// Everything below a folder.
+pub fn read(folder: &Path) -> Names {
+    fn add(folder: &Path, below: &Path, names: &mut Names) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let entry = entry.unwrap();
+            let below = below.join(entry.file_name());
+            if entry.file_type().unwrap().is_dir() {
+                names.insert(below.clone(), None);
+                add(&entry.path(), &below, names);
+            } else {
+                names.insert(below, Some(fs::read(entry.path()).unwrap()));
+            }
+        }
+    }
+    let mut names = Names::new();
+    add(folder, Path::new(""), &mut names);
+    names
+}
+
+/// Makes a folder hold these names, and nothing else.
+pub fn write(folder: &Path, names: &Names) {
+    let _ = fs::remove_dir_all(folder);
+    fs::create_dir_all(folder).unwrap();
+    for (path, bytes) in names {
+        let path = folder.join(path);
+        match bytes {
+            None => fs::create_dir(path).unwrap(),
+            Some(bytes) => fs::write(path, bytes).unwrap(),
+        }
+    }
+}

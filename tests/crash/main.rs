@@ -1,0 +1,207 @@
+//! Every command that writes, with the power cut after each of its operations on files.
+//!
+//! A command runs in this process while `lightfold::files` records what it does. Each prefix of the record is a moment at which
+//! the power may fail; what the disk then holds follows from a model of one that is free in everything that was not synced
+//! ([`disk`]). Whatever that is, each output is the previous file, the whole new one, or none; once the command has ended it is the
+//! new one; and `--resume` makes of it the bytes of a command that was not interrupted.
+
+#![allow(clippy::disallowed_methods)]
+
+mod cases;
+mod disk;
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use cases::{CASES, Case, INPUTS};
+use disk::{Disk, Names};
+use libtest_mimic::{Arguments, Failed, Trial};
+use lightfold::files::record::{Operation, record};
+
+/// Crashed states that a command resumes from, for each of the losses.
+const RESUMED: usize = 6;
+
+fn main() -> ExitCode {
+    // `tradeoff` runs commands with the program that it is part of.
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let is_command = |word: &OsString| !word.to_string_lossy().starts_with('-') && std::env::var_os(CHILD).is_some();
+    if words.get(1).is_some_and(is_command) {
+        return lightfold::run_command_line(words);
+    }
+    let mut arguments = Arguments::from_args();
+    // They change the working directory.
+    arguments.test_threads = Some(1);
+    if arguments.list {
+        return libtest_mimic::run(&arguments, trials(PathBuf::new())).exit_code();
+    }
+    let base = tempfile::tempdir().expect("a folder for temporary files");
+    let base = base.path().canonicalize().expect("a folder that is there");
+    fs::create_dir(base.join("inputs")).expect("a folder that may be written");
+    std::env::set_current_dir(base.join("inputs")).expect("a folder that is there");
+    for line in INPUTS {
+        run(line).expect("an input");
+    }
+    let conclusion = libtest_mimic::run(&arguments, trials(base.clone()));
+    let _ = std::env::set_current_dir("/").and_then(|()| fs::remove_dir_all(base));
+    conclusion.exit_code()
+}
+
+/// Set for the processes that `tradeoff` starts.
+const CHILD: &str = "LIGHTFOLD_ENDS_WITH_INPUT";
+
+fn trials(base: PathBuf) -> Vec<Trial> {
+    let trial = |case: &'static Case| {
+        let folder = base.join("work");
+        Trial::test(case.line.replace("../inputs/", ""), move || case.test(&folder))
+    };
+    CASES.iter().map(trial).collect()
+}
+
+/// Runs a command line in this process.
+fn run(line: &str) -> Result<(), Failed> {
+    let words = ["lightfold"].into_iter().chain(line.split_whitespace());
+    match lightfold::run_command_line(words.map(OsString::from)) {
+        code if code == ExitCode::SUCCESS => Ok(()),
+        code => Err(format!("{line}: {code:?}").into()),
+    }
+}
+
+impl Case {
+    fn test(&self, folder: &Path) -> Result<(), Failed> {
+        let mut before = self.prepared(folder)?;
+        for round in ["a new place", "files of an earlier run"] {
+            disk::write(folder, &before);
+            std::env::set_current_dir(folder)?;
+            let (ended, operations) = record(Path::new(""), || run(self.line));
+            ended?;
+            let after = disk::read(folder);
+            self.replay(&before, &operations, &after).map_err(|error| format!("into {round}: {error}"))?;
+            if self.resumes {
+                self.resume(folder, &before, &operations, &after).map_err(|error| format!("into {round}: {error}"))?;
+            }
+            if !self.is_repeatable {
+                break;
+            }
+            before = self.older(&before, &after);
+        }
+        Ok(())
+    }
+
+    fn prepared(&self, folder: &Path) -> Result<Names, Failed> {
+        disk::write(folder, &Names::new());
+        std::env::set_current_dir(folder)?;
+        self.before.iter().try_for_each(|line| run(line))?;
+        let mut names = disk::read(folder);
+        names.retain(|name, _| !self.without.iter().any(|without| name.ends_with(without)));
+        Ok(names)
+    }
+
+    /// The outputs as an earlier run of other content may have left them.
+    fn older(&self, before: &Names, after: &Names) -> Names {
+        let mut names = after.clone();
+        for (name, bytes) in &mut names {
+            if let Some(bytes) = bytes
+                && !before.contains_key(name)
+                && self.may_age(name)
+            {
+                bytes.extend_from_slice(b"older");
+            }
+        }
+        names
+    }
+
+    /// Whether the command does not look at what an earlier run wrote there.
+    fn may_age(&self, name: &Path) -> bool {
+        name.extension().is_none_or(|end| end != "json" && end != "csv")
+    }
+
+    /// Replays each prefix of the operations as a crash.
+    fn replay(&self, before: &Names, operations: &[Operation], after: &Names) -> Result<(), Failed> {
+        let mut disk = Disk::of(before);
+        let mut seen = BTreeSet::new();
+        for (at, operation) in operations.iter().enumerate() {
+            disk.perform(operation);
+            for (words, names) in disk.crashes() {
+                if seen.insert(crc(&names)) {
+                    check(before, &names, after).map_err(|error| {
+                        format!("a crash after operation {at} ({}), {words}: {error}", shown(operation))
+                    })?;
+                }
+            }
+        }
+        if !operations.iter().any(|operation| matches!(operation, Operation::Rename { .. })) {
+            return Err("nothing was renamed".into());
+        }
+        let names = disk.names();
+        let differing = |other: &Names| {
+            let either = names.keys().chain(other.keys());
+            either.filter(|name| names.get(*name) != other.get(*name)).cloned().collect::<BTreeSet<PathBuf>>()
+        };
+        let unrecorded = differing(after);
+        if !unrecorded.is_empty() {
+            return Err(format!("files were changed past the record: {unrecorded:?}").into());
+        }
+        for (words, names) in disk.crashes() {
+            let lost = after.iter().find(|(name, bytes)| bytes.is_some() && names.get(*name) != Some(bytes));
+            if let Some((name, _)) = lost {
+                return Err(format!("{} is lost after the command has ended ({words})", name.display()).into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Resumes from some of the crashes.
+    fn resume(&self, folder: &Path, before: &Names, operations: &[Operation], after: &Names) -> Result<(), Failed> {
+        let mut disk = Disk::of(before);
+        // Most operations are writes of a few bytes: those that change names or sync tell states apart.
+        let telling: Vec<usize> = (0..operations.len())
+            .filter(|&at| !matches!(operations[at], Operation::Write { .. } | Operation::CreateFolder { .. }))
+            .collect();
+        let step = telling.len().div_ceil(RESUMED * disk::LOSSES.len()).max(1);
+        for (at, operation) in operations.iter().enumerate() {
+            disk.perform(operation);
+            let Ok(turn) = telling.binary_search(&at) else { continue };
+            if turn % step != 0 {
+                continue;
+            }
+            let crashes = disk.crashes();
+            let (words, names) = &crashes[(turn / step) % crashes.len()];
+            disk::write(folder, names);
+            std::env::set_current_dir(folder)?;
+            run(&format!("{} --resume", self.line))
+                .map_err(|error| format!("after operation {at} ({}), {words}: {error:?}", shown(operation)))?;
+            if disk::read(folder) != *after {
+                return Err(format!("after operation {at}, {words}: other files than those of a whole run").into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Each file is as before, as after, or missing; hidden ones may be unfinished.
+fn check(before: &Names, crashed: &Names, after: &Names) -> Result<(), String> {
+    for (name, bytes) in crashed {
+        let is_hidden = name.iter().any(|part| part.to_string_lossy().starts_with('.'));
+        let is_whole = before.get(name) == Some(bytes) || after.get(name) == Some(bytes);
+        if bytes.is_some() && !is_hidden && !is_whole {
+            return Err(format!("{} is neither the old file nor the new one", name.display()));
+        }
+    }
+    // What was there and stays is there at any time.
+    match before.keys().find(|name| after.contains_key(*name) && !crashed.contains_key(*name)) {
+        Some(lost) => Err(format!("{} is lost", lost.display())),
+        None => Ok(()),
+    }
+}
+
+/// Tells states apart.
+fn crc(names: &Names) -> Vec<(PathBuf, Option<u32>)> {
+    names.iter().map(|(name, bytes)| (name.clone(), bytes.as_ref().map(|bytes| crc32fast::hash(bytes)))).collect()
+}
+
+fn shown(operation: &Operation) -> String {
+    format!("{operation:?}").chars().take(120).collect()
+}
