@@ -68,8 +68,8 @@ pub fn clear_left(parent: &Path) {
             continue;
         }
         let path = entry.path();
-        // One without a lock is that of an older version, or empty.
-        if !path.join(LOCK).exists() {
+        // The lock is made first; where the power failed it may be lost. One of neither is that of an older version, or empty.
+        if !path.join(LOCK).exists() && !path.join(FILES).is_dir() {
             let _ = disk::remove_folder(&path);
         } else if let Ok(Some(lock)) = open_locked(&path.join(LOCK))
             && lock.is_locked

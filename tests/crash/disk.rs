@@ -64,7 +64,8 @@ fn parent(path: &Path) -> &Path {
 
 /// A path below the working directory, without `.` in it.
 fn plain(path: &Path) -> PathBuf {
-    path.components().filter(|part| *part != Component::CurDir).collect()
+    let here = std::env::current_dir().unwrap();
+    path.strip_prefix(here).unwrap_or(path).components().filter(|part| *part != Component::CurDir).collect()
 }
 
 fn apply(tree: &mut Tree, change: &Change) {
@@ -160,8 +161,8 @@ impl Disk {
             }
             Operation::SyncFolder { path } => {
                 let folder = plain(path);
-                let (synced, pending) = std::mem::take(&mut self.pending).into_iter().partition(|of| of.is_in(&folder));
-                let synced: Vec<Change> = synced;
+                let (synced, pending): (Vec<Change>, Vec<Change>) =
+                    std::mem::take(&mut self.pending).into_iter().partition(|change| change.is_in(&folder));
                 synced.iter().for_each(|change| apply(&mut self.synced, change));
                 self.pending = pending;
             }
@@ -205,12 +206,13 @@ fn after(content: &Content, lost: Lost) -> Vec<u8> {
     if content.synced.as_ref() == Some(&content.now) {
         return content.now.clone();
     }
+    // What was synced stays where a file has grown.
+    let kept = content.synced.as_ref().filter(|synced| content.now.starts_with(synced)).map_or(0, Vec::len);
     match lost {
         Lost::Nothing => content.now.clone(),
         Lost::Everything => content.synced.clone().unwrap_or_default(),
-        Lost::SecondHalf => content.now[..content.now.len() / 2].to_vec(),
+        Lost::SecondHalf => content.now[..kept.midpoint(content.now.len())].to_vec(),
         Lost::Values => {
-            let kept = content.synced.as_ref().filter(|synced| content.now.starts_with(synced)).map_or(0, Vec::len);
             let mut bytes = content.now.clone();
             bytes[kept..].fill(0);
             bytes

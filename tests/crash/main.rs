@@ -11,6 +11,7 @@ mod cases;
 mod disk;
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,8 @@ use cases::{CASES, Case, INPUTS};
 use disk::{Disk, Names};
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::files::record::{Operation, record};
+
+type Outcome = Result<(), Box<dyn Error>>;
 
 /// Crashed states that a command resumes from, for each of the losses.
 const RESUMED: usize = 6;
@@ -42,7 +45,7 @@ fn main() -> ExitCode {
     fs::create_dir(base.join("inputs")).expect("a folder that may be written");
     std::env::set_current_dir(base.join("inputs")).expect("a folder that is there");
     for line in INPUTS {
-        run(line).expect("an input");
+        run(line).unwrap_or_else(|error| panic!("{error}"));
     }
     let conclusion = libtest_mimic::run(&arguments, trials(base.clone()));
     let _ = std::env::set_current_dir("/").and_then(|()| fs::remove_dir_all(base));
@@ -55,13 +58,13 @@ const CHILD: &str = "LIGHTFOLD_ENDS_WITH_INPUT";
 fn trials(base: PathBuf) -> Vec<Trial> {
     let trial = |case: &'static Case| {
         let folder = base.join("work");
-        Trial::test(case.line.replace("../inputs/", ""), move || case.test(&folder))
+        Trial::test(case.line.replace("../inputs/", ""), move || case.test(&folder).map_err(Failed::from))
     };
     CASES.iter().map(trial).collect()
 }
 
 /// Runs a command line in this process.
-fn run(line: &str) -> Result<(), Failed> {
+fn run(line: &str) -> Outcome {
     let words = ["lightfold"].into_iter().chain(line.split_whitespace());
     match lightfold::run_command_line(words.map(OsString::from)) {
         code if code == ExitCode::SUCCESS => Ok(()),
@@ -70,7 +73,7 @@ fn run(line: &str) -> Result<(), Failed> {
 }
 
 impl Case {
-    fn test(&self, folder: &Path) -> Result<(), Failed> {
+    fn test(&self, folder: &Path) -> Outcome {
         let mut before = self.prepared(folder)?;
         for round in ["a new place", "files of an earlier run"] {
             disk::write(folder, &before);
@@ -90,7 +93,7 @@ impl Case {
         Ok(())
     }
 
-    fn prepared(&self, folder: &Path) -> Result<Names, Failed> {
+    fn prepared(&self, folder: &Path) -> Result<Names, Box<dyn Error>> {
         disk::write(folder, &Names::new());
         std::env::set_current_dir(folder)?;
         self.before.iter().try_for_each(|line| run(line))?;
@@ -119,7 +122,7 @@ impl Case {
     }
 
     /// Replays each prefix of the operations as a crash.
-    fn replay(&self, before: &Names, operations: &[Operation], after: &Names) -> Result<(), Failed> {
+    fn replay(&self, before: &Names, operations: &[Operation], after: &Names) -> Outcome {
         let mut disk = Disk::of(before);
         let mut seen = BTreeSet::new();
         for (at, operation) in operations.iter().enumerate() {
@@ -154,7 +157,7 @@ impl Case {
     }
 
     /// Resumes from some of the crashes.
-    fn resume(&self, folder: &Path, before: &Names, operations: &[Operation], after: &Names) -> Result<(), Failed> {
+    fn resume(&self, folder: &Path, before: &Names, operations: &[Operation], after: &Names) -> Outcome {
         let mut disk = Disk::of(before);
         // Most operations are writes of a few bytes: those that change names or sync tell states apart.
         let telling: Vec<usize> = (0..operations.len())
@@ -172,7 +175,7 @@ impl Case {
             disk::write(folder, names);
             std::env::set_current_dir(folder)?;
             run(&format!("{} --resume", self.line))
-                .map_err(|error| format!("after operation {at} ({}), {words}: {error:?}", shown(operation)))?;
+                .map_err(|error| format!("after operation {at} ({}), {words}: {error}", shown(operation)))?;
             if disk::read(folder) != *after {
                 return Err(format!("after operation {at}, {words}: other files than those of a whole run").into());
             }
