@@ -7,7 +7,7 @@ use crate::color::quality::Pu21;
 use crate::compare::side::Values;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
-use crate::metrics::depth_error::Spot;
+use crate::metrics::depth_error::{Spot, finite_or_nan};
 use crate::metrics::{HvsError, SquaredError};
 
 pub trait Level: Copy + PartialEq {
@@ -71,11 +71,24 @@ pub struct SampleErrors {
     pub hvs: HvsError,
     /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,
+    /// Whether values differ, of both sides' files or where bits were compared.
+    pub has_other_bits: bool,
 }
 
 impl SampleErrors {
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
+    }
+
+    /// PSNR in dB; `+inf` where all are equal, NaN where bits differ that codes do not tell apart.
+    pub fn psnr_db(&self) -> f64 {
+        finite_or_nan(self.error.psnr_db(), self.has_other_bits)
+    }
+
+    /// The lowest PSNR of a frame, and of a cell in one frame, likewise.
+    pub fn lowest(&self) -> [Option<Lowest>; 2] {
+        let known = |lowest: Lowest| Lowest { psnr_db: finite_or_nan(lowest.psnr_db, self.has_other_bits), ..lowest };
+        [self.lowest_frame, self.lowest_cell].map(|lowest| lowest.map(known))
     }
 
     pub fn empty(peak: f64) -> SampleErrors {
@@ -90,6 +103,7 @@ impl SampleErrors {
             ssim_frames: 0,
             hvs: HvsError::default(),
             clipped_pixels: 0,
+            has_other_bits: false,
         }
     }
 
