@@ -137,10 +137,7 @@ fn stream_table(comparison: &Comparison) -> String {
             largest(stream),
             stream.depth().map_or_else(|| "-".into(), |errors| metres(errors.max_error_m)),
             db(psnr),
-            color.map_or_else(
-                || "-".into(),
-                |_| format!("{}, {}", lowest(of_frame), lowest(of_cell)),
-            ),
+            color.map_or_else(|| "-".into(), |_| format!("{}, {}", lowest(of_frame), lowest(of_cell))),
             ssim(color.and_then(SampleErrors::ssim)),
         ]);
     }

@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use crate::cli::{GlobalArgs, depth_bound};
 use crate::cli::output::human_bytes;
+use crate::cli::{GlobalArgs, depth_bound};
 use crate::convention::{self, Choice, MAX_PROBES, Verdict};
 use crate::dataset::Source;
 use crate::encode::{self, EncodeSettings, EncodeSummary, FrameSource};

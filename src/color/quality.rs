@@ -10,7 +10,7 @@ use half::f16;
 use crate::color::blend::{HalfKey, Sample};
 use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
-use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable, pu21_encode};
+use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable};
 
 pub const PU_STEPS: f64 = 64.0;
 /// Largest error of a sample outside the range of PU21, in multiples of the RMS error of the least PSNR.
@@ -65,8 +65,8 @@ impl Quality<u8> for EightBit {
 pub struct Pu21 {
     /// PU21 in 64ths for every key.
     steps: Vec<i32>,
-    /// The range of PU21.
-    range: [i32; 2],
+    /// The first and the last key in the range of PU21.
+    range: [HalfKey; 2],
 }
 
 impl Pu21 {
@@ -76,7 +76,13 @@ impl Pu21 {
         let table = PuTable::new(white_cd_m2)?;
         let step = |code: f32| (f64::from(code) * PU_STEPS).round() as i32;
         let steps = (0..=u16::MAX).map(|key| step(table.encode(HalfKey(key).to_half()))).collect();
-        let range = [PU21_MIN_CD_M2, PU21_MAX_CD_M2].map(|end| step(pu21_encode(end) as f32));
+        let key = |value: f16| HalfKey::from_bits(value.to_bits());
+        let luminance = |key: u16| HalfKey(key).to_half().to_f64() * white_cd_m2;
+        // Keys ascend with finite values.
+        let finite = key(f16::MIN).0..=key(f16::MAX).0;
+        let first = finite.clone().find(|&key| luminance(key) >= PU21_MIN_CD_M2).unwrap_or(u16::MAX);
+        let last = finite.rev().find(|&key| luminance(key) <= PU21_MAX_CD_M2).unwrap_or(0);
+        let range = [first, last].map(HalfKey);
         Ok(Pu21 { steps, range })
     }
 
@@ -103,8 +109,8 @@ impl Pu21 {
         let [a, b] = [shown, source].map(|key| self.step(key));
         // Dark halves share codes: other bits are an error all the same.
         let error = a.abs_diff(b).max(u32::from(shown != source));
-        let [low, high] = self.range;
-        [error, if a.min(b) < low || a.max(b) > high { error } else { 0 }]
+        let [first, last] = self.range;
+        [error, if shown.min(source) < first || shown.max(source) > last { error } else { 0 }]
     }
 
     /// Σ of squared errors, and the largest error of a sample that is outside the range of PU21 in one of both, in steps.

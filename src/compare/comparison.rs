@@ -193,9 +193,7 @@ impl Comparison {
         let lowest = |of: fn(&SampleErrors) -> Option<Lowest>| {
             let known = all.iter().filter_map(|(at, errors)| Some((*at, of(errors)?)));
             let lowest = known.reduce(|lowest, next| if next.1.psnr_db < lowest.1.psnr_db { next } else { lowest });
-            lowest.map(|(at, found)| {
-                (at, Lowest { psnr_db: finite_or_nan(found.psnr_db, has_other_bits), ..found })
-            })
+            lowest.map(|(at, found)| (at, Lowest { psnr_db: finite_or_nan(found.psnr_db, has_other_bits), ..found }))
         };
         let sum = |of: fn(&SampleErrors) -> u64| all.iter().map(|(_, errors)| of(errors)).sum::<u64>();
         let worst = self.worst_where(|stream| stream.id.kind == kind).map(|(at, _)| at);

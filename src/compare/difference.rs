@@ -242,7 +242,9 @@ mod tests {
             errors.add(0, &plane(a), &plane(b), 64);
             errors
         };
-        for (a, b) in [(-0.0, 0.0), (6e-8, 1.2e-7), (1e-5, 1.1e-5), (-1.0, 0.0), (200.0, 60_000.0), (64_000.0, 65_504.0)] {
+        for (a, b) in
+            [(-0.0, 0.0), (6e-8, 1.2e-7), (1e-5, 1.1e-5), (-1.0, 0.0), (200.0, 60_000.0), (64_000.0, 65_504.0)]
+        {
             let errors = of(a, b);
             assert!(errors.error.psnr_db().is_finite() && errors.max_error > 0, "{a} as {b}: {errors:?}");
             assert_eq!((errors.differing_pixels, errors.worst), (1, Some(Spot { frame: 0, x: 0, y: 0 })));

@@ -301,7 +301,8 @@ mod tests {
 
     #[test]
     fn bounds_are_rounded_up_to_two_digits() {
-        let shown = [0.0, 0.1234, 0.12, 2.5001, 99.9, 1234.0, 4.0, 0.000_011].map(|value| rounded_up(value).to_string());
+        let shown =
+            [0.0, 0.1234, 0.12, 2.5001, 99.9, 1234.0, 4.0, 0.000_011].map(|value| rounded_up(value).to_string());
         assert_eq!(shown, ["0", "0.13", "0.12", "2.6", "100", "1300", "4", "0.000011"]);
     }
 

@@ -119,8 +119,7 @@ impl Spread {
     /// The pixels within `range` without which the bound would be at most three quarters as large, if these are few.
     pub fn strays(&self, range: DepthRange) -> Option<Strays> {
         let (near, far) = (range.near_m(), range.far_m());
-        let bins: Vec<Bin> =
-            self.bins.values().filter(|bin| bin.far_m >= near && bin.near_m <= far).copied().collect();
+        let bins: Vec<Bin> = self.bins.values().filter(|bin| bin.far_m >= near && bin.near_m <= far).copied().collect();
         let few = (self.pixels / FEW).max(self.images.min(self.pixels / FEW_OF_SMALL_IMAGES));
         let span = |first: &Bin, last: &Bin| {
             let [low, high] = [first.near_m.max(near), last.far_m.min(far)].map(f64::from);
@@ -204,7 +203,8 @@ mod tests {
                 _ => ramp(),
             })
             .collect();
-        let spreads: Vec<Spread> = (0..).zip(&images).map(|(frame, plane)| Spread::of(plane, frame, Face::Nx)).collect();
+        let spreads: Vec<Spread> =
+            (0..).zip(&images).map(|(frame, plane)| Spread::of(plane, frame, Face::Nx)).collect();
         let ascending = spreads.iter().fold(Spread::default(), Spread::union);
         let descending = spreads.iter().rev().fold(Spread::default(), Spread::union);
         assert_eq!(ascending, descending);

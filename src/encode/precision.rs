@@ -65,7 +65,9 @@ fn named(source: &dyn FrameSource, probe: usize, place: &PlacedDepth) -> NamedPi
     let PlacedDepth { frame, face, x, y, depth_m } = *place;
     let face = Face::from_index(face).unwrap_or(Face::View);
     let of_pixel = source.groups().iter().find(|group| {
-        (group.kind, group.probe) == (StreamKind::Depth, probe) && group.faces.contains(&face) && group.frames.contains(frame)
+        (group.kind, group.probe) == (StreamKind::Depth, probe)
+            && group.faces.contains(&face)
+            && group.frames.contains(frame)
     });
     let file = of_pixel.and_then(|group| source.files(group, frame).ok()?.into_iter().next());
     NamedPixel { file, frame, face: face.name(), x, y, depth_m: Number::shortest(depth_m) }

@@ -15,8 +15,8 @@ use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::paths::paths;
 use crate::image::ToneMap;
-use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, pu21_encode};
 use crate::metrics::psnr::U8_PEAK;
+use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, pu21_encode};
 use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader};
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
@@ -179,7 +179,8 @@ pub(super) fn cases() -> Vec<HardCase> {
         let coding = Coding { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, codec, min_psnr_db };
         let exact = Group::new(Family::Color, format!("{name}, keyframes of samples"), "samples of other bits");
         let any_path = paths_of(name);
-        let outside = Group::new(Family::Color, format!("{name}, outside the range of PU21"), "of the RMS error allowed");
+        let outside =
+            Group::new(Family::Color, format!("{name}, outside the range of PU21"), "of the RMS error allowed");
         let all_exact = Group::new(Family::Color, format!("{name}, exact"), "samples of other bits");
         // Both codes are rounded to steps.
         let rms = PU21_PEAK * 10f64.powf(-min_psnr_db / 20.0);

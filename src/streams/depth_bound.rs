@@ -71,6 +71,9 @@ mod tests {
         assert_eq!([1.0, 50.0, 100.0, 0.5].map(|z| bound.metres_at(z).is_some()), [true, true, false, false]);
         assert_eq!(of(1.0, 50.0, None).metres_at(10.0), None);
         let json = serde_json::to_value(bound).unwrap();
-        assert_eq!((&json["max_error_m"]["at_100_m"], &json["error_bound_codes"]), (&serde_json::Value::Null, &100.into()));
+        assert_eq!(
+            (&json["max_error_m"]["at_100_m"], &json["error_bound_codes"]),
+            (&serde_json::Value::Null, &100.into())
+        );
     }
 }

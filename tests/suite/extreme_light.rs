@@ -59,7 +59,8 @@ const SCENES: [(&str, Light); 8] = [
     }),
     ("any finite bits", |frame| {
         let mut random = Random(77 + u64::from(frame));
-        let bits: Vec<u16> = (0..3 * SIDE * SIDE).map(|_| (random.below(0x7c00) | random.below(2) << 15) as u16).collect();
+        let bits: Vec<u16> =
+            (0..3 * SIDE * SIDE).map(|_| (random.below(0x7c00) | random.below(2) << 15) as u16).collect();
         Plane::from_fn(SIDE, SIDE, |x, y| {
             [0, 1, 2].map(|channel| f16::from_bits(bits[(3 * (x + SIDE * y) + channel) as usize]))
         })
@@ -137,12 +138,17 @@ fn every_codec_keeps_the_bound_outside_the_metric() {
             // Rounding to 64ths on both sides.
             let most = 4.0 * 256.0 * 10f64.powf(-db / 20.0) + 1.0 / 64.0;
             for frame in 0..FRAMES {
-                let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else { panic!("half floats were expected") };
+                let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else {
+                    panic!("half floats were expected")
+                };
                 let (shown, source) = (shown.data().as_flattened().to_vec(), light(frame));
                 for (shown, source) in shown.iter().zip(source.data().as_flattened()) {
                     let error = (encoding(*shown) - encoding(*source)).abs();
                     let is_bounded = is_outside(*shown) || is_outside(*source);
-                    assert!(!is_bounded || error <= most, "{name} with {options}, frame {frame}: {source} became {shown}");
+                    assert!(
+                        !is_bounded || error <= most,
+                        "{name} with {options}, frame {frame}: {source} became {shown}"
+                    );
                 }
             }
             let (code, report) = diff(&format!(". a.lfold --min-cell-psnr {db}"), at);
@@ -182,7 +188,9 @@ fn diff_sees_every_difference_of_halves() {
             for key in ["psnr_db", "min_psnr_db", "min_cell_psnr_db"] {
                 assert!(color[key].is_f64(), "{from} and {to}, {sides}: {color}");
             }
-            assert!(report["streams"][0]["psnr_db"].is_f64() && report["streams"][0]["max_error_pu21"].as_f64() > Some(0.0));
+            assert!(
+                report["streams"][0]["psnr_db"].is_f64() && report["streams"][0]["max_error_pu21"].as_f64() > Some(0.0)
+            );
             for bound in ["--exact", "--min-psnr 180", "--min-cell-psnr inf"] {
                 assert_eq!(diff(&format!("{sides} {bound}"), at).0, 1, "{from} and {to}, {sides} {bound}");
             }

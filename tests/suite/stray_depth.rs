@@ -41,7 +41,7 @@ fn text_of(line: &str, at: &Path) -> String {
 
 #[test]
 fn strays_are_named_with_the_options_that_leave_them_out() {
-    for (depth, option) in [(1e-40, "--near 2"), (1e-6, "--near 2"), (0.01, "--near 2"), (9e9, "--far 2")] {
+    for (depth, option) in [(1e-40, "--near 2"), (1e-6, "--near 2"), (0.01, "--near 2"), (9e9, "--far 19.")] {
         let folder = TempDir::new().unwrap();
         let at = folder.path();
         write(at, &[(13, 40, depth)]);
@@ -49,12 +49,20 @@ fn strays_are_named_with_the_options_that_leave_them_out() {
         let strays = &report["depth"][0]["strays"];
         assert_eq!((&strays["pixels"], &strays["of_pixels"]), (&1.into(), &12_288.into()), "{report}");
         let first = &strays["first"][0];
-        assert_eq!((&first["frame"], &first["x"], &first["y"], &first["face"]), (&1.into(), &13.into(), &40.into(), &"px".into()));
+        assert_eq!(
+            (&first["frame"], &first["x"], &first["y"], &first["face"]),
+            (&1.into(), &13.into(), &40.into(), &"px".into())
+        );
         assert_eq!(first["depth_m"].as_f64().map(|metres| metres as f32), Some(depth));
         assert!(first["file"].as_str().unwrap().ends_with("depth.0001.exr"));
         let percent = |report: &Value| report["max_error_percent"].as_f64().unwrap();
         assert!(percent(&strays["without"]) < 0.75 * percent(&report["depth"][0]));
-        let words = ["warning: probe 00: 1 depth pixel of 12288", "depth.0001.exr, frame 1, px, pixel (13, 40)", option, "--invalid-depth"];
+        let words = [
+            "warning: probe 00: 1 depth pixel of 12288",
+            "depth.0001.exr, frame 1, px, pixel (13, 40)",
+            option,
+            "--invalid-depth",
+        ];
         assert!(words.iter().all(|word| said.contains(word)), "{said}");
 
         // What was proposed leaves it out, and says so.
@@ -63,7 +71,10 @@ fn strays_are_named_with_the_options_that_leave_them_out() {
             let line = format!(". -o b.lfold {range} --invalid-depth {rule}");
             let (report, said) = encode(&line, at);
             assert_eq!((&report["outside_pixels"], &report["depth"][0]["strays"]), (&1.into(), &Value::Null));
-            assert!(percent(&report["depth"][0]) < 0.2 && said.contains("1 depth pixel outside near and far"), "{said}");
+            assert!(
+                percent(&report["depth"][0]) < 0.4 && said.contains("1 depth pixel outside near and far"),
+                "{said}"
+            );
             let diff = lightfold("diff . b.lfold --max-error 100 --json", at);
             assert_eq!(diff.status.code(), Some(1));
             let diff: Value = serde_json::from_slice(&diff.stdout).unwrap();
@@ -126,7 +137,9 @@ fn bounds_hold_in_every_pixel_as_they_are_stated() {
         let mut face = decoder.face(&decoder.streams()[0]);
         let range = decoder.streams()[0].depth_range().unwrap();
         for frame in 0..3 {
-            let lightfold::decode::Picture::Depth(codes) = face.decode(frame).unwrap() else { panic!("depth was expected") };
+            let lightfold::decode::Picture::Depth(codes) = face.decode(frame).unwrap() else {
+                panic!("depth was expected")
+            };
             for (code, z) in codes.data().iter().zip(surfaces(frame, strays).data()) {
                 let error = (f64::from(range.metres(*code)) - f64::from(*z)).abs();
                 assert!(error <= percent / 100.0 * f64::from(*z) * (1.0 + 1e-9), "{z} with {options}: {error}");
@@ -172,8 +185,8 @@ fn scans_and_shards_name_the_same_strays() {
     assert_eq!(std::fs::read(at.join("a.lfold")).unwrap(), std::fs::read(at.join("b.lfold")).unwrap());
     fine("scan . -o scan-1.json --threads 1", at);
     assert_eq!(std::fs::read(at.join("scan.json")).unwrap(), std::fs::read(at.join("scan-1.json")).unwrap());
-    assert_eq!(strays(". -o c.lfold --scan scan.json --shard-frames 0-2"), whole);
-    assert_eq!(strays(". -o d.lfold --shard-frames 0-2 --threads 1"), whole);
+    assert_eq!(strays(". -o c.lfold --scan scan.json --shard 1/1"), whole);
+    assert_eq!(strays(". -o d.lfold --shard 1/1 --threads 1"), whole);
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::args::Report;
-use crate::cli::{damage, depth_bound};
 use crate::cli::output::human_bytes;
+use crate::cli::{damage, depth_bound};
 use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};
 use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};

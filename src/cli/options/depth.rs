@@ -183,7 +183,8 @@ pub fn parse_bound(text: &str) -> std::result::Result<ErrorBound, String> {
     if text.ends_with('%') {
         return parse_share(text).map(ErrorBound::Relative);
     }
-    let expected = || format!("'{text}': percent of the distance, such as 0.4%, or 0 to {FAR_CODE} codes were expected");
+    let expected =
+        || format!("'{text}': percent of the distance, such as 0.4%, or 0 to {FAR_CODE} codes were expected");
     text.parse().ok().filter(|codes| *codes <= FAR_CODE).map(ErrorBound::Codes).ok_or_else(expected)
 }
 
