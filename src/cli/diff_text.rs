@@ -51,7 +51,12 @@ fn range(frames: FrameRange) -> String {
 }
 
 fn db(value: f64) -> String {
-    if value == f64::INFINITY { "inf dB".into() } else { format!("{value:.2} dB") }
+    match value {
+        f64::INFINITY => "inf dB".into(),
+        // Bits differ.
+        _ if value.is_nan() => "equal codes".into(),
+        _ => format!("{value:.2} dB"),
+    }
 }
 
 fn metres(value: f64) -> String {
@@ -105,7 +110,7 @@ fn summary(comparison: &Comparison) -> String {
     }
     if let Some((errors, _)) = comparison.depth() {
         let error = counted(errors.max_error_codes.into(), "code");
-        let measures = [error, metres(errors.max_error_m), db(errors.error.psnr_db()), none(), none()];
+        let measures = [error, metres(errors.max_error_m), db(errors.psnr_db()), none(), none()];
         add(StreamKind::Depth, errors.differing_pixels, measures);
     }
     for kind in [StreamKind::Material, StreamKind::Alpha] {
@@ -124,20 +129,15 @@ fn stream_table(comparison: &Comparison) -> String {
             None => stream.id.to_string(),
         };
         let color = stream.color();
-        let psnr = match &stream.measured {
-            Measured::Depth(errors) => errors.error.psnr_db(),
-            Measured::Color(errors) | Measured::Bytes(errors) => errors.error.psnr_db(),
-        };
+        let psnr = stream.measured.psnr_db();
+        let [of_frame, of_cell] = color.map(SampleErrors::lowest).unwrap_or_default();
         table.add_row(vec![
             name,
             range(stream.frames),
             largest(stream),
             stream.depth().map_or_else(|| "-".into(), |errors| metres(errors.max_error_m)),
             db(psnr),
-            color.map_or_else(
-                || "-".into(),
-                |errors| format!("{}, {}", lowest(errors.lowest_frame), lowest(errors.lowest_cell)),
-            ),
+            color.map_or_else(|| "-".into(), |_| format!("{}, {}", lowest(of_frame), lowest(of_cell))),
             ssim(color.and_then(SampleErrors::ssim)),
         ]);
     }

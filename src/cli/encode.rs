@@ -8,7 +8,7 @@ use crate::cli::options::{
 };
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, encode_advice, refuse};
+use crate::cli::{ExitStatus, GlobalArgs, depth_bound, encode_advice, refuse};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
@@ -195,6 +195,7 @@ impl Encode<'_> {
         encode_advice::note_values(self.source, self.settings, self.global);
         let done = self.encode()?;
         note_clipping(path, &done.summary);
+        encode_advice::note_depth(&done.summary, self.global);
         if let Some(smaller) = self.smaller {
             encode_advice::note_size(self.frames(), self.settings, (done.summary.bytes, smaller), self.global);
         }
@@ -384,7 +385,12 @@ pub fn text(path: &Path, report: &EncodeReport) -> String {
         human_bytes(summary.bytes),
         human_bytes(summary.raw_bytes),
         ratio_percent,
-    )
+    ) + &depth_lines(summary)
+}
+
+fn depth_lines(summary: &EncodeSummary) -> String {
+    let probes: Vec<_> = summary.depth.iter().map(|known| (known.probe.as_str(), known.bound)).collect();
+    depth_bound::lines(&probes, depth_bound::FEW_PROBES).iter().map(|line| format!("\n{line}")).collect()
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
-use crate::cli::GlobalArgs;
 use crate::cli::output::human_bytes;
+use crate::cli::{GlobalArgs, depth_bound};
 use crate::convention::{self, Choice, MAX_PROBES, Verdict};
 use crate::dataset::Source;
-use crate::encode::{self, EncodeSettings, FrameSource};
+use crate::encode::{self, EncodeSettings, EncodeSummary, FrameSource};
 use crate::image::StreamKind;
 use crate::monitor::Silent;
 use crate::report::coding_map::counted;
@@ -35,6 +35,19 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
     };
     for finding in findings.iter().filter(|finding| finding.verdict == Verdict::Suspect && is_coded(finding.check)) {
         global.note(format_args!("warning: {}: {}", finding.check, finding.says));
+    }
+}
+
+/// Names few pixels that take much of the precision of depth, and says how many were outside near and far.
+pub fn note_depth(summary: &EncodeSummary, global: &GlobalArgs) {
+    for probe in &summary.depth {
+        if let Some(strays) = &probe.strays {
+            global.note(format_args!("warning: {}", depth_bound::stray_words(probe, strays)));
+        }
+    }
+    if summary.outside_pixels > 0 {
+        let pixels = counted(summary.outside_pixels, "depth pixel");
+        global.note(format_args!("{pixels} outside near and far: replaced, as --invalid-depth says"));
     }
 }
 

@@ -26,7 +26,7 @@ use args::Report;
 const STREAM_COLUMNS: &str = "kind probe face frames first_frame width height codec bytes raw_bytes ratio_percent \
     temporal_bytes payload_bytes stored_bytes chunks lzma2_chunks zstd_chunks units unit_width unit_height keyframes \
     keyframes_per_cell.min keyframes_per_cell.mean keyframes_per_cell.max static_cells static_tiles constant_units aabbs \
-    updated_pixels updated_percent error_bound_codes near_m far_m background depth_kind window max_aabbs \
+    updated_pixels updated_percent error_bound_codes max_error_percent near_m far_m background depth_kind window max_aabbs \
     keyframe_interval min_psnr_db transfer exposure_ev white_cd_m2 keyframes_blocks keyframes_raw pieces.blocks pieces.raw";
 
 #[derive(Serialize)]

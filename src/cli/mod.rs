@@ -8,6 +8,7 @@ mod completions;
 mod damage;
 mod decode;
 mod demo;
+mod depth_bound;
 pub mod device;
 mod diff;
 mod diff_text;

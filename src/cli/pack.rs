@@ -17,7 +17,7 @@ use crate::report::coding_map::counted;
     after_help = "Examples:\n  lightfold pack px.lfold nx.lfold py.lfold ny.lfold pz.lfold nz.lfold -o probe.lfold\n  \
     lightfold pack film.lfold --lzma2=9 -o film-small.lfold\n  \
     lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
-    With --max-error or --max-error-relative, quadtrees in the intermediate form become packed nodes. All other streams are \
+    With --max-error, quadtrees in the intermediate form become packed nodes. All other streams are \
     copied.",
     mut_arg("no_compression", |arg| arg.alias("no-lzma2")),
     mut_arg("optimize", |arg| arg.requires("bound")),

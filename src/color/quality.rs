@@ -2,24 +2,28 @@
 //!
 //! 8-bit colour: the squared error of the samples, peak 255. Half floats: the squared error of their PU21 encoding in
 //! 64ths, peak 256 (CALF 5.1 asks for another metric for HDR and names none; PU21 counts what is visible, from
-//! candle light to daylight, where a PSNR of linear values would see only the highlights).
+//! candle light to daylight, where a PSNR of linear values would see only the highlights). Samples outside the range of PU21
+//! have a bound of their own beside it, as a mean over a cell says nothing about a lamp of few pixels.
 
 use half::f16;
 
 use crate::color::blend::{HalfKey, Sample};
 use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
-use crate::metrics::pu21::{PU21_PEAK, PuTable};
+use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable};
 
 pub const PU_STEPS: f64 = 64.0;
+/// Largest error of a sample outside the range of PU21, in multiples of the RMS error of the least PSNR.
+pub const MAX_OUTSIDE_RMS: u64 = 4;
 /// Samples whose squared errors are summed in 32 bits before they are carried over.
 const BLOCK: usize = 2048;
 
 pub trait Quality<S: Sample>: Sync {
     fn peak(&self) -> f64;
 
-    /// Σ (shown − source)² of what the decoder shows for `weight` between `a` and `b`. May stop early, with any value
-    /// above `limit`, once the sum has passed it.
+    /// Σ (shown − source)² of what the decoder shows for `weight` between `a` and `b`; larger where a bound of single samples
+    /// needs more than that sum says, so that both hold up to [`Self::max_squared_error`]. May stop early, with any value above
+    /// `limit`, once the sum has passed it.
     fn squared_error(&self, a: &[S], b: &[S], weight: u8, source: &[S], limit: u64) -> u64;
 
     fn max_squared_error(&self, db: f64, samples: usize) -> u64 {
@@ -60,7 +64,9 @@ impl Quality<u8> for EightBit {
 #[derive(Debug, Clone)]
 pub struct Pu21 {
     /// PU21 in 64ths for every key.
-    steps: Vec<u16>,
+    steps: Vec<i32>,
+    /// The first and the last key in the range of PU21.
+    range: [HalfKey; 2],
 }
 
 impl Pu21 {
@@ -68,8 +74,16 @@ impl Pu21 {
     pub fn new(white_cd_m2: f64) -> Result<Pu21> {
         Self::check_white(white_cd_m2)?;
         let table = PuTable::new(white_cd_m2)?;
-        let step = |key| (f64::from(table.encode(HalfKey(key).to_half())) * PU_STEPS).round() as u16;
-        Ok(Pu21 { steps: (0..=u16::MAX).map(step).collect() })
+        let step = |code: f32| (f64::from(code) * PU_STEPS).round() as i32;
+        let steps = (0..=u16::MAX).map(|key| step(table.encode(HalfKey(key).to_half()))).collect();
+        let key = |value: f16| HalfKey::from_bits(value.to_bits());
+        let luminance = |key: u16| HalfKey(key).to_half().to_f64() * white_cd_m2;
+        // Keys ascend with finite values.
+        let finite = key(f16::MIN).0..=key(f16::MAX).0;
+        let first = finite.clone().find(|&key| luminance(key) >= PU21_MIN_CD_M2).unwrap_or(u16::MAX);
+        let last = finite.rev().find(|&key| luminance(key) <= PU21_MAX_CD_M2).unwrap_or(0);
+        let range = [first, last].map(HalfKey);
+        Ok(Pu21 { steps, range })
     }
 
     pub fn check_white(white_cd_m2: f64) -> Result<()> {
@@ -81,18 +95,37 @@ impl Pu21 {
     }
 
     fn step(&self, key: HalfKey) -> i32 {
-        i32::from(self.steps[usize::from(key.0)])
+        self.steps[usize::from(key.0)]
     }
 
     /// The PU21 encoding of a sample in steps of 1/64, as all errors of this metric are counted.
-    pub fn steps(&self, value: f16) -> u16 {
-        self.steps[usize::from(HalfKey::from_bits(value.to_bits()).0)]
+    pub fn steps(&self, value: f16) -> i32 {
+        self.step(HalfKey::from_bits(value.to_bits()))
     }
 
-    pub fn between(&self, a: &[f16], b: &[f16]) -> u64 {
-        let step = |value: &f16| i32::from(self.steps(*value));
-        a.iter().zip(b).map(|(a, b)| u64::from(step(a).abs_diff(step(b))).pow(2)).sum()
+    /// The error of a sample in steps, and the same where one of both is outside the range of PU21, else 0.
+    #[inline(always)]
+    fn errors(&self, shown: HalfKey, source: HalfKey) -> [u32; 2] {
+        let [a, b] = [shown, source].map(|key| self.step(key));
+        // Dark halves share codes: other bits are an error all the same.
+        let error = a.abs_diff(b).max(u32::from(shown != source));
+        let [first, last] = self.range;
+        [error, if shown.min(source) < first || shown.max(source) > last { error } else { 0 }]
     }
+
+    /// Σ of squared errors, and the largest error of a sample that is outside the range of PU21 in one of both, in steps.
+    pub fn between(&self, a: &[f16], b: &[f16]) -> (u64, u32) {
+        let key = |value: &f16| HalfKey::from_bits(value.to_bits());
+        let errors = a.iter().zip(b).map(|(a, b)| self.errors(key(a), key(b)));
+        errors.fold((0, 0), |(sum, largest), [error, outside]| (sum + u64::from(error).pow(2), largest.max(outside)))
+    }
+}
+
+/// The sum of squared errors of so many samples that an error of a sample outside the range is as bad as.
+fn as_sum(outside: u32, samples: usize) -> u64 {
+    let squared = u64::from(outside).pow(2);
+    let sum = (u128::from(squared) * samples as u128).div_ceil(u128::from(MAX_OUTSIDE_RMS.pow(2)));
+    u64::try_from(sum).unwrap_or(u64::MAX)
 }
 
 impl Quality<HalfKey> for Pu21 {
@@ -103,17 +136,18 @@ impl Quality<HalfKey> for Pu21 {
     }
 
     fn squared_error(&self, a: &[HalfKey], b: &[HalfKey], weight: u8, source: &[HalfKey], limit: u64) -> u64 {
-        let mut total = 0;
-        for ((a, b), source) in a.chunks(BLOCK).zip(b.chunks(BLOCK)).zip(source.chunks(BLOCK)) {
-            for ((&a, &b), &source) in a.iter().zip(b).zip(source) {
-                let error = self.step(HalfKey::lerp(a, b, weight)).abs_diff(self.step(source));
+        let (mut total, mut largest) = (0, 0);
+        for ((a, b), source_block) in a.chunks(BLOCK).zip(b.chunks(BLOCK)).zip(source.chunks(BLOCK)) {
+            for ((&a, &b), &source) in a.iter().zip(b).zip(source_block) {
+                let [error, outside] = self.errors(HalfKey::lerp(a, b, weight), source);
                 total += u64::from(error) * u64::from(error);
+                largest = largest.max(outside);
             }
-            if total > limit {
+            if total.max(as_sum(largest, source.len())) > limit {
                 break;
             }
         }
-        total
+        total.max(as_sum(largest, source.len()))
     }
 }
 
@@ -134,14 +168,51 @@ mod tests {
         }
     }
 
+    fn key(value: f32) -> HalfKey {
+        HalfKey::from_bits(f16::from_f32(value).to_bits())
+    }
+
     #[test]
-    fn a_visible_step_counts_more_than_one_in_the_dark() {
+    fn visible_steps_count_more_than_dark_ones() {
         let metric = Pu21::new(100.0).unwrap();
-        let key = |value: f32| HalfKey::from_bits(f16::from_f32(value).to_bits());
         let error = |a: f32, b: f32| metric.squared_error(&[key(a)], &[key(a)], 0, &[key(b)], u64::MAX);
         assert_eq!(error(0.5, 0.5), 0);
-        assert_eq!(error(-1.0, 0.0), 0);
         assert!(error(0.5, 0.6) > error(10.0, 10.1));
         assert!(error(100.0, 90.0) > 0);
+    }
+
+    #[test]
+    fn every_other_half_is_an_error() {
+        let metric = Pu21::new(100.0).unwrap();
+        for bits in 0..=u16::MAX {
+            let [one, next] = [bits, bits.wrapping_add(1)].map(HalfKey::from_bits);
+            assert_eq!(metric.squared_error(&[one], &[one], 0, &[one], u64::MAX), 0);
+            assert!(metric.squared_error(&[one], &[one], 0, &[next], u64::MAX) > 0, "{bits:#06x}");
+        }
+        assert_eq!(metric.max_squared_error(200.0, 3 << 28), 0);
+    }
+
+    #[test]
+    fn samples_outside_the_range_have_a_bound_of_their_own() {
+        let metric = Pu21::new(100.0).unwrap();
+        let count = 3 * 64 * 64;
+        for db in [20.0, 40.0, 60.0] {
+            let limit = metric.max_squared_error(db, count);
+            let most = MAX_OUTSIDE_RMS as f64 * metric.peak() * 10f64.powf(-db / 20.0);
+            // A lamp of one sample among many that are right, in place of every other value.
+            let kept = |lamp: f32, shown: f32| {
+                let mut pictures = [vec![key(0.5); count], vec![key(0.5); count]];
+                (pictures[0][7], pictures[1][7]) = (key(lamp), key(shown));
+                let [source, shown] = pictures;
+                metric.squared_error(&shown, &shown, 0, &source, u64::MAX) <= limit
+            };
+            for lamp in [-60_000.0, -1.24, -0.0011, 0.0, 1e-7, 4e-5, 101.0, 121.0, 60_000.0] {
+                for shown in [-65_504.0, -5.0, -0.0011, -1e-6, 0.0, 3e-5, 0.001, 0.1, 99.0, 140.0, 63_072.0] {
+                    let error = metric.step(key(lamp)).abs_diff(metric.step(key(shown)));
+                    assert_eq!(kept(lamp, shown), f64::from(error) <= most, "{lamp} as {shown} at {db} dB");
+                    assert_eq!(kept(shown, lamp), kept(lamp, shown));
+                }
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::StreamId;
 use crate::image::{FrameRange, StreamKind};
-use crate::metrics::depth_error::{DepthErrors, Spot};
+use crate::metrics::depth_error::{DepthErrors, Spot, finite_or_nan};
 use crate::metrics::{HvsError, SquaredError};
 
 /// Frames of a stream that only one side has.
@@ -39,6 +39,24 @@ pub enum Measured {
     Color(SampleErrors),
     /// Material or alpha.
     Bytes(SampleErrors),
+}
+
+impl Measured {
+    /// Notes whether bits differ, so that equal codes are not taken for equal values.
+    pub(super) fn note_bits(&mut self, differ: bool) {
+        match self {
+            Measured::Depth(errors) => errors.has_other_bits |= differ,
+            Measured::Color(errors) | Measured::Bytes(errors) => errors.has_other_bits |= differ,
+        }
+    }
+
+    /// PSNR in dB; NaN where bits differ that codes do not tell apart.
+    pub fn psnr_db(&self) -> f64 {
+        match self {
+            Measured::Depth(errors) => errors.psnr_db(),
+            Measured::Color(errors) | Measured::Bytes(errors) => errors.psnr_db(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -171,9 +189,11 @@ impl Comparison {
         let of_kind = self.streams.iter().enumerate().filter(|(_, stream)| stream.id.kind == kind);
         let all: Vec<(usize, &SampleErrors)> =
             of_kind.filter_map(|(at, stream)| Some((at, stream.samples()?))).collect();
+        let has_other_bits = all.iter().any(|(_, errors)| errors.has_other_bits);
         let lowest = |of: fn(&SampleErrors) -> Option<Lowest>| {
             let known = all.iter().filter_map(|(at, errors)| Some((*at, of(errors)?)));
-            known.reduce(|lowest, next| if next.1.psnr_db < lowest.1.psnr_db { next } else { lowest })
+            let lowest = known.reduce(|lowest, next| if next.1.psnr_db < lowest.1.psnr_db { next } else { lowest });
+            lowest.map(|(at, found)| (at, Lowest { psnr_db: finite_or_nan(found.psnr_db, has_other_bits), ..found }))
         };
         let sum = |of: fn(&SampleErrors) -> u64| all.iter().map(|(_, errors)| of(errors)).sum::<u64>();
         let worst = self.worst_where(|stream| stream.id.kind == kind).map(|(at, _)| at);
@@ -182,7 +202,7 @@ impl Comparison {
         let mut hvs = HvsError::default();
         all.iter().for_each(|(_, errors)| hvs.merge(&errors.hvs));
         (!all.is_empty()).then(|| SampleTotal {
-            psnr_db: psnr_of_all(all.iter().map(|(_, errors)| errors.error)),
+            psnr_db: finite_or_nan(psnr_of_all(all.iter().map(|(_, errors)| errors.error)), has_other_bits),
             lowest_frame: lowest(|errors| errors.lowest_frame),
             lowest_cell: lowest(|errors| errors.lowest_cell),
             worst,

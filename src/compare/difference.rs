@@ -7,7 +7,7 @@ use crate::color::quality::Pu21;
 use crate::compare::side::Values;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
-use crate::metrics::depth_error::Spot;
+use crate::metrics::depth_error::{Spot, finite_or_nan};
 use crate::metrics::{HvsError, SquaredError};
 
 pub trait Level: Copy + PartialEq {
@@ -27,16 +27,16 @@ impl Level for i32 {
     }
 }
 
-/// A half float and its PU21 encoding; equal encodings may differ in bits.
+/// A half float and its PU21 encoding; equal encodings may differ in bits, which is an error of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HalfLevel {
     bits: u16,
-    steps: u16,
+    steps: i32,
 }
 
 impl Level for HalfLevel {
     fn steps(self) -> i32 {
-        i32::from(self.steps)
+        self.steps
     }
 }
 
@@ -71,11 +71,24 @@ pub struct SampleErrors {
     pub hvs: HvsError,
     /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,
+    /// Whether values differ, of both sides' files or where bits were compared.
+    pub has_other_bits: bool,
 }
 
 impl SampleErrors {
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
+    }
+
+    /// PSNR in dB; `+inf` where all are equal, NaN where bits differ that codes do not tell apart.
+    pub fn psnr_db(&self) -> f64 {
+        finite_or_nan(self.error.psnr_db(), self.has_other_bits)
+    }
+
+    /// The lowest PSNR of a frame, and of a cell in one frame, likewise.
+    pub fn lowest(&self) -> [Option<Lowest>; 2] {
+        let known = |lowest: Lowest| Lowest { psnr_db: finite_or_nan(lowest.psnr_db, self.has_other_bits), ..lowest };
+        [self.lowest_frame, self.lowest_cell].map(|lowest| lowest.map(known))
     }
 
     pub fn empty(peak: f64) -> SampleErrors {
@@ -90,6 +103,7 @@ impl SampleErrors {
             ssim_frames: 0,
             hvs: HvsError::default(),
             clipped_pixels: 0,
+            has_other_bits: false,
         }
     }
 
@@ -154,7 +168,7 @@ pub(super) struct SampleError {
 }
 
 pub(super) fn sample_error<T: Level>(a: &[T; 3], b: &[T; 3]) -> SampleError {
-    let errors = a.iter().zip(b).map(|(a, b)| a.steps().abs_diff(b.steps()));
+    let errors = a.iter().zip(b).map(|(a, b)| a.steps().abs_diff(b.steps()).max(u32::from(a != b)));
     errors.fold(SampleError::default(), |SampleError { squared, largest }, error| SampleError {
         squared: squared + u64::from(error) * u64::from(error),
         largest: largest.max(error),
@@ -220,12 +234,21 @@ mod tests {
     }
 
     #[test]
-    fn halves_that_look_alike_differ_all_the_same() {
+    fn halves_of_other_bits_have_a_finite_psnr() {
         let metric = Pu21::new(100.0).unwrap();
-        let plane = |value: f32| Plane::filled(1, 1, [f16::from_f32(value); 3]);
-        let mut errors = SampleErrors::empty(metric.peak());
-        errors.add(0, &half_levels(&plane(-1.0), &metric), &half_levels(&plane(0.0), &metric), 64);
-        assert_eq!((errors.max_error, errors.differing_pixels), (0, 1));
-        assert_eq!((errors.worst, errors.error.psnr_db()), (Some(Spot { frame: 0, x: 0, y: 0 }), f64::INFINITY));
+        let plane = |value: f32| half_levels(&Plane::filled(1, 1, [f16::from_f32(value); 3]), &metric);
+        let of = |a: f32, b: f32| {
+            let mut errors = SampleErrors::empty(metric.peak());
+            errors.add(0, &plane(a), &plane(b), 64);
+            errors
+        };
+        for (a, b) in
+            [(-0.0, 0.0), (6e-8, 1.2e-7), (1e-5, 1.1e-5), (-1.0, 0.0), (200.0, 60_000.0), (64_000.0, 65_504.0)]
+        {
+            let errors = of(a, b);
+            assert!(errors.error.psnr_db().is_finite() && errors.max_error > 0, "{a} as {b}: {errors:?}");
+            assert_eq!((errors.differing_pixels, errors.worst), (1, Some(Spot { frame: 0, x: 0, y: 0 })));
+        }
+        assert_eq!(of(200.0, 200.0).error.psnr_db(), f64::INFINITY);
     }
 }

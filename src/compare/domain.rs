@@ -3,6 +3,7 @@
 use half::f16;
 
 use crate::compare::side::{Coding, Image, Side, SideForm, SideStream, Values};
+use crate::dataset::InvalidDepth;
 use crate::decode::Picture;
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
@@ -120,6 +121,8 @@ pub struct Converter {
     /// To the primaries in which both sides are compared.
     matrix: Option<LightMatrix>,
     allows_clipping: bool,
+    /// Treatment of depth outside the range of the codes.
+    invalid_depth: InvalidDepth,
 }
 
 impl Converter {
@@ -135,6 +138,7 @@ impl Converter {
             light: None,
             matrix: side.primaries.conversion_to(color.primaries),
             allows_clipping: color.allows_clipping,
+            invalid_depth: side.invalid_depth(),
         };
         let same = converter.keeps_codes();
         match domain {
@@ -244,15 +248,27 @@ impl Converter {
         // A container of another range has rounded by up to half a step of its own.
         let own = if let Some(Coding::Depth(own)) = self.own { own.step_ratio() } else { 0.0 };
         let tolerance = (range.step_ratio() + own) / 2.0;
-        let code = |&z: &f32| match self.quantiser.as_ref().and_then(|quantiser| quantiser.code(z)) {
+        let code = |z: f32| match self.quantiser.as_ref().and_then(|quantiser| quantiser.code(z)) {
             Some(code) => i32::from(code),
             None => code_beyond(z, range, tolerance),
         };
-        let codes = metres.data().iter().map(code).collect();
-        for z in metres.data_mut().iter_mut().filter(|z| **z == 0.0) {
-            // An invalid depth that becomes near.
-            *z = range.near_m();
-        }
+        let (near, far) = (range.near_m(), range.far_m());
+        let codes = metres.data_mut().iter_mut().map(|z| {
+            match (code(*z), self.invalid_depth) {
+                // Encoders replace it by the same rule.
+                (OUTSIDE, InvalidDepth::Near) => *z = z.max(near).min(far),
+                (OUTSIDE, InvalidDepth::Far) => *z = f32::INFINITY,
+                (found, _) => {
+                    if *z == 0.0 {
+                        // An invalid depth that becomes near.
+                        *z = near;
+                    }
+                    return found;
+                }
+            }
+            code(*z)
+        });
+        let codes = codes.collect();
         DepthPicture { width: metres.width(), codes, metres: metres.into_data() }
     }
 }

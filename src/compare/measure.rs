@@ -12,7 +12,7 @@ use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideReader, Values};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{FrameRange, Plane};
+use crate::image::{ColorPlane, FrameRange, Plane};
 use crate::memory::{Budget, Need};
 use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, ssim_rgb8};
 use crate::monitor::Monitor;
@@ -188,6 +188,11 @@ impl PairComparison {
         if let Some(bits) = &mut self.report.bits {
             let values: [Values; 2] = [0, 1].map(|at| self.converters[at].values(&images[at]));
             bits.add(frame, &values[0], &values[1])?;
+            self.report.measured.note_bits(bits.differing_pixels > 0);
+        }
+        if let [Image::File(Values::Light(a)), Image::File(Values::Light(b))] = &images {
+            let bits = |plane: &ColorPlane| plane.data().as_flattened().iter().map(|half| half.to_bits());
+            self.report.measured.note_bits(!bits(a).eq(bits(b)));
         }
         let [a, b] = images;
         let (a, b) = (self.converters[0].convert(a)?, self.converters[1].convert(b)?);

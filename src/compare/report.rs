@@ -272,7 +272,7 @@ impl LevelErrors {
     fn new(errors: &SampleErrors, domain: &Domain) -> LevelErrors {
         let is_half = matches!(domain.coding, Coding::Color(ColorFormat::Half { .. }, _));
         LevelErrors {
-            psnr_db: Number(errors.error.psnr_db()),
+            psnr_db: Number(errors.psnr_db()),
             differing_pixels: errors.differing_pixels,
             max_error_pu21: is_half.then(|| f64::from(errors.max_error) / PU_STEPS),
             max_error_codes: (!is_half).then_some(errors.max_error),
@@ -282,12 +282,13 @@ impl LevelErrors {
 
 impl ColorErrors {
     fn new(errors: &SampleErrors, domain: &Domain) -> ColorErrors {
+        let [frame, cell] = errors.lowest();
         ColorErrors {
             levels: LevelErrors::new(errors, domain),
-            min_psnr_db: errors.lowest_frame.map(|lowest| Number(lowest.psnr_db)),
-            min_psnr_frame: errors.lowest_frame.map(|lowest| lowest.spot.frame),
-            min_cell_psnr_db: errors.lowest_cell.map(|lowest| Number(lowest.psnr_db)),
-            min_cell_psnr_at: errors.lowest_cell.map(|lowest| lowest.spot),
+            min_psnr_db: frame.map(|lowest| Number(lowest.psnr_db)),
+            min_psnr_frame: frame.map(|lowest| lowest.spot.frame),
+            min_cell_psnr_db: cell.map(|lowest| Number(lowest.psnr_db)),
+            min_cell_psnr_at: cell.map(|lowest| lowest.spot),
             ssim: errors.ssim(),
             ssim_frames: errors.ssim_frames,
             psnr_hvs_m_db: errors.hvs.psnr_db().map(Number),

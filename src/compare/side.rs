@@ -5,7 +5,7 @@ use std::fmt;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use crate::dataset::Source;
+use crate::dataset::{InvalidDepth, Source};
 use crate::decode::{Decoder, FaceDecoder, Picture, memory};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
@@ -149,6 +149,14 @@ impl Side {
             // The file that an image is cut from: at most four channels of 4 bytes.
             (Content::Files(source), _) => source.file_pixels() * 16,
             _ => 0,
+        }
+    }
+
+    /// Treatment of invalid depth, as its files are read.
+    pub fn invalid_depth(&self) -> InvalidDepth {
+        match &self.content {
+            Content::Files(source) => source.rules.invalid,
+            Content::Container(_) => InvalidDepth::Refuse,
         }
     }
 

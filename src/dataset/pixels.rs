@@ -20,6 +20,23 @@ pub enum InvalidDepth {
 }
 
 impl InvalidDepth {
+    /// Replaces surfaces nearer or farther than the ends that are given: by the end that they lie beyond, or by the background.
+    /// Returns their number, 0 where they are to be refused.
+    pub fn replace_outside(self, plane: &mut DepthPlane, [near_m, far_m]: [Option<f32>; 2]) -> u64 {
+        if self == InvalidDepth::Refuse {
+            return 0;
+        }
+        let (near, far) = (near_m.unwrap_or(0.0), far_m.unwrap_or(f32::INFINITY));
+        let mut count = 0;
+        for depth in plane.data_mut().iter_mut().filter(|depth| **depth > 0.0 && **depth < f32::INFINITY) {
+            if *depth < near || *depth > far {
+                count += 1;
+                *depth = if self == InvalidDepth::Far { f32::INFINITY } else { depth.max(near).min(far) };
+            }
+        }
+        count
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             InvalidDepth::Refuse => "refuse",

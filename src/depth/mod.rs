@@ -39,6 +39,8 @@ pub mod record_table;
 pub mod records;
 pub mod runtime;
 pub mod settings;
+#[cfg(feature = "encode")]
+pub mod spread;
 pub mod storage;
 #[cfg(feature = "encode")]
 pub mod temporal;

@@ -25,6 +25,17 @@ pub fn metres_in_words(distance_m: f32) -> String {
     if is_plain { distance_m.to_string() } else { format!("{distance_m:e}") }
 }
 
+/// The smallest number of two digits that is no smaller, for bounds in messages.
+pub fn rounded_up(value: f64) -> f64 {
+    if value <= 0.0 || !value.is_finite() {
+        return value;
+    }
+    let digits = 1 - value.log10().floor() as i32;
+    // The tolerance covers the rounding of these operations; a quotient has the shortest digits.
+    let scale = 10f64.powi(digits.abs());
+    if digits >= 0 { (value * scale - 1e-9).ceil() / scale } else { (value / scale - 1e-9).ceil() * scale }
+}
+
 impl fmt::Display for DepthRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} m to {} m", metres_in_words(self.near_m), metres_in_words(self.far_m))
@@ -100,6 +111,30 @@ impl DepthRange {
     /// The widest gap between two neighbouring codes, as a ratio: (far/near)^(1/65534) − 1.
     pub fn step_ratio(self) -> f64 {
         libm::expm1(self.log_span() / f64::from(FAR_CODE))
+    }
+
+    /// Largest error of a decoded depth in proportion to the depth, where its code is up to `codes` from that of the source: with
+    /// half a step that rounding to a code takes, and the rounding of the decoded float.
+    pub fn relative_error(self, codes: u16) -> f64 {
+        if self.log_span() == 0.0 {
+            return 0.0;
+        }
+        let near = f64::from(self.near_m);
+        // Floats are the coarsest, for their size, at near where that is denormal.
+        let float = ((f64::from(self.near_m.next_up()) - near) / (2.0 * near)).max(f64::from(f32::EPSILON) / 2.0);
+        let code = libm::expm1((f64::from(codes) + 0.5) * self.log_span() / f64::from(FAR_CODE));
+        (1.0 + code) * (1.0 + float) - 1.0
+    }
+
+    /// The most codes whose [`Self::relative_error`] is at most `share`; `None` where rounding alone is more.
+    pub fn codes_within(self, share: f64) -> Option<u16> {
+        let fits = |codes: &u16| self.relative_error(*codes) <= share;
+        if !fits(&0) {
+            return None;
+        }
+        let step = self.log_span() / f64::from(FAR_CODE);
+        let estimate = if step > 0.0 { (libm::log1p(share) / step - 0.5).clamp(0.0, f64::from(FAR_CODE)) } else { 0.0 };
+        (0..=estimate as u16).rev().find(fits)
     }
 }
 
@@ -260,6 +295,30 @@ mod tests {
                 let spacing = f64::from(f32::from_bits(bits + 1)) - f64::from(z);
                 let error = (f64::from(back) - f64::from(z)).abs();
                 assert!(error <= f64::from(z) * half + spacing, "{z:e} became {back:e} in {range:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_are_rounded_up_to_two_digits() {
+        let shown =
+            [0.0, 0.1234, 0.12, 2.5001, 99.9, 1234.0, 4.0, 0.000_011].map(|value| rounded_up(value).to_string());
+        assert_eq!(shown, ["0", "0.13", "0.12", "2.6", "100", "1300", "4", "0.000011"]);
+    }
+
+    #[test]
+    fn no_float_is_farther_off_than_the_relative_error() {
+        for range in ranges() {
+            let share = range.relative_error(100);
+            assert!(range.codes_within(share).is_none_or(|codes| codes == 100 || range.log_span() == 0.0), "{range:?}");
+            let (low, high) = (range.near_m.to_bits(), range.far_m.to_bits());
+            for bits in (low..=high).step_by(((high - low) / 5000).max(1) as usize) {
+                let z = f32::from_bits(bits);
+                let code = range.code(z);
+                for shown in [code.saturating_sub(100), (code + 100).min(FAR_CODE)] {
+                    let error = (f64::from(range.metres(shown)) - f64::from(z)).abs() / f64::from(z);
+                    assert!(error <= share * (1.0 + 1e-9), "{z:e} in {range:?}: {error} of {share}");
+                }
             }
         }
     }

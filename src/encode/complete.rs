@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use crate::container::Reader;
 use crate::encode::job::EncodeSummary;
 use crate::encode::part::Part;
+use crate::encode::precision::ProbePrecision;
 use crate::encode::source::missing_frames;
 use crate::image::StreamKind;
 use crate::streams::shard::SHARD;
@@ -50,7 +51,13 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
         ..EncodeSummary::default()
     };
     for stream in &index.streams {
-        summary.count(stream, &CodecHeader::read(stream).ok()?);
+        let header = CodecHeader::read(stream).ok()?;
+        summary.count(stream, &header);
+        if let CodecHeader::Depth(header) = &header
+            && summary.depth.last().is_none_or(|known| known.probe != index.probes[usize::from(stream.probe)].name)
+        {
+            summary.depth.push(ProbePrecision::new(part, usize::from(stream.probe), header, None));
+        }
     }
     Some(summary)
 }

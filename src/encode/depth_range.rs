@@ -8,6 +8,7 @@ use crate::dataset::{Source, SourceGroup};
 use crate::depth::DepthRange;
 use crate::depth::predictive::Levels;
 use crate::depth::quantise::metres_in_words;
+use crate::depth::spread::{Spread, Strays};
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
 use crate::encode::scan::{Distances, FoundDepth, Scan};
@@ -24,6 +25,8 @@ pub(super) struct ProbeDepth {
     pub range: DepthRange,
     /// Codes that occur, where the images were scanned and hold few.
     pub levels: Levels,
+    /// Few pixels that take much of the precision, where images were looked through.
+    pub strays: Option<Strays>,
     pub scanned: Option<ScannedProbe>,
 }
 
@@ -43,17 +46,19 @@ pub(super) fn depth_of_probe(
 ) -> Result<ProbeDepth> {
     let given = given_range(source, settings);
     if let [Some(near), Some(far)] = given {
-        return Ok(ProbeDepth { range: DepthRange::new(near, far)?, levels: Levels::default(), scanned: None });
+        let range = DepthRange::new(near, far)?;
+        return Ok(ProbeDepth { range, levels: Levels::default(), strays: None, scanned: None });
     }
     let probe = groups.first().map_or("", |group| source.probes()[group.group.probe].name.as_str());
     if let Some(known) = known {
         let range = found_range(probe, given, known)?;
-        return Ok(ProbeDepth { range, levels: known.levels(range), scanned: None });
+        let strays = known.spread.strays(range);
+        return Ok(ProbeDepth { range, levels: known.levels(range), strays, scanned: None });
     }
     let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
     let scan = scanned.found.scan();
     let range = found_range(probe, given, &scan)?;
-    Ok(ProbeDepth { range, levels: scan.levels(range), scanned: Some(scanned) })
+    Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned: Some(scanned) })
 }
 
 /// Delivers planar depth of views as it is, where a sensor gave few depths: distances along their rays would be many, and no
@@ -120,6 +125,7 @@ pub(super) fn scan_probe(
     struct ScannedFrame {
         extent: Option<DepthExtent>,
         has_invalid: bool,
+        spread: Spread,
         reading: Duration,
         kept: Option<((usize, u32), Vec<DepthPlane>)>,
     }
@@ -134,10 +140,12 @@ pub(super) fn scan_probe(
         let extent = planes.iter().filter_map(DepthExtent::of).reduce(DepthExtent::union);
         let has_invalid = planes.iter().any(|plane| plane.data().contains(&0.0));
         distances.add(planes.iter().flat_map(|plane| plane.data().iter().copied()));
+        let of_faces = planes.iter().zip(&group.faces).map(|(plane, &face)| Spread::of(plane, frame, face));
+        let spread = of_faces.fold(Spread::default(), |all, of_face| all.union(&of_face));
         let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
         let keep = kept_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes <= limits.keep_bytes;
         let kept = keep.then_some(((at, frame), planes));
-        Ok(ScannedFrame { extent, has_invalid, reading, kept })
+        Ok(ScannedFrame { extent, has_invalid, spread, reading, kept })
     })?;
     let time = |kept: bool| frames.iter().filter(|frame| frame.kept.is_some() == kept).map(|frame| frame.reading).sum();
     let (reading, scanning) = (time(true), time(false));
@@ -146,7 +154,8 @@ pub(super) fn scan_probe(
         DepthRange::new(extent.near_m, extent.far_m)?;
     }
     let has_invalid = frames.iter().any(|frame| frame.has_invalid);
-    let found = FoundDepth { extent, has_invalid, ..distances.into_found() };
+    let spread = frames.iter().fold(Spread::default(), |all, frame| all.union(&frame.spread));
+    let found = FoundDepth { extent, has_invalid, spread, ..distances.into_found() };
     let kept = frames.into_iter().filter_map(|frame| frame.kept).collect();
     Ok(ScannedProbe { found, kept, reading, scanning })
 }

@@ -10,6 +10,7 @@ use crate::color::transform::encode::PricedTables;
 use crate::dataset::SourceGroup;
 use crate::depth::Quantiser;
 use crate::encode::EncodeSettings;
+use crate::encode::depth_range::given_range;
 use crate::encode::source::{FrameSource, name_frame};
 use crate::error::{Error, Result};
 use crate::image::transfer::EncodeTable;
@@ -101,7 +102,8 @@ impl<'a> GroupCoder<'a> {
         Plane::new(width, height, numbers.into_owned())
     }
 
-    /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of clipped pixels.
+    /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of colour pixels that were clipped, or
+    /// of depth pixels outside near and far.
     pub fn read(
         &self,
         source: &dyn FrameSource,
@@ -119,12 +121,15 @@ impl<'a> GroupCoder<'a> {
         let coded: Result<Vec<Coded>> = match self.group.kind {
             StreamKind::Depth => {
                 let Some(quantiser) = &self.quantiser else { return Ok((Vec::new(), 0)) };
-                let planes = match kept {
+                let mut planes = match kept {
                     Some(planes) => planes,
                     None => times.read(|| source.read_depth(self.group, frame))?,
                 };
+                let (rule, given) = (self.settings.outside_depth, given_range(source, self.settings));
+                let outside = planes.iter_mut().map(|plane| rule.replace_outside(plane, given)).sum();
                 let code = |plane| self.numbers(convert::depth_codes(plane, quantiser)?).map(Coded::Codes);
-                times.code(|| planes.iter().map(code).collect())
+                let coded: Result<Vec<Coded>> = times.code(|| planes.iter().map(code).collect());
+                return coded.map(|coded| (coded, outside)).map_err(named);
             }
             StreamKind::Material => {
                 let planes = times.read(|| source.read_material(self.group, frame))?;

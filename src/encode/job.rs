@@ -21,6 +21,7 @@ use crate::encode::budget::{self, ColorMemory};
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
 use crate::encode::order::Order;
+use crate::encode::precision::ProbePrecision;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, missing_frames, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
@@ -50,6 +51,10 @@ pub struct EncodeSummary {
     pub clipped_pixels: u64,
     /// Colour pixels.
     pub color_pixels: u64,
+    /// Depth pixels outside of a given near and far, which were replaced.
+    pub outside_pixels: u64,
+    /// What holds for the depth of each probe.
+    pub depth: Vec<ProbePrecision>,
     /// Chunks of an earlier run. All other figures except times are of the whole encode.
     pub resumed_chunks: u64,
     /// Time of all threads for reading and decompressing source files.
@@ -304,7 +309,7 @@ impl<W: Write> Job<'_, W> {
         // Files as they are before they are read.
         let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
         let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
-        let ProbeDepth { range, levels, scanned } =
+        let ProbeDepth { range, levels, strays, scanned } =
             depth_of_probe(self.source, self.settings, groups, known.as_ref(), self.monitor)?;
         let (mut kept, mut note) = (HashMap::new(), None);
         if let Some(scanned) = scanned {
@@ -321,8 +326,16 @@ impl<W: Write> Job<'_, W> {
                 range,
                 background: presented_background(self.source.background(), range),
                 kind: self.source.depth_kind(),
-                coding: self.settings.depth_coding(range, self.shape_of(group.group), &levels)?,
+                coding: self
+                    .settings
+                    .depth_coding(range, self.shape_of(group.group), &levels)
+                    .map_err(|error| error.context(format!("probe {}", self.source.probes()[probe].name)))?,
             });
+            if group.at == first.at
+                && let CodecHeader::Depth(header) = &header
+            {
+                self.summary.depth.push(ProbePrecision::new(self.source, probe, header, strays.as_ref()));
+            }
             let Some(part) = self.begin(group, &header)? else { continue };
             let mut coder = GroupCoder::new(group.group, header, self.settings)?;
             coder.quantiser = Some(Arc::clone(quantiser.get_or_insert_with(|| Arc::new(Quantiser::new(range)))));
@@ -353,12 +366,20 @@ impl<W: Write> Job<'_, W> {
         let part = Part { at, streams, starts };
         let complete = part.complete_frames();
         let before = group.frames.iter().take(complete as usize);
-        self.summary.clipped_pixels += before.map(|frame| self.completed.clipped(at, frame)).sum::<u64>();
+        let beyond = before.map(|frame| self.completed.beyond(at, frame)).sum();
+        self.count_beyond(group.kind, beyond);
         if u64::from(complete) < group.frames.count() {
             return Ok(Some(part));
         }
         self.monitor.advance(group_ref.images());
         self.monitor.check().map(|()| None)
+    }
+
+    fn count_beyond(&mut self, kind: StreamKind, pixels: u64) {
+        match kind {
+            StreamKind::Depth => self.summary.outside_pixels += pixels,
+            _ => self.summary.clipped_pixels += pixels,
+        }
     }
 
     fn encode_group(
@@ -391,11 +412,11 @@ impl<W: Write> Job<'_, W> {
                 if last_used.is_some_and(|last| frame <= last) {
                     self.completed.check_file(self.source, GroupRef { at: part.at, group }, frame, stamp)?;
                 }
-                let (picture, clipped) = coder.read(self.source, frame, kept, &times)?;
-                Ok((FrameNote { stamp, clipped }, picture))
+                let (picture, beyond) = coder.read(self.source, frame, kept, &times)?;
+                Ok((FrameNote { stamp, beyond }, picture))
             })?;
             let (notes, pictures): (Vec<_>, Vec<_>) = read.into_iter().unzip();
-            self.summary.clipped_pixels += notes.iter().map(|note| note.clipped).sum::<u64>();
+            self.count_beyond(group.kind, notes.iter().map(|note| note.beyond).sum());
             self.writer.note(&configuration::to_bytes(&Note::Frames { group: part.at, first: frames[0], notes })?);
             let batch = Batch { first: frames[0] - group.frames.first, pictures };
             let packed = try_map_at_once(units.iter_mut().collect(), batches.units_at_once, |unit: &mut UnitJob| {

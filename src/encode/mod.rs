@@ -21,6 +21,7 @@ mod group;
 mod job;
 mod order;
 mod part;
+mod precision;
 mod resume;
 mod scan;
 mod scan_file;
@@ -40,6 +41,7 @@ pub use job::{
     encode_resumable,
 };
 pub use part::Part;
+pub use precision::{NamedPixel, NamedStrays, ProbePrecision};
 pub use scan_file::{ScanFile, scan_probes};
 pub use settings::{
     Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings,

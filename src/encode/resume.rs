@@ -95,8 +95,8 @@ impl SearchNote {
 pub(super) struct FrameNote {
     /// Of its files before they were read.
     pub stamp: Stamp,
-    /// Colour pixels that did not fit 8 bits.
-    pub clipped: u64,
+    /// Colour pixels that did not fit 8 bits; depth pixels outside near and far.
+    pub beyond: u64,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -188,9 +188,9 @@ impl Completed {
         self.searches.get(&(stream, unit, end)).copied()
     }
 
-    /// Colour pixels of a frame that did not fit 8 bits.
-    pub fn clipped(&self, group: usize, frame: u32) -> u64 {
-        self.frames.get(&(group, frame)).map_or(0, |note| note.clipped)
+    /// Colour pixels of a frame that did not fit 8 bits; depth pixels outside near and far.
+    pub fn beyond(&self, group: usize, frame: u32) -> u64 {
+        self.frames.get(&(group, frame)).map_or(0, |note| note.beyond)
     }
 
     /// The last frame that a complete chunk of these streams depends on.
@@ -250,7 +250,7 @@ impl Completed {
             if is_used {
                 let limits = budget::scan_limits(source, settings, &groups)?;
                 let scan = depth_range::scan_probe(source, &groups, limits, monitor)?.found.scan();
-                if scan != before.scan {
+                if !scan.is_as_good_as(&before.scan) {
                     let has_other_range = scan.limits() != before.scan.limits();
                     let changed =
                         if has_other_range { "the nearest or the farthest surface" } else { "the few distances" };

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::depth::DepthRange;
 use crate::depth::predictive::Levels;
 use crate::depth::predictive::levels::MAX_LEVELS;
+use crate::depth::spread::Spread;
 use crate::streams::convert::DepthExtent;
 
 /// Pixels with a surface for each level, at least: few levels of few pixels are chance.
@@ -26,9 +27,16 @@ pub struct Scan {
     pub has_invalid: bool,
     /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur; `None` where the codec has no levels.
     pub distances_m: Option<Vec<f32>>,
+    /// Numbers of pixels by depth, of which few may take much of the precision.
+    pub spread: Spread,
 }
 
 impl Scan {
+    /// Whether an encode with either scan has the same bytes.
+    pub(super) fn is_as_good_as(&self, other: &Scan) -> bool {
+        self.limits() == other.limits() && self.distances_m == other.distances_m
+    }
+
     /// All that near and far follow from.
     pub(super) fn limits(&self) -> (Option<DepthExtent>, bool) {
         (self.extent, self.has_invalid)
@@ -59,12 +67,19 @@ pub struct FoundDepth {
     pub distances_m: Option<Vec<f32>>,
     /// Pixels with a surface, where distances are given.
     pub surfaces: u64,
+    pub spread: Spread,
 }
 
 impl FoundDepth {
     /// What no frames hold.
     pub fn nothing() -> FoundDepth {
-        FoundDepth { extent: None, has_invalid: false, distances_m: Some(Vec::new()), surfaces: 0 }
+        FoundDepth {
+            extent: None,
+            has_invalid: false,
+            distances_m: Some(Vec::new()),
+            surfaces: 0,
+            spread: Spread::default(),
+        }
     }
 
     pub fn union(self, other: &FoundDepth) -> FoundDepth {
@@ -83,6 +98,7 @@ impl FoundDepth {
             has_invalid: self.has_invalid || other.has_invalid,
             distances_m: distances,
             surfaces: self.surfaces + other.surfaces,
+            spread: self.spread.union(&other.spread),
         }
     }
 
@@ -90,7 +106,7 @@ impl FoundDepth {
     pub fn scan(&self) -> Scan {
         let recur = |distances: &&Vec<f32>| distances.len() as u64 * LEAST_OCCURRENCES <= self.surfaces;
         let distances_m = self.distances_m.as_ref().filter(recur).cloned();
-        Scan { extent: self.extent, has_invalid: self.has_invalid, distances_m }
+        Scan { extent: self.extent, has_invalid: self.has_invalid, distances_m, spread: self.spread.clone() }
     }
 }
 
@@ -148,7 +164,7 @@ mod tests {
     fn scan_of(distances: impl IntoIterator<Item = f32>, has_invalid: bool) -> Scan {
         let distances: Vec<f32> = distances.into_iter().collect();
         let extent = DepthExtent { near_m: distances[0], far_m: distances[distances.len() - 1] };
-        Scan { extent: Some(extent), has_invalid, distances_m: Some(distances) }
+        Scan { extent: Some(extent), has_invalid, distances_m: Some(distances), spread: Spread::default() }
     }
 
     #[test]

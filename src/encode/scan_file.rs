@@ -19,7 +19,7 @@ use crate::image::{FrameRange, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
 
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Frames of a part, which is scanned again where a scan was stopped.
 const PART_FRAMES: u32 = 16;
 

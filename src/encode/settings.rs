@@ -8,13 +8,14 @@ use crate::color::transform::encode::COARSEST;
 use crate::color::transform::tables::TableSet;
 use crate::container::Compression;
 use crate::container::index::MAX_SIZE;
+use crate::dataset::InvalidDepth;
 use crate::depth::block::MAX_TILE;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::predictive::projection::{Projection, Shape};
 use crate::depth::predictive::{self, Levels, PredictiveHeader};
-use crate::depth::quantise::FAR_CODE;
+use crate::depth::quantise::{FAR_CODE, rounded_up};
 use crate::depth::{DepthRange, TemporalSettings};
 use crate::effort::Effort;
 use crate::entropy::tables::MOST_OWN;
@@ -147,14 +148,22 @@ pub struct MaterialSettings {
 }
 
 impl ErrorBound {
-    pub fn codes(self, range: DepthRange) -> u16 {
+    /// The bound in codes of a range: of a share, the most codes that keep it.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a share that rounding to codes alone exceeds; a share of 0 is 0 codes.
+    pub fn codes(self, range: DepthRange) -> Result<u16> {
         match self {
-            ErrorBound::Codes(codes) => codes,
-            ErrorBound::Relative(share) => {
-                let step = libm::log1p(range.step_ratio());
-                // Rounding to codes takes half a step of the share itself.
-                if step > 0.0 { (libm::log1p(share) / step - 0.5).clamp(0.0, f64::from(FAR_CODE)) as u16 } else { 0 }
-            }
+            ErrorBound::Codes(codes) => Ok(codes),
+            ErrorBound::Relative(0.0) => Ok(0),
+            ErrorBound::Relative(share) => range.codes_within(share).ok_or_else(|| {
+                Error::Usage(format!(
+                    "`max_error` {}%: codes from {range} keep {}% of the distance at best: a larger error, or `near` and `far` \
+                     closer together, were expected",
+                    rounded_up(100.0 * share),
+                    rounded_up(100.0 * range.relative_error(0)),
+                ))
+            }),
         }
     }
 }
@@ -206,6 +215,8 @@ pub struct EncodeSettings {
     pub near_m: Option<f32>,
     /// Farthest surface in metres; `None` finds it in the images.
     pub far_m: Option<f32>,
+    /// Treatment of depth outside `near_m` and `far_m`, or those that the source states.
+    pub outside_depth: InvalidDepth,
     /// Width and height of colour cells in pixels.
     pub cell: u32,
     /// 8 bits or half floats.
@@ -240,6 +251,7 @@ impl Default for EncodeSettings {
             tiles: TileSize::Usual,
             near_m: None,
             far_m: None,
+            outside_depth: InvalidDepth::default(),
             cell: 64,
             color: ColorFormat::EightBit(ToneMap::default()),
             clipping: Clipping::default(),
@@ -399,7 +411,7 @@ impl EncodeSettings {
         let nodes = || {
             // A probe that sees one distance, or nothing, has no span for a logarithm.
             let domain = Domain::new(self.depth.domain, range).or_else(|_| Domain::new(DomainKind::Log, range))?;
-            let bound = self.depth.error.codes(range);
+            let bound = self.depth.error.codes(range)?;
             Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts })
         };
         Ok(match self.depth.codec {
@@ -410,7 +422,7 @@ impl EncodeSettings {
             DepthCodec::Blocks => DepthCoding::Blocks,
             DepthCodec::Predictive => {
                 let tables = predictive::tables::Tables::with_own(self.depth_tables.clone());
-                let bound = self.depth.error.codes(range);
+                let bound = self.depth.error.codes(range)?;
                 let steps = (u32::from(FAR_CODE) + 1) / (2 * u32::from(bound) + 1);
                 // No more levels than steps of the bound: half the bytes where steps are small, 2% more at worst measured, and exact.
                 let is_few = !levels.is_empty() && levels.codes().len() as u32 <= steps;
@@ -441,15 +453,18 @@ mod tests {
         for (near, far) in [(1.0, 1.5), (0.5, 37.25), (0.001, 1000.0)] {
             let range = DepthRange::new(near, far).unwrap();
             for share in [0.0, 0.0001, 0.001, 0.01, 0.5] {
-                let codes = ErrorBound::Relative(share).codes(range);
-                // A surface is up to half a step from its code before anything is lost.
-                let worst = |codes: f64| (codes + 0.5) * range.step_ratio().ln_1p();
-                assert!(codes == 0 || worst(f64::from(codes)).exp_m1() <= share * (1.0 + 1e-9), "{share}: {codes}");
-                assert!(codes == FAR_CODE || worst(f64::from(codes) + 1.0).exp_m1() > share, "{share}: {codes}");
+                let codes = ErrorBound::Relative(share).codes(range).unwrap();
+                assert!(share == 0.0 || range.relative_error(codes) <= share, "{share}: {codes}");
+                assert!(codes == FAR_CODE || range.relative_error(codes + 1) > share, "{share}: {codes}");
             }
         }
         let single = DepthRange::new(2.0, 2.0).unwrap();
-        assert_eq!(ErrorBound::Relative(0.1).codes(single), 0);
-        assert_eq!(ErrorBound::Codes(7).codes(single), 7);
+        assert_eq!(ErrorBound::Relative(0.1).codes(single).unwrap(), 0);
+        assert_eq!(ErrorBound::Codes(7).codes(single).unwrap(), 7);
+        // Half a step is 0.1% of the distance.
+        let wide = DepthRange::new(1e-40, 1e38).unwrap();
+        let refused = ErrorBound::Relative(0.001).codes(wide).unwrap_err().to_string();
+        assert!(refused.contains("0.1%") && refused.contains("0.14%"), "{refused}");
+        assert_eq!(ErrorBound::Relative(0.0).codes(wide).unwrap(), 0);
     }
 }

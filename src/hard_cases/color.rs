@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use half::f16;
 
-use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
+use crate::color::quality::{EightBit, MAX_OUTSIDE_RMS, PU_STEPS, Pu21, Quality};
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::color::transform::encode::{PricedTables, TransformEncoder};
 use crate::color::transform::{Keyed, Tables};
@@ -15,7 +15,8 @@ use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::paths::paths;
 use crate::image::ToneMap;
-use crate::metrics::{PU21_PEAK, U8_PEAK};
+use crate::metrics::psnr::U8_PEAK;
+use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, pu21_encode};
 use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader};
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
@@ -65,7 +66,7 @@ fn half(value: f64) -> f16 {
     f16::from_f64(value)
 }
 
-const HALVES: [Cell<f16>; 11] = [
+const HALVES: [Cell<f16>; 17] = [
     ("black", [12, 12], 20, |_, _, _| [f16::ZERO; 3]),
     ("65504 everywhere", [12, 12], 20, |_, _, _| [f16::MAX; 3]),
     ("6e-8 to 65504 across", [24, 12], 16, |frame, x, y| {
@@ -99,7 +100,32 @@ const HALVES: [Cell<f16>; 11] = [
     ("one pixel, any bits in every frame", [1, 1], 60, |frame, _, _| {
         [0, 1, 2].map(|c| f16::from_bits(noise([frame, c, 3], 65_536) as u16))
     }),
+    ("a lamp of one pixel moves, 200 to 60000", [16, 16], 32, |frame, x, y| {
+        let lamp = [200.0, 60_000.0, 121.0 + 1000.0 * f64::from(frame)];
+        if [x, y] == [frame % 16, 5 + frame / 16] { lamp.map(half) } else { [half(0.4 + 0.01 * f64::from(y)); 3] }
+    }),
+    ("light from 90 to 110 flickers in one pixel", [12, 12], 24, |frame, x, y| match (x, y) {
+        (5, 7) => [0, 1, 2].map(|c| half(90.0 + noise([frame, c, 5], 20) as f64)),
+        _ => [half(f64::from(x) / 12.0); 3],
+    }),
+    ("a lamp at 65504 beside black", [16, 16], 24, |frame, x, y| {
+        if (x, y) == (3 + frame / 8, 9) { [f16::MAX; 3] } else { [f16::ZERO; 3] }
+    }),
+    ("darkness below 0.005 cd/m2 in motion", [12, 12], 24, |frame, x, y| {
+        [0, 1, 2].map(|c| half(5e-5 * noise([frame, 3 * x + c, y], 1000) as f64 / 1000.0))
+    }),
+    ("negative light just below black", [12, 12], 24, |frame, x, y| match noise([frame, x, y], 9) {
+        0 => [half(-0.0011), half(-1e-6), half(0.3)],
+        _ => [half(0.3), half(-1.24), half(2e-5)],
+    }),
+    ("one negative pixel of each size in light", [12, 12], 24, |frame, x, y| {
+        let value = -6e-8 * (65_504.0 / 6e-8f64).powf(f64::from(frame) / 23.0);
+        if (x, y) == (7, 2) { [half(value), half(0.5), half(-value)] } else { [half(0.5); 3] }
+    }),
 ];
+
+/// A least PSNR at which no bit may differ.
+const EXACT_DB: f64 = 200.0;
 
 #[derive(Clone, Copy)]
 enum Codec {
@@ -153,8 +179,17 @@ pub(super) fn cases() -> Vec<HardCase> {
         let coding = Coding { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, codec, min_psnr_db };
         let exact = Group::new(Family::Color, format!("{name}, keyframes of samples"), "samples of other bits");
         let any_path = paths_of(name);
+        let outside =
+            Group::new(Family::Color, format!("{name}, outside the range of PU21"), "of the RMS error allowed");
+        let all_exact = Group::new(Family::Color, format!("{name}, exact"), "samples of other bits");
+        // Both codes are rounded to steps.
+        let rms = PU21_PEAK * 10f64.powf(-min_psnr_db / 20.0);
+        let most = Bound::AtMost(MAX_OUTSIDE_RMS as f64 + 1.0 / PU_STEPS / rms);
         for cell in HALVES {
             cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, &coding.header())));
+            cases.push(outside.case(cell.0, most, move || halves_outside(cell, &coding.header())));
+            let exactly = Coding { min_psnr_db: EXACT_DB, ..coding };
+            cases.push(all_exact.none(cell.0, move || changed_samples(cell, &exactly.header())));
             cases.push(any_path.none(cell.0, move || paths(&clip_of_halves(cell, &coding.header())?.1)));
             if matches!(codec, Codec::Cells(_)) {
                 cases.push(exact.none(cell.0, move || changed_keyframes(cell, &coding.header())));
@@ -180,7 +215,8 @@ fn clip_of<T, S: Sample + Keyed, Q: Quality<S>>(
     quality: &Q,
     coded: fn(&T) -> S,
 ) -> Result<Clip> {
-    let search = SearchSettings { effort: EFFORT, ..SearchSettings::default() };
+    let usual = SearchSettings { effort: EFFORT, ..SearchSettings::default() };
+    let search = SearchSettings { min_psnr_db: usual.min_psnr_db.max(header.min_psnr_db), ..usual };
     let samples = |frame: &Vec<[T; 3]>| frame.as_flattened().iter().map(coded).collect::<Vec<S>>();
     let chunks = match &header.coding {
         ColorCoding::Transform(tables) => {
@@ -235,27 +271,65 @@ fn clip_of_halves((_, size, count, pixel): Cell<f16>, header: &ColorHeader) -> R
     Ok((source, clip))
 }
 
-/// Whether a half float is NaN, infinite, below zero: the metric knows of none of this (color.md 5).
-fn class(value: f16) -> (bool, bool, bool) {
-    (value.is_nan(), value.is_infinite(), value < f16::ZERO)
+/// The largest error of a sample outside the range of PU21 in one of both, in PU21, as color.md 5 defines it.
+fn largest_outside(shown: &[f16], source: &[f16]) -> f64 {
+    // Independent of the encoder's tables.
+    let code = |half: f16| match half {
+        half if half.is_nan() => pu21_encode(262_144f64.copysign(half.to_f64()) * WHITE_CD_M2),
+        half if half.is_infinite() => pu21_encode(131_072f64.copysign(half.to_f64()) * WHITE_CD_M2),
+        half => pu21_encode(half.to_f64() * WHITE_CD_M2),
+    };
+    let is_outside = |half: f16| !(PU21_MIN_CD_M2..=PU21_MAX_CD_M2).contains(&(half.to_f64() * WHITE_CD_M2));
+    let pairs = shown.iter().zip(source).filter(|(shown, source)| is_outside(**shown) || is_outside(**source));
+    pairs.fold(0.0, |largest, (shown, source)| (code(*shown) - code(*source)).abs().max(largest))
 }
 
 fn halves(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let pu21 = Pu21::new(WHITE_CD_M2)?;
-    let (mut worst, mut others, mut samples) = (Measured::nothing(), 0, 0);
+    let mut worst = Measured::nothing();
     clip.show(|frame, picture| {
-        let Picture::ColorHalf(shown) = picture else { return Err(Error::invalid("half floats were expected")) };
-        let (shown, source) = (shown.data().as_flattened(), source.frames[frame].as_flattened());
+        let (shown, source) = (halves_of(picture)?, source.frames[frame].as_flattened());
         // color.md 5 defines the promise in steps of PU21.
-        let squares = pu21.between(shown, source) as f64;
-        worst.least(decibels(squares, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
-        others += shown.iter().zip(source).filter(|(shown, source)| class(**shown) != class(**source)).count();
-        samples += source.len();
+        let (squares, _) = pu21.between(shown, source);
+        worst.least(decibels(squares as f64, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
         Ok(())
     })?;
-    let note = format!("of {samples} samples {others} changed between NaN, infinity, negative and not");
-    Ok(worst.with_note(note).with_clip(clip))
+    Ok(worst.with_clip(clip))
+}
+
+/// Errors of samples outside the range of the metric, in multiples of the RMS error that the least PSNR allows.
+fn halves_outside(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
+    let (source, clip) = clip_of_halves(cell, header)?;
+    let rms = PU21_PEAK * 10f64.powf(-header.min_psnr_db / 20.0);
+    let mut worst = Measured::count(0);
+    clip.show(|frame, picture| {
+        let largest = largest_outside(halves_of(picture)?, source.frames[frame].as_flattened());
+        worst.greatest(largest / rms, || format!("frame {frame}"));
+        Ok(())
+    })?;
+    Ok(worst.with_clip(clip))
+}
+
+/// Samples of other bits in all frames.
+fn changed_samples(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
+    let (source, clip) = clip_of_halves(cell, header)?;
+    let mut wrong = Measured::count(0);
+    clip.show(|frame, picture| {
+        for (shown, source) in halves_of(picture)?.iter().zip(source.frames[frame].as_flattened()) {
+            let [shown, source] = [shown, source].map(|half| half.to_bits());
+            wrong.count_if(shown != source, || format!("frame {frame}: {source:04x} became {shown:04x}"));
+        }
+        Ok(())
+    })?;
+    Ok(wrong.with_clip(clip))
+}
+
+fn halves_of(picture: &Picture) -> Result<&[f16]> {
+    match picture {
+        Picture::ColorHalf(shown) => Ok(shown.data().as_flattened()),
+        _ => Err(Error::invalid("half floats were expected")),
+    }
 }
 
 /// Samples that are not the source's to the bit, of frames that are keyframes stored as samples.

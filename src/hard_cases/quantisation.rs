@@ -31,6 +31,20 @@ const RANGES: [(&str, f32, f32); 14] = [
     ("greatest float alone", f32::MAX, f32::MAX),
 ];
 
+/// A probe of 2 m to 20 m, and one stray pixel that is nearer or farther.
+const STRAYS: [(&str, f32, f32); 8] = [
+    ("a stray at the least float", 1e-45, 20.0),
+    ("a stray at 1e-40 m", 1e-40, 20.0),
+    ("a stray at the smallest normal", f32::MIN_POSITIVE, 20.0),
+    ("a stray at 1e-6 m", 1e-6, 20.0),
+    ("a stray at 1 cm", 0.01, 20.0),
+    ("a stray at 9e9 m", 2.0, 9e9),
+    ("a stray at the greatest float", 2.0, f32::MAX),
+    ("strays at both ends", 1e-40, 1e30),
+];
+/// Bounds in codes.
+const BOUNDS: [u16; 5] = [0, 1, 100, 1000, 20_000];
+
 /// Two logarithms of binary64, each off by four units in the last place at most, as codes: 65534 · 8 · 2^-52.
 const LOG_ROUNDING: f64 = 65534.0 * 8.0 * f64::EPSILON;
 /// A float's rounding, as a part of it: 2^-24.
@@ -103,6 +117,10 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(ends.none(name, move || wrong_ends(Reference::new(near, far)?)));
         cases.push(round_trip(name, near, far));
     }
+    let stated = group("metres off by codes, against the stated percent", "of the stated error");
+    for (name, near, far) in RANGES.into_iter().chain(STRAYS) {
+        cases.push(stated.case(name, Bound::AtMost(1.0), move || stated_error(Reference::new(near, far)?)));
+    }
     let refused = group("ranges that are none", "accepted");
     cases.push(refused.none("zero, negative, swapped, infinite, NaN", ranges_accepted));
     // The chord of log2(1 + x) over 1/256 is off by h²/8 · log2(e) at most; the table and the line round half a unit of
@@ -138,6 +156,32 @@ fn code_error(reference: Reference) -> Result<Measured> {
     for z in reference.around_boundaries() {
         let code = quantiser.code(z).map_or(f64::NAN, f64::from);
         worst.greatest((code - reference.code(z)).abs(), || format!("{z:e} m became code {code}"));
+    }
+    Ok(worst)
+}
+
+/// Errors of floats whose codes are as wrong as bounds allow, in proportion to what is stated, and whether shares become the most
+/// codes that keep them.
+fn stated_error(reference: Reference) -> Result<Measured> {
+    let range = reference.range;
+    let quantiser = Quantiser::new(range);
+    let mut worst = Measured::nothing();
+    for bound in BOUNDS {
+        let stated = range.relative_error(bound);
+        // A statement of binary64, and a code by way of a table, round in their last digits.
+        let allowed = stated * (1.0 + 1e-9) + 65534.0 * f64::EPSILON;
+        for z in reference.around_boundaries() {
+            let Some(code) = quantiser.code(z) else { return Err(Error::invalid("a depth without a code")) };
+            for shown in [code.saturating_sub(bound), (code + bound.min(FAR_CODE - code)).min(FAR_CODE)] {
+                let error = (f64::from(range.metres(shown)) - f64::from(z)).abs() / f64::from(z);
+                let part = if allowed > 0.0 { error / allowed } else { error };
+                worst.greatest(part, || format!("{z:e} m, {bound} codes off"));
+            }
+        }
+        let codes = range.codes_within(stated);
+        if codes.is_none_or(|codes| codes < bound && reference.span > 0.0 || range.relative_error(codes) > stated) {
+            worst.greatest(f64::NAN, || format!("{stated} became {codes:?} codes, not {bound}"));
+        }
     }
     Ok(worst)
 }

@@ -18,7 +18,9 @@ use crate::image::{DepthKind, StreamKind, Transfer};
 use crate::inspect::chunk_counts::{PredictedShare, TransformCount};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame};
+use crate::streams::{
+    CodecHeader, ColorFormat, ColorHeader, DepthBound, DepthCoding, DepthHeader, MaterialHeader, MissingFrame,
+};
 
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {
@@ -154,6 +156,10 @@ struct DepthReport {
     far_m: Number,
     background: Number,
     depth_kind: DepthKind,
+    /// Largest error in percent of the distance; none without a bound.
+    max_error_percent: Option<f64>,
+    /// The same in metres at some distances; none outside near and far.
+    max_error_m: BTreeMap<String, Option<f64>>,
 }
 
 /// Modelling functions. Keys of the maps are their names.
@@ -376,6 +382,8 @@ impl<'a> StreamReport<'a> {
                     far_m: Number::shortest(header.range.far_m()),
                     background: Number::shortest(header.background),
                     depth_kind: header.kind,
+                    max_error_percent: DepthBound::of(header).percent(),
+                    max_error_m: DepthBound::of(header).metres(),
                 }),
                 _ => None,
             },

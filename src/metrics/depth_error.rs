@@ -2,11 +2,12 @@
 //!
 //! Enters: two images in codes and metres. Leaves: [`DepthErrors`], which merge over faces and frames.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
+use serde::ser::{SerializeStruct, Serializer};
 
 use super::codes::BACKGROUND_CODE;
 use super::psnr::{SquaredError, U16_PEAK};
-use crate::json::{self, Number};
+use crate::json::Number;
 
 pub const OUTSIDE: i32 = -1;
 
@@ -35,27 +36,35 @@ pub struct DepthPicture {
     pub metres: Vec<f32>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthErrors {
     /// Largest error in codes: 65535 where one side sees background and the other does not, or where one side has no
     /// code for what it sees.
     pub max_error_codes: u16,
     /// Largest error in metres, +inf where one side sees background and the other does not.
-    #[serde(serialize_with = "json::number")]
     pub max_error_m: f64,
-    #[serde(rename = "psnr_db", serialize_with = "psnr_db")]
     pub error: SquaredError,
     /// The first pixel that has the largest error in codes; `None` where all are equal.
-    #[serde(skip)]
     pub worst: Option<Spot>,
     pub differing_pixels: u64,
     pub background_mismatches: u64,
     /// Pixels that the range of the codes leaves out, on either side.
     pub outside_pixels: u64,
+    /// Whether bits were compared, and differ.
+    pub has_other_bits: bool,
 }
 
-fn psnr_db<S: Serializer>(error: &SquaredError, serializer: S) -> Result<S::Ok, S::Error> {
-    Number(error.psnr_db()).serialize(serializer)
+impl Serialize for DepthErrors {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("DepthErrors", 6)?;
+        fields.serialize_field("max_error_codes", &self.max_error_codes)?;
+        fields.serialize_field("max_error_m", &Number(self.max_error_m))?;
+        fields.serialize_field("psnr_db", &Number(self.psnr_db()))?;
+        fields.serialize_field("differing_pixels", &self.differing_pixels)?;
+        fields.serialize_field("background_mismatches", &self.background_mismatches)?;
+        fields.serialize_field("outside_pixels", &self.outside_pixels)?;
+        fields.end()
+    }
 }
 
 impl Default for DepthErrors {
@@ -68,11 +77,17 @@ impl Default for DepthErrors {
             differing_pixels: 0,
             background_mismatches: 0,
             outside_pixels: 0,
+            has_other_bits: false,
         }
     }
 }
 
 impl DepthErrors {
+    /// PSNR of codes in dB; `+inf` where all are equal, NaN where their bits differ all the same.
+    pub fn psnr_db(&self) -> f64 {
+        finite_or_nan(self.error.psnr_db(), self.has_other_bits)
+    }
+
     pub fn add(&mut self, frame: u32, a: &DepthPicture, b: &DepthPicture) {
         let codes = a.codes.iter().zip(&b.codes);
         let metres = a.metres.iter().zip(&b.metres);
@@ -106,6 +121,7 @@ impl DepthErrors {
         self.differing_pixels += other.differing_pixels;
         self.background_mismatches += other.background_mismatches;
         self.outside_pixels += other.outside_pixels;
+        self.has_other_bits |= other.has_other_bits;
         let worse = other.max_error_codes > self.max_error_codes;
         if worse {
             self.max_error_codes = other.max_error_codes;
@@ -113,6 +129,11 @@ impl DepthErrors {
         }
         worse
     }
+}
+
+/// Decibels of codes, NaN in place of +inf where values differ that the codes do not tell apart.
+pub fn finite_or_nan(psnr_db: f64, has_other_bits: bool) -> f64 {
+    if has_other_bits && psnr_db == f64::INFINITY { f64::NAN } else { psnr_db }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,8 +5,9 @@
 //!
 //! Why not a PSNR of logarithms: a logarithm goes to −inf at black, so that its result is the choice of an offset, and
 //! it weighs a step of 1% the same in deep shadow, where nobody sees it, as in the light. PU21 follows the measured
-//! contrast sensitivity of the eye from 0.005 to 10,000 cd/m², is finite at 0, and is scaled so that the range of a
-//! 100 cd/m² display spans 0 to 256: its decibels read like those of 8-bit images.
+//! contrast sensitivity of the eye from 0.005 to 10,000 cd/m², and is scaled so that the range of a 100 cd/m² display spans 0 to
+//! 256: its decibels read like those of 8-bit images. What is darker, negative or brighter has codes, too, so that an error there
+//! is one.
 
 use half::f16;
 
@@ -31,15 +32,35 @@ const P: [f64; 7] = [
     596.314_814_2,
 ];
 
-/// PU21 code of a luminance in cd/m²: about 0 at 0.005, 256 at 100, 595 at 10,000.
-/// Luminance outside 0.005..10,000 is clamped, so 0, negative numbers and `−inf` give the code of the floor, `+inf` the
-/// code of the ceiling. NaN gives the floor as well.
+/// Slope below [`PU21_MIN_CD_M2`], per cd/m²: that of PU21 there.
+const DARK_SLOPE: f64 = 77.44;
+/// Slope above [`PU21_MAX_CD_M2`], per unit of the natural logarithm: that of PU21 there.
+const BRIGHT_SLOPE: f64 = 69.93;
+/// Values that infinities and NaN have the codes of, with their signs; finite halves end at 65504.
+const INFINITE_VALUE: f64 = 131_072.0;
+const NAN_VALUE: f64 = 262_144.0;
+
+/// Code of a luminance in cd/m²: about 0 at 0.005, 256 at 100, 595 at 10,000.
+///
+/// From 0.005 to 10,000 it is that of PU21. Beyond it goes on with the slope that PU21 has at either end: above with the logarithm of
+/// luminance, below in proportion to luminance down to black, and from there as the mirror image of positive light. So it ascends
+/// with luminance everywhere.
 pub fn pu21_encode(luminance_cd_m2: f64) -> f64 {
-    // Clamping alone would let NaN through.
-    let y =
-        if luminance_cd_m2.is_nan() { PU21_MIN_CD_M2 } else { luminance_cd_m2 }.clamp(PU21_MIN_CD_M2, PU21_MAX_CD_M2);
-    let [p1, p2, p3, p4, p5, p6, p7] = P;
+    let magnitude = luminance_cd_m2.abs();
     // The same bits on every machine: encoders decide by it.
+    let code = if magnitude < PU21_MIN_CD_M2 {
+        within_range(PU21_MIN_CD_M2) - DARK_SLOPE * (PU21_MIN_CD_M2 - magnitude)
+    } else if magnitude <= PU21_MAX_CD_M2 {
+        within_range(magnitude)
+    } else {
+        within_range(PU21_MAX_CD_M2) + BRIGHT_SLOPE * libm::log(magnitude / PU21_MAX_CD_M2)
+    };
+    let black = within_range(PU21_MIN_CD_M2) - DARK_SLOPE * PU21_MIN_CD_M2;
+    if luminance_cd_m2 < 0.0 { 2.0 * black - code } else { code }
+}
+
+fn within_range(y: f64) -> f64 {
+    let [p1, p2, p3, p4, p5, p6, p7] = P;
     let power = libm::pow(y, p4);
     p7 * (libm::pow((p1 + p2 * power) / (1.0 + p3 * power), p5) - p6)
 }
@@ -58,13 +79,17 @@ impl std::fmt::Debug for PuTable {
 
 impl PuTable {
     /// The table in which the sample value 1.0 means `white_cd_m2` cd/m².
-    /// Negative samples and NaN have the code of the floor (0.005 cd/m²): neither is light.
+    /// Infinities have the codes of ±2^17, and NaN those of ±2^18 by its sign: neither is taken for a finite half.
     pub fn new(white_cd_m2: f64) -> Result<Self> {
         if !(white_cd_m2.is_finite() && white_cd_m2 > 0.0) {
             return Err(Error::Usage(format!("the luminance of white must be above 0 cd/m2, not {white_cd_m2}")));
         }
-        let code = (0..=u16::MAX).map(|bits| pu21_encode(f16::from_bits(bits).to_f64() * white_cd_m2) as f32).collect();
-        Ok(PuTable { code })
+        let value = |half: f16| match half {
+            _ if half.is_finite() => half.to_f64(),
+            _ => (if half.is_nan() { NAN_VALUE } else { INFINITE_VALUE }).copysign(half.to_f64()),
+        };
+        let code = |bits| pu21_encode(value(f16::from_bits(bits)) * white_cd_m2) as f32;
+        Ok(PuTable { code: (0..=u16::MAX).map(code).collect() })
     }
 
     pub fn encode(&self, sample: f16) -> f32 {
@@ -81,9 +106,18 @@ mod tests {
         assert!((pu21_encode(100.0) - 256.0).abs() < 0.5, "{}", pu21_encode(100.0));
         assert!(pu21_encode(0.005).abs() < 1e-3);
         assert!((pu21_encode(10_000.0) - 595.3939).abs() < 1e-3);
-        assert_eq!(pu21_encode(0.0), pu21_encode(0.005));
-        assert_eq!(pu21_encode(f64::NAN), pu21_encode(0.005));
-        assert_eq!(pu21_encode(f64::INFINITY), pu21_encode(1e4));
+        assert!((pu21_encode(0.0) + 0.3872).abs() < 1e-3, "{}", pu21_encode(0.0));
+        assert!((pu21_encode(-100.0) + pu21_encode(100.0) - 2.0 * pu21_encode(0.0)).abs() < 1e-9);
+        assert!((pu21_encode(1e5) - pu21_encode(1e4) - 69.93 * 10f64.ln()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn slope_is_continuous_at_both_ends_of_the_range() {
+        for end in [0.005, 1e4] {
+            let slope = |from: f64, to: f64| (pu21_encode(to) - pu21_encode(from)) / (to - from);
+            let (below, above) = (slope(end * 0.9999, end), slope(end, end * 1.0001));
+            assert!((below / above - 1.0).abs() < 1e-3, "{below} {above}");
+        }
     }
 
     #[test]
@@ -97,20 +131,23 @@ mod tests {
     }
 
     #[test]
-    fn table_is_monotone_and_finite() {
-        let table = PuTable::new(DEFAULT_WHITE_CD_M2).unwrap();
-        // Positive halves, zero to infinity, are 0x0000..=0x7c00 in order of value.
-        for bits in 0..0x7c00_u16 {
-            let [low, high] = [bits, bits + 1].map(|bits| table.encode(f16::from_bits(bits)));
-            assert!(low <= high, "{bits:#06x}");
+    fn table_ascends_with_every_half() {
+        for white in [1.0, DEFAULT_WHITE_CD_M2, 10_000.0] {
+            let table = PuTable::new(white).unwrap();
+            let code = |bits: u16| table.encode(f16::from_bits(bits));
+            // Positive halves, zero to infinity and NaN, are 0x0000..=0x7fff in order of value.
+            for bits in 0..0x7fff_u16 {
+                assert!(code(bits) <= code(bits + 1), "{bits:#06x}");
+                assert!(code(bits | 0x8000) >= code((bits + 1) | 0x8000), "-{bits:#06x}");
+            }
+            // Above the range of PU21 halves differ by more than rounding.
+            assert!((0x7000..0x7bff_u16).all(|bits| code(bits + 1) - code(bits) > 0.02));
+            assert_eq!(table.encode(f16::ZERO), table.encode(f16::NEG_ZERO));
+            let ascending = [-f16::NAN, f16::NEG_INFINITY, f16::MIN, f16::ZERO, f16::MAX, f16::INFINITY, f16::NAN];
+            assert!(ascending.windows(2).all(|pair| table.encode(pair[0]) + 40.0 < table.encode(pair[1])));
+            assert!((0..=u16::MAX).all(|bits| code(bits).is_finite()));
         }
-        let floor = table.encode(f16::ZERO);
-        for bad in [f16::NEG_ONE, f16::NEG_INFINITY, f16::NAN, f16::MIN] {
-            assert_eq!(table.encode(bad), floor);
-        }
-        assert!((table.encode(f16::ONE) - 256.0).abs() < 0.5);
-        assert_eq!(table.encode(f16::INFINITY), table.encode(f16::from_f32(100.0)));
-        assert!((0..=u16::MAX).all(|bits| table.encode(f16::from_bits(bits)).is_finite()));
+        assert!((PuTable::new(DEFAULT_WHITE_CD_M2).unwrap().encode(f16::ONE) - 256.0).abs() < 0.5);
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl Flattener {
         let CodecHeader::Depth(depth @ DepthHeader { coding: DepthCoding::Tree(tree), .. }) = header else {
             return Err(Error::Usage("only streams in the intermediate form can be packed at a bound".into()));
         };
-        let bound = settings.error.codes(depth.range);
+        let bound = settings.error.codes(depth.range)?;
         if bound > tree.bound {
             return Err(Error::Usage(format!(
                 "an error of {bound} codes is asked for, but the tree was built for at most ±{} codes: choose a smaller \

@@ -38,8 +38,8 @@ pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u1
         |z| {
             let z = metres_in_words(z);
             format!(
-                "lies at {z} m, outside the range of {range}: widen `near` and `far`, or leave them to be found; scan again where \
-                 images have changed since the scan"
+                "lies at {z} m, outside the range of {range}: widen `near` and `far`, leave them to be found, or set `invalid_depth` \
+                 to near or far; scan again where images have changed since the scan"
             )
         },
     )

@@ -140,6 +140,11 @@ impl DepthHeader {
         matches!(&self.coding, DepthCoding::Predictive(header) if header.projection.shape == Shape::CubeDistance)
     }
 
+    /// Number of codes that may occur; 0 where any may.
+    pub fn levels(&self) -> usize {
+        if let DepthCoding::Predictive(header) = &self.coding { header.levels.codes().len() } else { 0 }
+    }
+
     /// Largest error of a decoded surface in codes (depth.md 6); `None` without a bound.
     pub fn error_bound(&self) -> Option<u16> {
         match &self.coding {

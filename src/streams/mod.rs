@@ -3,6 +3,8 @@
 #![doc(hidden)]
 
 pub mod convert;
+#[cfg(feature = "encode")]
+mod depth_bound;
 mod depth_chunk;
 mod footage;
 mod header;
@@ -13,6 +15,8 @@ pub mod shard;
 mod stream_chunk;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
+#[cfg(feature = "encode")]
+pub use depth_bound::{DepthBound, STATED_DISTANCES_M};
 pub use depth_chunk::DepthChunk;
 pub use footage::{FootageInfo, FramePose, MissingFrame};
 pub use header::{

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::args::Report;
-use crate::cli::damage;
 use crate::cli::output::human_bytes;
+use crate::cli::{damage, depth_bound};
 use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};
 use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
@@ -18,7 +18,9 @@ use crate::image::{ColorSpace, StreamKind};
 use crate::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
 use crate::report::Table;
 use crate::report::coding_map::counted;
-use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader};
+use crate::streams::{
+    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthBound, DepthCoding, MissingFrame, NodeHeader,
+};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
@@ -30,11 +32,26 @@ pub fn summary(report: &Report<'_>) -> String {
     for table in [nodes(report), predicted(report), blocks(report), transforms(report)].into_iter().flatten() {
         let _ = write!(out, "\n{table}");
     }
-    let settings = settings(report);
+    let settings = settings(report) + &depth_bounds(report);
     if !settings.is_empty() {
         let _ = write!(out, "\n{settings}");
     }
     out
+}
+
+/// What holds for the depth of each probe.
+fn depth_bounds(report: &Report<'_>) -> String {
+    let mut bounds: Vec<(&str, DepthBound)> = Vec::new();
+    for stats in &report.inspection.streams {
+        if let CodecHeader::Depth(header) = &stats.stream.header {
+            let known = (report.probe_name(stats.stream), DepthBound::of(header));
+            if !bounds.contains(&known) {
+                bounds.push(known);
+            }
+        }
+    }
+    let most = if report.args.streams { usize::MAX } else { depth_bound::FEW_PROBES };
+    depth_bound::lines(&bounds, most).into_iter().map(|line| line + "\n").collect()
 }
 
 fn heading(report: &Report<'_>) -> String {

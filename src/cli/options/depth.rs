@@ -10,6 +10,7 @@ use crate::dataset::{InvalidDepth, SourceOptions};
 use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
+use crate::depth::quantise::FAR_CODE;
 use crate::depth::settings::TemporalSettings;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use crate::entropy::table_text;
@@ -56,7 +57,7 @@ const OPTIMIZE_GOALS: &Choices<Decide> = &[
 const INVALID_DEPTHS: &Choices<InvalidDepth> = &[
     ("refuse", InvalidDepth::Refuse, "Fail with file and pixel"),
     ("far", InvalidDepth::Far, "Replace by background"),
-    ("near", InvalidDepth::Near, "Replace by the nearest distance"),
+    ("near", InvalidDepth::Near, "Replace by the nearest distance; beyond --far by that"),
 ];
 
 const DEPTH_KINDS: &Choices<DepthKind> = &[
@@ -74,12 +75,13 @@ pub struct DepthArgs {
     /// defaults to 100
     #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(DEPTH_BLOCKS), default_value = "none")]
     pub depth_block: InBlocks,
-    /// Largest error of a decoded depth in 16-bit log codes, for quadtree and predictive; 0 is lossless [default: 100]
-    #[arg(long, alias = "error", value_name = "CODES", conflicts_with = "max_error_relative",
-        value_parser = clap::value_parser!(u16).range(..=65534))]
-    pub max_error: Option<u16>,
-    /// Largest error of a decoded depth relative to the depth, such as 0.1%, for quadtree and predictive
-    #[arg(long, alias = "error-relative", value_name = "SHARE", value_parser = parse_share)]
+    /// Largest error of a decoded depth, for quadtree and predictive: in percent of the distance, such as 0.4%, which becomes
+    /// the most codes that keep it in the range of each probe; or in 16-bit log codes, of which 0 is lossless [default: 100]
+    #[arg(long, alias = "error", value_name = "SHARE%|CODES", conflicts_with = "max_error_relative",
+        value_parser = parse_bound)]
+    pub max_error: Option<ErrorBound>,
+    /// The older form of --max-error SHARE%.
+    #[arg(long, alias = "error-relative", value_name = "SHARE", hide = true, value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
     /// Entropy tables of lightfold train-depth, for predictive: stored once in each stream, used by each chunk that they make
     /// smaller
@@ -147,11 +149,11 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "N", hide = true, conflicts_with = "depth_tile",
         value_parser = clap::value_parser!(u32).range(1..=256))]
     pub tiles: Option<u32>,
-    /// Nearest surface in metres; with --far, images are not read beforehand, and predictive depth has no levels
-    /// [default: measured per probe]
+    /// Nearest surface in metres; nearer ones are invalid (--invalid-depth). With --far, images are not read beforehand, and
+    /// predictive depth has no levels [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,
-    /// Farthest surface in metres [default: measured per probe]
+    /// Farthest surface in metres; farther ones are invalid [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
     #[command(flatten)]
@@ -161,19 +163,29 @@ pub struct DepthUnitArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct BoundArgs {
-    /// Pack quadtrees in the intermediate form with this largest error in 16-bit log codes; 0 is lossless
-    #[arg(long, alias = "error", value_name = "CODES", group = "bound",
-        value_parser = clap::value_parser!(u16).range(..=65534))]
-    pub max_error: Option<u16>,
-    /// The same, with the largest error relative to the depth, such as 0.1%
-    #[arg(long, alias = "error-relative", value_name = "SHARE", group = "bound", value_parser = parse_share)]
+    /// Pack quadtrees in the intermediate form with this largest error: in percent of the distance, such as 0.4%, or in 16-bit
+    /// log codes, of which 0 is lossless
+    #[arg(long, alias = "error", value_name = "SHARE%|CODES", group = "bound", value_parser = parse_bound)]
+    pub max_error: Option<ErrorBound>,
+    /// The older form of --max-error SHARE%.
+    #[arg(long, alias = "error-relative", value_name = "SHARE", group = "bound", hide = true, value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
 }
 
 impl BoundArgs {
     pub fn get(self) -> Option<ErrorBound> {
-        self.max_error.map(ErrorBound::Codes).or(self.max_error_relative.map(ErrorBound::Relative))
+        self.max_error.or(self.max_error_relative.map(ErrorBound::Relative))
     }
+}
+
+/// A number of codes, or percent of the distance.
+pub fn parse_bound(text: &str) -> std::result::Result<ErrorBound, String> {
+    if text.ends_with('%') {
+        return parse_share(text).map(ErrorBound::Relative);
+    }
+    let expected =
+        || format!("'{text}': percent of the distance, such as 0.4%, or 0 to {FAR_CODE} codes were expected");
+    text.parse().ok().filter(|codes| *codes <= FAR_CODE).map(ErrorBound::Codes).ok_or_else(expected)
 }
 
 pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
@@ -189,7 +201,7 @@ pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthReadingArgs {
-    /// Handling of NaN, negative and zero depths
+    /// Handling of NaN, negative and zero depths, and of surfaces outside a given near and far
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_DEPTHS), default_value = "refuse")]
     pub invalid_depth: InvalidDepth,
     /// Metres per unit of depth, for integer images; below 0 where depth is negative, as Houdini's Pz
@@ -223,8 +235,8 @@ impl DepthArgs {
                 _ => {}
             }
         }
-        let codes = ErrorBound::Codes(self.max_error.unwrap_or(NodeSettings::default().bound));
-        settings.depth.error = self.max_error_relative.map_or(codes, ErrorBound::Relative);
+        let usual = ErrorBound::Codes(NodeSettings::default().bound);
+        settings.depth.error = self.max_error_relative.map(ErrorBound::Relative).or(self.max_error).unwrap_or(usual);
         settings.depth_tables =
             self.depth_tables.as_deref().map(table_text::read_file).transpose()?.unwrap_or_default();
         settings.temporal.max_aabbs = self.max_aabbs;
@@ -264,6 +276,7 @@ impl DepthUnitArgs {
         };
         settings.near_m = self.near;
         settings.far_m = self.far;
+        settings.outside_depth = self.reading.invalid_depth;
         self.reading.apply(source);
     }
 }

@@ -5,7 +5,7 @@ use clap::Args;
 use super::choice::one_of;
 use super::{Choices, ColorArgs, DepthArgs, EffortArgs, StoreArgs};
 use crate::effort::Effort;
-use crate::encode::DepthCodec;
+use crate::encode::{DepthCodec, ErrorBound};
 
 /// What a preset sets; all else is as by default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -34,8 +34,8 @@ const PRESETS: &Choices<Preset> = &[
     ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fewest seconds: --effort fast"),
     (
         "exact",
-        Preset { psnr_db: Some(60.0), max_error: Some(0), hdr: true, ..NONE },
-        "Nothing that is seen is lost: --hdr --psnr 60 --max-error 0",
+        Preset { psnr_db: Some(200.0), max_error: Some(0), hdr: true, ..NONE },
+        "Colour is exact in every bit, depth in every code: --hdr --psnr 200 --max-error 0",
     ),
 ];
 
@@ -67,7 +67,7 @@ impl PresetArgs {
         color.hdr |= hdr && !says_8_bits && !has_blocks;
         let has_bound = matches!(depth.depth_codec, DepthCodec::Predictive | DepthCodec::Quadtree);
         if depth.max_error_relative.is_none() && has_bound {
-            depth.max_error = depth.max_error.or(max_error);
+            depth.max_error = depth.max_error.or(max_error.map(ErrorBound::Codes));
         }
         effort.effort = effort.effort.or(usual_effort);
         if store.compression().is_none() {

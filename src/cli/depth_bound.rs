@@ -1,0 +1,80 @@
+//! The bound on errors of depth in words, and the pixels that make it worse.
+
+use crate::depth::quantise::{metres_in_words, rounded_up};
+use crate::encode::{NamedPixel, NamedStrays, ProbePrecision};
+use crate::error::escaped;
+use crate::report::coding_map::counted;
+use crate::streams::{DepthBound, STATED_DISTANCES_M};
+
+/// Up to this many probes have lines of their own.
+pub const FEW_PROBES: usize = 4;
+
+pub fn percent(bound: &DepthBound) -> String {
+    bound.percent().map_or_else(|| "-".into(), |percent| format!("{}%", rounded_up(percent)))
+}
+
+/// Metres, or millimetres of small errors, rounded up to two digits.
+pub fn length(metres: f64) -> String {
+    if metres < 0.1 { format!("{} mm", rounded_up(1000.0 * metres)) } else { format!("{} m", rounded_up(metres)) }
+}
+
+/// The bound in percent, and in metres at the distances that are within near and far.
+pub fn words(bound: &DepthBound) -> String {
+    let Some(share) = bound.share() else { return format!("{}: no bound on the error", bound.range) };
+    let (within, outside): (Vec<f32>, Vec<f32>) =
+        STATED_DISTANCES_M.into_iter().partition(|&distance| bound.metres_at(distance).is_some());
+    let at = |distance: &f32| format!("{} at {distance} m", length(share * f64::from(*distance)));
+    let metres: Vec<String> = within.iter().map(at).collect();
+    let outside: Vec<String> = outside.iter().map(ToString::to_string).collect();
+    let no_surface = match outside.join(", ") {
+        none if none.is_empty() => none,
+        distances => format!("; no surface at {distances} m"),
+    };
+    let metres = if metres.is_empty() { String::new() } else { format!(", {}", metres.join(", ")) };
+    format!("{}: within {} of the distance{metres}{no_surface}", bound.range, percent(bound))
+}
+
+/// A line for each probe, or the worst and the best of more than `most`.
+pub fn lines(probes: &[(&str, DepthBound)], most: usize) -> Vec<String> {
+    let line = |(probe, bound): &(&str, DepthBound)| format!("depth of probe {}, {}", escaped(probe), words(bound));
+    if probes.len() <= most {
+        return probes.iter().map(line).collect();
+    }
+    let share = |known: &(&str, DepthBound)| known.1.share().unwrap_or(f64::INFINITY);
+    let by_share = |a: &&(&str, DepthBound), b: &&(&str, DepthBound)| share(a).total_cmp(&share(b));
+    let (best, worst) = (probes.iter().min_by(by_share), probes.iter().max_by(by_share));
+    let named = [("worst", worst), ("best", best)].into_iter().filter_map(|(what, known)| Some((what, known?)));
+    named.map(|(what, known)| format!("{what} of {} probes: {}", probes.len(), line(known))).collect()
+}
+
+/// Which pixels cost how much, and how to leave them out.
+pub fn stray_words(probe: &ProbePrecision, strays: &NamedStrays) -> String {
+    let NamedStrays { pixels, of_pixels, first, without } = strays;
+    let place = |pixel: &NamedPixel| {
+        let NamedPixel { file, frame, face, x, y, depth_m } = pixel;
+        let depth = metres_in_words(depth_m.0 as f32);
+        let file = file.as_ref().map_or_else(String::new, |file| format!("{}, ", file.display()));
+        format!("{depth} m in {file}frame {frame}, {face}, pixel ({x}, {y})")
+    };
+    let places: Vec<String> = first.iter().map(place).collect();
+    let (range, all) = (probe.bound.range, without.range);
+    let (is_near, is_far) = (all.near_m() > range.near_m(), all.far_m() < range.far_m());
+    let near = is_near.then(|| format!("--near {}", metres_in_words(all.near_m())));
+    let far = is_far.then(|| format!("--far {}", metres_in_words(all.far_m())));
+    let ends: Vec<String> = near.into_iter().chain(far).collect();
+    let precision = match (probe.bound.share(), without.share()) {
+        (Some(with), Some(without)) => {
+            format!("{}% of the distance in place of {}%", rounded_up(100.0 * with), rounded_up(100.0 * without))
+        }
+        _ => "longer steps between codes".into(),
+    };
+    let more = if *pixels > first.len() as u64 { ", and others" } else { "" };
+    format!(
+        "probe {}: {} of {of_pixels} cost precision, an error of {precision}: {}{more}; {} with --invalid-depth near \
+         (moved to that distance) or far (background) leaves them out",
+        probe.probe,
+        counted(*pixels, "depth pixel"),
+        places.join("; "),
+        ends.join(" "),
+    )
+}

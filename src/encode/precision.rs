@@ -1,0 +1,74 @@
+//! What an encode promises of the depth of each probe, and the few pixels that make it worse for all others.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::depth::spread::{PlacedDepth, Strays};
+use crate::encode::source::FrameSource;
+use crate::image::{Face, StreamKind};
+use crate::json::Number;
+use crate::streams::{DepthBound, DepthHeader};
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ProbePrecision {
+    pub probe: String,
+    #[serde(flatten)]
+    pub bound: DepthBound,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strays: Option<NamedStrays>,
+}
+
+/// Few pixels that take more than a quarter of the precision.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NamedStrays {
+    pub pixels: u64,
+    pub of_pixels: u64,
+    /// The nearest of them, and the farthest.
+    pub first: Vec<NamedPixel>,
+    /// What would hold for all other pixels, with the same bound in codes.
+    pub without: DepthBound,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NamedPixel {
+    /// `None` for frames in memory.
+    pub file: Option<PathBuf>,
+    pub frame: u32,
+    pub face: &'static str,
+    pub x: u32,
+    pub y: u32,
+    pub depth_m: Number,
+}
+
+impl ProbePrecision {
+    pub(super) fn new(
+        source: &dyn FrameSource,
+        probe: usize,
+        header: &DepthHeader,
+        strays: Option<&Strays>,
+    ) -> ProbePrecision {
+        let bound = DepthBound::of(header);
+        let named = |strays: &Strays| NamedStrays {
+            pixels: strays.pixels,
+            of_pixels: strays.of_pixels,
+            first: strays.named.iter().map(|place| named(source, probe, place)).collect(),
+            without: DepthBound { range: strays.without, ..bound },
+        };
+        // Levels are exact, whatever the range.
+        let strays = strays.filter(|_| header.levels() == 0).map(named);
+        ProbePrecision { probe: source.probes()[probe].name.clone(), bound, strays }
+    }
+}
+
+fn named(source: &dyn FrameSource, probe: usize, place: &PlacedDepth) -> NamedPixel {
+    let PlacedDepth { frame, face, x, y, depth_m } = *place;
+    let face = Face::from_index(face).unwrap_or(Face::View);
+    let of_pixel = source.groups().iter().find(|group| {
+        (group.kind, group.probe) == (StreamKind::Depth, probe)
+            && group.faces.contains(&face)
+            && group.frames.contains(frame)
+    });
+    let file = of_pixel.and_then(|group| source.files(group, frame).ok()?.into_iter().next());
+    NamedPixel { file, frame, face: face.name(), x, y, depth_m: Number::shortest(depth_m) }
+}
