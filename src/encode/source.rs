@@ -7,7 +7,9 @@ use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
 use crate::encode::scan::Scans;
 use crate::error::Result;
-use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection, StreamKind};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection, StreamKind,
+};
 use crate::streams::MissingFrame;
 
 /// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.

@@ -36,7 +36,8 @@ fn mean_of_channel([a, b]: [&Plane<[u8; 3]>; 2], channel: usize) -> f64 {
         let [a, b] = [a, b].map(|pixel| f64::from(pixel[channel]));
         [a, b, a * a + b * b, a * b]
     };
-    let products_of = |y: usize| -> Vec<[f64; 4]> { a.row(y as u32).iter().zip(b.row(y as u32)).map(products).collect() };
+    let products_of =
+        |y: usize| -> Vec<[f64; 4]> { a.row(y as u32).iter().zip(b.row(y as u32)).map(products).collect() };
     // The rows of a window; the next one takes the place of the first.
     let mut rows: VecDeque<Vec<[f64; 4]>> = (0..weights.len() - 1).map(products_of).collect();
     let mut columns = vec![[0.0; 4]; width];
@@ -111,8 +112,8 @@ mod tests {
     #[test]
     fn windows_of_columns_and_rows_are_those_of_the_crate() {
         let plain = |a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>| {
-            let [a, b] =
-                [a, b].map(|plane| iqa::Image::srgb8(a.width(), a.height(), plane.data().as_flattened().to_vec()).unwrap());
+            let [a, b] = [a, b]
+                .map(|plane| iqa::Image::srgb8(a.width(), a.height(), plane.data().as_flattened().to_vec()).unwrap());
             iqa::ssim(&a, &b, iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged }).unwrap()
         };
         for (width, height) in [(11, 11), (12, 40), (64, 33)] {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::container::EncodedChunk;
-use crate::depth::open_chunk::close_at_bytes;
 use crate::depth::mode_decision::Decide;
+use crate::depth::open_chunk::close_at_bytes;
 use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::price::{PricedTables, Recorder, priced};
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
@@ -56,8 +56,7 @@ impl PredictiveEncoder {
     /// the header has some. Answers the chunk before it, if it begins another.
     pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
         let frames = self.next_frame - self.first_frame;
-        let is_full =
-            frames >= self.keyframe_interval || self.recorder.held_bytes() >= close_at_bytes(source.len());
+        let is_full = frames >= self.keyframe_interval || self.recorder.held_bytes() >= close_at_bytes(source.len());
         let finished = if is_full { self.finish() } else { None };
         self.next_frame += 1;
         let Self { tile, tables, set, recorder: sink, settings, .. } = self;
