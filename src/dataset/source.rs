@@ -244,7 +244,8 @@ impl Source {
             (true, _) => (8 + 8) * file_pixels,
         };
         // Codes of alpha or its values, and light before and after it is multiplied.
-        let alpha = if is_png && self.group_beside(group).is_some() { 16 * file_pixels } else { 0 };
+        let is_multiplied = is_png && group.kind == StreamKind::Color && self.group_beside(group).is_some();
+        let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
         let is_cut = self.stereo.is_some() || self.content != Content::Face;
         let cut = if is_cut { pixels * value } else { 0 };
         // Of each pixel of faces that are resampled, the place or the weights of those in the file.
