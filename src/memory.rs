@@ -9,7 +9,7 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 
 /// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator of the main thread holds back.
-pub const PROCESS_BYTES: u64 = 24 << 20;
+pub const PROCESS_BYTES: u64 = 36 << 20;
 /// The same for each thread of the pool.
 const THREAD_BYTES: u64 = 4 << 20;
 
@@ -165,7 +165,7 @@ mod tests {
         let refused = less.at_once(&need(40_000_000, 30_000_000), 9).unwrap_err().to_string();
         assert!(refused.starts_with("`memory` 100M: the work needs up to 110 MB"), "{refused}");
         let refused = Budget::of(1000).of_process(2).at_once(&need(0, 1), 9).unwrap_err().to_string();
-        assert!(refused.starts_with("`memory` 1000: the work needs up to 34 MB"), "{refused}");
+        assert!(refused.starts_with("`memory` 1000: the work needs up to 47 MB"), "{refused}");
         assert_eq!([budget.at_most(5), budget.at_most(1 << 40), Budget::default().at_most(8)], [5, 100_000_000, 8]);
     }
 }
