@@ -10,8 +10,9 @@ use crate::error::{Error, Result};
 
 /// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator of the main thread holds back.
 pub const PROCESS_BYTES: u64 = 36 << 20;
-/// The same for each thread of the pool.
+/// The same for each thread of the pool, of which more than some are hardly at work together.
 const THREAD_BYTES: u64 = 4 << 20;
+const MAX_BUSY_THREADS: usize = 8;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Budget {
@@ -59,7 +60,7 @@ impl Budget {
     /// The budget of images, chunks and tables where this is that of a process with so many threads.
     #[must_use]
     pub fn of_process(self, threads: usize) -> Budget {
-        self.less(PROCESS_BYTES + THREAD_BYTES * threads as u64)
+        self.less(PROCESS_BYTES + THREAD_BYTES * threads.min(MAX_BUSY_THREADS) as u64)
     }
 
     /// The lesser of the budget and `usual` bytes.

@@ -276,10 +276,10 @@ fn a_thousand_frames_take_no_more_memory_than_a_hundred() {
         format!("encode-depth {sequence} -o nodes.lfold"),
         format!("quadtree {sequence} -o tree.lfold"),
         format!("bc4w {sequence} -o bc4w.lfold"),
-        "pack color.lfold depth.lfold material.lfold --lzma2=1 -o all.lfold --memory 64M".to_owned(),
-        "pack tree.lfold --max-error 200 --effort fast -o packed.lfold --memory 64M".to_owned(),
+        "pack color.lfold depth.lfold material.lfold --lzma2=1 -o all.lfold --memory 128M".to_owned(),
+        "pack tree.lfold --max-error 200 --effort fast -o packed.lfold --memory 128M".to_owned(),
         "inspect all.lfold".to_owned(),
-        "decode all.lfold --memory 64M --null".to_owned(),
+        "decode all.lfold --memory 128M --null".to_owned(),
         "decode all.lfold -o frames".to_owned(),
         "diff . all.lfold --ssim none".to_owned(),
     ];
