@@ -98,3 +98,29 @@ impl Recorder {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn payload_has_symbols_and_raw_bits_of_any_length() {
+        let tables = priced(&Tables::default());
+        let mut recorder = Recorder::default();
+        for count in 0..=24 {
+            recorder.symbol(0, 1);
+            for value in [0, 1, (1u32 << count) - 1, (1 << count) / 3] {
+                recorder.bits(value & ((1 << count) - 1), count);
+            }
+        }
+        let set = tables.cheapest(&recorder.counts).0;
+        let mut plain = Encoder::default();
+        for count in 0..=24 {
+            plain.symbol(tables.tables.sets()[set].distribution(0), 1);
+            for value in [0, 1, (1u32 << count) - 1, (1 << count) / 3] {
+                plain.bits(value & ((1 << count) - 1), count);
+            }
+        }
+        assert_eq!(recorder.finish(&tables), [vec![set as u8], plain.finish()].concat());
+    }
+}
