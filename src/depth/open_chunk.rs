@@ -7,7 +7,7 @@ use crate::error::Result;
 /// Bytes at which the chunk of a unit is closed early. A keyframe is a small part of them, and no keyframe interval takes much
 /// memory.
 pub fn close_at_bytes(pixels: usize) -> usize {
-    (16 * pixels).max(1 << 20)
+    (16 * pixels).max(256 << 10)
 }
 
 #[derive(Debug)]

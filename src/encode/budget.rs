@@ -14,7 +14,7 @@ use crate::depth::predictive::encoder::FRAME_BYTES_A_PIXEL;
 use crate::encode::source::{FrameSource, GroupRef};
 use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
 use crate::error::Result;
-use crate::image::StreamKind;
+use crate::image::{Face, StreamKind};
 use crate::memory::Need;
 use crate::streams::CodecHeader;
 
@@ -228,8 +228,12 @@ fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let (held, frame_halves, work) = match (group.kind, codec) {
         // A picture, its age and what changes.
         (StreamKind::Material, _) => (5, 7, 6),
-        // Pixels as they are predicted from, their corrections, blocks, and logarithms of all pixels of a face.
-        (_, DepthCodec::Predictive) => (16 + 4 + 1 + 2, 2 * PREDICTIVE_FRAME_BYTES, PREDICTIVE_WORK_BYTES),
+        // Pixels as they are predicted from, their corrections, blocks, and logarithms of the pixels of a cube face.
+        (_, DepthCodec::Predictive) => (
+            16 + 4 + 1 + if group.faces == [Face::View] { 0 } else { 2 },
+            2 * PREDICTIVE_FRAME_BYTES,
+            PREDICTIVE_WORK_BYTES,
+        ),
         (_, DepthCodec::Blocks) => (0, 1, 4),
         // A picture, leaves, and nodes that were sent lately.
         (_, DepthCodec::Tree) => (3, 8, TILE_WORK_BYTES),

@@ -14,7 +14,7 @@ use crate::effort::Effort;
 use crate::error::Result;
 
 /// Memory of the symbols of a frame for each pixel, at most: its own, a class, raw bits, and a part of those of its block.
-pub const FRAME_BYTES_A_PIXEL: usize = 12;
+pub const FRAME_BYTES_A_PIXEL: usize = 11;
 
 #[derive(Debug)]
 pub struct PredictiveEncoder {

@@ -43,7 +43,7 @@ impl Sink for Pricer<'_> {
     }
 }
 
-/// Steps are words of 16 bits: a context and its symbol, or raw bits. Longer ones are in the two words after theirs.
+/// Steps are words of 16 bits: a context and its symbol, or raw bits. Longer ones are in the word after theirs, those of more than 16 bits in two.
 const RAW: u16 = 1 << 15;
 const SHORT_BITS: u32 = 11;
 const LONG: u16 = 15 << SHORT_BITS;
@@ -67,6 +67,7 @@ impl Sink for Recorder {
         match count {
             0 => {}
             1..=SHORT_BITS => self.steps.push(RAW | (count << SHORT_BITS | value) as u16),
+            ..=16 => self.steps.extend([RAW | LONG | count as u16, value as u16]),
             _ => self.steps.extend([RAW | LONG | count as u16, (value >> 16) as u16, value as u16]),
         }
     }
@@ -88,7 +89,10 @@ impl Recorder {
             if step & RAW == 0 {
                 encoder.symbol(tables.distribution((step >> 4).into()), (step & 15).into());
             } else if step & LONG == LONG {
-                let value = steps.by_ref().take(2).fold(0, |value, word| value << 16 | u32::from(word));
+                let value = steps
+                    .by_ref()
+                    .take(if low > 16 { 2 } else { 1 })
+                    .fold(0, |value, word| value << 16 | u32::from(word));
                 encoder.bits(value, low);
             } else {
                 encoder.bits(low, u32::from(step & LONG) >> SHORT_BITS);
