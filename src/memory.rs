@@ -1,15 +1,27 @@
 //! Memory budget, and the number of parallel jobs that fit into it.
 //!
-//! A budget counts images, chunks and tables, which grow with the footage, but neither code nor stacks.
+//! Budgets count images, chunks and tables, which grow with the footage. That of a process also has room for its code, stacks, and
+//! what allocators hold back.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
+/// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator of the main thread holds back.
+pub const PROCESS_BYTES: u64 = 36 << 20;
+/// The same for each thread of the pool, of which more than some are hardly at work together.
+const THREAD_BYTES: u64 = 4 << 20;
+const MAX_BUSY_THREADS: usize = 8;
+
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Budget {
+    /// What is left for the work.
     pub bytes: Option<u64>,
+    /// The limit as it was stated, where a part of it is taken.
+    limit: Option<u64>,
+    /// Bytes of the limit that others take.
+    taken: u64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -32,16 +44,23 @@ impl Need<'_> {
 
 impl Budget {
     /// No limit, other than built-in ones.
-    pub const UNLIMITED: Budget = Budget { bytes: None };
+    pub const UNLIMITED: Budget = Budget { bytes: None, limit: None, taken: 0 };
 
     pub fn of(bytes: u64) -> Budget {
-        Budget { bytes: Some(bytes) }
+        Budget { bytes: Some(bytes), limit: None, taken: 0 }
     }
 
-    /// The budget without `taken` bytes, at least 0.
+    /// The budget without `taken` bytes. Errors speak of the whole.
     #[must_use]
     pub fn less(self, taken: u64) -> Budget {
-        Budget { bytes: self.bytes.map(|bytes| bytes.saturating_sub(taken)) }
+        let bytes = self.bytes.map(|bytes| bytes.saturating_sub(taken));
+        Budget { bytes, limit: self.limit.or(self.bytes), taken: self.taken.saturating_add(taken) }
+    }
+
+    /// The budget of images, chunks and tables where this is that of a process with so many threads.
+    #[must_use]
+    pub fn of_process(self, threads: usize) -> Budget {
+        self.less(PROCESS_BYTES + THREAD_BYTES * threads.min(MAX_BUSY_THREADS) as u64)
     }
 
     /// The lesser of the budget and `usual` bytes.
@@ -53,12 +72,13 @@ impl Budget {
     pub fn at_once(self, need: &Need<'_>, most: usize) -> Result<usize> {
         let Some(bytes) = self.bytes else { return Ok(most.max(1)) };
         let least = need.fixed.saturating_add(need.each);
+        let whole = least.saturating_add(self.taken);
         if least > bytes {
             let instead = if need.instead.is_empty() { String::new() } else { format!(", or {}", need.instead) };
             return Err(Error::Usage(format!(
                 "`memory` {self}: {} needs up to {} MB; allow that much{instead}",
                 need.what,
-                least.div_ceil(1_000_000)
+                whole.div_ceil(1_000_000)
             )));
         }
         let fit = (bytes - need.fixed) / need.each.max(1);
@@ -68,7 +88,7 @@ impl Budget {
 
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.bytes {
+        match self.limit.or(self.bytes) {
             None => f.write_str("unlimited"),
             Some(bytes) if bytes >= 1_000_000 => write!(f, "{}M", bytes / 1_000_000),
             Some(bytes) => write!(f, "{bytes}"),
@@ -140,7 +160,13 @@ mod tests {
         assert_eq!(refused, "`memory` 100M: the work needs up to 101 MB; allow that much, or a smaller `depth_tile`");
         assert!(budget.at_once(&need(u64::MAX, 9), 9).is_err());
         assert_eq!(Budget::UNLIMITED.at_once(&need(u64::MAX, 1), 7).unwrap(), 7);
-        assert_eq!(budget.less(99_999_000).to_string(), "1000");
+        let less = budget.less(40_000_000);
+        assert_eq!((less.bytes, less.to_string().as_str()), (Some(60_000_000), "100M"));
+        assert_eq!(less.at_once(&need(10_000_000, 30_000_000), 16).unwrap(), 1);
+        let refused = less.at_once(&need(40_000_000, 30_000_000), 9).unwrap_err().to_string();
+        assert!(refused.starts_with("`memory` 100M: the work needs up to 110 MB"), "{refused}");
+        let refused = Budget::of(1000).of_process(2).at_once(&need(0, 1), 9).unwrap_err().to_string();
+        assert!(refused.starts_with("`memory` 1000: the work needs up to 47 MB"), "{refused}");
         assert_eq!([budget.at_most(5), budget.at_most(1 << 40), Budget::default().at_most(8)], [5, 100_000_000, 8]);
     }
 }

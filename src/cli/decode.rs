@@ -50,7 +50,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let selection = args.selection.with(args.frames.frames);
     let memory = args.memory.get();
     let asked = decode::stored_bytes(&decoder, &selection.choose(&decoder)?);
-    let limit = load_limit(decoder.reader().file_bytes, asked, memory);
+    // What is loaded leaves the decoder its room.
+    let memory_left = match memory.bytes {
+        Some(_) => memory.less(decode::least_bytes(&decoder, &selection.choose(&decoder)?)),
+        None => memory,
+    };
+    let limit = load_limit(decoder.reader().file_bytes, asked, memory_left);
     let start = Instant::now();
     // Without output the time counts: the file is read before the clock starts, if it fits.
     let in_memory = args.output.is_none() && decoder.load(limit)?;

@@ -73,7 +73,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     let folder = folder_of_views(args.output.as_deref());
     let held = loaded.bytes + pictures_bytes(args, &grid.row, outputs.as_ref());
-    let (budget, threads) = (args.memory.get(), rayon::current_num_threads());
+    let (budget, threads) = (args.memory.whole(), rayon::current_num_threads());
     let limits = Limits { budget, held, freed: loaded.freed, threads, folder: &folder };
     let plan = memory::plan(&grid.row, count, need, &limits)?;
     let mut measured = Measured {

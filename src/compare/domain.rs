@@ -198,7 +198,11 @@ impl Converter {
                 unclipped(Converted::Bytes(convert::alpha_codes(&alpha)?.map(|&code| [convert::alpha_byte(code); 3])))
             }
             (image, Coding::Color(..)) => {
-                let Values::Light(light) = self.values(&image) else { return Err(wrong_kind()) };
+                let values = match image {
+                    Image::File(values) if self.matrix.is_none() => values,
+                    image => self.values(&image),
+                };
+                let Values::Light(light) = values else { return Err(wrong_kind()) };
                 let Some(table) = &self.codes else { return unclipped(Converted::Half(light)) };
                 let (codes, clipped_pixels) = convert::color_codes(&light, table);
                 let goes_on = clipped_pixels > 0 && !self.allows_clipping;

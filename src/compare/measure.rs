@@ -4,15 +4,17 @@
 //! function or half floats, as the side that is a container codes them. One frame of each stream is in memory at a time.
 //! Streams are compared in parallel; the result does not depend on how many at once.
 
+use std::borrow::Cow;
+
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
 use crate::compare::difference::{BitErrors, SampleErrors, half_levels};
 use crate::compare::domain::{ColorDomain, ComparedColor, Converted, Converter, Domain, Origin};
 use crate::compare::pairing::{Coverage, Pair, Pairing};
-use crate::compare::side::{Coding, Image, Side, SideReader, Values};
+use crate::compare::side::{Coding, Image, Side, SideForm, SideReader, SideStream, Values};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, FrameRange, Plane};
+use crate::image::{ColorPlane, FrameRange, Plane, StreamKind};
 use crate::memory::{Budget, Need};
 use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, ssim_rgb8};
 use crate::monitor::Monitor;
@@ -20,9 +22,23 @@ use crate::ordered::try_map_at_once;
 use crate::streams::ColorFormat;
 use crate::streams::convert::DepthExtent;
 
-/// Bytes for each pixel of a pair of images. Each side is read as at most three floats (12) and converted to at most as many
-/// (12), which makes 48; while a pair is measured there are two planes of doubles for the structural similarity (16).
-const COMPARING_BYTES: u64 = 64;
+/// Bytes for each pixel of a pair of images, both as they are compared: beside the images as they are read.
+fn comparing_bytes(pair: &Pair<'_>, settings: &CompareSettings) -> u64 {
+    let is_half = |stream: &&SideStream| matches!(stream.coding, Some(Coding::Color(ColorFormat::Half { .. }, _)));
+    let (converted, values) = match pair.streams[0].id.kind {
+        // Codes of 32 bits and metres.
+        StreamKind::Depth => (2 * (4 + 4), 2 * 4),
+        // Light and its levels where it is compared as half floats; else codes, and for one side light that they are made of; codes go
+        // on beyond 8 bits in 32.
+        StreamKind::Color if settings.color != ColorDomain::AsCoded || pair.streams.iter().any(is_half) => {
+            (2 * (6 + 12), 2 * 6)
+        }
+        StreamKind::Color => (2 * 3 + 6 + if settings.allow_clipping { 0 } else { 2 * 12 }, 2 * 6),
+        StreamKind::Material => (2 * 3, 2 * 12),
+        StreamKind::Alpha => (2 * 3, 2 * 4),
+    };
+    converted.max(if settings.measure == Measure::Bits { values } else { 0 })
+}
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Measure {
@@ -55,7 +71,7 @@ pub struct CompareSettings {
 
 /// Compares all pairs. The monitor advances by one for every pair of images.
 pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
-    let at_once = streams_at_once(pairing, settings.memory)?;
+    let at_once = streams_at_once(pairing, settings)?;
     let domains = domains(pairing, settings.color, at_once, monitor)?;
     let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs.iter().copied().zip(domains).collect();
     let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
@@ -79,17 +95,24 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
     })
 }
 
-fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
+fn streams_at_once(pairing: &Pairing<'_>, settings: &CompareSettings) -> Result<usize> {
+    let memory = settings.memory;
     if memory.bytes.is_none() {
         return Ok(usize::MAX);
     }
-    let of_pair = |pair: &Pair<'_>| {
-        let pixels = u64::from(pair.streams[0].size[0]) * u64::from(pair.streams[0].size[1]);
-        let decoding: u64 = pairing.sides.iter().zip(pair.streams).map(|(side, of)| side.stream_bytes(of)).sum();
-        decoding + pixels * COMPARING_BYTES
+    // Files that several pairs share are read once, and pairs are compared one after the other.
+    let of_run = |pairs: &[Pair<'_>]| {
+        let of_side = |at: usize| {
+            let bytes = pairs.iter().map(|pair| pairing.sides[at].stream_bytes(pair.streams[at]));
+            if pairing.sides[at].form == SideForm::Container { bytes.sum() } else { bytes.max().unwrap_or(0) }
+        };
+        let of_pair = |pair: &Pair<'_>| {
+            let [width, height] = pair.streams[0].size.map(u64::from);
+            width * height * comparing_bytes(pair, settings)
+        };
+        of_side(0) + of_side(1) + pairs.iter().map(of_pair).max().unwrap_or(0)
     };
-    let runs = pairing.pairs.chunk_by(Pair::shares_files);
-    let each = runs.map(|pairs| pairs.iter().map(of_pair).sum()).max().unwrap_or(0);
+    let each = pairing.pairs.chunk_by(Pair::shares_files).map(of_run).max().unwrap_or(0);
     let fixed = pairing.sides.iter().map(Side::open_bytes).sum();
     memory.at_once(&Need { what: "comparing", fixed, each, instead: "" }, rayon::current_num_threads())
 }
@@ -206,9 +229,15 @@ impl PairComparison {
                 match (&a.unclipped, &b.unclipped) {
                     (None, None) => errors.add(frame, plane, other, cell),
                     (a, b) => {
-                        let wide = |beyond: &Option<Plane<[i32; 3]>>, codes: &Plane<[u8; 3]>| {
-                            beyond.clone().unwrap_or_else(|| codes.map(|pixel| pixel.map(i32::from)))
-                        };
+                        fn wide<'a>(
+                            beyond: &'a Option<Plane<[i32; 3]>>,
+                            codes: &Plane<[u8; 3]>,
+                        ) -> Cow<'a, Plane<[i32; 3]>> {
+                            match beyond {
+                                Some(beyond) => Cow::Borrowed(beyond),
+                                None => Cow::Owned(codes.map(|pixel| pixel.map(i32::from))),
+                            }
+                        }
                         errors.add(frame, &wide(a, plane), &wide(b, other), cell);
                     }
                 }

@@ -146,8 +146,10 @@ impl Side {
             (Content::Container(decoder), Place::Stream(at)) => {
                 decoder.streams().get(at).map_or(0, |stream| memory::stream_bytes(decoder, stream))
             }
-            // The file that an image is cut from: at most four channels of 4 bytes.
-            (Content::Files(source), _) => source.file_pixels() * 16,
+            // The images of the group's other faces wait for their turn.
+            (Content::Files(source), Place::Plane { group, .. }) => {
+                source.groups().get(group).map_or(0, |group| source.reading_bytes(group))
+            }
             _ => 0,
         }
     }

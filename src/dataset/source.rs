@@ -225,8 +225,38 @@ impl Source {
         &self.probes
     }
 
-    pub fn file_pixels(&self) -> u64 {
-        u64::from(self.file_size.0) * u64::from(self.file_size.1)
+    /// Bytes that reading a frame of a group takes at most, with the planes that it delivers: the file, which is decoded as a whole, and
+    /// what is cut from it.
+    pub fn reading_bytes(&self, group: &SourceGroup) -> u64 {
+        let file_pixels = u64::from(self.file_size.0) * u64::from(self.file_size.1);
+        let pixels = u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64;
+        let value = match group.kind {
+            StreamKind::Depth | StreamKind::Alpha => 4,
+            StreamKind::Color => 6,
+            StreamKind::Material => 12,
+        };
+        let path = self.path(group.kind, group, group.frames.first).ok().flatten();
+        let is_png = path.as_deref().is_some_and(png::is_png);
+        let decoding = match (is_png, group.kind) {
+            (false, _) => path.as_deref().map_or(0, |path| exr::chunk_bytes(path, &self.limits).unwrap_or(0)),
+            // Codes of the file, and as many channels of 16 bits as are wanted.
+            (true, StreamKind::Depth) => 2 * file_pixels,
+            (true, _) => (8 + 8) * file_pixels,
+        };
+        // Codes of alpha or its values, and light before and after it is multiplied.
+        let is_multiplied = is_png && group.kind == StreamKind::Color && self.group_beside(group).is_some();
+        let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
+        let is_cut = self.stereo.is_some() || self.content != Content::Face;
+        let cut = if is_cut { pixels * value } else { 0 };
+        // Of each pixel of faces that are resampled, the place or the weights of those in the file.
+        let maps = match (self.content, group.kind) {
+            (Content::Equirect, kind) => {
+                let blends = matches!(kind, StreamKind::Color | StreamKind::Alpha);
+                self.maps.iter().filter(|map| group.faces.contains(&map.face)).map(|map| map.table_bytes(blends)).sum()
+            }
+            _ => 0,
+        };
+        file_pixels * value + decoding.max(alpha).max(cut) + maps
     }
 
     /// What can be read: colour, depth, material, alpha; within a kind by probe, then by face.

@@ -52,6 +52,11 @@ impl<S: Sample> CellState<S> {
         }
     }
 
+    pub fn forget(&mut self) {
+        (self.chunk, self.next_chunk, self.blended) = (None, None, None);
+        self.keyframes = Default::default();
+    }
+
     pub fn shows(&self, index: usize, target: u32) -> bool {
         self.chunk.as_ref().filter(|(held, _)| *held == index).is_some_and(|(_, chunk)| {
             let blend = chunk.blend(target);

@@ -74,16 +74,15 @@ pub fn stream_pixels(stream: &StreamInfo) -> u64 {
     u64::from(stream.entry.width) * u64::from(stream.entry.height)
 }
 
-/// Bytes for writing an image into a file: 4-byte metres, half floats or three floats a pixel, as they are, by channel in the
-/// writer, and compressed.
+/// Bytes for writing an image into a file: its values, and the same by channel in the writer; of colour also light of other primaries.
 pub fn file_bytes(stream: &StreamInfo) -> u64 {
     let converted = match &stream.header {
-        CodecHeader::Depth(_) => 4,
-        CodecHeader::Material(_) => 12,
-        CodecHeader::Color(_) => 6,
-        CodecHeader::Alpha(_) => 2,
+        CodecHeader::Depth(_) => 4 + 4,
+        CodecHeader::Material(_) => 12 + 6,
+        CodecHeader::Color(_) => 6 + 6,
+        CodecHeader::Alpha(_) => 2 + 2,
     };
-    3 * stream_pixels(stream) * converted
+    stream_pixels(stream) * converted
 }
 
 /// Bytes of an open container: its index, and the whole file where it came through a pipe.

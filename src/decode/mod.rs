@@ -44,5 +44,5 @@ pub use report::{DamagedChunkReport, DecodeReport, DecodeTimes};
 pub use selection::{Request, Selection, StreamFrames};
 pub use unit::UnitDecoder;
 pub use unit_filter::{AllUnits, UnitFilter};
-pub use units::{DecodeSummary, Decoded, decode_units, decoded_pixel_bytes, stored_bytes};
+pub use units::{DecodeSummary, Decoded, decode_units, decoded_pixel_bytes, least_bytes, stored_bytes};
 pub use window::check_windows;

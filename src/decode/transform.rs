@@ -24,6 +24,10 @@ impl<S: Keyed> TransformState<S> {
         TransformState { format, picture: Vec::new(), chunk: None, at: None, keyframe: Vec::new() }
     }
 
+    pub fn forget(&mut self) {
+        (self.chunk, self.at, self.keyframe) = (None, None, Vec::new());
+    }
+
     pub fn shows(&self, index: usize, target: u32) -> bool {
         let held = self.chunk.as_ref().filter(|(held, _)| *held == index);
         held.zip(self.at).is_some_and(|((_, chunk), at)| chunk.is_same(target, at))

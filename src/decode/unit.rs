@@ -128,6 +128,13 @@ impl<'a> UnitDecoder<'a> {
         with_state!(self.state, state => state.chunk.map(|(_, chunk)| chunk.into_spare())).unwrap_or(self.source.buffer)
     }
 
+    /// Drops what decoding would go on from. The pixels stay; the next frame is decoded from the keyframe of its chunk.
+    #[doc(hidden)]
+    pub fn forget(&mut self) {
+        with_state!(&mut self.state, state => state.forget());
+        self.source.buffer = Vec::new();
+    }
+
     #[doc(hidden)]
     pub fn pixel_count(&self) -> u64 {
         u64::from(self.rect[2]) * u64::from(self.rect[3])
@@ -181,6 +188,10 @@ struct TemporalState<C: PictureChunk> {
 impl<C: PictureChunk> TemporalState<C> {
     fn new(area: UnitArea, window: u8, header: C::Header) -> Self {
         TemporalState { area, window, header, picture: Vec::new(), chunk: None, at: None }
+    }
+
+    fn forget(&mut self) {
+        (self.chunk, self.at) = (None, None);
     }
 
     fn shows(&self, chunk: usize, target: u32) -> bool {

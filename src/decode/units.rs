@@ -87,6 +87,15 @@ impl Decoded {
     }
 }
 
+/// Bytes of memory that decoding units one after the other takes, with the container as it is open.
+pub fn least_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
+    let units = |stream: &StreamInfo| {
+        (0..stream.entry.unit_count()).map(|unit| memory::unit_bytes(decoder, stream, unit)).max().unwrap_or(0)
+    };
+    let largest = streams.iter().map(|StreamFrames { stream, .. }| units(stream)).max().unwrap_or(0);
+    memory::container_bytes(decoder.reader()) + largest
+}
+
 /// Decodes the selected units frame by frame. The monitor advances by one for every image.
 pub fn decode_units(
     decoder: &Decoder,

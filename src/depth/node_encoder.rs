@@ -104,7 +104,7 @@ impl NodeEncoder {
 
     /// `known` is what was found for this frame at a larger bound. Answers the chunk that is closed, if any.
     pub fn push(&mut self, source: &[u16], known: Option<&Known>) -> Result<Option<EncodedChunk>> {
-        let finished = self.chunk.count_frame()?;
+        let finished = self.chunk.count_frame(source.len())?;
         let frame = self.chunk.frame();
         if frame == 0 {
             self.recent.clear();

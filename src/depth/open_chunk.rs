@@ -4,8 +4,11 @@ use crate::container::EncodedChunk;
 use crate::depth::record_table::builder::TableBuilder;
 use crate::error::Result;
 
-/// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
-pub const CLOSE_AT_BYTES: usize = 256 << 20;
+/// Bytes at which the chunk of a unit is closed early. A keyframe is a small part of them, and no keyframe interval takes much
+/// memory.
+pub fn close_at_bytes(pixels: usize) -> usize {
+    (16 * pixels).max(256 << 10)
+}
 
 #[derive(Debug)]
 pub struct OpenChunk {
@@ -20,9 +23,9 @@ impl OpenChunk {
         OpenChunk { keyframe_interval, records: TableBuilder::default(), first_frame: 0, next_frame: 0 }
     }
 
-    /// Counts the next frame; the chunk before it, if it begins another.
-    pub fn count_frame(&mut self) -> Result<Option<EncodedChunk>> {
-        let is_full = self.frame_count() >= self.keyframe_interval || self.records.bytes() >= CLOSE_AT_BYTES;
+    /// Counts the next frame, of so many pixels; the chunk before it, if it begins another.
+    pub fn count_frame(&mut self, pixels: usize) -> Result<Option<EncodedChunk>> {
+        let is_full = self.frame_count() >= self.keyframe_interval || self.records.bytes() >= close_at_bytes(pixels);
         let finished = if is_full { self.finish()? } else { None };
         self.next_frame += 1;
         Ok(finished)

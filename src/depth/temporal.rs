@@ -81,7 +81,7 @@ impl<T: Texel> TemporalEncoder<T> {
     }
 
     pub fn push(&mut self, source: &[T]) -> Result<Option<EncodedChunk>> {
-        let finished = self.chunk.count_frame()?;
+        let finished = self.chunk.count_frame(source.len())?;
         match self.chunk.frame() {
             0 => self.held.start(source, self.chunk.records()),
             frame => self.held.advance(source, frame, self.chunk.records()),

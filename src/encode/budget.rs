@@ -8,13 +8,13 @@ use crate::color::SearchSettings;
 use crate::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
 use crate::color::transform::blocks::padded_pixels;
 use crate::dataset::SourceGroup;
-use crate::decode::memory;
-use crate::depth::open_chunk::CLOSE_AT_BYTES;
-use crate::depth::predictive::encoder::CLOSE_AT_BYTES_A_PIXEL;
+use crate::decode::memory::compressing_bytes;
+use crate::depth::open_chunk::close_at_bytes;
+use crate::depth::predictive::encoder::FRAME_BYTES_A_PIXEL;
 use crate::encode::source::{FrameSource, GroupRef};
 use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
 use crate::error::Result;
-use crate::image::StreamKind;
+use crate::image::{Face, StreamKind};
 use crate::memory::Need;
 use crate::streams::CodecHeader;
 
@@ -27,10 +27,13 @@ const PENDING_BYTES: u64 = 768 << 20;
 /// Most bytes of keyframes in the open chunks of a group.
 const OPEN_BYTES: usize = 384 << 20;
 
-/// Bytes that the encoder of a tile works with, for each pixel: what decoders hold (at most 3), its age and whether it changes
-/// (2), a leaf for 16 pixels (1), and nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent lately,
-/// and as children while their parent is tried (3 times 4, and half of it again where they grow).
+/// Bytes that a tile is worked on with, for each pixel, by the thread that does so: its codes; of nodes a leaf for 16 pixels (1) and
+/// nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent, and as children while their parent is tried
+/// (3 times 4, and half of it again where they grow).
 const TILE_WORK_BYTES: u64 = 24;
+/// The same of predictive depth: its codes, and 6 bytes for each step of a chunk that is finished.
+const PREDICTIVE_WORK_BYTES: u64 = 2 + 3 * (16 + PREDICTIVE_FRAME_BYTES);
+const PREDICTIVE_FRAME_BYTES: u64 = FRAME_BYTES_A_PIXEL as u64;
 
 /// Bytes that the search of the transform codec takes for each pixel of a chunk of a cell: coefficients of four block sizes in three
 /// channels (48), keys and samples (24), levels of two partitions and of those that are tried (48), and at most 100 for nodes and places of
@@ -71,44 +74,48 @@ impl ColorMemory {
 /// Bytes of one group.
 #[derive(Debug, Clone, Copy)]
 struct GroupNeed {
-    /// Encoders with their open chunks, and the searches of all units at work.
-    state: u64,
+    /// Encoders with their open chunks.
+    held: u64,
+    /// The units at work.
+    work: u64,
     /// Units that are coded at the same time.
     units_at_once: usize,
-    /// A frame as it is read and converted.
-    frame: u64,
+    /// A frame while it is read and converted.
+    reading: u64,
+    /// A frame as it is coded.
+    coded: u64,
     /// Depth images that a scan may keep.
     keep: u64,
 }
 
+/// What encoders of a group hold, and what a thread takes for the unit that it codes.
+struct State {
+    held: u64,
+    unit: u64,
+}
+
 impl GroupNeed {
     fn new(source: &dyn FrameSource, group: &SourceGroup, settings: &EncodeSettings) -> GroupNeed {
-        let pixels = group_pixels(group);
-        let (read, coded) = match group.kind {
-            StreamKind::Depth => (4, 2),
-            StreamKind::Color => (6, CodecHeader::Color(settings.color_header()).raw_pixel_bytes()),
-            StreamKind::Material => (12, 3),
-            StreamKind::Alpha => (4, 2),
-        };
-        // Its values as 4 codes of 16 bits and as floats, and colour that is multiplied by it.
-        let alpha = if is_multiplied(source, group) { 18 } else { 0 };
-        // A file is decoded as a whole: its values, and 4 bytes a pixel for one channel while it is unpacked. Then each face
-        // as it is read and as it is coded.
-        let frame = source.file_pixels() * (read + 4 + alpha) + pixels * (read + coded);
-        let (held, search) = match (group.kind, settings.color_codec) {
+        let coded = group_pixels(group)
+            * match group.kind {
+                StreamKind::Depth | StreamKind::Alpha => 2,
+                StreamKind::Color => CodecHeader::Color(settings.color_header()).raw_pixel_bytes(),
+                StreamKind::Material => 3,
+            };
+        let reading = source.reading_bytes(group) + coded;
+        let State { held, unit } = match (group.kind, settings.color_codec) {
             (StreamKind::Color, ColorCodec::Transform) => transform_state(group, settings),
-            (StreamKind::Color, ColorCodec::Cells) => (color_state(group, settings), 0),
-            _ => (tile_state(group, settings), 0),
+            (StreamKind::Color, ColorCodec::Cells) => color_state(group, settings),
+            _ => tile_state(group, settings),
         };
-        let searches = Need { what: "", fixed: held + frame, each: search, instead: "" };
+        let units = Need { what: "", fixed: held + coded, each: unit, instead: "" };
         // One at least, which is refused later where it does not fit.
-        let units_at_once = settings.memory.at_once(&searches, rayon::current_num_threads()).unwrap_or(1);
-        let state = held + search * units_at_once as u64;
-        let mut need = GroupNeed { state, units_at_once, frame, keep: KEEP_BYTES };
-        if let Some(bytes) = settings.memory.bytes {
-            need.keep = need.keep.min(bytes.saturating_sub(state + frame) / 2);
-        }
-        need
+        let units_at_once = settings.memory.at_once(&units, rayon::current_num_threads()).unwrap_or(1);
+        let work = unit * units_at_once as u64;
+        let need = GroupNeed { held, work, units_at_once, reading, coded, keep: 0 };
+        let least = need.need("", group.kind, settings).bytes(1);
+        let keep = settings.memory.bytes.map_or(KEEP_BYTES, |bytes| KEEP_BYTES.min(bytes.saturating_sub(least) / 2));
+        GroupNeed { keep, ..need }
     }
 
     fn need<'a>(&self, what: &'a str, kind: StreamKind, settings: &EncodeSettings) -> Need<'a> {
@@ -123,14 +130,18 @@ impl GroupNeed {
             }
             _ => "",
         };
-        Need { what, fixed: self.state + kept, each: self.frame, instead }
+        // Frames of a batch are read, by one thread one after the other, before any is coded.
+        match rayon::current_num_threads() {
+            1 => {
+                let fixed = self.held + kept + self.work.max(self.reading - self.coded);
+                Need { what, fixed, each: self.coded, instead }
+            }
+            _ => {
+                let fixed = self.held + kept + (self.work + self.coded).saturating_sub(self.reading);
+                Need { what, fixed, each: self.reading, instead }
+            }
+        }
     }
-}
-
-/// Whether alpha is read with a frame of colour.
-fn is_multiplied(source: &dyn FrameSource, group: &SourceGroup) -> bool {
-    let files = group.frames.iter().map(|frame| source.files(group, frame).unwrap_or_default());
-    files.map(|files| files.len()).find(|count| *count > 0).is_some_and(|count| count > 1)
 }
 
 /// Refuses groups that would not fit into the settings' memory.
@@ -169,7 +180,7 @@ pub(super) fn scan_limits(
     let mut limits = ScanLimits { finds_levels: settings.finds_levels(), ..ScanLimits::default() };
     for GroupRef { group, .. } in groups {
         let need = GroupNeed::new(source, group, settings);
-        let scanning = Need { what: "scanning", fixed: need.keep, each: need.frame, instead: "" };
+        let scanning = Need { what: "scanning", fixed: need.keep, each: need.reading, instead: "" };
         limits.keep_bytes = limits.keep_bytes.min(need.keep);
         limits.frames_at_once = settings.memory.at_once(&scanning, limits.frames_at_once)?;
     }
@@ -177,52 +188,66 @@ pub(super) fn scan_limits(
 }
 
 /// Cells of keyframes and weights: pending pictures and open chunks.
-fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
+fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let header = CodecHeader::Color(settings.color_header());
     let units = unit_count(group, settings);
     let memory = ColorMemory::new(group, &header, settings.search, u32::try_from(units).unwrap_or(u32::MAX));
     let picture = group_pixels(group) * header.raw_pixel_bytes();
-    // Two more for the keyframe as it is stored and as it is shown; a chunk grows past its size by a keyframe.
-    let pending = picture * (u64::from(memory.search.lookahead) + 4);
-    let open = units * memory.close_at_bytes as u64 + picture;
-    pending + open + compressing(settings, open / units.max(1))
+    let frames = group.frames.count();
+    // The keyframe before them, too; in blocks also as it is stored and as it is shown.
+    let in_blocks = if settings.color_blocks.is_some() { 2 } else { 0 };
+    let pending = picture * ((u64::from(memory.search.lookahead) + 2).min(frames) + in_blocks);
+    // A chunk grows past its size by a keyframe.
+    let open = (units * memory.close_at_bytes as u64 + picture).min(frames * picture);
+    let cell = picture.div_ceil(units.max(1));
+    State { held: pending + open, unit: cell + compressing_bytes(settings.compression, open.div_ceil(units.max(1))) }
 }
 
 /// Cells of the transform codec: the frames of a chunk, and what the search of one cell takes.
-fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> (u64, u64) {
+fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let header = CodecHeader::Color(settings.color_header());
     let frames = u64::from(settings.color_chunk).min(group.frames.count());
     let cell = settings.unit_size(group.kind, [group.width, group.height]);
     let size = [cell[0].min(group.width) as usize, cell[1].min(group.height) as usize];
     let held = frames * group_pixels(group) * header.raw_pixel_bytes();
     let chunk = frames * size[0] as u64 * size[1] as u64 * header.raw_pixel_bytes();
-    (held + compressing(settings, chunk), frames * padded_pixels(size) * SEARCH_BYTES)
+    let search = frames * padded_pixels(size) * SEARCH_BYTES;
+    State { held, unit: search + compressing_bytes(settings.compression, chunk) }
 }
 
 /// Tiles of depth, material or alpha: pictures and open chunks, whose every frame may change every pixel.
-fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
+fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let (pixels, units) = (group_pixels(group), unit_count(group, settings));
     let frames = u64::from(settings.temporal.keyframe_interval).min(group.frames.count());
-    // In halves of a byte, with rows and places.
     let codec = match group.kind {
         StreamKind::Alpha => DepthCodec::Predictive,
         _ => settings.depth.codec,
     };
-    let pixel_halves = match (group.kind, codec) {
-        (StreamKind::Material, _) => 7,
-        (_, DepthCodec::Blocks) => 1,
-        (_, DepthCodec::Tree) => 8,
-        // A symbol and what follows it are held as four words.
-        (_, DepthCodec::Predictive) => 32,
-        _ => 5,
+    // What decoders hold, and what encoders know beside it; halves of a byte that a frame adds to a chunk, with rows and places; and
+    // what a thread works with.
+    let (held, frame_halves, work) = match (group.kind, codec) {
+        // A picture, its age and what changes.
+        (StreamKind::Material, _) => (5, 7, 6),
+        // Pixels as they are predicted from, their corrections, blocks, and logarithms of the pixels of a cube face.
+        (_, DepthCodec::Predictive) => (
+            16 + 4 + 1 + if group.faces == [Face::View] { 0 } else { 2 },
+            2 * PREDICTIVE_FRAME_BYTES,
+            PREDICTIVE_WORK_BYTES,
+        ),
+        (_, DepthCodec::Blocks) => (0, 1, 4),
+        // A picture, leaves, and nodes that were sent lately.
+        (_, DepthCodec::Tree) => (3, 8, TILE_WORK_BYTES),
+        (_, DepthCodec::Quadtree) => (6, 5, TILE_WORK_BYTES),
+        _ => (4, 5, 6),
     };
-    let frame = pixels * pixel_halves / 2;
-    let most = match (group.kind, codec) {
-        (StreamKind::Depth | StreamKind::Alpha, DepthCodec::Predictive) => pixels * CLOSE_AT_BYTES_A_PIXEL as u64,
-        _ => units * CLOSE_AT_BYTES as u64,
-    };
-    let open = (frames * frame).min(most + frame);
-    pixels * TILE_WORK_BYTES + open + compressing(settings, open / units.max(1))
+    let unit_pixels = pixels.div_ceil(units.max(1));
+    let frame = unit_pixels * frame_halves / 2;
+    // Blocks have no frames that are larger than others.
+    let is_constant = group.kind == StreamKind::Depth && codec == DepthCodec::Blocks;
+    let most = if is_constant { u64::MAX } else { close_at_bytes(unit_pixels as usize) as u64 + frame };
+    let open = (frames * frame).min(most);
+    let unit = unit_pixels * work + compressing_bytes(settings.compression, open);
+    State { held: pixels * held + units * open, unit }
 }
 
 fn group_pixels(group: &SourceGroup) -> u64 {
@@ -233,10 +258,4 @@ fn unit_count(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let [width, height] = settings.unit_size(group.kind, [group.width, group.height]);
     let of = |side: u32, unit: u32| u64::from(side.div_ceil(unit.max(1)));
     of(group.width, width) * of(group.height, height) * group.faces.len() as u64
-}
-
-/// Compressing one chunk on each thread.
-fn compressing(settings: &EncodeSettings, chunk_bytes: u64) -> u64 {
-    let threads = rayon::current_num_threads() as u64;
-    threads * memory::compressing_bytes(settings.compression, chunk_bytes)
 }

@@ -135,8 +135,8 @@ impl FrameSource for Part<'_> {
         self.source.stated_range()
     }
 
-    fn file_pixels(&self) -> u64 {
-        self.source.file_pixels()
+    fn reading_bytes(&self, group: &SourceGroup) -> u64 {
+        self.source.reading_bytes(group)
     }
 
     fn primaries(&self) -> Primaries {

@@ -7,7 +7,9 @@ use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
 use crate::encode::scan::Scans;
 use crate::error::Result;
-use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection};
+use crate::image::{
+    AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection, StreamKind,
+};
 use crate::streams::MissingFrame;
 
 /// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
@@ -38,9 +40,14 @@ pub trait FrameSource: Sync {
         [None; 2]
     }
 
-    /// Pixels of a file, which is decoded before faces are cut from it; 0 without files.
-    fn file_pixels(&self) -> u64 {
-        0
+    /// Bytes that reading a frame of a group takes at most, with the planes that it delivers.
+    fn reading_bytes(&self, group: &SourceGroup) -> u64 {
+        let value = match group.kind {
+            StreamKind::Depth | StreamKind::Alpha => 4,
+            StreamKind::Color => 6,
+            StreamKind::Material => 12,
+        };
+        u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64 * value
     }
 
     /// Depth of a frame in metres, one plane a face: +inf for the background, 0 for an invalid depth that becomes near.
@@ -136,8 +143,8 @@ impl FrameSource for Source {
         depth.map_or([None; 2], |depth| [depth.near, depth.far].map(|bound| bound.map(|metres| metres as f32)))
     }
 
-    fn file_pixels(&self) -> u64 {
-        self.file_pixels()
+    fn reading_bytes(&self, group: &SourceGroup) -> u64 {
+        self.reading_bytes(group)
     }
 
     fn primaries(&self) -> Primaries {

@@ -89,6 +89,18 @@ impl FaceMap {
         })
     }
 
+    /// Bytes of the table that images are resampled with, which is made once: weights where they are blended, else places.
+    pub fn table_bytes(&self, blends: bool) -> u64 {
+        let pixels = u64::from(self.size) * u64::from(self.size);
+        if !blends {
+            return pixels * size_of::<u32>() as u64;
+        }
+        // In the middle of a face a pixel is 4/π as wide as the mean of a row; a bilinear lookup adds one.
+        let columns = 1.0 + f64::from(self.width) / (std::f64::consts::PI * f64::from(self.size));
+        let taps = (columns * columns).clamp(4.0, f64::from(4 * SUPERSAMPLES * SUPERSAMPLES));
+        (pixels as f64 * (taps * size_of::<(u32, f32)>() as f64 + size_of::<u32>() as f64)) as u64
+    }
+
     fn filter_row(&self, row: u32) -> FilterRow {
         let cube = ImageProjection::cube_face(self.face, self.size);
         let at = |pixel: u32, sub: u32| f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(SUPERSAMPLES);

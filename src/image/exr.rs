@@ -179,6 +179,16 @@ pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
     })
 }
 
+/// Bytes that reading a file takes beside the plane: its largest chunk, as it is stored, as it is decompressed, and as it is sorted
+/// by channels.
+pub(crate) fn chunk_bytes(path: &Path, limits: &ReadLimits) -> Result<u64> {
+    let (reader, file_len) = open(path)?;
+    guard(reader.headers(), 1, limits, file_len).map_err(|error| error.in_file(path))?;
+    let of_header =
+        |header: &Header| header.max_block_pixel_size().area() as u64 * header.channels.bytes_per_pixel as u64;
+    Ok(3 * reader.headers().iter().map(of_header).max().unwrap_or(0))
+}
+
 trait Sample: Copy {
     fn from_half(value: f16) -> Self;
     fn from_float(value: f32) -> Self;

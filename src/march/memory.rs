@@ -19,9 +19,11 @@ const MAP_BYTES: u64 = 18;
 const MAKING_BYTES: u64 = 96;
 /// Bytes of a texel that is splatted.
 const POINT_BYTES: u64 = 64;
-/// Bytes of a pixel from its rays until it is written: light and alpha, joined for two eyes, and codes or channels of a file.
-/// Rays are held by the thread that follows them.
-const PICTURE_BYTES: u64 = 96;
+/// Bytes of a pixel from its rays until it is written: light and alpha, and codes or channels of a file. Rays are held by the thread
+/// that follows them.
+const PICTURE_BYTES: u64 = 72;
+/// Bytes of a pixel while the pictures of two eyes are joined.
+pub const JOINED_BYTES: u64 = 24;
 /// Bytes of a pixel of planes beside a picture: six values, joined for two eyes, and channels of a file.
 const AOV_BYTES: u64 = 120;
 /// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.

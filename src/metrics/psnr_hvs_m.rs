@@ -3,20 +3,45 @@
 //! Based on: N. Ponomarenko, F. Silvestri, K. Egiazarian, M. Carli, J. Astola and V. Lukin, "On between-coefficient contrast
 //! masking of DCT basis functions", Third International Workshop on Video Processing and Quality Metrics (VPQM), 2007.
 
-use super::ssim::iqa_images;
+use super::ssim::common_size;
 use crate::error::{Error, Result};
 use crate::image::Plane;
 
 /// Side of a DCT block. A smaller image has no PSNR-HVS-M; columns and rows beyond the last whole block do not count.
 pub const HVS_BLOCK: u32 = 8;
+/// Rows that are measured at once, in whole blocks: images of the crate have 25 bytes a pixel.
+const BAND_ROWS: u32 = 64 * HVS_BLOCK;
 
 /// PSNR-HVS-M in dB of the Rec. 709 luma of two display-referred RGB images; `+inf` for equal ones.
 /// `None` when a side is shorter than [`HVS_BLOCK`].
 pub fn psnr_hvs_m_rgb8(reference: &Plane<[u8; 3]>, distorted: &Plane<[u8; 3]>) -> Result<Option<f64>> {
-    let Some([reference, distorted]) = iqa_images([reference, distorted], HVS_BLOCK)? else { return Ok(None) };
+    let size = common_size([reference, distorted])?;
+    if size[0].min(size[1]) < HVS_BLOCK {
+        return Ok(None);
+    }
+    let rows = size[1] - size[1] % HVS_BLOCK;
+    if rows <= BAND_ROWS {
+        return band_db([reference, distorted], [0, size[1]]).map(Some);
+    }
+    let mut sum = 0.0;
+    for first in (0..rows).step_by(BAND_ROWS as usize) {
+        let count = BAND_ROWS.min(rows - first);
+        let db = band_db([reference, distorted], [first, count])?;
+        sum += f64::from(count) * 10f64.powf(-db / 10.0);
+    }
+    Ok(Some(if sum == 0.0 { f64::INFINITY } else { -10.0 * (sum / f64::from(rows)).log10() }))
+}
+
+/// PSNR-HVS-M of some rows of two images: the first, and their number.
+fn band_db(planes: [&Plane<[u8; 3]>; 2], [first, count]: [u32; 2]) -> Result<f64> {
+    let failed = |error: iqa::Error| Error::invalid(format!("PSNR-HVS-M: {error}"));
+    let width = planes[0].width();
+    let image = |plane: &Plane<[u8; 3]>| {
+        let rows = first as usize * width as usize..(first + count) as usize * width as usize;
+        iqa::Image::srgb8(width, count, plane.data()[rows].as_flattened().to_vec()).map_err(failed)
+    };
     let options = iqa::PsnrHvsOptions { mode: iqa::PsnrHvsMode::Luma709 };
-    let db = iqa::psnr_hvs_m(&reference, &distorted, options);
-    db.map(Some).map_err(|error| Error::invalid(format!("PSNR-HVS-M: {error}")))
+    iqa::psnr_hvs_m(&image(planes[0])?, &image(planes[1])?, options).map_err(failed)
 }
 
 /// Perceptual squared error of images, for the PSNR-HVS-M of all of them.

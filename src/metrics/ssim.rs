@@ -3,6 +3,8 @@
 //! Based on: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image quality assessment: from error visibility
 //! to structural similarity", IEEE Transactions on Image Processing 13(4), 2004.
 
+use std::collections::VecDeque;
+
 use crate::error::{Error, Result};
 use crate::image::Plane;
 
@@ -34,16 +36,21 @@ fn mean_of_channel([a, b]: [&Plane<[u8; 3]>; 2], channel: usize) -> f64 {
         let [a, b] = [a, b].map(|pixel| f64::from(pixel[channel]));
         [a, b, a * a + b * b, a * b]
     };
-    let products: Vec<[f64; 4]> = a.data().iter().zip(b.data()).map(products).collect();
+    let products_of =
+        |y: usize| -> Vec<[f64; 4]> { a.row(y as u32).iter().zip(b.row(y as u32)).map(products).collect() };
+    // The rows of a window; the next one takes the place of the first.
+    let mut rows: VecDeque<Vec<[f64; 4]>> = (0..weights.len() - 1).map(products_of).collect();
     let mut columns = vec![[0.0; 4]; width];
     let mut sum = 0.0;
-    for rows in (0..=height - weights.len()).map(|first| &products[first * width..][..weights.len() * width]) {
+    for last in weights.len() - 1..height {
+        rows.push_back(products_of(last));
         columns.fill([0.0; 4]);
-        for (row, weight) in rows.chunks_exact(width).zip(weights) {
+        for (row, weight) in rows.iter().zip(weights) {
             for (column, products) in columns.iter_mut().zip(row) {
                 (0..4).for_each(|at| column[at] += weight * products[at]);
             }
         }
+        rows.pop_front();
         for columns in columns.windows(weights.len()) {
             let mut means = [0.0; 4];
             for (column, weight) in columns.iter().zip(weights) {
@@ -74,25 +81,12 @@ fn window() -> [f64; SSIM_WINDOW as usize] {
 }
 
 /// Width and height of two images that have the same.
-fn common_size(planes: [&Plane<[u8; 3]>; 2]) -> Result<[u32; 2]> {
+pub(super) fn common_size(planes: [&Plane<[u8; 3]>; 2]) -> Result<[u32; 2]> {
     let [size, other] = planes.map(|plane| [plane.width(), plane.height()]);
     match size == other {
         true => Ok(size),
         false => Err(Error::invalid(format!("images of {size:?} and {other:?} pixels cannot be compared"))),
     }
-}
-
-/// Two images of one size for `iqa`; None when a side is shorter than `least`.
-pub(super) fn iqa_images(planes: [&Plane<[u8; 3]>; 2], least: u32) -> Result<Option<[iqa::Image<iqa::Srgb8>; 2]>> {
-    let size = common_size(planes)?;
-    if size[0].min(size[1]) < least {
-        return Ok(None);
-    }
-    let image = |plane: &Plane<[u8; 3]>| {
-        iqa::Image::srgb8(size[0], size[1], plane.data().as_flattened().to_vec())
-            .map_err(|error| Error::invalid(format!("image measures: {error}")))
-    };
-    Ok(Some([image(planes[0])?, image(planes[1])?]))
 }
 
 #[cfg(test)]
@@ -118,7 +112,8 @@ mod tests {
     #[test]
     fn windows_of_columns_and_rows_are_those_of_the_crate() {
         let plain = |a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>| {
-            let [a, b] = iqa_images([a, b], SSIM_WINDOW).unwrap().unwrap();
+            let [a, b] = [a, b]
+                .map(|plane| iqa::Image::srgb8(a.width(), a.height(), plane.data().as_flattened().to_vec()).unwrap());
             iqa::ssim(&a, &b, iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged }).unwrap()
         };
         for (width, height) in [(11, 11), (12, 40), (64, 33)] {

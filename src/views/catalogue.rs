@@ -1,5 +1,6 @@
 //! The probes of a container that can be rendered: their streams, poses and memory, without decoding anything.
 
+use crate::decode::memory::{self, stream_pixels};
 use crate::decode::{Decoder, StreamInfo};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
@@ -45,6 +46,10 @@ pub struct ViewStreams<'a> {
     pub faces: Vec<FaceStreams<'a>>,
     /// Most bytes that it takes when loaded.
     pub bytes: u64,
+    /// The same where decoders keep nothing but pixels from frame to frame.
+    pub pixel_bytes: u64,
+    /// Most bytes of one unit while it is decoded.
+    pub unit_bytes: u64,
 }
 
 /// Probes with a face that has both depth and colour.
@@ -90,7 +95,10 @@ impl<'a> Catalogue<'a> {
                     views.len() - 1
                 }
             };
-            streams[at].bytes += bytes_of(decoder, &face, coded);
+            let texels = texel_bytes(&face, coded);
+            streams[at].bytes += texels.saturating_add(decoder_bytes(decoder, &face));
+            streams[at].pixel_bytes += texels.saturating_add(face.all().map(picture_bytes).sum());
+            streams[at].unit_bytes = streams[at].unit_bytes.max(unit_bytes(decoder, &face));
             streams[at].faces.push(face);
         }
         let coding = coding.ok_or_else(|| {
@@ -133,16 +141,37 @@ fn check_sizes(probe: &str, streams: &FaceStreams<'_>) -> Result<()> {
     }
 }
 
-/// Most bytes that a face takes: texels, and the state of its decoders.
-fn bytes_of(decoder: &Decoder, streams: &FaceStreams<'_>, coding: ColorCoding) -> u64 {
-    let pixels = u64::from(streams.depth.entry.width) * u64::from(streams.depth.entry.height);
+/// Bytes of the texels of a face.
+fn texel_bytes(streams: &FaceStreams<'_>, coding: ColorCoding) -> u64 {
     let color = match coding {
         ColorCoding::Codes(_) => 4,
         ColorCoding::Light => 8,
     };
     // A pyramid has a value for each texel, and levels above that a third of those, and a little more where sides are odd.
     let pyramid = 4 + 2;
-    let texel = 4 + pyramid + color + if streams.material.is_some() { 4 } else { 0 };
+    stream_pixels(streams.depth) * (4 + pyramid + color + if streams.material.is_some() { 4 } else { 0 })
+}
+
+/// Most bytes of the decoders of a face, with their pixels.
+fn decoder_bytes(decoder: &Decoder, streams: &FaceStreams<'_>) -> u64 {
     let index = decoder.reader().index();
-    streams.all().map(|stream| stream.memory_bytes(index)).fold(pixels * texel, u64::saturating_add)
+    streams.all().map(|stream| stream.memory_bytes(index)).fold(0, u64::saturating_add)
+}
+
+/// Bytes of the pixels of a stream's units.
+fn picture_bytes(stream: &StreamInfo) -> u64 {
+    let pixel = match &stream.header {
+        CodecHeader::Depth(_) | CodecHeader::Alpha(_) => 2,
+        CodecHeader::Color(header) if header.is_half() => 6,
+        CodecHeader::Color(_) | CodecHeader::Material(_) => 3,
+    };
+    stream_pixels(stream) * pixel + u64::from(stream.entry.unit_count()) * CodecHeader::HELD_UNIT_BYTES
+}
+
+/// Most bytes of a unit of a face while it is decoded.
+fn unit_bytes(decoder: &Decoder, streams: &FaceStreams<'_>) -> u64 {
+    let of_stream = |stream: &StreamInfo| {
+        (0..stream.entry.unit_count()).map(|unit| memory::unit_bytes(decoder, stream, unit)).max().unwrap_or(0)
+    };
+    streams.all().map(of_stream).max().unwrap_or(0)
 }

@@ -75,6 +75,8 @@ pub struct CachedUnit<'a> {
     is_specular: bool,
     /// The last chunk that [`FaceCache::count_bytes`] counted.
     counted: Option<usize>,
+    /// Whether its decoder keeps nothing but pixels from frame to frame.
+    forgets: bool,
 }
 
 impl CachedUnit<'_> {
@@ -85,6 +87,9 @@ impl CachedUnit<'_> {
             && self.is_new()
         {
             self.is_specular = pixels.iter().any(has_specular_weight);
+        }
+        if self.forgets {
+            self.decoder.forget();
         }
         Ok(())
     }
@@ -126,6 +131,7 @@ impl<'a> StreamUnits<'a> {
             written: 0,
             is_specular: false,
             counted: None,
+            forgets: false,
         };
         StreamUnits { stream, needed: 0, units: (0..stream.entry.unit_count()).map(unit).collect() }
     }
@@ -206,6 +212,17 @@ impl<'a> FaceCache<'a> {
             alpha: streams.alpha.map(|stream| StreamUnits::new(decoder, stream)),
             material: streams.material.map(|stream| StreamUnits::new(decoder, stream)),
             straight,
+        }
+    }
+
+    /// Whether decoders keep nothing but pixels from frame to frame, which takes less memory and more time.
+    pub fn set_forgetting(&mut self, forgets: bool) {
+        let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.alpha).chain(&mut self.material);
+        for unit in streams.flat_map(|units| &mut units.units).filter(|unit| unit.forgets != forgets) {
+            unit.forgets = forgets;
+            if forgets {
+                unit.decoder.forget();
+            }
         }
     }
 

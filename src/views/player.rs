@@ -86,6 +86,8 @@ pub struct Player<'a> {
     budget: Budget,
     /// Bytes of the budget that others take.
     reserved_bytes: u64,
+    /// Whether decoders keep nothing but pixels from frame to frame, as all that they know would not fit.
+    forgets: bool,
     tables: Vec<Arc<InverseDepth>>,
     /// Where colours are codes and a face has alpha.
     straight: Option<Arc<StraightCodes>>,
@@ -121,6 +123,7 @@ impl<'a> Player<'a> {
             changes: Vec::new(),
             budget: Budget::UNLIMITED,
             reserved_bytes: 0,
+            forgets: false,
             tables: Vec::new(),
             straight,
             clock: 0,
@@ -271,8 +274,17 @@ impl<'a> Player<'a> {
         let mut active: Vec<usize> = views.to_vec();
         active.sort_unstable();
         active.dedup();
-        let active_bytes: u64 = active.iter().filter_map(|&view| self.streams.get(view)).map(|view| view.bytes).sum();
-        let fixed = active_bytes.saturating_add(self.reserved_bytes);
+        let streams = || active.iter().filter_map(|&view| self.streams.get(view));
+        let whole: u64 = streams().map(|view| view.bytes).sum::<u64>().saturating_add(self.reserved_bytes);
+        self.forgets = self.budget.bytes.is_some_and(|bytes| whole > bytes);
+        let fixed = if self.forgets {
+            let pixels: u64 = streams().map(|view| view.pixel_bytes).sum();
+            let unit = streams().map(|view| view.unit_bytes).max().unwrap_or(0);
+            let at_work = unit.saturating_mul(rayon::current_num_threads() as u64);
+            pixels.saturating_add(at_work).saturating_add(self.reserved_bytes)
+        } else {
+            whole
+        };
         let need = Need { what: "showing the views", fixed, each: 0, instead: "fewer `views`" };
         self.budget.at_once(&need, 1)?;
         let kept_bytes = self.budget.less(fixed).at_most(KEPT_BYTES);
@@ -323,6 +335,7 @@ impl<'a> Player<'a> {
             }
             if let Some(view) = &mut self.loaded[at] {
                 view.last_used = self.clock;
+                view.faces.iter_mut().for_each(|face| face.set_forgetting(self.forgets));
             }
         }
         Ok(())

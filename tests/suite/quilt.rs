@@ -73,7 +73,7 @@ fn views_go_right_and_then_up() {
         fine(&format!("quilt v --threads {threads} --quilt 8x6 -o r_qs8x6a0.75.png"), folder.path());
         assert_eq!(std::fs::read(folder.path().join("r_qs8x6a0.75.png")).unwrap(), whole);
     }
-    let printed = fine("quilt v/%04d.png --memory 1M -o -", folder.path());
+    let printed = fine("quilt v/%04d.png --memory 128M -o -", folder.path());
     assert_eq!(printed.stdout, whole);
     assert_eq!(names_in(folder.path()), ["q_qs8x6a0.75.png", "r_qs8x6a0.75.png", "v"]);
 }

@@ -8,6 +8,7 @@ use lightfold::effort::Effort;
 use lightfold::encode::{ColorCodec, EncodeSettings};
 use lightfold::image::{ColorPlane, Face, Plane};
 use lightfold::inspect::{TransformCount, statistics};
+use lightfold::memory::Budget;
 use lightfold::streams::ColorFormat;
 use tempfile::TempDir;
 
@@ -104,7 +105,7 @@ fn the_same_bytes_on_any_number_of_threads_and_in_any_memory() {
     let source = Footage { color: Some(&color), frames: [0, 19], ..Footage::new(64, 48) }.open(folder.path());
     let settings = settings(16, 8, 42.0);
     let encode = |threads, memory: Option<u64>| {
-        let settings = EncodeSettings { memory: lightfold::memory::Budget { bytes: memory }, ..settings.clone() };
+        let settings = EncodeSettings { memory: memory.map_or(Budget::UNLIMITED, Budget::of), ..settings.clone() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| encoded(&source, &settings))
     };

@@ -63,7 +63,7 @@ impl Input {
                 path.display()
             ));
         }
-        let budget = args.memory.get();
+        let budget = args.memory.whole();
         let reading =
             |bytes: u64| Need { what: "reading the scene", fixed: bytes, each: 0, instead: "a smaller scene" };
         // A file is read whole.

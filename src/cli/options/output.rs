@@ -44,14 +44,20 @@ pub struct StoreArgs {
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct MemoryArgs {
-    /// Memory limit for images, chunks and tables, such as 512M, 2G or 1.5GiB. The result does not depend on it; work
-    /// that needs more is refused [default: built-in limits]
+    /// Memory limit of the whole process, such as 512M, 2G or 1.5GiB. The result does not depend on it; work that needs more
+    /// is refused [default: built-in limits]
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<Budget>,
 }
 
 impl MemoryArgs {
+    /// The budget of images, chunks and tables.
     pub fn get(self) -> Budget {
+        self.whole().of_process(rayon::current_num_threads())
+    }
+
+    /// The budget of the process.
+    pub fn whole(self) -> Budget {
         self.memory.unwrap_or(Budget::UNLIMITED)
     }
 }

@@ -20,7 +20,7 @@ use crate::image::transfer::ToneMap;
 use crate::image::{Face, FrameRange, StreamKind};
 use crate::march::active_views::ActiveViews;
 use crate::march::aov::AovKind;
-use crate::march::memory::{march_bytes, picture_bytes, splat_bytes};
+use crate::march::memory::{JOINED_BYTES, march_bytes, picture_bytes, splat_bytes};
 use crate::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::SelectionSettings;
@@ -74,7 +74,12 @@ impl<'a> LightFieldSubject<'a> {
             _ => march_bytes(self.decoder, &args.playback_options(), args.march.effects),
         };
         let of_pictures = picture_bytes(most_pixels, !args.march.aov.is_empty(), args.truth.reference.is_some())
-            .saturating_add(sheet);
+            .saturating_add(sheet)
+            .saturating_add(if jobs.iter().any(|job| job.request.cameras.len() > 1) {
+                most_pixels.saturating_mul(JOINED_BYTES)
+            } else {
+                0
+            });
         let fixed = of_pictures.saturating_add(of_method);
         let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         args.memory.get().at_once(&need, 1)?;

@@ -5,8 +5,10 @@ use crate::depth::bc4w::search;
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::block_chunk::{LEVEL, corners};
 use crate::depth::nodes::Grid;
-use crate::depth::open_chunk::CLOSE_AT_BYTES;
 use crate::effort::Effort;
+
+/// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
+const CLOSE_AT_BYTES: usize = 256 << 20;
 
 /// Appends the blocks of a picture; answers how close each of them is, row by row.
 pub fn encode_picture(picture: &[u16], grid: Grid, effort: Effort, out: &mut Vec<u8>) -> Vec<Accuracy> {

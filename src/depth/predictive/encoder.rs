@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
+use crate::depth::open_chunk::close_at_bytes;
 use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::price::{PricedTables, Recorder, priced};
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
@@ -12,8 +13,8 @@ use crate::depth::predictive::tile::Tile;
 use crate::effort::Effort;
 use crate::error::Result;
 
-/// A chunk is closed early when its symbols take this much memory for each pixel of the unit.
-pub const CLOSE_AT_BYTES_A_PIXEL: usize = 128;
+/// Memory of the symbols of a frame for each pixel, at most: its own, a class, raw bits, and a part of those of its block.
+pub const FRAME_BYTES_A_PIXEL: usize = 11;
 
 #[derive(Debug)]
 pub struct PredictiveEncoder {
@@ -55,8 +56,7 @@ impl PredictiveEncoder {
     /// the header has some. Answers the chunk before it, if it begins another.
     pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
         let frames = self.next_frame - self.first_frame;
-        let is_full =
-            frames >= self.keyframe_interval || self.recorder.held_bytes() >= CLOSE_AT_BYTES_A_PIXEL * source.len();
+        let is_full = frames >= self.keyframe_interval || self.recorder.held_bytes() >= close_at_bytes(source.len());
         let finished = if is_full { self.finish() } else { None };
         self.next_frame += 1;
         let Self { tile, tables, set, recorder: sink, settings, .. } = self;

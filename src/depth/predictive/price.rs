@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
+use crate::depth::predictive::contexts::CONTEXTS;
 use crate::depth::predictive::tables::{Predictive, Tables};
 use crate::entropy::{self, Encoder};
 
@@ -42,31 +43,39 @@ impl Sink for Pricer<'_> {
     }
 }
 
-const RAW: u32 = 1 << 31;
+/// Steps are words of 16 bits: a context and its symbol, or raw bits. Longer ones are in the word after theirs, those of more than 16 bits in two.
+const RAW: u16 = 1 << 15;
+const SHORT_BITS: u32 = 11;
+const LONG: u16 = 15 << SHORT_BITS;
+
+const _: () = assert!(CONTEXTS << 4 <= RAW as usize);
 
 /// The symbols of a chunk.
 #[derive(Debug, Default)]
 pub struct Recorder {
-    steps: Vec<u32>,
+    steps: Vec<u16>,
     pub counts: Counts,
 }
 
 impl Sink for Recorder {
     fn symbol(&mut self, context: usize, symbol: usize) {
-        self.steps.push((context << 4 | symbol) as u32);
+        self.steps.push((context << 4 | symbol) as u16);
         self.counts.count(context, symbol);
     }
 
     fn bits(&mut self, value: u32, count: u32) {
-        if count > 0 {
-            self.steps.push(RAW | count << 24 | value);
+        match count {
+            0 => {}
+            1..=SHORT_BITS => self.steps.push(RAW | (count << SHORT_BITS | value) as u16),
+            ..=16 => self.steps.extend([RAW | LONG | count as u16, value as u16]),
+            _ => self.steps.extend([RAW | LONG | count as u16, (value >> 16) as u16, value as u16]),
         }
     }
 }
 
 impl Recorder {
     pub fn held_bytes(&self) -> usize {
-        self.steps.len() * size_of::<u32>()
+        self.steps.len() * size_of::<u16>()
     }
 
     /// The payload, coded with the cheapest table set.
@@ -74,14 +83,48 @@ impl Recorder {
         let set = tables.cheapest(&self.counts).0;
         let (mut out, tables) = (vec![set as u8], &tables.tables.sets()[set]);
         let mut encoder = Encoder::default();
-        for step in self.steps {
-            if step & RAW != 0 {
-                encoder.bits(step & 0xFF_FFFF, step >> 24 & 0x7F);
+        let mut steps = self.steps.into_iter();
+        while let Some(step) = steps.next() {
+            let low = u32::from(step & ((1 << SHORT_BITS) - 1));
+            if step & RAW == 0 {
+                encoder.symbol(tables.distribution((step >> 4).into()), (step & 15).into());
+            } else if step & LONG == LONG {
+                let value = steps
+                    .by_ref()
+                    .take(if low > 16 { 2 } else { 1 })
+                    .fold(0, |value, word| value << 16 | u32::from(word));
+                encoder.bits(value, low);
             } else {
-                encoder.symbol(tables.distribution((step >> 4) as usize), (step & 15) as usize);
+                encoder.bits(low, u32::from(step & LONG) >> SHORT_BITS);
             }
         }
         out.extend(encoder.finish());
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn payload_has_symbols_and_raw_bits_of_any_length() {
+        let tables = priced(&Tables::default());
+        let mut recorder = Recorder::default();
+        for count in 0..=24 {
+            recorder.symbol(0, 1);
+            for value in [0, 1, (1u32 << count) - 1, (1 << count) / 3] {
+                recorder.bits(value & ((1 << count) - 1), count);
+            }
+        }
+        let set = tables.cheapest(&recorder.counts).0;
+        let mut plain = Encoder::default();
+        for count in 0..=24 {
+            plain.symbol(tables.tables.sets()[set].distribution(0), 1);
+            for value in [0, 1, (1u32 << count) - 1, (1 << count) / 3] {
+                plain.bits(value & ((1 << count) - 1), count);
+            }
+        }
+        assert_eq!(recorder.finish(&tables), [vec![set as u8], plain.finish()].concat());
     }
 }

@@ -50,7 +50,7 @@ impl TreeEncoder {
     }
 
     pub fn push(&mut self, source: &[u16]) -> Result<Option<EncodedChunk>> {
-        let finished = self.chunk.count_frame()?;
+        let finished = self.chunk.count_frame(source.len())?;
         let keyframe = self.chunk.frame() == 0;
         let [columns, rows] = self.grid.leaves();
         let width = self.grid.width as usize;
