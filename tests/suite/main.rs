@@ -80,3 +80,4 @@ mod vectors_of_transforms;
 mod view;
 mod visibility;
 mod whole_way;
+mod zstandard;
