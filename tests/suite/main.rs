@@ -76,6 +76,7 @@ mod vectors_of_indices;
 mod vectors_of_limits;
 mod vectors_of_nodes;
 mod vectors_of_predictive;
+mod vectors_of_predictive_parts;
 mod vectors_of_transforms;
 mod view;
 mod visibility;

@@ -3,7 +3,7 @@
 use super::bits::{BackwardBits, ForwardBits, damaged};
 use crate::error::Result;
 
-/// What a state decodes to, and the next state: a base plus so many bits.
+/// The symbol of a state, and the next state: a base plus so many bits.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Row {
     pub symbol: u8,

@@ -11,7 +11,7 @@ const ROWS: usize = 1 << MAX_BITS;
 const MAX_WEIGHTS: usize = 255;
 const WEIGHT_LIMITS: fse::Limits = fse::Limits { accuracy: 6, symbols: 256 };
 
-/// For each value of 11 bits the symbol that it starts with, times 16, and the bits of its code.
+/// The symbol that each value of 11 bits starts with, times 16, plus the bits of its code.
 pub struct Table(Box<[u16; ROWS]>);
 
 impl Table {

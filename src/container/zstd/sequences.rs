@@ -10,11 +10,8 @@ use crate::error::Result;
 const MAX_OFFSET_CODE: u8 = 24;
 
 /// Codes of literal lengths, offsets and match lengths, in this order.
-const LIMITS: [Limits; 3] = [
-    Limits { accuracy: 9, symbols: 36 },
-    Limits { accuracy: 8, symbols: 32 },
-    Limits { accuracy: 9, symbols: 53 },
-];
+const LIMITS: [Limits; 3] =
+    [Limits { accuracy: 9, symbols: 36 }, Limits { accuracy: 8, symbols: 32 }, Limits { accuracy: 9, symbols: 53 }];
 
 /// RFC 8878, 3.1.1.3.2.2.
 static DEFAULTS: LazyLock<[Table; 3]> = LazyLock::new(|| {
@@ -26,15 +23,12 @@ static DEFAULTS: LazyLock<[Table; 3]> = LazyLock::new(|| {
                 -1, -1,
             ],
         ),
-        Table::new(
-            5,
-            &[1, 1, 1, 1, 1, 1, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1],
-        ),
+        Table::new(5, &[1, 1, 1, 1, 1, 1, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1]),
         Table::new(
             6,
             &[
-                1, 4, 3, 2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
-                1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1, -1,
+                1, 4, 3, 2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+                1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1, -1,
             ],
         ),
     ]
@@ -50,11 +44,7 @@ const MATCH_LENGTHS: LengthCodes<53> =
     length_codes(3, 32, [1, 1, 1, 1, 2, 2, 3, 3, 4, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]);
 
 /// Codes without extra bits, `plain` of them, and those with.
-const fn length_codes<const N: usize, const M: usize>(
-    first: u32,
-    plain: usize,
-    extra: [u8; M],
-) -> LengthCodes<N> {
+const fn length_codes<const N: usize, const M: usize>(first: u32, plain: usize, extra: [u8; M]) -> LengthCodes<N> {
     let mut codes = [(0, 0); N];
     let (mut value, mut code) = (first, 0);
     while code < N {
@@ -66,7 +56,7 @@ const fn length_codes<const N: usize, const M: usize>(
     codes
 }
 
-/// What the sequences of a block leave to those of later ones.
+/// Tables and offsets that the sequences of a block leave to those of later ones.
 pub struct State {
     tables: [Option<Table>; 3],
     repeats: [usize; 3],
