@@ -207,13 +207,17 @@ pub(super) fn check_count(fields: &Fields<'_>, what: &str, count: u32, least: us
     Ok(())
 }
 
+/// Validity of a probe's name. Names become parts of file names when a container is decoded.
+pub fn is_probe_name(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+    !name.is_empty() && !name.starts_with('.') && name.chars().all(plain)
+}
+
 impl ProbeEntry {
     /// Whether the values of the row that starts at `start` are legal.
     pub(super) fn check(&self, fields: &Fields<'_>, start: u64) -> Result<()> {
         let ProbeEntry { name, frames, .. } = self;
-        // Names become parts of file names when a container is decoded.
-        let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+        if !is_probe_name(name) {
             return Err(fields.error_at(
                 start,
                 format!("the probe name {name:?} holds more than letters, digits, '.', '_' and '-'"),

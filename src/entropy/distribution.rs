@@ -1,4 +1,4 @@
-//! Distributions of symbols in 4096ths (color.md 7.1).
+//! Distributions of symbols in 4096ths (entropy.md 2).
 
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;

@@ -1,4 +1,4 @@
-//! Entropy coding with static distributions (color.md 7, depth.md 15): rANS over symbols of at most 16 values.
+//! Entropy coding with static distributions (entropy.md): rANS over symbols of at most 16 values.
 //!
 //! Probabilities are not adapted while decoding, so that substreams are independent and a device decodes each in one lane.
 

@@ -1,4 +1,4 @@
-//! rANS with a state of 32 bits and renormalisation by 16 (color.md 7.2).
+//! rANS with a state of 32 bits and renormalisation by 16 (entropy.md 3).
 //!
 //! Based on: Jarek Duda, *Asymmetric numeral systems*, 2013. The decoder reads forwards, the encoder works backwards.
 

@@ -1,4 +1,4 @@
-//! Table sets as text, in the form of formats/color-tables.txt and formats/depth-tables.txt (color.md 6.7, depth.md 15.8).
+//! Table sets as text, in the form of formats/color-tables.txt and formats/depth-tables.txt (entropy.md 4).
 
 use std::fmt::Write;
 use std::io::Read;

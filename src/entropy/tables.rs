@@ -1,5 +1,5 @@
 //! Entropy models: the contexts of a codec's symbols, the distributions that they share, and table sets, the built-in ones of its
-//! format and those that a stream brings along (color.md 6.7, depth.md 15.8).
+//! format and those that a stream brings along (entropy.md 4).
 
 use std::fmt::Debug;
 use std::marker::PhantomData;

@@ -1,4 +1,4 @@
-//! Reads entropy tables in the text form of formats/color-tables.txt (color.md 6.7, depth.md 15.8). The compiler reads the
+//! Reads entropy tables in the text form of formats/color-tables.txt (entropy.md 4). The compiler reads the
 //! built-in sets with it, an encoder the set of a stream.
 
 use crate::entropy::distribution::SLOTS;

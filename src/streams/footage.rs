@@ -1,9 +1,11 @@
 //! How the footage of a container was made: attributes that it has where something is not as usual (container.md 6.6).
 
+use crate::container::index::{MAX_FRAME, is_probe_name};
 use crate::container::{Attributes, Fields, Index};
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries, StreamKind};
 
+const SECTION: &str = "container.md 6.6";
 /// Red, green, blue and white, x and y of each, as 32-bit floats.
 const CHROMATICITIES: &str = "color.chromaticities";
 /// A 64-bit number.
@@ -43,6 +45,12 @@ impl FramePose {
     }
 }
 
+impl MissingFrame {
+    fn place(&self) -> (&str, StreamKind, Face, u32) {
+        (&self.probe, self.kind, self.face, self.frame)
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootageInfo {
     /// Of colour. Those of Rec. 709 have no attribute.
@@ -74,44 +82,17 @@ impl FootageInfo {
 
     fn of(attributes: &Attributes) -> Result<FootageInfo> {
         let mut read = FootageInfo::default();
-        if let Some(bytes) = attributes.get(CHROMATICITIES) {
-            let mut fields = Fields::new(bytes, 0, CHROMATICITIES);
-            let mut values = [0.0; 8];
-            for value in &mut values {
-                *value = f32::from_bits(fields.u32()?);
-            }
-            fields.finish()?;
-            read.primaries = Primaries::from_array(values).map_err(|error| error.context(CHROMATICITIES))?;
+        if let Some(value) = attributes.get(CHROMATICITIES) {
+            read.primaries = in_attribute(CHROMATICITIES, value, read_primaries)?;
         }
-        if let Some(bytes) = attributes.get(CLIPPED_PIXELS) {
-            let mut fields = Fields::new(bytes, 0, CLIPPED_PIXELS);
-            read.clipped_pixels = Some(fields.u64()?);
-            fields.finish()?;
+        if let Some(value) = attributes.get(CLIPPED_PIXELS) {
+            read.clipped_pixels = Some(in_attribute(CLIPPED_PIXELS, value, |fields| fields.u64())?);
         }
-        if let Some(bytes) = attributes.get(MISSING_FRAMES) {
-            let mut fields = Fields::new(bytes, 0, MISSING_FRAMES);
-            while fields.remaining() > 0 {
-                let unknown = || Error::invalid(format!("{MISSING_FRAMES}: a stream of an unknown kind or face"));
-                let probe = fields.string("a probe's name")?;
-                let kind = fields.u8()?;
-                let kind = StreamKind::ALL.into_iter().find(|known| *known as u8 == kind).ok_or_else(unknown)?;
-                let face = Face::from_index(fields.u8()?).ok_or_else(unknown)?;
-                let (frame, held) = (fields.u32()?, fields.u32()?);
-                let held = Some(held).filter(|held| *held != BLACK);
-                read.missing_frames.push(MissingFrame { probe, kind, face, frame, held });
-            }
+        if let Some(value) = attributes.get(MISSING_FRAMES) {
+            read.missing_frames = in_attribute(MISSING_FRAMES, value, read_missing_frames)?;
         }
-        if let Some(bytes) = attributes.get(POSES) {
-            let mut fields = Fields::new(bytes, 0, POSES);
-            while fields.remaining() > 0 {
-                let (probe, frame) = (fields.string("a probe's name")?, fields.u32()?);
-                let position = fields.finite_f64s("a position")?;
-                let pose = FramePose { probe, frame, position, orientation: fields.finite_f64s("an orientation")? };
-                if read.poses.last().is_some_and(|before| before.place() >= pose.place()) {
-                    return Err(fields.error(format!("{POSES}: rows do not ascend by probe and frame")));
-                }
-                read.poses.push(pose);
-            }
+        if let Some(value) = attributes.get(POSES) {
+            read.poses = in_attribute(POSES, value, read_poses)?;
         }
         Ok(read)
     }
@@ -198,6 +179,85 @@ impl FootageInfo {
     }
 }
 
+/// Reads a value whole. Errors name the attribute and count bytes from the start of its value.
+fn in_attribute<T>(name: &str, value: &[u8], read: impl FnOnce(&mut Fields<'_>) -> Result<T>) -> Result<T> {
+    let mut fields = Fields::new(value, 0, SECTION);
+    let found = read(&mut fields).and_then(|found| fields.finish().map(|()| found));
+    found.map_err(|error| match error {
+        Error::Invalid { file, offset, message, .. } => {
+            let place = offset.map(|offset| format!(", byte {offset} of its value")).unwrap_or_default();
+            let message = format!("attribute {name}{place}: {message}");
+            Error::Invalid { file, offset: None, section: SECTION, message }
+        }
+        error => error,
+    })
+}
+
+fn read_primaries(fields: &mut Fields<'_>) -> Result<Primaries> {
+    let mut values = [0.0; 8];
+    for value in &mut values {
+        *value = fields.f32()?;
+    }
+    Primaries::from_array(values)
+}
+
+fn read_missing_frames(fields: &mut Fields<'_>) -> Result<Vec<MissingFrame>> {
+    let mut rows: Vec<MissingFrame> = Vec::new();
+    while fields.remaining() > 0 {
+        let start = fields.offset();
+        let probe = read_probe_name(fields)?;
+        let [kind, face] = [fields.u8()?, fields.u8()?];
+        let known_kind = StreamKind::ALL.into_iter().find(|known| *known as u8 == kind);
+        let (Some(known_kind), Some(known_face)) = (known_kind, Face::from_index(face)) else {
+            return Err(fields.error_at(start, format!("a stream of kind {kind} and face {face} is unknown")));
+        };
+        let [frame, held] = fields.u32s()?;
+        let held = Some(held).filter(|held| *held != BLACK);
+        for frame in [Some(frame), held].into_iter().flatten() {
+            check_frame(fields, start, frame)?;
+        }
+        let row = MissingFrame { probe, kind: known_kind, face: known_face, frame, held };
+        if rows.last().is_some_and(|before| before.place() >= row.place()) {
+            return Err(fields.error_at(start, "rows do not ascend by probe, kind, face and frame"));
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+fn read_poses(fields: &mut Fields<'_>) -> Result<Vec<FramePose>> {
+    let mut rows: Vec<FramePose> = Vec::new();
+    while fields.remaining() > 0 {
+        let start = fields.offset();
+        let (probe, frame) = (read_probe_name(fields)?, fields.u32()?);
+        check_frame(fields, start, frame)?;
+        let position = fields.finite_f64s("a position")?;
+        let row = FramePose { probe, frame, position, orientation: fields.finite_f64s("an orientation")? };
+        if rows.last().is_some_and(|before| before.place() >= row.place()) {
+            return Err(fields.error_at(start, "rows do not ascend by probe and frame"));
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+fn read_probe_name(fields: &mut Fields<'_>) -> Result<String> {
+    let start = fields.offset();
+    let name = fields.string("a probe's name")?;
+    match is_probe_name(&name) {
+        true => Ok(name),
+        false => Err(fields.error_at(start, format!("{name:?} is no name of a probe"))),
+    }
+}
+
+/// A check of a frame's number in the row at `start`.
+fn check_frame(fields: &Fields<'_>, start: u64, frame: u32) -> Result<()> {
+    if frame < MAX_FRAME {
+        return Ok(());
+    }
+    Err(fields.error_at(start, format!("frame {frame}, frames are numbered below {MAX_FRAME}")))
+}
+
 #[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests {
@@ -252,17 +312,56 @@ mod tests {
     }
 
     #[test]
-    fn values_that_are_none_are_refused() {
-        for (name, value) in [
-            (CHROMATICITIES, vec![0; 31]),
-            (CHROMATICITIES, vec![0; 32]),
-            (CLIPPED_PIXELS, vec![0; 9]),
-            (MISSING_FRAMES, vec![0; 11]),
-            (POSES, vec![0; 61]),
-            (POSES, vec![0; 124]),
-            (MISSING_FRAMES, vec![0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+    fn values_that_break_a_rule_are_refused_with_their_attribute_and_section() {
+        let missing = |rows: &[(&[u8], u8, u8, u32, u32)]| {
+            let row = |(probe, kind, face, frame, held): &(&[u8], u8, u8, u32, u32)| {
+                let head = [&[probe.len() as u8, 0], *probe, &[*kind, *face]].concat();
+                [&head[..], &frame.to_le_bytes(), &held.to_le_bytes()].concat()
+            };
+            rows.iter().flat_map(row).collect::<Vec<u8>>()
+        };
+        let poses = |places: &[(&str, u32)]| {
+            let poses = places.iter().map(|(probe, frame)| pose(probe, *frame)).collect::<Vec<_>>();
+            let rows = poses.iter().map(|pose| {
+                let alone = FootageInfo { poses: vec![pose.clone()], ..FootageInfo::default() };
+                alone.to_values().remove(0).1
+            });
+            rows.collect::<Vec<_>>().concat()
+        };
+        assert_eq!(read(vec![(MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, BLACK)]))]).unwrap().missing_frames.len(), 1);
+        let order = "rows do not ascend";
+        for (name, value, words) in [
+            (CHROMATICITIES, vec![0; 31], "more bytes expected"),
+            (CHROMATICITIES, vec![0; 32], "span no colours"),
+            (CHROMATICITIES, vec![0; 33], "span no colours"),
+            (CLIPPED_PIXELS, vec![0; 7], "more bytes expected"),
+            (CLIPPED_PIXELS, vec![0; 9], "1 bytes after the last field"),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, 2)])[..12].to_vec(), "more bytes expected"),
+            (MISSING_FRAMES, missing(&[(b"a", 4, 0, 3, 2)]), "kind 4 and face 0"),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 7, 3, 2)]), "kind 1 and face 7"),
+            (MISSING_FRAMES, missing(&[(b"", 1, 0, 3, 2)]), "\"\" is no name of a probe"),
+            (MISSING_FRAMES, missing(&[(b"a/b", 1, 0, 3, 2)]), "\"a/b\" is no name of a probe"),
+            (MISSING_FRAMES, missing(&[(b"\xff", 1, 0, 3, 2)]), "not UTF-8"),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 1 << 31, 2)]), "frame 2147483648"),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, BLACK, 2)]), "frame 4294967295"),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, 1 << 31)]), "frame 2147483648"),
+            (MISSING_FRAMES, missing(&[(b"b", 0, 0, 0, 0), (b"a", 1, 0, 3, 2)]), order),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 0, 0), (b"a", 0, 0, 3, 2)]), order),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 1, 0, 0), (b"a", 1, 0, 3, 2)]), order),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 4, 2), (b"a", 1, 0, 3, 2)]), order),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, 2), (b"a", 1, 0, 3, 2)]), order),
+            (MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, 1), (b"a", 1, 0, 3, 2)]), order),
+            (POSES, poses(&[("a", 0)])[..62].to_vec(), "more bytes expected"),
+            (POSES, poses(&[("b", 0), ("a", 1)]), order),
+            (POSES, poses(&[("a", 2), ("a", 1)]), order),
+            (POSES, poses(&[("a", 1), ("a", 1)]), order),
+            (POSES, poses(&[(".a", 1)]), "no name of a probe"),
+            (POSES, poses(&[("a", 1 << 31)]), "frame 2147483648"),
+            (POSES, [&poses(&[("a", 1)])[..7], &f64::NAN.to_le_bytes(), &[0; 48]].concat(), "a position is NaN"),
         ] {
-            assert!(read(vec![(name, value)]).is_err(), "{name}");
+            let message = read(vec![(name, value)]).unwrap_err().to_string();
+            assert!(message.starts_with(&format!("attribute {name}")), "{message}");
+            assert!(message.contains(words) && message.ends_with("(formats/container.md 6.6)"), "{message}");
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The attribute `shard` (container.md 6.5): which piece of an encode a container is, and what the whole has.
 
 use crate::container::Fields;
+use crate::container::index::MAX_FRAME;
 use crate::error::Result;
+use crate::image::{Face, StreamKind};
 
 /// Name of the attribute.
 pub const SHARD: &str = "shard";
@@ -59,7 +61,10 @@ impl WholeStream {
             u16::try_from(probe).map_err(|_| fields.error(format!("probe {probe}, a file has at most 65536")))?;
         let (face, group) = (fields.u8()?, fields.varint_u32()?);
         let (first_frame, frame_count) = (fields.varint_u32()?, fields.varint_u32()?);
-        if frame_count == 0 || first_frame.checked_add(frame_count).is_none() {
+        if !StreamKind::ALL.iter().any(|known| *known as u8 == kind) || Face::from_index(face).is_none() {
+            return Err(fields.error(format!("a stream of kind {kind} and face {face} is unknown")));
+        }
+        if frame_count == 0 || u64::from(first_frame) + u64::from(frame_count) > u64::from(MAX_FRAME) {
             return Err(fields.error(format!("{frame_count} frames from frame {first_frame} on are impossible")));
         }
         Ok(WholeStream { kind, probe, face, group, first_frame, frame_count })
@@ -107,6 +112,16 @@ mod tests {
             assert!(ShardEntry::read(&bytes[..length]).is_err(), "{length}");
         }
         assert!(ShardEntry::read(&ShardEntry { number: 0, ..shard.clone() }.write()).is_err());
-        assert!(ShardEntry::read(&ShardEntry { number: 55, ..shard }.write()).is_err());
+        assert!(ShardEntry::read(&ShardEntry { number: 55, ..shard.clone() }.write()).is_err());
+        for illegal in [
+            WholeStream { kind: 4, ..stream(1, 6) },
+            stream(1, 7),
+            WholeStream { frame_count: 0, ..stream(1, 6) },
+            WholeStream { first_frame: MAX_FRAME - 239, ..stream(1, 6) },
+        ] {
+            let shard = ShardEntry { streams: vec![illegal], ..shard.clone() };
+            let message = ShardEntry::read(&shard.write()).unwrap_err().to_string();
+            assert!(message.ends_with("(formats/container.md 6.5)"), "{message}");
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use half::f16;
 use lightfold::color::{HalfKey, Sample};
-use lightfold::container::{Compression, Reader};
+use lightfold::container::{Compression, Fields, Reader};
 use lightfold::depth::domain::Domain;
 use lightfold::depth::mode_decision::Decide;
 use lightfold::depth::node_chunk::NodeChunk;
@@ -19,6 +19,7 @@ use lightfold::depth::predictive::{self, Levels, PredictiveChunk, PredictiveHead
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::effort::Effort;
+use lightfold::entropy::{self, Distribution};
 
 use crate::samples::{self, Shape};
 
@@ -83,7 +84,7 @@ fn predictive_header() -> PredictiveHeader {
     }
 }
 
-/// The payload of depth.md 15.9: the codes of depth.md 9, predicted.
+/// The payload of depth.md 15.10: the codes of depth.md 9, predicted.
 fn example_of_prediction() -> Vec<u8> {
     let first: Vec<u16> = (0..96).map(|at| code_of_example(at % 12, at / 12)).collect();
     let mut second = first.clone();
@@ -115,6 +116,22 @@ fn hex_lines(document: &str, number: usize) -> Vec<(usize, Vec<u8>)> {
         (hex(offset.trim()), bytes.split_whitespace().map(|byte| hex(byte) as u8).collect())
     };
     block.lines().map(line).collect()
+}
+
+#[test]
+fn the_substream_of_entropy_md_holds_what_it_says() {
+    let document = read("formats/entropy.md");
+    let (own, substream) = (hex_bytes(&document, 0), hex_bytes(&document, 1));
+    let distribution = Distribution::read(&mut Fields::new(&own, 0, ""), 3).unwrap();
+    assert_eq!([0, 1, 2].map(|symbol| distribution.frequency(symbol)), [2048, 1024, 1024]);
+    let mut decoder = entropy::Decoder::new(&substream);
+    let mut symbols = |count: usize| (0..count).map(|_| decoder.symbol(&distribution)).collect::<Vec<_>>();
+    assert_eq!(symbols(2), [0, 2]);
+    assert_eq!(decoder.bits(5), 19);
+    assert_eq!(decoder.symbol(&distribution), 1);
+    assert_eq!(decoder.bits(13), 5000);
+    let rest: Vec<_> = (0..3).map(|_| decoder.symbol(&distribution)).collect();
+    assert_eq!((rest, decoder.finished()), (vec![0, 2, 2], true));
 }
 
 #[test]
@@ -277,7 +294,7 @@ fn citations(text: &str, document: &str) -> Vec<String> {
 
 #[test]
 fn every_section_that_is_cited_exists() {
-    let documents = ["container.md", "depth.md", "color.md", "blocks.md", "arithmetic.md", "errata.md"];
+    let documents = ["container.md", "depth.md", "color.md", "blocks.md", "arithmetic.md", "entropy.md", "errata.md"];
     let mut files = Vec::new();
     files_below(root().join("src"), "rs", &mut files);
     files.extend(documents.map(|document| root().join("formats").join(document)));

@@ -87,16 +87,16 @@ fn valid_vectors_decode_to_their_images_in_any_order() {
     }
 }
 
-/// Runs decode.py; answers what it printed, and the refusals that it wrote.
-pub fn python(paths: &[PathBuf]) -> (String, String) {
-    let script = folder("decode.py");
+/// Runs a script of tests/vectors; returns what it printed, and the refusals that it wrote.
+pub fn python(script: &str, paths: &[PathBuf]) -> (String, String) {
+    let script = folder(script);
     let output = ["python3", "python"]
         .iter()
         .find_map(|python| Command::new(python).arg(&script).args(paths).output().ok())
-        .expect("this test runs tests/vectors/decode.py: install Python 3 so that `python3` can be found");
+        .expect("this test runs scripts of tests/vectors: install Python 3 so that `python3` can be found");
     let text = |bytes| String::from_utf8(bytes).unwrap().replace("\r\n", "\n");
     let (printed, refusals) = (text(output.stdout), text(output.stderr));
-    assert!(matches!(output.status.code(), Some(0 | 2)), "decode.py broke: {refusals}");
+    assert!(matches!(output.status.code(), Some(0 | 2)), "{} broke: {refusals}", script.display());
     (printed, refusals)
 }
 
@@ -104,10 +104,10 @@ pub fn python(paths: &[PathBuf]) -> (String, String) {
 fn the_decoder_written_from_the_documents_agrees() {
     let files = frozen("valid");
     let said = files.iter().map(|path| fs::read_to_string(path.with_extension("crc")).unwrap());
-    assert_eq!(python(&files), (said.collect(), String::new()));
+    assert_eq!(python("decode.py", &files), (said.collect(), String::new()));
 
     let files = frozen("invalid");
-    let (printed, refusals) = python(&files);
+    let (printed, refusals) = python("decode.py", &files);
     assert_eq!(printed, "");
     for path in files {
         let name = path.display().to_string();

@@ -7,6 +7,7 @@ use lightfold::depth::TemporalSettings;
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{closing_cells, shape};
+use crate::zstandard;
 
 fn temporal(keyframe_interval: u32) -> TemporalSettings {
     TemporalSettings { window: 1, epsilon: 0, max_aabbs: 8, keyframe_interval }
@@ -105,15 +106,13 @@ fn windowed() -> Vec<u8> {
         frame.extend_from_slice(&((at.len() as u32) << 3 | last).to_le_bytes()[..3]);
         frame.extend_from_slice(&raw[at]);
     }
-    of_frame(&frame, raw.len() as u8)
+    of_frame(&frame, raw.len())
 }
 
 /// [`Parts`] whose payload of so many bytes is stored as a Zstandard frame.
-fn of_frame(frame: &[u8], raw_bytes: u8) -> Vec<u8> {
+fn of_frame(frame: &[u8], raw_bytes: usize) -> Vec<u8> {
     let mut parts = Parts::new();
-    let head = frame.len() << 3 | 2;
-    assert!((0x80..0x4000).contains(&head) && raw_bytes < 0x80);
-    let front = [head as u8 | 0x80, (head >> 7) as u8, raw_bytes];
+    let front = [varint(frame.len() << 3 | 2), varint(raw_bytes)].concat();
     parts.chunks = [&front[..], &crc32fast::hash(frame).to_le_bytes(), &[3]].concat();
     parts.stored = frame.to_vec();
     parts.file()
@@ -190,7 +189,61 @@ pub fn valid_attributes() -> Vec<(&'static str, Vec<u8>)> {
     let unknown = with_attributes(2, b"\x03\x00a.b\x02\x00\xff\x05\x00z_9.z\x00");
     // A value that means nothing: no pixel depends on it.
     let known = with_attributes(1, b"\x05\x00shard\x01\x2a");
-    vec![("attributes", unknown), ("attributes-of-a-known-name", known)]
+    // Of one frame nothing stands in its place, of the other the first.
+    let missing =
+        with_value("frames.missing", &[missing(b"p", [1, 0], 0, u32::MAX), missing(b"p", [1, 0], 1, 0)].concat());
+    vec![("attributes", unknown), ("attributes-of-a-known-name", known), ("attributes-missing-frames", missing)]
+}
+
+/// [`Parts`] with one attribute.
+fn with_value(name: &str, value: &[u8]) -> Vec<u8> {
+    with_attributes(1, &[&[name.len() as u8, 0], name.as_bytes(), &varint(value.len()), value].concat())
+}
+
+/// A number below 2^14.
+fn varint(number: usize) -> Vec<u8> {
+    assert!(number < 0x4000);
+    if number < 0x80 { vec![number as u8] } else { vec![number as u8 | 0x80, (number >> 7) as u8] }
+}
+
+/// A row of `frames.missing`.
+fn missing(probe: &[u8], kind_and_face: [u8; 2], frame: u32, held: u32) -> Vec<u8> {
+    [&[probe.len() as u8, 0], probe, &kind_and_face, &frame.to_le_bytes(), &held.to_le_bytes()].concat()
+}
+
+/// A row of `probes.poses`.
+fn pose(probe: &[u8], frame: u32, x: f64) -> Vec<u8> {
+    let numbers = [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].map(f64::to_le_bytes).concat();
+    [&[probe.len() as u8, 0], probe, &frame.to_le_bytes(), &numbers].concat()
+}
+
+/// Values of attributes that break a rule of container.md 6.6.
+fn invalid_values() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    let frames = |rows: &[Vec<u8>]| with_value("frames.missing", &rows.concat());
+    let poses = |rows: &[Vec<u8>]| with_value("probes.poses", &rows.concat());
+    let depth = |frame, held| missing(b"p", [1, 0], frame, held);
+    let order = "rows do not ascend";
+    let number = "frame 2147483648, frames are numbered below 2147483648";
+    vec![
+        ("missing-frames-descend", frames(&[depth(1, 0), depth(0, 0)]), order),
+        ("missing-frames-kinds-descend", frames(&[depth(0, 0), missing(b"p", [0, 0], 1, 0)]), order),
+        ("missing-frames-probes-descend", frames(&[missing(b"q", [0, 0], 0, 0), depth(1, 0)]), order),
+        ("missing-frames-repeat", frames(&[depth(1, 0), depth(1, 0)]), order),
+        ("missing-frames-repeat-a-frame", frames(&[depth(1, 0), depth(1, u32::MAX)]), order),
+        ("missing-frames-number", frames(&[depth(1 << 31, 0)]), number),
+        ("missing-frames-held", frames(&[depth(1, 1 << 31)]), number),
+        ("missing-frames-kind", frames(&[missing(b"p", [4, 0], 1, 0)]), "a stream of kind 4 and face 0 is unknown"),
+        ("missing-frames-face", frames(&[missing(b"p", [1, 7], 1, 0)]), "a stream of kind 1 and face 7 is unknown"),
+        ("missing-frames-probe", frames(&[missing(b"p/q", [1, 0], 1, 0)]), "\"p/q\" is no name of a probe"),
+        ("missing-frames-cut", frames(&[depth(1, 0)[..12].to_vec()]), "more bytes expected"),
+        ("poses-descend", poses(&[pose(b"p", 1, 0.0), pose(b"p", 0, 0.0)]), order),
+        ("poses-repeat", poses(&[pose(b"p", 1, 0.0), pose(b"p", 1, 0.0)]), order),
+        ("poses-number", poses(&[pose(b"p", 1 << 31, 0.0)]), number),
+        ("poses-position", poses(&[pose(b"p", 0, f64::NAN)]), "a position is NaN"),
+        ("chromaticities-none", with_value("color.chromaticities", &[0; 32]), "span no colours"),
+        ("chromaticities-cut", with_value("color.chromaticities", &[0; 31]), "more bytes expected"),
+        ("clipped-pixels-longer", with_value("color.clipped_pixels", &[0; 9]), "1 bytes after the last field"),
+    ]
 }
 
 pub fn invalid_attributes() -> Vec<(&'static str, Vec<u8>, &'static str)> {
@@ -205,6 +258,9 @@ pub fn invalid_attributes() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("attributes-cut", with_attributes(1, b"\x01\x00a\x02\x00"), "2 more bytes expected, 1 left"),
         ("attributes-longer", with_attributes(1, b"\x01\x00a\x00\x00"), "1 bytes after the last field"),
     ]
+    .into_iter()
+    .chain(invalid_values())
+    .collect()
 }
 
 /// Name, bytes and a part of the message of every invalid vector.
@@ -296,6 +352,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("compact-longer", edited(&|parts| parts.rest.push(0)), "1 bytes after the last field"),
     ]
     .into_iter()
+    .chain(zstandard::refused().into_iter().map(|(name, frame, size, reason)| (name, of_frame(&frame, size), reason)))
     .chain(invalid_attributes())
     .collect()
 }

@@ -9,6 +9,7 @@ use lightfold::streams::AlphaHeader;
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};
+use crate::vectors_of_predictive_parts;
 
 fn header(bound: u16, pixels: Pixels) -> PredictiveHeader {
     let octave = if pixels == Pixels::None { 0 } else { 16_384 };
@@ -128,6 +129,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         let image = vec![(0..12 * 9).map(|at| [0, 254, 255, 256, 300, 65_534, u16::MAX][at % 7]).collect()];
         one(samples::alpha(shape(0, [12, 9], [16, 16], 0, 1), &image, AlphaHeader { keyframe_interval: 1 }))
     }));
+    all.extend(vectors_of_predictive_parts::valid());
     all
 }
 

@@ -1,4 +1,4 @@
-//! The frozen containers of [`crate::vectors`] whose colour is coded by a transform (formats/color.md 6 and 7).
+//! The frozen containers of [`crate::vectors`] whose colour is coded by a transform (formats/color.md 6).
 
 use half::f16;
 use lightfold::color::cells::builder::CellBuilder;
@@ -144,6 +144,26 @@ fn own_tables<S: Keyed>(seed: u64) -> Vec<u8> {
 }
 
 /// Chunks of cells between others.
+/// Half floats in keyframes and weights: payloads of first byte 255, of one frame and of the most.
+fn halves_in_chunks_of_cells() -> Vec<u8> {
+    let tables = Tables::default();
+    let mut random = Random(37);
+    let mut payload = |size: [usize; 2], frames: usize| {
+        let mut cell = CellBuilder::default();
+        let mut samples =
+            || (0..3 * size[0] * size[1]).map(|_| HalfKey::from_bits(random.below(0x7c00) as u16)).collect();
+        let first: Vec<HalfKey> = samples();
+        cell.push_keyframe(&first);
+        if frames > 1 {
+            cell.push_weight(51, frames as u32 - 2);
+            let last: Vec<HalfKey> = samples();
+            cell.push_keyframe(&last);
+        }
+        [vec![CELLS], cell.finish().unwrap()].concat()
+    };
+    container(&[stream::<HalfKey>(shape(4, [7, 5], [4, 5], 1, 99), &[1, 96, 2], &tables, &mut payload)])
+}
+
 fn chunks_of_cells() -> Vec<u8> {
     let tables = Tables::default();
     let mut random = Random(31);
@@ -269,6 +289,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         ("transform-half-palettes", palettes::<HalfKey>(700)),
         ("transform-half-own-tables", own_tables::<HalfKey>(800)),
         ("transform-half-encoded", encoded_halves()),
+        ("transform-half-chunks-of-cells", halves_in_chunks_of_cells()),
     ]
 }
 

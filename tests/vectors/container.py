@@ -1,6 +1,7 @@
 """Head, foot, index and chunks, for decode.py: written from formats/container.md 3 to 7 and from nothing else."""
 
 import lzma
+import math
 import re
 import unicodedata
 import zlib
@@ -8,6 +9,7 @@ import zlib
 import zstandard
 from fields import Fields, Refused, check
 
+PROBE_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
 MAX_SIZE = 16384
 MAX_FRAME = 1 << 31
 MAX_CHUNK_BYTES = 1 << 30
@@ -50,7 +52,7 @@ def read_foot(data):
 
 def read_probe(fields):
     name = fields.string()
-    check(re.fullmatch(r"[A-Za-z0-9_-][A-Za-z0-9._-]*", name), "a probe's name is illegal")
+    check(PROBE_NAME.fullmatch(name), "a probe's name is illegal")
     fields.take("7d")
     first, last = fields.take("II")
     check(first <= last < MAX_FRAME, "a probe's frames are illegal")
@@ -121,7 +123,66 @@ def read_attributes(fields):
         check(re.fullmatch("[a-z0-9_.]{1,64}", name), "an attribute's name is illegal")
         check(name > before, "attributes do not ascend by name")
         before = name
-        fields.bytes(fields.varint())
+        value = Fields(fields.bytes(fields.varint()))
+        VALUES.get(name, lambda value: value.bytes(len(value.data)))(value)
+        value.finish()
+
+
+# container.md 6.6 ----------------------------------------------------------------------------------------------------
+
+def read_chromaticities(fields):
+    numbers = fields.take("8f")
+    check(all(map(math.isfinite, numbers)) and all(numbers[1::2]), "chromaticities are illegal")
+    red, green, blue, white = ((x / y, 1, (1 - x - y) / y) for x, y in zip(numbers[::2], numbers[1::2]))
+    check(determinant(red, green, blue), "primaries span no colors")
+    parts = determinant(white, green, blue), determinant(red, white, blue), determinant(red, green, white)
+    check(all(parts), "primaries and white span no colors")
+
+
+def determinant(a, b, c):
+    return (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]))
+
+
+def read_probe_name(fields):
+    name = fields.string()
+    check(PROBE_NAME.fullmatch(name), "a probe's name is illegal")
+    return name
+
+
+def read_missing_frames(fields):
+    def row():
+        place = read_probe_name(fields), *fields.take("BBI")
+        check(place[1] <= 3 and place[2] <= 6, "a missing frame of an unknown kind or face")
+        held = fields.take("I")
+        check(place[3] < MAX_FRAME and (held < MAX_FRAME or held == 0xFFFFFFFF), "a frame's number is illegal")
+        return place
+    read_ascending(fields, row)
+
+
+def read_poses(fields):
+    def row():
+        place = read_probe_name(fields), fields.take("I")
+        check(place[1] < MAX_FRAME, "a frame's number is illegal")
+        fields.take("7d")
+        return place
+    read_ascending(fields, row)
+
+
+def read_ascending(fields, row):
+    before = None
+    while fields.at < len(fields.data):
+        place = row()
+        check(before is None or before < place, "rows do not ascend")
+        before = place
+
+
+VALUES = {
+    "color.chromaticities": read_chromaticities,
+    "color.clipped_pixels": lambda value: value.take("Q"),
+    "frames.missing": read_missing_frames,
+    "probes.poses": read_poses,
+}
 
 
 def read_tables(fields, end):
@@ -174,7 +235,7 @@ def read_compact_tables(fields, end):
 def read_compact_probe(fields, frames):
     flags, name = fields.take("B"), fields.string()
     check(flags < 8, "a probe's flags are unknown")
-    check(re.fullmatch(r"[A-Za-z0-9_-][A-Za-z0-9._-]*", name), "a probe's name is illegal")
+    check(PROBE_NAME.fullmatch(name), "a probe's name is illegal")
     fields.take("3d")
     if flags & 1:
         fields.take("4d")

@@ -78,7 +78,7 @@ def read_alpha_header(stream):
 
 
 class Symbols(Substream):
-    """color.md 7.2 with the contexts of depth.md 15.7."""
+    """entropy.md 3 with the contexts of depth.md 15.7."""
 
     def symbol(self, family, context=0):
         return self.owner(self.tables[DISTRIBUTION[FIRST[family] + context]])

@@ -1,4 +1,4 @@
-"""Cells coded by a transform, for decode.py: written from formats/color.md 6 and 7 and from nothing else."""
+"""Cells coded by a transform, for decode.py: written from formats/color.md 6 and entropy.md and from nothing else."""
 
 import math
 import os

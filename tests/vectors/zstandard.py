@@ -116,12 +116,14 @@ def fse_table(accuracy, counts):
 
 def huffman_table(weights):
     """Longest code and, for each value of so many bits, symbol and length (RFC 8878, 4.2.1)."""
+    check(max(weights) <= 11, "a weight of a Huffman table is too large")
     total = sum(1 << weight - 1 for weight in weights if weight)
     check(total, "a Huffman table is empty")
     longest = total.bit_length()
     rest = (1 << longest) - total
     check(rest & (rest - 1) == 0 and longest <= 11, "a Huffman table is illegal")
     weights = weights + [rest.bit_length()]
+    check(1 in weights, "no code of a Huffman table has its longest length")
     table = []
     for weight in range(1, longest + 1):
         for symbol, of_symbol in enumerate(weights):
@@ -205,13 +207,16 @@ class Frame:
         while not last:
             head = self.number(3)
             last, kind, size = head & 1, head >> 1 & 3, head >> 3
-            check(kind < 3 and size <= min(MAX_BLOCK, max(self.window, 1)), "a block is illegal")
+            most = min(MAX_BLOCK, self.window)
+            check(kind < 3 and size <= most, "a block is illegal")
+            start = len(self.out)
             if kind == 0:
                 self.out += self.bytes(size)
             elif kind == 1:
                 self.out += self.bytes(1) * size
             else:
                 self.block(self.bytes(size))
+            check(len(self.out) - start <= most, "a block has more bytes than it may")
             check(len(self.out) <= raw_bytes, "the content is longer")
         check(self.at == len(self.data), "bytes are left over")
         check(len(self.out) == raw_bytes, "the content is shorter")
@@ -240,12 +245,13 @@ class Frame:
             self.huffman, used = read_huffman(body)
         check(self.huffman, "a Huffman table is missing")
         body = body[used:]
+        check(count >= (6 if form else 1), "too few literals for their streams")
         if form == 0:
             return huffman_stream(body, count, self.huffman), head + size
         check(len(body) >= 6, "literals end early")
         jumps = [int.from_bytes(body[at:at + 2], "little") for at in (0, 2, 4)]
         part, at, out = (count + 3) // 4, 6, bytearray()
-        check(6 + sum(jumps) <= len(body) and 3 * part <= count, "literals end early")
+        check(6 + sum(jumps) <= len(body), "literals end early")
         for number in range(4):
             end = at + jumps[number] if number < 3 else len(body)
             out += huffman_stream(body[at:end], part if number < 3 else count - 3 * part, self.huffman)

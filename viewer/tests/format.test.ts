@@ -326,6 +326,17 @@ function pose(probe: string, frame: number, x: number): ["s" | "u" | "d", string
   ];
 }
 
+/** A row of frames.missing. */
+function missing(probe: string, frame: number, held: number): ["s" | "b" | "u", string | number][] {
+  return [
+    ["s", probe],
+    ["b", 1],
+    ["b", 0],
+    ["u", frame],
+    ["u", held],
+  ];
+}
+
 void test("attributes of the footage come back", () => {
   const usual = readFootage(new Map());
   assert.deepEqual([usual.chromaticities[0], usual.clippedPixels, usual.poses.size], [0.64, undefined, 0]);
@@ -378,7 +389,12 @@ void test("attributes that break a rule are refused", () => {
     ["missing frames, cut", () => footageOf("frames.missing", ...zeros(11))],
     ["kind unknown", () => footageOf("frames.missing", ["s", "a"], ["b", 4], ["b", 0], ["u", 0], ["u", 0])],
     ["face unknown", () => footageOf("frames.missing", ["s", "a"], ["b", 0], ["b", 7], ["u", 0], ["u", 0])],
-    ["missing frames twice", () => footageOf("frames.missing", ...zeros(24))],
+    ["a missing frame twice", () => footageOf("frames.missing", ...missing("a", 3, 2), ...missing("a", 3, 1))],
+    ["missing frames that descend", () => footageOf("frames.missing", ...missing("a", 3, 2), ...missing("a", 2, 1))],
+    ["a missing frame of no number", () => footageOf("frames.missing", ...missing("a", 2 ** 31, 2))],
+    ["a frame of no number in its place", () => footageOf("frames.missing", ...missing("a", 3, 2 ** 31))],
+    ["a missing frame of no probe", () => footageOf("frames.missing", ...missing("a/b", 3, 2))],
+    ["a pose in a frame of no number", () => footageOf("probes.poses", ...pose("a", 2 ** 31, 0))],
     ["poses, cut", () => footageOf("probes.poses", ...zeros(61))],
     ["poses twice", () => footageOf("probes.poses", ...pose("a", 1, 0), ...pose("a", 1, 1))],
     ["poses that descend", () => footageOf("probes.poses", ...pose("b", 1, 0), ...pose("a", 2, 0))],

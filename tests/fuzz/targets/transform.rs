@@ -49,7 +49,7 @@ impl Case {
         if self.own_sets.is_empty() {
             return Ok(Tables::default());
         }
-        let mut fields = Fields::new(&self.own_sets, 0, "color.md 6.7");
+        let mut fields = Fields::new(&self.own_sets, 0, "entropy.md 4");
         let count = fields.u8()?;
         let tables = Tables::read(&mut fields, count)?;
         fields.finish()?;

@@ -158,7 +158,7 @@ function setOf(alphabets: ArrayLike<number>, frequency: () => number, isWhole: b
     for (let symbol = 1; symbol < alphabets[at]; symbol += 1) {
       sum += frequency();
       if (sum > SLOTS) {
-        throw new FormatError(`The frequencies of distribution ${at} sum to more than ${SLOTS} (color.md 6.7).`);
+        throw new FormatError(`The frequencies of distribution ${at} sum to more than ${SLOTS} (entropy.md 4).`);
       }
       starts[first + symbol] = sum;
     }
@@ -169,7 +169,7 @@ function setOf(alphabets: ArrayLike<number>, frequency: () => number, isWhole: b
   return distributionsOf(starts);
 }
 
-/** Reads the own table sets of a codec header (color.md 6.7): `varint` gives its next number (container.md 1). `count` is 0 to 8, else a
+/** Reads the own table sets of a codec header (entropy.md 4): `varint` gives its next number (container.md 1). `count` is 0 to 8, else a
  *  FormatError. */
 export function readTables(model: ModelName, count: number, varint: () => number): EntropyTables {
   if (count > MOST_OWN_SETS) {

@@ -1,4 +1,4 @@
-// rANS with static distributions: formats/color.md 7, which formats/depth.md 15 shares.
+// rANS with static distributions: formats/entropy.md.
 
 /** Most values of a symbol. */
 export const SYMBOLS = 16;
@@ -14,7 +14,7 @@ const LOW = 0x10000;
 /** Most bits of one raw value; longer ones are two. */
 const RAW_BITS = 12;
 
-/** Distributions of symbols in 4096ths (color.md 7.1). Plain data, which can be sent to a worker. */
+/** Distributions of symbols in 4096ths (entropy.md 2). Plain data, which can be sent to a worker. */
 export interface Distributions {
   /** 17 numbers for each distribution: symbol s owns the slots from number s to before number s + 1, the last is 4096. */
   starts: Uint16Array;
@@ -38,7 +38,7 @@ export function distributionsOf(starts: Uint16Array): Distributions {
   return { starts, buckets };
 }
 
-/** Reads symbols and raw bits of one substream (color.md 7.2). Words behind its end are read as 0: see `isShort`. */
+/** Reads symbols and raw bits of one substream (entropy.md 3). Words behind its end are read as 0: see `isShort`. */
 export class RansDecoder {
   readonly #bytes: Uint8Array;
   readonly #starts: Uint16Array;

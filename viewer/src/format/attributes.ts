@@ -1,7 +1,7 @@
 // Attributes of a container, and what those of the footage say (formats/container.md 6.4 to 6.6).
 
 import { FileFields, quoted } from "./bytes.ts";
-import { readOrientation, readPosition } from "./index_tables.ts";
+import { MOST_FRAME, PROBE_NAME, readOrientation, readPosition } from "./index_tables.ts";
 import { FormatError, type Quaternion, type StreamKind, type Vec3 } from "./types.ts";
 
 const LEAST_ATTRIBUTE_BYTES = 4;
@@ -125,23 +125,41 @@ function tripleProduct(a: number[], b: number[], c: number[]): number {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/** Reads a row after `before`; rows ascend by their fields. */
+/** Reads a probe's name (container.md 4). */
+function readProbeName(fields: FileFields): string {
+  const start = fields.at;
+  const name = fields.string("A probe's name");
+  if (!PROBE_NAME.test(name)) {
+    throw fields.error(`${quoted(name)} is no name of a probe`, start);
+  }
+  return name;
+}
+
+function checkFrame(fields: FileFields, start: number, frame: number): void {
+  if (frame >= MOST_FRAME) {
+    throw fields.error(`A row names frame ${frame}, frames are numbered below ${MOST_FRAME}`, start);
+  }
+}
+
+/** Reads a row after `before`; rows ascend by probe, kind, face and frame. */
 function readMissingFrame(fields: FileFields, before: MissingFrame | undefined): MissingFrame {
   const start = fields.at;
-  const probe = fields.string("A probe's name");
+  const probe = readProbeName(fields);
   const [kind, face, frame, held] = [fields.u8(), fields.u8(), fields.u32(), fields.u32()];
   if (kind >= STREAM_KINDS.length || face > 6) {
     throw fields.error(`A missing frame is of kind ${kind} and face ${face}, which is unknown`, start);
   }
   const row = { probe, kind: STREAM_KINDS[kind], face, frame, held: held === NO_FRAME ? undefined : held };
+  checkFrame(fields, start, frame);
+  checkFrame(fields, start, row.held ?? 0);
   if (before && !ascends(keyOf(before), keyOf(row))) {
     throw fields.error("Rows of missing frames do not ascend", start);
   }
   return row;
 }
 
-function keyOf({ probe, kind, face, frame, held }: MissingFrame): (string | number)[] {
-  return [probe, STREAM_KINDS.indexOf(kind), face, frame, held ?? NO_FRAME];
+function keyOf({ probe, kind, face, frame }: MissingFrame): (string | number)[] {
+  return [probe, STREAM_KINDS.indexOf(kind), face, frame];
 }
 
 /** Whether a list of the same types stands before another. Names of probes are ASCII, whose order is that of their bytes. */
@@ -155,8 +173,9 @@ function readPoses(fields: FileFields): ReadonlyMap<string, readonly FramePose[]
   let before: [string, number] | undefined;
   while (fields.remaining > 0) {
     const start = fields.at;
-    const probe = fields.string("A probe's name");
+    const probe = readProbeName(fields);
     const frame = fields.u32();
+    checkFrame(fields, start, frame);
     const position = readPosition(fields, "A position");
     const orientation = readOrientation(fields, "An orientation");
     if (before && !ascends(before, [probe, frame])) {

@@ -15,7 +15,7 @@ import {
 /** Bytes of the head of a file, before which no chunk lies. */
 export const HEAD_BYTES = 16;
 const MOST_SIZE = 16_384;
-const MOST_FRAME = 2 ** 31;
+export const MOST_FRAME = 2 ** 31;
 const MOST_CHUNK_BYTES = 2 ** 30;
 /** Rows of the chunk table that this player reads; each takes some hundred bytes of memory. */
 const MOST_CHUNKS = 2 ** 22;
@@ -23,7 +23,7 @@ const MOST_CHUNKS = 2 ** 22;
 const MOST_EXPANSION: Readonly<Record<Storage, number>> = { raw: 1, lzma2: 16_384, zstd: 32_768 };
 /** How chunks are stored, by number. */
 export const STORAGES: readonly Storage[] = ["raw", "lzma2", "zstd"];
-const PROBE_NAME = /^[A-Za-z0-9_-][A-Za-z0-9._-]*$/u;
+export const PROBE_NAME = /^[A-Za-z0-9_-][A-Za-z0-9._-]*$/u;
 
 /** A row of the stream table (container.md 5), whose codec header is not read. */
 export interface StreamRow {

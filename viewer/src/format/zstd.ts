@@ -18,7 +18,8 @@ const MAGIC = 0xfd2fb528;
 const MOST_WINDOW = 1 << 24;
 const MOST_BLOCK = 1 << 17;
 /** Offsets of codes above it reach beyond any window. */
-const MOST_OFFSET_CODE = 25;
+const MOST_OFFSET_CODE = 24;
+const LEAST_OF_FOUR_STREAMS = 6;
 
 /** Least value and number of extra bits of each code. */
 interface LengthCodes {
@@ -90,7 +91,7 @@ class Frame {
   }
 
   decode(): Uint8Array {
-    const mostBlock = Math.min(MOST_BLOCK, Math.max(this.window, 1));
+    const mostBlock = Math.min(MOST_BLOCK, this.window);
     for (let isLast = false; !isLast;) {
       const head = this.number(3);
       isLast = (head & 1) === 1;
@@ -205,6 +206,9 @@ class Frame {
     }
     if (!this.huffman) {
       throw damagedFrame("a Huffman table is missing");
+    }
+    if (count < (form === 0 ? 1 : LEAST_OF_FOUR_STREAMS)) {
+      throw damagedFrame(`${form === 0 ? "a Huffman stream" : "four streams"} of ${count} literals`);
     }
     const out = new Uint8Array(count);
     if (form === 0) {
@@ -334,7 +338,7 @@ function fourStreams(body: Uint8Array, huffman: HuffmanTable, out: Uint8Array): 
   const part = (out.length + 3) >>> 2;
   const ends = [0, 2, 4].map((at) => body[at] | (body[at + 1] << 8));
   const sizes = ends.reduce((sum, size) => sum + size, 6);
-  if (body.length < 6 || sizes > body.length || 3 * part > out.length) {
+  if (body.length < 6 || sizes > body.length) {
     throw damagedFrame("literals end early");
   }
   let at = 6;

@@ -151,12 +151,13 @@ const MOST_HUFFMAN_BITS = 11;
 
 function huffmanTable(weights: number[]): HuffmanTable {
   const total = weights.reduce((sum, weight) => sum + (weight > 0 ? 2 ** (weight - 1) : 0), 0);
-  const longest = 32 - Math.clz32(total);
+  const longest = total > 0 && total < 1 << MOST_HUFFMAN_BITS ? 32 - Math.clz32(total) : 0;
   const rest = 2 ** longest - total;
-  if (total === 0 || longest > MOST_HUFFMAN_BITS || (rest & (rest - 1)) !== 0) {
+  const all = [...weights, 32 - Math.clz32(rest)];
+  // A code of which no symbol has the longest length is one of fewer bits.
+  if (longest === 0 || (rest & (rest - 1)) !== 0 || !all.includes(1)) {
     throw damagedFrame("a Huffman table is illegal");
   }
-  const all = [...weights, 32 - Math.clz32(rest)];
   const rows = new Uint16Array(1 << longest);
   let at = 0;
   for (let weight = 1; weight <= longest; weight += 1) {

@@ -20,7 +20,7 @@ export function prepareColor(header: ColorHeader, payload: Uint8Array, area: Chu
   return prepareTransform(chunk.transform, payload, area.frames);
 }
 
-/** What the state of a substream of fewer than four bytes counts from (formats/color.md 7.2). */
+/** What the state of a substream of fewer than four bytes counts from (formats/entropy.md 3). */
 const LEAST_STATE = 2 ** 16;
 
 /** A timeline without anything. Its arrays are of one chunk alone, as they may be transferred. */

@@ -1,5 +1,5 @@
 // The tables of the transform codec as the device has them: those of the format, then the table sets of streams
-// (src/gpu/transform_tables.rs; formats/color.md 6 and 7).
+// (src/gpu/transform_tables.rs; formats/color.md 6, entropy.md).
 
 import type { ColorHeader } from "../../format/types.ts";
 import { colorModel, type EntropyTables, tableSets } from "../entropy.ts";
