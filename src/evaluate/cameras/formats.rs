@@ -55,6 +55,7 @@ impl CameraFormat {
             return CameraFormat::Gltf;
         }
         match serde_json::from_slice::<Value>(bytes) {
+            Ok(document) if own::has_probes(&document) => CameraFormat::Lightfold,
             Ok(document) if document.get("asset").is_some() => CameraFormat::Gltf,
             Ok(document) if transforms::is_of(&document) => CameraFormat::Transforms,
             _ => CameraFormat::Lightfold,
