@@ -33,7 +33,8 @@ const FORMATS: &Choices<CameraFormat> = &[
     lightfold cameras shot.usda -o path.json\n  \
     lightfold cameras shot.glb --fps 25 -o transforms.json\n  \
     lightfold cameras path.json --size 1920x1080 -o colmap --format colmap\n\n\
-    IN is recognised by its content: a container, a dataset, or a file of cameras in any of the formats. Without --format OUT is one \
+    IN is recognised by its content: a container, a dataset, a file of cameras in any of the formats, or a file of probes to capture, as \
+    place and interpolate --cameras-out write it. Without --format OUT is one \
     by its name: transforms*.json, other .json files are lightfold's, .glb, .usda, and a folder is COLMAP's.\n\n\
     A perspective probe is one camera, a cube map six of 90 degrees, which see its faces the right way round; in datasets they are \
     stored mirrored. A probe that moves has them in each frame. Pictures in transforms.json and images.txt have the names that render gives them: lightfold render film.lfold \
@@ -43,7 +44,7 @@ const FORMATS: &Choices<CameraFormat> = &[
     orthographic ones are refused. Clip planes are written and not read. Times of glTF become frames by --fps, time codes of USD are \
     frames.")]
 pub struct Args {
-    /// A container, a dataset, or a file of cameras
+    /// A container, a dataset, a file of cameras, or one of probes to capture
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// The file or folder to write, - for standard output
@@ -116,11 +117,7 @@ fn read(args: &Args) -> Result<(Vec<FileCamera>, f64)> {
         _ => dataset_fps(input)?,
     };
     let fps = args.fps.or(fps_of_field).unwrap_or(FPS);
-    let cameras = match fps_of_field {
-        Some(_) => cameras::of_probes(input)?,
-        None => cameras::read(input, fps)?,
-    };
-    Ok((cameras, fps))
+    Ok((cameras::read(input, fps)?, fps))
 }
 
 /// The frames per second of a dataset; none of what is no dataset.

@@ -28,7 +28,7 @@ use crate::report::coding_map::counted;
     Light that a container's 8 bits clipped is a difference: it is compared unclipped, and the exit code is 1, unless \
     --allow-clipping is given. Colours of other primaries are converted to those of the side whose encoding is used.\n\n\
     Exit codes: 0 all bounds hold; 1 a bound is exceeded, colour is clipped, bits differ (--exact), or streams or frames are missing although \
-    a bound or --exact was given; 2 bad input; 75 a file is not there yet, or may be read later."
+    a bound or --exact was given; 2 bad input; 75 an image is not there yet, or a file may be read later."
 )]
 pub struct Args {
     /// First side and reference; - for a container on standard input

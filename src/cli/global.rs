@@ -74,7 +74,7 @@ pub fn exit_code(error: &Error) -> u8 {
     }
 }
 
-/// Errors of the system that the same command meets again are bad input. All others may pass: a file that is not there yet, a
+/// Errors of the system that the same command meets again are bad input. All others may pass: an image that is not there yet, a
 /// full disk, a lost mount, a lock; many of them have no name in [`ErrorKind`].
 fn code_of_kind(kind: ErrorKind) -> u8 {
     use ErrorKind::{

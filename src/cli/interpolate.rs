@@ -26,8 +26,9 @@ use crate::epipolar::pipeline::{Picture, Request, Settings, Summary, between, in
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
+use crate::evaluate::camera_file::placed;
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::Pattern;
+use crate::image::{FrameRange, Pattern};
 use crate::monitor::Monitor;
 use crate::report::interpolation::Quality;
 use crate::report::machine;
@@ -45,13 +46,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check_device()?;
     let mut notes = Vec::new();
     let mut input = Input::open(args, &mut notes)?;
-    let views = input.views(args)?;
+    let frames = input.frames(args, &mut notes)?;
+    let views = input.views(args, frames.first)?;
     if matches!(input, Input::Images(_)) && views.baseline_m() == 0.0 && args.views > 1 {
         notes.push(
             "the sources stand in one place: all views are equal; choose probes side by side, or --baseline".into(),
         );
     }
-    let (range, frames) = (args.range()?, args.frame_range());
+    let range = args.range()?;
     input.check_frames(args, frames)?;
     args.check_outputs(&input)?;
     // From here on a stop is noticed, and leaves no unfinished files.
@@ -104,7 +106,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if let Some(outputs) = &mut run.outputs {
         outputs.begin(&fingerprint(args, &input, &grid, (&settings, &device)), all, (args.resume, global))?;
     }
-    let summary = run.all_frames(&mut input, &grid, settings).map_err(|error| match &mut run.outputs {
+    let summary = run.all_frames(&mut input, (&grid, frames), settings).map_err(|error| match &mut run.outputs {
         Some(outputs) => outputs.stopped(error, all),
         None => error,
     })?;
@@ -191,22 +193,14 @@ fn fingerprint(
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-/// The cameras of all views, for `capture`.
+/// The cameras of all views.
 fn cameras(grid: &GridViews) -> Result<CameraSet> {
     let mut cameras = Vec::new();
     for row in 0..grid.ups_m.len() {
         let views = grid.views_of(row)?;
         for &offset_m in &views.offsets_m {
-            let camera = views.camera(offset_m)?;
-            let (window, half) = (camera.window(), camera.half());
-            let shift = [(window.u, half[0]), (window.v, half[1])].map(|([from, to], half)| 0.25 * (from + to) / half);
-            cameras.push(PlacedCamera {
-                name: Some(format!("{:04}", cameras.len())),
-                orientation: camera.orientation(),
-                fov_y_deg: Some(2.0 * half[1].atan().to_degrees()),
-                shift: (shift != [0.0; 2]).then_some(shift),
-                ..PlacedCamera::at(camera.eye().to_array())
-            });
+            let name = Some(format!("{:04}", cameras.len()));
+            cameras.push(PlacedCamera { name, ..placed(&views.camera(offset_m)?) });
         }
     }
     Ok(CameraSet::new(cameras))
@@ -240,10 +234,15 @@ fn alone(
 
 impl Run<'_, '_> {
     /// All views that no earlier run has made.
-    fn all_frames(&mut self, input: &mut Input, grid: &GridViews, mut settings: Settings) -> Result<Summary> {
+    fn all_frames(
+        &mut self,
+        input: &mut Input,
+        (grid, frames): (&GridViews, FrameRange),
+        mut settings: Settings,
+    ) -> Result<Summary> {
         let range = self.args.range()?;
         let mut summary = Summary::default();
-        for frame in self.args.frame_range().iter() {
+        for frame in frames.iter() {
             self.frame = frame;
             let begun = Instant::now();
             let now = input.frame(self.args, frame)?;

@@ -22,6 +22,7 @@ mod init;
 mod inspect;
 mod interpolate;
 pub mod man;
+mod mistyped;
 mod options;
 mod output;
 mod outputs;
@@ -70,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(ExitStatus::Passed) => ExitCode::SUCCESS,
         Ok(ExitStatus::Failed) => ExitCode::from(EXIT_FAILED),
         Err(error) => {
+            let error = mistyped::judge(error, &arguments);
             let code = exit_code(&error);
             // Whoever closes our output wants no more of it.
             if code != EXIT_BROKEN_PIPE {

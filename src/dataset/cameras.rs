@@ -41,6 +41,10 @@ pub struct PlacedCamera {
     /// Vertical field of view in degrees, for perspective captures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_y_deg: Option<f64>,
+    /// Width of its image over the height, for perspective captures; that of the images to capture when absent, and 1 where there are
+    /// none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aspect: Option<f64>,
     /// Middle of its image beside the viewing axis, in widths to the right and heights down, for perspective captures; none when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shift: Option<[f64; 2]>,
@@ -143,6 +147,18 @@ impl CameraSet {
         json::pretty(self)
     }
 
+    /// The aspect of the cameras' images, if any states one; fails where they differ.
+    pub fn aspect(&self) -> Result<Option<f64>> {
+        let mut aspects = self.cameras.iter().filter_map(|camera| camera.aspect);
+        let first = aspects.next();
+        match first.is_some_and(|first| aspects.any(|other| other != first)) {
+            true => {
+                Err(Error::invalid("cameras of different \"aspect\" cannot be captured together: use a file for each"))
+            }
+            false => Ok(first),
+        }
+    }
+
     pub fn name_of(&self, camera: usize) -> String {
         let digits = (self.cameras.len().saturating_sub(1)).to_string().len().max(2);
         let name = self.cameras.get(camera).and_then(|camera| camera.name.clone());
@@ -165,6 +181,9 @@ impl CameraSet {
             let name = self.name_of(at);
             if let Some(fault) = pose_fault(&name, camera.position, camera.orientation, camera.fov_y_deg) {
                 return wrong(fault);
+            }
+            if camera.aspect.is_some_and(|aspect| !(aspect.is_finite() && aspect > 0.0)) {
+                return wrong("\"aspect\" must be a finite number above 0");
             }
             if camera.shift.is_some_and(|shift| shift.iter().any(|at| !at.is_finite())) {
                 return wrong("\"shift\" must be two finite numbers");
@@ -256,6 +275,7 @@ mod tests {
             (r#"{"position": [0, 0, 0], "name": "01"}, {"position": [0, 0, 0]}"#, "another camera"),
             (r#"{"position": [0, 0, 0], "orientation": [0, 0, 0, 2]}"#, "quaternion"),
             (r#"{"position": [0, 0, 0], "fov_y_deg": 180}"#, "fov_y_deg"),
+            (r#"{"position": [0, 0, 0], "aspect": 0}"#, "aspect"),
             (r#"{"position": [0, 0, 0], "shift": [0, 1e999]}"#, "JSON"),
             (r#"{"position": [0, 0, 0], "frames": [2, 1]}"#, "frames"),
             (r#"{"position": [0, 0, 0], "colour": 1}"#, "colour"),

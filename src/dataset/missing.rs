@@ -1,12 +1,11 @@
 //! Frames whose files are missing, and what stands in their place.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::image::{FrameRange, Pattern, Sequence};
+use crate::image::{FolderNames, FrameRange, Pattern, Sequence};
 
 /// Treatment of frames whose file is missing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,20 +34,40 @@ impl Missing {
     }
 }
 
-/// The files of a stream's frames.
+/// The files of a stream's frames. Memory and time are in proportion to the files that are there, not to the frames.
 #[derive(Debug, Clone)]
 pub(super) struct FrameFiles {
     sequence: Sequence,
-    /// Frames without a file, and the frame in their place; none for black.
-    stand_ins: BTreeMap<u32, Option<u32>>,
+    gaps: Option<Gaps>,
+}
+
+/// Frames without a file.
+#[derive(Debug, Clone)]
+struct Gaps {
+    /// Frames with a file, ascending and not empty.
+    there: Vec<u32>,
+    /// Black stands in for the others; else the last frame before them that is there, or the first one.
+    are_black: bool,
+}
+
+impl Gaps {
+    fn stand_in(&self, frame: u32) -> Option<u32> {
+        let before = self.there.partition_point(|there| *there <= frame).saturating_sub(1);
+        (!self.are_black).then_some(self.there[before])
+    }
 }
 
 impl FrameFiles {
-    /// Those of a pattern whose range is known.
-    pub fn known(pattern: Pattern, frames: FrameRange, missing: Missing) -> Result<FrameFiles> {
+    /// Those of a pattern whose range is known. Each folder is listed once for all calls with the same `folders`.
+    pub fn known(
+        pattern: Pattern,
+        frames: FrameRange,
+        missing: Missing,
+        folders: &mut FolderNames,
+    ) -> Result<FrameFiles> {
         match missing {
             Missing::Error => Sequence::known(pattern, frames).map(FrameFiles::whole),
-            _ => FrameFiles::with_gaps(Sequence::unchecked(pattern, frames), missing),
+            _ => FrameFiles::with_gaps(Sequence::unchecked(pattern, frames), missing, folders),
         }
     }
 
@@ -56,42 +75,42 @@ impl FrameFiles {
     pub fn find(spec: &str, frames: Option<FrameRange>, missing: Missing) -> Result<FrameFiles> {
         match missing {
             Missing::Error => Sequence::find(spec, frames).map(FrameFiles::whole),
-            _ => FrameFiles::with_gaps(Sequence::find_with_gaps(spec, frames)?, missing),
+            _ => {
+                let sequence = Sequence::find_with_gaps(spec, frames)?;
+                FrameFiles::with_gaps(sequence, missing, &mut FolderNames::default())
+            }
         }
     }
 
     fn whole(sequence: Sequence) -> FrameFiles {
-        FrameFiles { sequence, stand_ins: BTreeMap::new() }
+        FrameFiles { sequence, gaps: None }
     }
 
-    fn with_gaps(mut sequence: Sequence, missing: Missing) -> Result<FrameFiles> {
-        let is_there = |frame: &u32| sequence.path(*frame).is_file();
-        let there: Vec<u32> = sequence.frames.iter().filter(is_there).collect();
+    fn with_gaps(mut sequence: Sequence, missing: Missing, folders: &mut FolderNames) -> Result<FrameFiles> {
+        let frames = sequence.frames;
+        if !sequence.has_field() && sequence.path(frames.first).is_file() {
+            return Ok(FrameFiles::whole(sequence));
+        }
+        let mut there = sequence.frames_there(folders)?;
         let (Some(&first), Some(&last)) = (there.first(), there.last()) else {
-            let message = format!("none of the frames {} is there", sequence.frames);
-            return Err(Error::invalid(message).in_file(sequence.path(sequence.frames.first)));
+            let message = format!("none of the frames {frames} is there");
+            return Err(Error::invalid(message).in_file(sequence.path(frames.first)));
         };
         if missing == Missing::Skip {
             sequence.frames = FrameRange { first, last };
-        }
-        let mut stand_ins = BTreeMap::new();
-        let (mut held, mut next) = (first, there.iter().copied().peekable());
-        for frame in sequence.frames.iter() {
-            match next.next_if_eq(&frame) {
-                Some(frame) => held = frame,
-                None if missing == Missing::Skip => {
-                    let message = format!(
-                        "frame {frame} is missing between frames {first} and {last}, and streams have no gaps: set `missing` to \
-                         hold or black"
-                    );
-                    return Err(Error::invalid(message).in_file(sequence.path(frame)));
-                }
-                None => {
-                    stand_ins.insert(frame, (missing == Missing::Hold).then_some(held));
-                }
+            if let Some(gap) = there.windows(2).find(|pair| pair[0] + 1 < pair[1]) {
+                let frame = gap[0] + 1;
+                let message = format!(
+                    "frame {frame} is missing between frames {first} and {last}, and streams have no gaps: set `missing` to hold \
+                     or black"
+                );
+                return Err(Error::invalid(message).in_file(sequence.path(frame)));
             }
         }
-        Ok(FrameFiles { sequence, stand_ins })
+        there.shrink_to_fit();
+        let has_all = there.len() as u64 == sequence.frames.count();
+        let gaps = (!has_all).then_some(Gaps { there, are_black: missing == Missing::Black });
+        Ok(FrameFiles { sequence, gaps })
     }
 
     pub fn frames(&self) -> FrameRange {
@@ -100,18 +119,27 @@ impl FrameFiles {
 
     /// The file of a frame, or of that in its place; none for black.
     pub fn path(&self, frame: u32) -> Option<PathBuf> {
-        let from = self.stand_ins.get(&frame).copied().unwrap_or(Some(frame));
+        let is_missing = |gaps: &&Gaps| gaps.there.binary_search(&frame).is_err();
+        let from = self.gaps.as_ref().filter(is_missing).map_or(Some(frame), |gaps| gaps.stand_in(frame));
         from.map(|frame| self.sequence.path(frame))
     }
 
     /// The files that are there.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
-        self.frames().iter().filter(|frame| !self.stand_ins.contains_key(frame)).map(|frame| self.sequence.path(frame))
+        let sequence = &self.sequence;
+        let all = self.gaps.is_none().then(|| sequence.files()).into_iter().flatten();
+        let there = self.gaps.iter().flat_map(|gaps| &gaps.there).map(|&frame| sequence.path(frame));
+        all.chain(there)
     }
 
     /// Frames without a file, and the frame in their place; none for black.
     pub fn stand_ins(&self) -> impl Iterator<Item = (u32, Option<u32>)> {
-        self.stand_ins.iter().map(|(frame, held)| (*frame, *held))
+        let FrameRange { first, last } = self.frames();
+        self.gaps.iter().flat_map(move |gaps| {
+            let mut there = gaps.there.iter().copied().peekable();
+            let is_missing = move |frame: &u32| there.next_if_eq(frame).is_none();
+            (first..=last).filter(is_missing).map(move |frame| (frame, gaps.stand_in(frame)))
+        })
     }
 }
 
@@ -126,7 +154,9 @@ mod tests {
             std::fs::write(folder.path().join(format!("d.{frame:04}.exr")), b"").unwrap();
         }
         let pattern = || Pattern::parse("d.%04d.exr").unwrap().below(folder.path());
-        let known = |first, last, missing| FrameFiles::known(pattern(), FrameRange { first, last }, missing);
+        let known = |first, last, missing| {
+            FrameFiles::known(pattern(), FrameRange { first, last }, missing, &mut FolderNames::default())
+        };
         let held = known(2, 8, Missing::Hold).unwrap();
         let expected = [(2, Some(3)), (5, Some(4)), (6, Some(4)), (8, Some(7))];
         assert!(held.stand_ins().eq(expected), "{held:?}");
@@ -145,5 +175,45 @@ mod tests {
         let found = FrameFiles::find(spec.to_str().unwrap(), None, Missing::Hold).unwrap();
         assert!(found.stand_ins().eq([(5, Some(4)), (6, Some(4))]), "{found:?}");
         assert_eq!(found.frames(), FrameRange { first: 3, last: 7 });
+    }
+
+    #[test]
+    fn a_range_costs_what_its_files_cost() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["d.0003.exr", "d.4000000000.exr", "d.00007.exr", "d.0005.exr.txt", "c.0004.exr"] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+        }
+        std::fs::create_dir(folder.path().join("d.0009.exr")).unwrap();
+        let range = FrameRange { first: 0, last: u32::MAX };
+        let mut folders = FolderNames::default();
+        let mut known = |pattern: &str, missing| {
+            let pattern = Pattern::parse(pattern).unwrap().below(folder.path());
+            FrameFiles::known(pattern, range, missing, &mut folders)
+        };
+        for missing in [Missing::Hold, Missing::Black] {
+            // A pass over all frames would take minutes, and a row for each of them 32 GiB.
+            let files = known("d.%04d.exr", missing).unwrap();
+            assert_eq!((files.frames(), files.files().count()), (range, 2));
+            let held = |frame| files.path(frame).map(|path| path.file_name().unwrap().to_string_lossy().into_owned());
+            let gap = |name: &str| (missing == Missing::Hold).then(|| name.to_owned());
+            assert_eq!(held(0), gap("d.0003.exr"));
+            assert_eq!(held(3), Some("d.0003.exr".to_owned()));
+            assert_eq!(held(3_999_999_999), gap("d.0003.exr"));
+            assert_eq!(held(u32::MAX), gap("d.4000000000.exr"));
+            let first = [0, 1, 2, 4].map(|frame| (frame, (missing == Missing::Hold).then_some(3)));
+            assert!(files.stand_ins().take(4).eq(first));
+        }
+        let words = known("d.%04d.exr", Missing::Skip).unwrap_err().to_string();
+        assert!(words.contains("frame 4 is missing between frames 3 and 4000000000"), "{words}");
+        assert_eq!(known("c.%04d.exr", Missing::Skip).unwrap().frames(), FrameRange { first: 4, last: 4 });
+        let one = known("c.0004.exr", Missing::Hold).unwrap();
+        assert_eq!((one.path(77), one.stand_ins().next()), (Some(folder.path().join("c.0004.exr")), None));
+        for missing in [Missing::Error, Missing::Hold] {
+            assert_eq!(known("c.0004.exr", missing).unwrap().files().count(), 1, "one file for all frames");
+        }
+        for nothing in ["e.%04d.exr", "e.exr", "none/d.%04d.exr"] {
+            let words = known(nothing, Missing::Hold).unwrap_err().to_string();
+            assert!(words.contains("none of the frames 0-4294967295 is there"), "{words}");
+        }
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::source::{SourceView, in_order};
 use crate::error::{Error, Result};
 use crate::evaluate::reference::{Reference, ReferenceImage};
-use crate::image::Face;
+use crate::image::{Face, FrameRange};
 use crate::math::Camera;
 
 /// Metres by which a camera may stand beside the line, as a part of its length.
@@ -29,14 +29,27 @@ pub struct CapturedSources {
 impl CapturedSources {
     /// Refuses probes, by name, without an image of a face in a frame.
     pub fn check_probes(reference: &Reference, probes: &[String], face: Face, frame: u32) -> Result<()> {
-        probes.iter().try_for_each(|probe| find(reference, probe, face, frame).map(drop))
+        probes.iter().try_for_each(|probe| find(reference, probe, face, Some(frame)).map(drop))
+    }
+
+    /// Frames that all of some probes, by name, have images of a face in.
+    pub fn frames(reference: &Reference, probes: &[String], face: Face) -> Result<FrameRange> {
+        let mut common: Option<FrameRange> = None;
+        for probe in probes {
+            let image = &reference.images[find(reference, probe, face, None)?];
+            let frames = common.map_or(Some(image.frames), |common| common.intersect(image.frames));
+            let none = || Error::Usage(format!("the probes {} have no frame in common", probes.join(", ")));
+            common = Some(frames.ok_or_else(none)?);
+        }
+        common.ok_or_else(no_probes)
     }
 
     /// The images of some probes, by name, and one face, in a frame.
     pub fn read(reference: &mut Reference, probes: &[String], face: Face, frame: u32) -> Result<CapturedSources> {
-        let images = probes.iter().map(|probe| find(reference, probe, face, frame)).collect::<Result<Vec<_>>>()?;
+        let images =
+            probes.iter().map(|probe| find(reference, probe, face, Some(frame))).collect::<Result<Vec<_>>>()?;
         let Some(&first) = images.first() else {
-            return Err(Error::Usage("name the probes whose images are the source views".into()));
+            return Err(no_probes());
         };
         let (camera, size) = (seen(reference.images[first].camera(frame)), reference.images[first].size);
         let right = camera.axes()[1];
@@ -134,14 +147,22 @@ impl ProbeLine {
     }
 }
 
-fn find(reference: &Reference, probe: &str, face: Face, frame: u32) -> Result<usize> {
-    let is_it = |image: &ReferenceImage| image.probe == probe && image.face == face && image.frames.contains(frame);
+fn no_probes() -> Error {
+    Error::Usage("name the probes whose images are the source views".into())
+}
+
+/// The image of a probe and face, in a frame or in any.
+fn find(reference: &Reference, probe: &str, face: Face, frame: Option<u32>) -> Result<usize> {
+    let is_it = |image: &ReferenceImage| {
+        image.probe == probe && image.face == face && frame.is_none_or(|frame| image.frames.contains(frame))
+    };
     reference.images.iter().position(is_it).ok_or_else(|| {
         let mut names: Vec<&str> = reference.images.iter().map(|image| image.probe.as_str()).collect();
         names.dedup();
         Error::Usage(format!(
-            "there is no image of probe {probe}, face {}, frame {frame}; the probes are {}",
+            "there is no image of probe {probe}, face {}{}; the probes are {}",
             face.name(),
+            frame.map_or_else(String::new, |frame| format!(", frame {frame}")),
             names.join(", ")
         ))
     })

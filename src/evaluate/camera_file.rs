@@ -57,31 +57,20 @@ pub struct CameraEntry {
 }
 
 impl CameraFile {
-    /// The cameras of a file's bytes as perspective probes, to capture their reference images; and their common aspect, if any
-    /// states one. Near and far are ignored.
-    pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
+    /// The cameras of a file's bytes as perspective probes, to capture their reference images. Near and far are ignored.
+    pub fn as_probes(text: &[u8]) -> Result<CameraSet> {
         let (cameras, file) = (Self::parse(text)?, Self::entries(text)?);
         if file.cameras.iter().any(|entry| entry.frame.is_some()) {
             return Err(Error::invalid("key poses (\"frame\") describe a moving camera, and a probe stands still"));
         }
-        if file.cameras.iter().any(|entry| entry.off_axis.is_some()) {
-            return Err(Error::unsupported("\"off_axis\": probes are captured around their axes; leave it out"));
-        }
         let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
-            orientation: timed.camera.orientation(),
             fov_y_deg: Some(entry.fov_y_deg),
+            // What a window is beside the axis depends on the aspect.
+            aspect: entry.aspect.or_else(|| entry.off_axis.map(|_| timed.camera.aspect())),
             frames: entry.frames,
-            ..PlacedCamera::at(entry.eye)
+            ..placed(&timed.camera)
         };
-        let set = CameraSet::new(cameras.iter().zip(&file.cameras).map(probe).collect());
-        let mut aspects: Vec<f64> = file.cameras.iter().filter_map(|entry| entry.aspect).collect();
-        aspects.dedup();
-        match aspects.len() {
-            0 | 1 => Ok((set, aspects.first().copied())),
-            _ => {
-                Err(Error::invalid("cameras of different \"aspect\" cannot be captured together: use a file for each"))
-            }
-        }
+        Ok(CameraSet::new(cameras.iter().zip(&file.cameras).map(probe).collect()))
     }
 
     fn entries(text: &[u8]) -> Result<CameraFile> {
@@ -115,6 +104,28 @@ impl CameraFile {
         let poses = file.cameras.iter().zip(&cameras).map(pose).collect::<Result<Vec<_>>>()?;
         camera_path::interpolate(&poses)
     }
+}
+
+/// A perspective camera as a probe to capture.
+pub fn placed(camera: &Camera) -> PlacedCamera {
+    let (half, middle) = (camera.half(), camera.middle());
+    let shift = [0, 1].map(|axis| 0.5 * middle[axis] / half[axis]);
+    PlacedCamera {
+        orientation: camera.orientation(),
+        fov_y_deg: Some(camera.lens().fov_y_deg),
+        aspect: Some(camera.aspect()),
+        shift: (shift != [0.0; 2]).then_some(shift),
+        ..PlacedCamera::at(camera.eye().to_array())
+    }
+}
+
+/// The perspective camera of a probe to capture, which has a field of view.
+pub fn camera_of(placed: &PlacedCamera, fov_y_deg: f64) -> Result<Camera> {
+    let lens = Lens { aspect: placed.aspect.unwrap_or(1.0), ..Lens::new(fov_y_deg) };
+    let orientation = placed.orientation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let camera = Camera::oriented(DVec3::from_array(placed.position), orientation, lens)?;
+    let (half, shift) = (camera.half(), placed.shift.unwrap_or_default());
+    camera.off_axis([0, 1].map(|axis| 2.0 * half[axis] * shift[axis]))
 }
 
 impl CameraEntry {
@@ -213,8 +224,8 @@ mod tests {
         let text = br#"{ "cameras": [
             { "eye": [1, 2, 3], "look_at": [4, 1, -2], "up": [0.2, 1, 0], "fov_y_deg": 50, "aspect": 1.5, "frames": [2, 4] },
             { "eye": [0, 0, 0], "look_at": [0, 0, -2], "fov_y_deg": 40 } ] }"#;
-        let (set, aspect) = CameraFile::as_probes(text).unwrap();
-        assert_eq!((set.cameras.len(), aspect), (2, Some(1.5)));
+        let set = CameraFile::as_probes(text).unwrap();
+        assert_eq!((set.cameras.len(), set.aspect().unwrap()), (2, Some(1.5)));
         assert_eq!((set.cameras[0].frames, set.cameras[0].fov_y_deg), (Some([2, 4]), Some(50.0)));
         assert_eq!(set.cameras[1].orientation, None);
         let [forward, right, down] = CameraFile::parse(text).unwrap()[0].camera.axes();
@@ -223,7 +234,8 @@ mod tests {
             assert!((turn * of_probe - axis).length() < 1e-12);
         }
         let two = std::str::from_utf8(text).unwrap().replace("\"fov_y_deg\": 40", "\"fov_y_deg\": 40, \"aspect\": 1");
-        assert!(CameraFile::as_probes(two.as_bytes()).unwrap_err().to_string().contains("different"));
+        let two = CameraFile::as_probes(two.as_bytes()).unwrap();
+        assert!(two.aspect().unwrap_err().to_string().contains("different"));
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub mod cube;
 pub mod equirect;
 #[cfg(feature = "encode")]
 pub mod exr;
+mod folder_names;
 pub mod kind;
 #[cfg(feature = "encode")]
 pub mod ktx2;
@@ -29,6 +30,7 @@ pub use channels::ChannelSelect;
 #[cfg(feature = "encode")]
 pub use color_space::ColorSpace;
 pub use cube::Face;
+pub use folder_names::FolderNames;
 pub use kind::{DepthKind, Projection, StreamKind};
 pub use layout::{Eye, FaceLayout, StereoLayout};
 pub use limits::ReadLimits;

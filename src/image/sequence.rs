@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use super::folder_names::{FolderNames, file_names};
 use crate::error::{Error, Result};
 
 /// Frames `first..=last`. Never empty.
@@ -161,6 +162,10 @@ impl Pattern {
         Ok(pattern)
     }
 
+    fn folder(&self) -> &Path {
+        if self.directory.as_os_str().is_empty() { Path::new(".") } else { &self.directory }
+    }
+
     pub fn has_field(&self) -> bool {
         self.field.is_some()
     }
@@ -182,8 +187,7 @@ impl Pattern {
 
     /// Whether the pattern names a file that exists.
     pub fn has_name_of(&self, file: &Path) -> bool {
-        let folder = if self.directory.as_os_str().is_empty() { Path::new(".") } else { &self.directory };
-        let is_beside = match (folder.canonicalize(), file.canonicalize()) {
+        let is_beside = match (self.folder().canonicalize(), file.canonicalize()) {
             (Ok(folder), Ok(file)) => file.parent() == Some(&folder),
             _ => false,
         };
@@ -301,7 +305,8 @@ impl Sequence {
 
     /// The sequence of a pattern whose range is known; each file must exist.
     pub fn known(pattern: Pattern, frames: FrameRange) -> Result<Sequence> {
-        for frame in frames.iter() {
+        // Without a field all frames have one file.
+        for frame in frames.iter().take(if pattern.has_field() { usize::MAX } else { 1 }) {
             let path = pattern.path(frame);
             if !path.is_file() {
                 return Err(Error::not_found(
@@ -318,9 +323,31 @@ impl Sequence {
         Sequence { pattern, frames }
     }
 
-    /// The files of all frames.
+    /// Frames of the range whose file is there, ascending, by the names in its folder. Time is in proportion to these, not to the
+    /// range.
+    pub fn frames_there(&self, folders: &mut FolderNames) -> Result<Vec<u32>> {
+        let is_there = |frame: &u32| self.path(*frame).is_file();
+        let Some(names) = folders.list(self.pattern.folder())? else {
+            // A folder that can be entered but not listed still holds known names.
+            return Ok(self.frames.iter().filter(is_there).collect());
+        };
+        let start = names.partition_point(|name| name.as_str() < self.pattern.before.as_str());
+        let alike = names[start..].iter().take_while(|name| name.starts_with(&self.pattern.before));
+        let numbers = alike.filter_map(|name| self.pattern.frame_of(name)).filter(|frame| self.frames.contains(*frame));
+        let mut there: Vec<u32> = numbers.filter(is_there).collect();
+        there.sort_unstable();
+        Ok(there)
+    }
+
+    /// True if there is a file for each frame, not one for all.
+    pub fn has_field(&self) -> bool {
+        self.pattern.has_field()
+    }
+
+    /// The files of all frames, each once.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
-        self.frames.iter().map(|frame| self.path(frame))
+        let count = if self.has_field() { usize::MAX } else { 1 };
+        self.frames.iter().take(count).map(|frame| self.path(frame))
     }
 
     fn of_file(path: &Path, frames: Option<FrameRange>) -> Result<Sequence> {
@@ -344,8 +371,7 @@ impl Sequence {
         if !pattern.has_field() {
             return Sequence::of_file(&pattern.path(0), frames);
         }
-        let folder = if pattern.directory.as_os_str().is_empty() { Path::new(".") } else { &pattern.directory };
-        let names = match (file_names(folder), frames) {
+        let names = match (file_names(pattern.folder()), frames) {
             (Ok(names), _) => names,
             // A folder that can be entered but not listed still holds known names.
             (Err(_), Some(_)) => Vec::new(),
@@ -370,16 +396,6 @@ impl Sequence {
     pub fn path(&self, frame: u32) -> PathBuf {
         self.pattern.path(frame)
     }
-}
-
-fn file_names(folder: &Path) -> Result<Vec<String>> {
-    let entries = std::fs::read_dir(folder).map_err(|error| Error::io(folder, error))?;
-    let mut names = Vec::new();
-    for entry in entries {
-        let entry = entry.map_err(|error| Error::io(folder, error))?;
-        names.extend(entry.file_name().into_string().ok());
-    }
-    Ok(names)
 }
 
 /// Splits a file name at the last digits before its extension: prefix, digits, suffix.

@@ -1,4 +1,5 @@
-//! Files that a scene names: in its folder or below, and nowhere else.
+//! Files that a scene names: in its folder or below, and nowhere else. A symbolic link counts as the file that it leads to: one that
+//! leads out of the folder is not followed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,20 +38,39 @@ impl Folder {
         digest(format!("{} {of_named:?} {:?}", digest(file), self.missing).as_bytes())
     }
 
+    /// Fails where links lead from a path in the folder out of it.
+    fn check_links(&self, name: &str, path: &Path) -> Result<()> {
+        let folder = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
+        let real = |path: &Path| path.canonicalize().map_err(|error| Error::io(path, error));
+        if real(path)?.starts_with(real(folder)?) {
+            return Ok(());
+        }
+        let message = format!(
+            "“{}” is a link that leads out of the scene's folder, which is not followed: copy the file there",
+            shown(name)
+        );
+        Err(Error::invalid(message))
+    }
+
     fn look_up(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         let path = self.path.join(inside(name)?);
         if let Some((_, bytes)) = self.read.iter().find(|(read, _)| *read == path) {
             return Ok(bytes.clone());
         }
         let failed = |error: Error| match error {
-            Error::Io { source, .. } => Error::invalid(format!("“{name}” cannot be read: {source}")),
+            Error::Io { source, .. } => Error::invalid(format!("“{}” cannot be read: {source}", shown(name))),
             other => Error::invalid(other.to_string()),
         };
+        self.check_links(name, &path).map_err(failed)?;
         let bytes = Arc::new(read(&path).map_err(failed)?);
         budget.grow(bytes.len() as u64);
         self.read.push((path, bytes.clone()));
         Ok(bytes)
     }
+}
+
+fn shown(name: &str) -> String {
+    name.chars().take(80).collect()
 }
 
 pub fn read(path: &Path) -> Result<Vec<u8>> {
@@ -62,8 +82,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 
 /// Path below the folder; fails for absolute names, schemes and `..`.
 fn inside(name: &str) -> Result<PathBuf> {
-    let shown = name.chars().take(80).collect::<String>();
-    let refuse = |why: &str| Err(Error::invalid(format!("“{shown}” {why}")));
+    let refuse = |why: &str| Err(Error::invalid(format!("“{}” {why}", shown(name))));
     if name.contains(':') {
         return refuse("is no file beside the scene: remote and absolute names are not followed");
     }
@@ -155,5 +174,48 @@ mod tests {
         all.sort();
         all.dedup();
         assert_eq!(all.len(), 5);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_counts_as_the_file_that_it_leads_to() {
+        use std::os::unix::fs::symlink;
+        let place = tempfile::tempdir().unwrap();
+        let at = place.path();
+        for folder in ["scene/deep", "elsewhere", "scene-2"] {
+            std::fs::create_dir_all(at.join(folder)).unwrap();
+            std::fs::write(at.join(folder).join("a.bin"), folder).unwrap();
+        }
+        let link = |to: &str, name: &str| symlink(to, at.join("scene").join(name)).unwrap();
+        for (to, name) in [
+            ("deep/a.bin", "inside"),
+            ("inside", "twice"),
+            ("deep", "folder"),
+            ("../elsewhere/a.bin", "outside"),
+            ("../elsewhere", "outer"),
+            ("../scene-2/a.bin", "beside"),
+            ("outside", "chain"),
+            ("none", "dangling"),
+            ("loop", "loop"),
+        ] {
+            link(to, name);
+        }
+        symlink(at.join("elsewhere/a.bin"), at.join("scene/absolute")).unwrap();
+        // The folder itself may be a link: it was named by who calls.
+        symlink("scene", at.join("alias")).unwrap();
+        for folder in ["scene", "alias"] {
+            let mut files = Folder::of(&at.join(folder).join("scene.gltf"));
+            let mut fetch = |name: &str| files.fetch(name, &mut Budget::new(0)).map_err(|error| error.to_string());
+            for name in ["inside", "twice", "folder/a.bin"] {
+                assert_eq!(**fetch(name).unwrap(), *b"scene/deep", "{name}");
+            }
+            for name in ["outside", "outer/a.bin", "beside", "chain", "absolute"] {
+                let said = fetch(name).unwrap_err();
+                assert!(said.contains(name) && said.contains("leads out of the scene's folder"), "{name}: {said}");
+            }
+            for name in ["dangling", "loop"] {
+                assert!(fetch(name).unwrap_err().contains("cannot be read"), "{name}");
+            }
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use std::io;
 use std::net::IpAddr;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
 
 use http_body_util::channel::Channel;
 use http_body_util::{Either, Full};
@@ -15,6 +16,7 @@ use hyper::http::request::Parts;
 use hyper::{HeaderMap, Method, Response, StatusCode};
 
 use super::conditions::{Verdict, allows_part, verdict};
+use super::connections::Connections;
 use super::film::{Film, OpenFilm};
 use super::film_body;
 use super::hosts::{Addressee, addressee};
@@ -44,11 +46,60 @@ const COMMON: [(HeaderName, &str); 8] = [
     (HeaderName::from_static("permissions-policy"), PERMISSIONS),
 ];
 
+/// Number of times that a film is opened again where the system has no file left, and the pause between them.
+const OPEN_RETRIES: u32 = 20;
+const OPEN_RETRY_DELAY: Duration = Duration::from_millis(5);
+
 /// What is served, and the address that it is served at.
 #[derive(Debug)]
 pub struct Served {
-    pub film: Film,
-    pub bound: IpAddr,
+    film: Film,
+    bound: IpAddr,
+    connections: Arc<Connections>,
+    /// The film that is being sent: connections share one open file.
+    sent: Mutex<Weak<OpenFilm>>,
+}
+
+impl Served {
+    pub fn new(film: Film, bound: IpAddr, connections: Arc<Connections>) -> Served {
+        Served { film, bound, connections, sent: Mutex::default() }
+    }
+
+    /// The file that has the film's name now.
+    fn open_film(&self) -> Result<Arc<OpenFilm>> {
+        let now = self.film.open_now()?;
+        let mut sent = self.sent.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(same) = sent.upgrade().filter(|sent| sent.tag() == now.tag()) {
+            return Ok(same);
+        }
+        let now = Arc::new(now);
+        *sent = Arc::downgrade(&now);
+        Ok(now)
+    }
+}
+
+/// Opens the film on a thread that may wait for the disk. Where the system has no file left, connections make room for it.
+async fn open_film(served: &Arc<Served>) -> Result<Arc<OpenFilm>> {
+    let mut tries = 0;
+    loop {
+        let opener = Arc::clone(served);
+        let opened = tokio::task::spawn_blocking(move || opener.open_film()).await;
+        let opened = opened.unwrap_or_else(|error| Err(Error::invalid(error.to_string())));
+        match opened {
+            Err(Error::Io { source, .. }) if is_out_of_files(&source) && tries < OPEN_RETRIES => {
+                tries += 1;
+                served.connections.out_of_files();
+                tokio::time::sleep(OPEN_RETRY_DELAY).await;
+            }
+            opened => return opened,
+        }
+    }
+}
+
+/// ENFILE and EMFILE, or ERROR_TOO_MANY_OPEN_FILES.
+fn is_out_of_files(error: &io::Error) -> bool {
+    let codes: &[i32] = if cfg!(windows) { &[4] } else { &[23, 24] };
+    error.raw_os_error().is_some_and(|code| codes.contains(&code))
 }
 
 /// A representation: its bytes, and what is said of them.
@@ -61,7 +112,7 @@ struct Found {
 
 enum Content {
     Bytes(Bytes),
-    Film(OpenFilm),
+    Film(Arc<OpenFilm>),
 }
 
 /// Answers a request by its head; bodies of requests are not read.
@@ -107,9 +158,7 @@ async fn find(served: &Arc<Served>, path: &str) -> Result<Option<Found>> {
     if !is_description && name != served.film.url() {
         return Ok(None);
     }
-    let opener = Arc::clone(served);
-    let opened = tokio::task::spawn_blocking(move || opener.film.open_now()).await;
-    let film = opened.unwrap_or_else(|error| Err(Error::invalid(error.to_string())))?;
+    let film = open_film(served).await?;
     let bytes = film.state.bytes;
     if is_description {
         let text = json::pretty(&served.film.description(bytes))?;

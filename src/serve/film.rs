@@ -101,6 +101,10 @@ impl Film {
         Ok(Film { path: path.to_path_buf(), kind })
     }
 
+    pub fn is_container(&self) -> bool {
+        self.kind == Kind::Container
+    }
+
     /// Name of the film on the site.
     pub fn url(&self) -> &'static str {
         match self.kind {

@@ -12,7 +12,9 @@
 //! | `/film.lfold`, `/film.glb` or `/film.png` | the film |
 
 mod answer;
+mod answering;
 mod conditions;
+mod connections;
 mod film;
 mod film_body;
 mod hosts;
@@ -20,7 +22,9 @@ mod player;
 mod range;
 mod server;
 mod site;
+mod watched;
 
+pub use connections::Limits;
 pub use film::{Description, Film};
 pub use server::{Server, Stop};
 pub use site::{Site, export};

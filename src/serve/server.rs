@@ -1,6 +1,7 @@
 //! The server: one thread for all connections, a few that read the file, and limits on both.
 
 use std::convert::Infallible;
+use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,37 +10,37 @@ use hyper::Request;
 use hyper::body::Incoming;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
-use hyper_util::rt::{TokioIo, TokioTimer};
-use tokio::net::{TcpListener, TcpStream};
-use tokio::runtime::Builder;
-use tokio::sync::{Notify, Semaphore};
-use tokio_io_timeout::TimeoutStream;
+use hyper_util::rt::TokioIo;
+use tokio::net::{TcpListener, TcpSocket, TcpStream};
+use tokio::runtime::{Builder, Runtime};
+use tokio::sync::Notify;
 
 use super::answer::{Served, answer};
+use super::answering::{AnswerMark, Answering};
+use super::connections::{Connection, Connections, Limits};
 use super::film::Film;
+use super::watched::Watched;
 use crate::error::{Error, Result};
 
-/// Connections at a time; further ones wait until one ends.
-const MAX_CONNECTIONS: usize = 256;
 /// Threads that read the file.
 const MAX_READERS: usize = 16;
 /// Bytes of a request's head, at most.
 const MAX_HEAD_BYTES: usize = 16 << 10;
-/// How long a connection may take for the head of its next request, and be idle.
-const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
-/// The same for connections that are accepted while more than half of [`MAX_CONNECTIONS`] are open: idle ones make room for others.
-const CROWDED_HEAD_TIMEOUT: Duration = Duration::from_secs(2);
-/// How long a client may take none of the bytes that wait for it.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(120);
+/// Bytes that the system holds for a client, which may read none of them.
+const SEND_BUFFER_BYTES: u32 = 256 << 10;
+/// Connections that the system keeps until the server accepts them.
+const BACKLOG: u32 = 1024;
 /// Pause after a connection that could not be accepted, as where there are too many open files.
-const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(50);
+const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(5);
 
 /// A server that is bound to its address.
 #[derive(Debug)]
 pub struct Server {
-    listener: std::net::TcpListener,
+    runtime: Runtime,
+    listener: TcpListener,
     address: SocketAddr,
     film: Film,
+    limits: Limits,
 }
 
 /// Ends a server, from any thread.
@@ -55,12 +56,20 @@ impl Stop {
 
 impl Server {
     /// Binds an address; port 0 stands for a free one. Connections wait until [`Self::run`].
-    pub fn bind(film: Film, address: SocketAddr) -> Result<Server> {
+    pub fn bind(film: Film, address: SocketAddr, limits: Limits) -> Result<Server> {
         let io = |error| Error::io(address.to_string(), error);
-        let listener = std::net::TcpListener::bind(address).map_err(io)?;
-        listener.set_nonblocking(true).map_err(io)?;
+        let runtime = Builder::new_current_thread()
+            .enable_io()
+            .enable_time()
+            .max_blocking_threads(MAX_READERS)
+            .build()
+            .map_err(io)?;
+        let listener = {
+            let _within = runtime.enter();
+            listen(address).map_err(io)?
+        };
         let address = listener.local_addr().map_err(io)?;
-        Ok(Server { listener, address, film })
+        Ok(Server { runtime, listener, address, film, limits })
     }
 
     pub fn address(&self) -> SocketAddr {
@@ -78,60 +87,75 @@ impl Server {
     }
 
     /// Serves until it is stopped, which ends all connections.
-    pub fn run(self, stop: &Stop) -> Result<()> {
-        let io = |error| Error::io(self.address.to_string(), error);
-        let runtime = Builder::new_current_thread()
-            .enable_io()
-            .enable_time()
-            .max_blocking_threads(MAX_READERS)
-            .build()
-            .map_err(io)?;
-        let served = Arc::new(Served { film: self.film, bound: self.address.ip() });
-        let ended = runtime.block_on(async {
-            let listener = TcpListener::from_std(self.listener)?;
-            tokio::spawn(accept(listener, served));
+    pub fn run(self, stop: &Stop) {
+        let connections = Arc::new(Connections::new(self.limits));
+        let served = Arc::new(Served::new(self.film, self.address.ip(), Arc::clone(&connections)));
+        self.runtime.block_on(async {
+            tokio::spawn(accept(self.listener, served, Arc::clone(&connections)));
+            tokio::spawn(sweep(connections));
             stop.0.notified().await;
-            Ok(())
         });
         // Without waiting for a file that cannot be read.
-        runtime.shutdown_background();
-        ended.map_err(io)
+        self.runtime.shutdown_background();
     }
 }
 
-async fn accept(listener: TcpListener, served: Arc<Served>) {
-    let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
-    while let Ok(permit) = Arc::clone(&permits).acquire_owned().await {
-        let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
-            continue;
-        };
-        let served = Arc::clone(&served);
-        let is_crowded = permits.available_permits() < MAX_CONNECTIONS / 2;
-        let head_timeout = if is_crowded { CROWDED_HEAD_TIMEOUT } else { HEAD_TIMEOUT };
-        tokio::spawn(async move {
-            serve(stream, served, head_timeout).await;
-            drop(permit);
-        });
+fn listen(address: SocketAddr) -> io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+    // A server that has just ended keeps the port else. Windows means something else by the option.
+    #[cfg(unix)]
+    socket.set_reuseaddr(true)?;
+    // Connections inherit it where the system lets them; where it does not, they hold what it gives them.
+    let _ = socket.set_send_buffer_size(SEND_BUFFER_BYTES);
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
+}
+
+/// Accepts every connection at once, so that none waits for another.
+async fn accept(listener: TcpListener, served: Arc<Served>, connections: Arc<Connections>) {
+    loop {
+        match listener.accept().await {
+            Ok((stream, client)) => connections.add(client.ip(), |connection| {
+                let (served, connections) = (Arc::clone(&served), Arc::clone(&connections));
+                let task = tokio::spawn(async move {
+                    serve(stream, served, Arc::clone(&connection)).await;
+                    connections.remove(&connection);
+                });
+                task.abort_handle()
+            }),
+            // The client went away before.
+            Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
+            Err(_) => {
+                connections.out_of_files();
+                tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
+            }
+        }
     }
 }
 
-async fn serve(stream: TcpStream, served: Arc<Served>, head_timeout: Duration) {
+async fn sweep(connections: Arc<Connections>) {
+    loop {
+        tokio::time::sleep(connections.sweep_interval()).await;
+        connections.sweep();
+    }
+}
+
+async fn serve(stream: TcpStream, served: Arc<Served>, connection: Arc<Connection>) {
     // Without it the last bytes of an answer may wait for an acknowledgement of those before: slower, not wrong.
     let _ = stream.set_nodelay(true);
-    let mut stream = TimeoutStream::new(stream);
-    stream.set_write_timeout(Some(WRITE_TIMEOUT));
+    let stream = Watched { stream, connection: Arc::clone(&connection) };
     let service = service_fn(|request: Request<Incoming>| {
-        let served = Arc::clone(&served);
-        async move { Ok::<_, Infallible>(answer(&served, &request.into_parts().0).await) }
+        let (served, mark) = (Arc::clone(&served), AnswerMark::begin(&connection));
+        async move {
+            let response = answer(&served, &request.into_parts().0).await;
+            Ok::<_, Infallible>(response.map(|body| Answering { body, _mark: mark }))
+        }
     });
     let connection = http1::Builder::new()
-        .timer(TokioTimer::new())
-        .header_read_timeout(head_timeout)
         // A client that has sent its request may close its side.
         .half_close(true)
         .max_buf_size(MAX_HEAD_BYTES)
-        .serve_connection(TokioIo::new(Box::pin(stream)), service);
+        .serve_connection(TokioIo::new(stream), service);
     // A client that goes, or breaks the protocol, is its own affair.
     let _ = connection.await;
 }

@@ -272,7 +272,9 @@ fn failures_are_json_where_reports_are() {
         (code, report["error"].clone())
     };
     let (code, missing) = failed(&["decode", "missing.lfold", "--null", "--json"]);
-    assert_eq!((code, &missing["retry"], &missing["file"]), (75, &true.into(), &"missing.lfold".into()));
+    assert_eq!((code, &missing["retry"], &missing["file"]), (2, &false.into(), &"missing.lfold".into()));
+    let (code, missing) = failed(&["encode-depth", "missing.%04d.exr", "-o", "a.lfold", "--json"]);
+    assert_eq!((code, &missing["retry"], &missing["file"]), (75, &true.into(), &"missing.%04d.exr".into()));
     fs::write(folder.path().join("text.lfold"), "text").unwrap();
     let (code, bad) = failed(&["inspect", "text.lfold", "--json"]);
     assert_eq!((code, &bad["retry"], &bad["file"]), (2, &false.into(), &"text.lfold".into()));

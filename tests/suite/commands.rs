@@ -21,11 +21,12 @@ pub fn fine(line: &str, folder: &Path) -> Output {
     output
 }
 
-/// The exit code of a refusal: a missing file may come, another process may end, all else stays wrong.
+/// The exit code of a refusal: a missing image may come, another process may end, all else stays wrong.
 pub fn code_of(said: &str) -> i32 {
     // Notes come before it.
     let said = said.trim_end().lines().last().unwrap_or_default().to_lowercase();
-    let is_missing = said.contains("no such file") || said.ends_with("no file matches this pattern");
+    let is_typed = said.contains("there is no such file or folder") || said.contains("there is no folder");
+    let is_missing = !is_typed && said.contains("no such file") || said.ends_with("no file matches this pattern");
     let is_busy = said.contains(": another ");
     if is_missing || is_busy { 75 } else { 2 }
 }
@@ -217,7 +218,7 @@ fn an_error_that_cannot_be_printed_keeps_its_exit_code() {
     let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     let status = command.args(["inspect", "nothing"]).current_dir(folder.path()).stderr(full()).status().unwrap();
-    assert_eq!(status.code(), Some(75));
+    assert_eq!(status.code(), Some(2));
 }
 
 #[cfg(unix)]

@@ -82,13 +82,31 @@ fn links_lead_somewhere() {
     }
 }
 
-#[test]
-fn no_document_names_a_folder_outside_the_repository() {
+/// All documents.
+fn documents() -> Vec<PathBuf> {
     let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).collect();
     documents.extend(files_below("formats").into_iter().chain(files_below("man")));
     documents.extend(MORE_DOCUMENTS.map(PathBuf::from));
+    documents
+}
+
+#[test]
+fn no_document_holds_a_placeholder() {
+    for document in documents() {
+        let text = read(&document);
+        // A word of capitals between two signs. What follows the last sign is no such word.
+        let between: Vec<&str> = text.split('@').skip(1).collect();
+        let placeholder = between.iter().rev().skip(1).find(|word| {
+            !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+        });
+        assert_eq!(placeholder, None, "{}", document.display());
+    }
+}
+
+#[test]
+fn no_document_names_a_folder_outside_the_repository() {
     let beside = ["..", "shared"].join("/");
-    for document in documents {
+    for document in documents() {
         assert!(!read(&document).contains(&beside), "{} names {beside}", document.display());
     }
 }

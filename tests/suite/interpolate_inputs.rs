@@ -310,3 +310,113 @@ fn no_file_of_a_dataset_is_overwritten() {
     }
     assert_eq!(before, bytes(&at.join("room/probe_00/face_pz/depth.0000.exr")));
 }
+
+#[test]
+fn a_film_is_interpolated_from_its_first_frame_on() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let capture =
+        "capture courtyard --position=-0.2,1.5,0 --position 0.2,1.5,0 --size 16 --samples 1 --frames 3-4 -o footage";
+    fine(capture, at);
+    fine("encode footage -o film.lfold --max-error 100 --clip", at);
+    let eye = "--eye 0,1.5,0 --look-at 2,1.4,0 --size 12x8 --samples 1 --baseline 0.1";
+    for (input, from) in
+        [("film.lfold", eye), ("footage", "--probe 00,01 --face nz"), ("film.lfold", "--probe 00,01 --face nz")]
+    {
+        let line = format!("interpolate {input} {from} --views 2");
+        let said = fine(&format!("{line} -o first/%02d.exr"), at).stderr;
+        let said = String::from_utf8(said).unwrap();
+        assert!(said.contains("interpolating frame 3 of 3-4; --frames selects others"), "{said}");
+        fine(&format!("{line} --frames 3 -o %V/v.%02d.exr"), at);
+        for view in [0, 1] {
+            assert!(bytes(&at.join(format!("first/{view:02}.exr"))) == bytes(&at.join(format!("{view:04}/v.03.exr"))));
+        }
+    }
+    assert!(refused(&format!("interpolate film.lfold {eye} --views 2 --frames 0 --null"), at).contains("no frame 0"));
+}
+
+/// Cameras that `lightfold cameras` makes of a file.
+fn converted(from: &str, at: &Path) -> Vec<lightfold::evaluate::TimedCamera> {
+    fine(&format!("cameras {from} -o read.json"), at);
+    lightfold::evaluate::camera_file::CameraFile::parse(&bytes(&at.join("read.json"))).unwrap()
+}
+
+#[test]
+fn files_of_cameras_that_commands_write_are_read_by_all_others() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let grid = "--views 3 --baseline 0.3 --focus 2 --rows 2 --baseline-y 0.1";
+    fine(&format!("{LINE} {grid} --null --cameras-out cams.json"), at);
+    let cameras = converted("cams.json", at);
+    assert_eq!(cameras.len(), 6);
+    // Eyes on a grid of 0.15 by 0.1 metres, which all see one rectangle at the focus.
+    let first = cameras[0].camera;
+    let [forward, right, down] = first.axes();
+    for (number, timed) in cameras.iter().enumerate() {
+        let (camera, moved) = (timed.camera, timed.camera.eye() - first.eye());
+        let (column, row) = ((number % 3) as f64, (number / 3) as f64);
+        assert!((moved - right * 0.15 * column + down * 0.1 * row).length() < 1e-9, "{number}");
+        assert!((camera.axes()[0] - forward).length() < 1e-12 && (camera.aspect() - 0.75).abs() < 1e-12, "{number}");
+        for at in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
+            let seen =
+                |camera: &Camera| camera.eye() + camera.direction(at) * (2.0 / camera.direction(at).dot(forward));
+            assert!((seen(&camera) - seen(&first)).length() < 1e-9, "{number}");
+        }
+    }
+    // Through lightfold's own files and back nothing is lost; a second time changes no byte.
+    fine("cameras read.json -o again.json", at);
+    assert!(bytes(&at.join("read.json")) == bytes(&at.join("again.json")));
+    // Viewers with windows off their axes are probes to capture.
+    let capture = "capture interior --projection perspective --size 24x32 --samples 1 --frames 0";
+    fine(&format!("{capture} --cameras cams.json -o one"), at);
+    fine(&format!("{capture} --cameras read.json -o two"), at);
+    for view in 0..6 {
+        let [one, two] = [format!("one/probe_{view:04}"), format!("two/probe_{view:02}")]
+            .map(|probe| exr::read_rgba(&at.join(probe).join("color.0000.exr"), &ReadLimits::default()).unwrap());
+        assert!(one.data().iter().zip(two.data()).filter(|(a, b)| a != b).count() <= 8, "{view}");
+    }
+    assert!(
+        refused(&format!("{} --cameras cams.json -o three", capture.replace("24x32", "32x32")), at).contains("aspect")
+    );
+    // A manifest, as capture writes it, and a container have the same cameras.
+    let of_manifest = converted("one", at);
+    fine("encode one -o one.lfold --max-error 100 --clip", at);
+    for (name, others) in
+        [("one/lightfield.json", converted("one/lightfield.json", at)), ("one.lfold", converted("one.lfold", at))]
+    {
+        assert_eq!(others.len(), 6, "{name}");
+        for (other, written) in others.iter().zip(&of_manifest) {
+            assert!((other.camera.eye() - written.camera.eye()).length() < 1e-9, "{name}");
+        }
+    }
+    for (written, timed) in of_manifest.iter().zip(&cameras) {
+        let (a, b) = (written.camera, timed.camera);
+        assert!((a.eye() - b.eye()).length() < 1e-9 && (a.half()[1] - b.half()[1]).abs() < 1e-9);
+        assert!(
+            a.middle().iter().zip(b.middle()).all(|(a, b)| (a - b).abs() < 1e-9),
+            "{:?} {:?}",
+            a.middle(),
+            b.middle()
+        );
+    }
+    // render takes each of them.
+    for file in ["cams.json", "read.json", "one", "one/lightfield.json", "one.lfold"] {
+        fine(
+            &format!("render one.lfold --camera {file} --size 32 -o {}/v.%02d.exr", file.replace(['.', '/'], "_")),
+            at,
+        );
+    }
+    let [from_placed, from_read] = ["cams_json", "read_json"].map(|folder| bytes(&at.join(folder).join("v.05.exr")));
+    assert!(from_placed == from_read);
+    // Probes without a field of view are cube maps.
+    std::fs::write(
+        at.join("placed.json"),
+        r#"{"lightfold_cameras": 1, "cameras": [{"name": "a", "position": [0, 1.5, 0], "frames": [2, 3]}]}"#,
+    )
+    .unwrap();
+    let cube = converted("placed.json", at);
+    assert_eq!(cube.len(), 6);
+    assert!(cube.iter().all(|timed| (timed.camera.half(), timed.frames.unwrap().last) == ([1.0; 2], 3)));
+    let ahead: [f64; 3] = [0, 1, 2].map(|axis| cube.iter().map(|timed| timed.camera.axes()[0][axis]).sum());
+    assert!(ahead.iter().all(|sum| sum.abs() < 1e-12), "{ahead:?}");
+}

@@ -60,6 +60,7 @@ mod samples;
 mod schemas;
 mod sensor;
 mod serve;
+mod serve_crowds;
 mod serve_site;
 mod seurat;
 mod shards;

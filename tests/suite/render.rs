@@ -358,8 +358,9 @@ fn without_a_camera_the_first_probe_s_own_view_is_shown() {
     assert!(read("default.png") == read("sixty.png"));
     std::fs::write(at.join("cameras.json"), r#"{"lightfold_cameras": 1, "cameras": [{"position": [0, 1, 0]}]}"#)
         .unwrap();
-    let words = refused("render a.lfold --camera cameras.json --null", at);
-    assert!(words.contains("cameras.json: this file has probes to capture, not cameras with"), "{words}");
+    // Probes to capture without a field of view are cube maps of six cameras.
+    fine("render a.lfold --camera cameras.json --frames 0 --size 8 -o cube.%d.png", at);
+    assert!(at.join("cube.5.png").is_file() && !at.join("cube.6.png").exists());
 }
 
 /// Near and far of a camera of a file are planes that cut surfaces off, by every method.

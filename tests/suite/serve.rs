@@ -17,7 +17,7 @@ use crate::footage::Footage;
 use crate::schemas;
 
 /// A wait that no answer comes near: a server that does not answer fails its test.
-const PATIENCE: Duration = Duration::from_secs(100);
+pub const PATIENCE: Duration = Duration::from_secs(100);
 
 /// A folder with a small container, `a.lfold`.
 pub fn place() -> TempDir {
@@ -37,23 +37,28 @@ pub fn write_glb(path: &Path, bytes: u32) {
 }
 
 /// `lightfold view`, ended when it is dropped.
-struct Server {
+pub struct Server {
     child: Child,
     port: u16,
 }
 
 impl Server {
-    fn start(folder: &Path, words: &str) -> Server {
+    pub fn start(folder: &Path, words: &str) -> Server {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
         command.arg("view").args(words.split(' ')).arg("-q").current_dir(folder);
+        Server::spawn(command)
+    }
+
+    /// Starts a command that becomes the server.
+    pub fn spawn(mut command: Command) -> Server {
         let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let port = line.strip_prefix("http://127.0.0.1:").and_then(|rest| rest.strip_suffix("/\n")?.parse().ok());
-        Server { child, port: port.unwrap_or_else(|| panic!("{words}: no address in {line:?}")) }
+        Server { child, port: port.unwrap_or_else(|| panic!("{command:?}: no address in {line:?}")) }
     }
 
-    fn connect(&self) -> TcpStream {
+    pub fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         stream.set_write_timeout(Some(PATIENCE)).unwrap();
@@ -68,12 +73,12 @@ impl Server {
     }
 
     /// Asks once, with more headers, each ended by `\r\n`.
-    fn ask(&self, method: &str, path: &str, headers: &str) -> Answer {
+    pub fn ask(&self, method: &str, path: &str, headers: &str) -> Answer {
         let host = self.port;
         self.raw(&format!("{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{host}\r\nConnection: close\r\n{headers}\r\n"))
     }
 
-    fn get(&self, path: &str) -> Answer {
+    pub fn get(&self, path: &str) -> Answer {
         self.ask("GET", path, "")
     }
 }
@@ -86,10 +91,10 @@ impl Drop for Server {
 }
 
 #[derive(Debug)]
-struct Answer {
-    status: u16,
+pub struct Answer {
+    pub status: u16,
     headers: BTreeMap<String, String>,
-    body: Vec<u8>,
+    pub body: Vec<u8>,
 }
 
 impl Answer {
@@ -403,7 +408,7 @@ fn a_film_that_is_replaced_gets_another_tag() {
 }
 
 /// More than the buffers of two sockets hold.
-const LARGE: u32 = 64 << 20;
+pub const LARGE: u32 = 64 << 20;
 
 #[test]
 fn a_film_that_changes_while_it_is_sent_ends_the_connection_before_its_length() {
@@ -431,46 +436,6 @@ fn a_film_that_changes_while_it_is_sent_ends_the_connection_before_its_length() 
         assert!(body.len() < LARGE as usize, "all of it was sent");
         assert_ne!(server.get("/film.json").status, 500);
     }
-}
-
-#[test]
-fn slow_and_many_clients_do_not_hold_up_others() {
-    let folder = TempDir::new().unwrap();
-    write_glb(&folder.path().join("large.glb"), LARGE);
-    let server = Server::start(folder.path(), "large.glb");
-    let mut slow: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
-    for stream in &mut slow {
-        stream.write_all(b"GET /film.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
-    }
-    let idle: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..8 {
-            scope.spawn(|| {
-                for _ in 0..20 {
-                    let answer = server.ask("GET", "/film.glb", "Range: bytes=-99999\r\n");
-                    assert_eq!((answer.status, answer.body.len()), (206, 99_999));
-                }
-            });
-        }
-    });
-    // Beyond the most connections at a time a client waits for one to end.
-    let more: Vec<TcpStream> = (0..56).map(|_| server.connect()).collect();
-    let mut last = server.connect();
-    last.write_all(b"GET /film.json HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
-    drop((slow, idle, more));
-    assert_eq!(Answer::read(&mut BufReader::new(last)).status, 200);
-}
-
-#[test]
-fn idle_connections_make_room_soon() {
-    let folder = place();
-    let server = Server::start(folder.path(), "a.lfold");
-    let mut idle: Vec<TcpStream> = (0..256).map(|_| server.connect()).collect();
-    assert_eq!(server.get("/film.json").status, 200);
-    // The first of them, which came when there was room, still have their time.
-    idle[0].set_nonblocking(true).unwrap();
-    let error = idle[0].read(&mut [0]).unwrap_err();
-    assert_eq!(error.kind(), std::io::ErrorKind::WouldBlock);
 }
 
 #[test]
@@ -571,8 +536,7 @@ fn what_cannot_be_played_is_refused() {
     ] {
         let output = lightfold(&["view"].into_iter().chain(words.split(' ')).collect::<Vec<_>>(), at);
         let said = String::from_utf8(output.stderr).unwrap();
-        let code = if words == "none.lfold" { 75 } else { 2 };
-        assert_eq!((output.status.code(), output.stdout.len()), (Some(code), 0), "{words}: {said}");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{words}: {said}");
         assert!(said.contains(expected), "{words}: {said}");
     }
     for more in ["--port 80", "--open", "--listen 127.0.0.1"] {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 use crate::serve::{bytes_below, place, player, write_glb};
 
 fn names(folder: &Path) -> BTreeSet<String> {
@@ -76,4 +76,41 @@ fn folders_of_something_else_are_left_alone() {
     fs::create_dir(at.join("empty")).unwrap();
     fine("view a.lfold --export empty", at);
     assert!(at.join("empty/index.html").is_file());
+}
+
+#[test]
+fn a_damaged_film_is_not_exported() {
+    let folder = place();
+    let at = folder.path();
+    let whole = fs::read(at.join("a.lfold")).unwrap();
+    fine("view a.lfold --export earlier", at);
+    let earlier = names(&at.join("earlier"));
+    let mut refused = 0;
+    for place in (0..whole.len()).step_by(97) {
+        let mut other = whole.clone();
+        other[place] ^= 0x10;
+        fs::write(at.join("b.lfold"), &other).unwrap();
+        let verified = lightfold(&["inspect", "b.lfold", "--verify"], at).status.success();
+        for to in ["new", "earlier"] {
+            let output = lightfold(&["view", "b.lfold", "--export", to, "--json"], at);
+            let said = String::from_utf8(output.stderr).unwrap();
+            if verified {
+                assert!(output.status.success(), "byte {place}: {said}");
+                fs::remove_dir_all(at.join("new")).unwrap();
+                break;
+            }
+            let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+            let code = output.status.code();
+            // Bytes that say what kind of file it is, or of which version.
+            assert!(code == Some(1) || place < 8, "byte {place}: {said}");
+            assert!(said.contains("b.lfold: "), "byte {place}: {said}");
+            assert_eq!(report["error"]["code"].as_i64(), code.map(i64::from), "byte {place}");
+            refused += 1;
+        }
+        assert!(!at.join("new").exists(), "byte {place}");
+        assert_eq!(names(&at.join("earlier")), earlier, "byte {place}");
+    }
+    assert_eq!(fs::read(at.join("earlier/film.lfold")).unwrap(), whole);
+    assert!(refused > 10, "{refused}");
+    assert!(names(at).iter().all(|name| !name.contains("partial")), "{:?}", names(at));
 }

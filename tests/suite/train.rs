@@ -143,7 +143,7 @@ fn commands_train_and_use_tables() {
             format!("{encode} -o x.lfold --color-tables plain.lfold"),
             "plain.lfold: line 1: a decimal number was expected",
         ),
-        (format!("{encode} -o x.lfold --color-tables missing.txt"), "missing.txt: No such file"),
+        (format!("{encode} -o x.lfold --color-tables missing.txt"), "missing.txt: there is no such file or folder"),
         (format!("{with_tables} -o x.lfold --color-codec cells"), "--color-tables needs --color-codec transform"),
         ("train-color cells.lfold -o x.txt".into(), "cells.lfold: no colour in transform blocks"),
         ("train-color plain.lfold cells.lfold -o x.txt".into(), "cells.lfold: no colour in transform blocks"),

@@ -21,10 +21,12 @@ use crate::scene::Pass;
     lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n  \
     lightfold capture scene.glb --cameras cameras.json --shard 3/8 -o cap\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence.\n\n\
-    --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
-    camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\", \"shift\" (the middle of the image \
-    beside the viewing axis, in widths and heights) and \"frames\" ([first, last]); the probes of a lightfield.json; or cameras as for `decode --camera`, which capture perspective images: the \
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence. Files that a scene names \
+    (buffers, materials, textures) are read from its folder and below, nowhere else; a symbolic link counts as the file that it \
+    leads to.\n\n\
+    --cameras takes what `place` and `interpolate --cameras-out` write: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
+    camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\", \"aspect\" (width over height), \"shift\" (the \
+    middle of the image beside the viewing axis, in widths and heights) and \"frames\" ([first, last]); the probes of a lightfield.json; or cameras as for `decode --camera`, which capture perspective images: the \
     ground truth for renderings of a light field.\n\n\
     A scene without lights gets a sun at an elevation of 51 degrees towards (0.5, 0.78, 0.38), radiance 1.75, 1.6, 1.35 (of a \
     white surface facing it), and ambient light of 0.3, 0.36, 0.46. Scenes from files have a sky of 0.5, 0.66, 0.86 at the \

@@ -22,8 +22,7 @@ const DEFAULT_SIDE: u32 = 512;
 pub enum Viewers {
     /// Probes.
     No,
-    /// Viewers, with the aspect of their images if stated.
-    Yes(Option<f64>),
+    Yes,
 }
 
 impl Args {
@@ -35,7 +34,7 @@ impl Args {
         let path = if path.is_dir() { path.join(crate::dataset::manifest::MANIFEST_NAME) } else { path.clone() };
         let text = CameraSet::read_text(&path)?;
         let read = || match are_viewers(&text) {
-            true => CameraFile::as_probes(&text).map(|(set, aspect)| (set, Viewers::Yes(aspect))),
+            true => CameraFile::as_probes(&text).map(|set| (set, Viewers::Yes)),
             false => CameraSet::from_json(&text).map(|set| (set, Viewers::No)),
         };
         read().map_err(|error| error.in_file(&path))
@@ -78,7 +77,7 @@ impl Args {
     /// The plan, with consistent sizes; [`CapturePlan::manifest`] checks the rest.
     pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
         let usual = match viewers {
-            Viewers::Yes(_) => Projection::Perspective,
+            Viewers::Yes => Projection::Perspective,
             Viewers::No => Projection::Cubemap,
         };
         let projection = match self.projection {
@@ -93,7 +92,7 @@ impl Args {
             fps,
             frames,
             projection,
-            size: self.pixels(projection, viewers)?,
+            size: self.pixels(projection, &cameras)?,
             cameras,
             fov_y_deg: self.fov,
             passes: self.passes()?,
@@ -123,11 +122,8 @@ impl Args {
         Ok(Pass::ALL.into_iter().filter(wants).collect())
     }
 
-    fn pixels(&self, projection: Projection, viewers: Viewers) -> Result<[u32; 2]> {
-        let aspect = match (projection, viewers) {
-            (Projection::Perspective, Viewers::Yes(aspect)) => aspect,
-            _ => None,
-        };
+    fn pixels(&self, projection: Projection, cameras: &CameraSet) -> Result<[u32; 2]> {
+        let aspect = if projection == Projection::Perspective { cameras.aspect()? } else { None };
         let size = match (self.size, projection) {
             (Some((width, Some(height))), _) => [width, height],
             (Some((width, None)), Projection::Equirect) if width % 2 == 1 => {

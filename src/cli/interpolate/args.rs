@@ -186,7 +186,7 @@ pub struct Args {
     /// Folder for error maps of all views
     #[arg(long, value_name = "DIR", requires = "compare")]
     pub error_map: Option<PathBuf>,
-    /// Cameras of all views, for `capture --projection perspective --cameras`
+    /// Cameras of all views, for `render --camera`, `cameras`, and `capture --projection perspective --cameras`
     #[arg(long, value_name = "FILE.json")]
     pub cameras_out: Option<PathBuf>,
     /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file: a quilt, whose name gets columns, rows and aspect.
@@ -363,8 +363,8 @@ impl Args {
         views + &self.frames.frames.map_or(String::new(), |frames| format!(".f{frames}"))
     }
 
-    pub(super) fn frame_range(&self) -> FrameRange {
-        self.frames.frames.unwrap_or(FrameRange { first: 0, last: 0 })
+    pub(super) fn frame_count(&self) -> u64 {
+        self.frames.frames.map_or(1, FrameRange::count)
     }
 
     pub(super) fn hierarchy(&self) -> Hierarchy {

@@ -125,6 +125,28 @@ impl Input {
         })
     }
 
+    /// Frames of the input; none of a scene, which has all.
+    fn available(&self, args: &Args) -> Result<Option<FrameRange>> {
+        match self {
+            Input::Scene(_) => Ok(None),
+            Input::Images(images) => CapturedSources::frames(images, &args.probe, args.face).map(Some),
+            Input::Field(decoder) => LightField::frames(decoder).map(Some),
+        }
+    }
+
+    /// Frames to interpolate; unless some were asked for the first of the input, as a note says where there are more.
+    pub fn frames(&self, args: &Args, notes: &mut Vec<String>) -> Result<FrameRange> {
+        if let Some(asked) = args.frames.frames {
+            return Ok(asked);
+        }
+        let available = self.available(args).map_err(|error| error.in_file(&args.input))?;
+        let first = available.map_or(0, |available| available.first);
+        if let Some(available) = available.filter(|available| available.count() > 1) {
+            notes.push(format!("interpolating frame {first} of {available}; --frames selects others"));
+        }
+        Ok(FrameRange { first, last: first })
+    }
+
     /// Refuses frames that a dataset or a container lacks.
     pub fn check_frames(&self, args: &Args, frames: FrameRange) -> Result<()> {
         let of_input = |error: Error| error.in_file(&args.input);
@@ -141,9 +163,10 @@ impl Input {
         }
     }
 
-    pub fn views(&mut self, args: &Args) -> Result<OutputViews> {
+    /// Output views; of images, beside those of a frame.
+    pub fn views(&mut self, args: &Args, frame: u32) -> Result<OutputViews> {
         match self {
-            Input::Images(images) => args.views_between(&captured(args, images, args.frame_range().first)?),
+            Input::Images(images) => args.views_between(&captured(args, images, frame)?),
             Input::Scene(_) | Input::Field(_) => args.views_from_eye(),
         }
     }

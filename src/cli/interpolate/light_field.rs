@@ -15,7 +15,7 @@ use crate::epipolar::views::OutputViews;
 use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::frame_requests::FrameRequest;
-use crate::image::{Plane, ToneMap};
+use crate::image::{FrameRange, Plane, ToneMap};
 use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
 use crate::march::{ActiveViews, Rendered, distances_m};
 use crate::math::Camera;
@@ -30,6 +30,11 @@ pub(super) struct LightField<'a> {
 }
 
 impl<'a> LightField<'a> {
+    /// Frames of a container.
+    pub fn frames(decoder: &'a Decoder) -> Result<FrameRange> {
+        Ok(Playback::new(decoder, PlaybackOptions::default())?.player.frames())
+    }
+
     pub fn open(args: &Args, decoder: &'a Decoder, frame: u32) -> Result<LightField<'a>> {
         let mut playback = Playback::new(decoder, PlaybackOptions::default())?;
         let frames = playback.player.frames();

@@ -59,7 +59,7 @@ impl Outputs {
         let (count, by_word) = (args.range()?.len(), has_word(path));
         let by_frame = by_word || args.frames.frames.is_some();
         let coding = PictureCoding { tone: ToneMap::default(), holes: HoleFill::Blank };
-        if args.frame_range().count() > 1 && !pattern.has_field() {
+        if args.frame_count() > 1 && !pattern.has_field() {
             return refuse(format!(
                 "{}: one name, and several frames; name a pattern such as q.%04d.png for quilts, or %V/v.%04d.png for views",
                 path.display()

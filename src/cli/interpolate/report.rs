@@ -80,7 +80,7 @@ impl Report {
         Report {
             views: count,
             rows: args.rows,
-            frames: args.frame_range().count(),
+            frames: args.frame_count(),
             seconds,
             seconds_per_view: seconds / count.max(1) as u32,
             load_seconds: measured.load,

@@ -36,8 +36,9 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// File of cameras, - for standard input; repeatable. Also transforms.json of nerfstudio, glTF, USD in text (.usda), or a folder with
-    /// cameras.txt and images.txt of COLMAP; see lightfold cameras
+    /// File of cameras, - for standard input; repeatable. Also what place and interpolate --cameras-out write, the probes of a container or
+    /// dataset, transforms.json of nerfstudio, glTF, USD in text (.usda), or a folder with cameras.txt and images.txt of COLMAP; see
+    /// lightfold cameras
     #[arg(long, value_name = "FILE")]
     pub camera: Vec<PathBuf>,
     /// Position of a camera in metres

@@ -284,10 +284,11 @@ pub struct ViewArgs {
     /// Priority of probes
     #[arg(long, value_parser = one_of(VIEW_PRIORITIES), default_value = "distance")]
     pub view_priority: ViewPriority,
-    /// Vertex of the angles between probes, in metres [default: the centre of all probes]
+    /// Reference point of --view-priority angle, in metres: vertex of the angles between probes and the eye [default: the centre of all
+    /// probes]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub pivot: Option<DVec3>,
-    /// Cull a probe within this angle, at --pivot, of one of higher priority
+    /// Cull a probe that is within this angle, seen from the eye, of one of higher priority
     #[arg(long, value_name = "DEGREES", value_parser = parse_not_negative, default_value = "0")]
     pub cull_angle: f64,
     /// Cull probes of low priority while a frame takes longer

@@ -13,7 +13,7 @@ use crate::dataset::pixels::{DepthRules, FARTHEST_M};
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size};
 use crate::image::layout::face_size;
-use crate::image::{DepthKind, Face, FaceLayout, FrameRange, Primaries, Projection, StreamKind, exr, png};
+use crate::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primaries, Projection, StreamKind, exr, png};
 
 const DEFAULT_FPS: f64 = 24.0;
 
@@ -94,6 +94,7 @@ impl Source {
         let faces = manifest.faces();
         let together: Vec<&[Face]> =
             if content == Content::Face { faces.chunks(1).collect() } else { vec![faces.as_slice()] };
+        let mut folders = FolderNames::default();
         for kind in StreamKind::ALL {
             for probe in 0..source.probes.len() {
                 let frames = source.probes[probe].frames;
@@ -103,7 +104,7 @@ impl Source {
                 for faces in &together {
                     let name = source.probes[probe].name.clone();
                     let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
-                    let files = FrameFiles::known(pattern.below(folder), frames, source.missing)?;
+                    let files = FrameFiles::known(pattern.below(folder), frames, source.missing, &mut folders)?;
                     source.add(kind, probe, faces, files);
                 }
             }
@@ -258,8 +259,8 @@ impl Source {
     /// pixels are.
     fn find_primaries(&mut self) {
         let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);
-        let mut files = first.into_iter().flat_map(|group| group.frames.iter().map(move |frame| (group, frame)));
-        let file = files.find_map(|(group, frame)| self.file(group, frame).ok()?).filter(|file| !png::is_png(file));
+        let files = first.and_then(|group| self.sequences.get(&(group.kind, group.probe, *group.faces.first()?)));
+        let file = files.and_then(|files| files.files().next()).filter(|file| !png::is_png(file));
         self.primaries = match self.color_space {
             Some(space) => space.primaries(),
             None => file.and_then(|file| exr::read_primaries(&file).ok()).unwrap_or(Primaries::REC709),

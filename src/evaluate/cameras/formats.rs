@@ -7,7 +7,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::document::{Content, FileCamera, WriteSettings, Written};
-use super::{colmap, gltf, own, transforms, usd};
+use super::{colmap, gltf, own, probes, transforms, usd};
+use crate::container::header::is_container;
+use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
 use crate::mesh::gltf::document::is_glb;
 
@@ -53,6 +55,7 @@ impl CameraFormat {
             return CameraFormat::Gltf;
         }
         match serde_json::from_slice::<Value>(bytes) {
+            Ok(document) if own::has_probes(&document) => CameraFormat::Lightfold,
             Ok(document) if document.get("asset").is_some() => CameraFormat::Gltf,
             Ok(document) if transforms::is_of(&document) => CameraFormat::Transforms,
             _ => CameraFormat::Lightfold,
@@ -73,9 +76,12 @@ impl CameraFormat {
     }
 }
 
-/// The cameras of a file, at least one; `-` for standard input. `fps` are frames per second, of formats that have seconds.
+/// The cameras of a file, or of the probes of a container or a dataset, at least one; `-` for standard input. `fps` are frames per second, of formats that have seconds.
 pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
     let read = || {
+        if path != Path::new("-") && (path.join(MANIFEST_NAME).is_file() || path.is_file() && is_container(path)?) {
+            return probes::of_probes(path);
+        }
         let (path, folder) = match colmap::folder(path) {
             Some(folder) => (folder.join(colmap::IMAGES), true),
             None => (path.to_path_buf(), false),

@@ -1,12 +1,33 @@
-//! The camera files of this program ([`crate::evaluate::camera_file`]).
+//! The camera files of this program ([`crate::evaluate::camera_file`]), and its files of probes to capture
+//! ([`crate::dataset::CameraSet`]).
+
+use std::path::Path;
+
+use serde_json::Value;
 
 use super::document::{Content, FileCamera, WriteSettings, Written};
+use super::probes;
+use crate::dataset::CameraSet;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
+
+/// True for a manifest, and for a file of probes to capture.
+pub fn has_probes(document: &Value) -> bool {
+    ["lightfield", "lightfold_cameras"].iter().any(|key| document.get(key).is_some())
+}
 
 pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     if content.bytes.len() as u64 > MAX_CAMERA_FILE_BYTES {
         return Err(Error::invalid(format!("a camera file has at most {MAX_CAMERA_FILE_BYTES} bytes")));
+    }
+    match serde_json::from_slice::<Value>(content.bytes) {
+        Ok(document) if document.get("lightfield").is_some() && content.path != Path::new("-") => {
+            return probes::of_probes(content.path);
+        }
+        Ok(document) if has_probes(&document) => {
+            return probes::of_placed(&CameraSet::from_json(content.bytes)?);
+        }
+        _ => {}
     }
     let cameras = CameraFile::parse(content.bytes)?;
     Ok(cameras.into_iter().map(|timed| FileCamera { name: String::new(), size: None, timed }).collect())

@@ -5,12 +5,17 @@
 
 use std::path::Path;
 
+use glam::{DQuat, DVec3};
+
 use super::document::FileCamera;
-use crate::error::Result;
+use crate::dataset::CameraSet;
+use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
+use crate::evaluate::camera_file::camera_of;
 use crate::evaluate::reference::{Reference, ReferenceImage};
 use crate::image::{Face, FrameRange};
-use crate::math::Camera;
+use crate::math::camera::rotation;
+use crate::math::{Camera, Lens};
 
 /// The cameras of a container, or of a dataset, by probe and then by face. They have frames where these differ between them.
 pub fn of_probes(path: &Path) -> Result<Vec<FileCamera>> {
@@ -20,14 +25,45 @@ pub fn of_probes(path: &Path) -> Result<Vec<FileCamera>> {
     let camera = |(image, frames, camera): (&ReferenceImage, FrameRange, Camera)| -> Result<FileCamera> {
         let is_view = image.face == Face::View;
         let name = if is_view { image.probe.clone() } else { format!("{}_{}", image.probe, image.face.name()) };
-        let upright = camera.mirrored();
-        let camera = match is_view {
-            true => camera,
-            false => Camera::with_window(upright.eye(), upright.axes(), [1.0; 2], [0.0; 2])?,
-        };
+        let camera = if is_view { camera } else { of_face(camera.eye(), camera.axes())? };
         let timed = TimedCamera { camera, frames: (!is_same).then_some(frames) };
         Ok(FileCamera { name: format!("probe_{name}"), size: Some(image.size), timed })
     };
     let all = images.iter().flat_map(|image| image.cameras().map(move |(frames, camera)| (image, frames, camera)));
     all.map(camera).collect()
+}
+
+/// The cameras of probes to capture: those with a field of view are perspective, the others cube maps.
+pub fn of_placed(set: &CameraSet) -> Result<Vec<FileCamera>> {
+    let mut cameras = Vec::new();
+    for (at, placed) in set.cameras.iter().enumerate() {
+        let name = set.name_of(at);
+        let frames = placed.frames.map(|[first, last]| FrameRange { first, last });
+        let mut add = |name: String, camera: Result<Camera>| -> Result<()> {
+            let camera = camera.map_err(|error| error.context(format!("camera {at}")))?;
+            cameras.push(FileCamera {
+                name: format!("probe_{name}"),
+                size: None,
+                timed: TimedCamera { camera, frames },
+            });
+            Ok(())
+        };
+        if let Some(fov_y_deg) = placed.fov_y_deg {
+            add(name, camera_of(placed, fov_y_deg))?;
+            continue;
+        }
+        let no_turn = || Error::invalid(format!("camera {at}: its orientation is no quaternion of length 1"));
+        let turn = placed.orientation.map_or(Some(DQuat::IDENTITY), rotation).ok_or_else(no_turn)?;
+        for face in Face::CUBE {
+            let camera = of_face(DVec3::from_array(placed.position), face.axes().map(|axis| turn * axis));
+            add(format!("{name}_{}", face.name()), camera)?;
+        }
+    }
+    Ok(cameras)
+}
+
+/// The camera that sees a face of a cube map, whose axes are mirrored, the right way round.
+fn of_face(eye: DVec3, axes: [DVec3; 3]) -> Result<Camera> {
+    let upright = Camera::with_axes(eye, axes, Lens::new(90.0))?.mirrored();
+    Camera::with_window(eye, upright.axes(), [1.0; 2], [0.0; 2])
 }

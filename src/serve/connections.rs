@@ -1,0 +1,297 @@
+//! Open connections, and which of them is closed where there are too many.
+//!
+//! A connection makes progress when the head of a request is complete, when an answer ends, and with each [`PROGRESS_BYTES`] of
+//! answers that the client takes. A byte now and then is no progress. One that waits for its client without progress is closed after
+//! [`Limits::progress_timeout`]. A new connection is always accepted: if there are [`Limits::max_connections`], the one that is worst
+//! makes room for it.
+
+use std::collections::BTreeMap;
+use std::net::{IpAddr, Ipv6Addr};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use tokio::task::AbortHandle;
+
+/// Bytes of answers that count as progress once a client has taken them.
+const PROGRESS_BYTES: u64 = 64 << 10;
+/// Connections of one address above which it is the first to lose one. Browsers have six to a server.
+const FAIR_SHARE: usize = 32;
+/// Open files that are kept free for reading the film once the system has refused one.
+const FREE_FILES: usize = 20;
+
+/// Limits of a server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Connections at a time, at least 1.
+    pub max_connections: usize,
+    /// How long a connection may wait for its client without progress.
+    pub progress_timeout: Duration,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits { max_connections: 256, progress_timeout: Duration::from_secs(10) }
+    }
+}
+
+/// All open connections.
+#[derive(Debug)]
+pub struct Connections {
+    limits: Limits,
+    table: Mutex<Table>,
+}
+
+#[derive(Debug)]
+struct Table {
+    next_id: u64,
+    open: BTreeMap<u64, Open>,
+    /// Connections that the system has files for; at most those of the limits.
+    capacity: usize,
+}
+
+#[derive(Debug)]
+struct Open {
+    connection: Arc<Connection>,
+    task: AbortHandle,
+}
+
+/// A connection and its progress.
+#[derive(Debug)]
+pub struct Connection {
+    id: u64,
+    /// Address of the client.
+    network: IpAddr,
+    activity: Mutex<Activity>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Activity {
+    /// Time of the last progress, or of the beginning.
+    progress: Instant,
+    /// Bytes taken since.
+    taken_bytes: u64,
+    /// True if there is an answer that has not ended.
+    is_answering: bool,
+    /// True if the client takes no bytes at the moment.
+    is_blocked: bool,
+    /// True if the server closes it, without the bytes that are not sent yet.
+    is_given_up: bool,
+}
+
+impl Activity {
+    /// True if the client has to send a head, or to take bytes.
+    fn waits_for_client(&self) -> bool {
+        self.is_blocked || !self.is_answering
+    }
+}
+
+impl Connection {
+    fn activity(&self) -> MutexGuard<'_, Activity> {
+        self.activity.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Records that the head of a request is complete.
+    pub fn begin_answer(&self) {
+        let mut activity = self.activity();
+        activity.is_answering = true;
+        activity.progress = Instant::now();
+    }
+
+    /// Records that all bytes of an answer are made, or that it was dropped.
+    pub fn end_answer(&self) {
+        let mut activity = self.activity();
+        activity.is_answering = false;
+        activity.progress = Instant::now();
+    }
+
+    /// Records bytes that the client took.
+    pub fn took(&self, bytes: u64) {
+        let mut activity = self.activity();
+        activity.is_blocked = false;
+        activity.taken_bytes += bytes;
+        if activity.taken_bytes >= PROGRESS_BYTES {
+            activity.taken_bytes = 0;
+            activity.progress = Instant::now();
+        }
+    }
+
+    /// Records that the client takes none of the bytes that wait for it.
+    pub fn blocked(&self) {
+        self.activity().is_blocked = true;
+    }
+
+    pub fn is_given_up(&self) -> bool {
+        self.activity().is_given_up
+    }
+}
+
+impl Connections {
+    pub fn new(limits: Limits) -> Connections {
+        let table = Table { next_id: 0, open: BTreeMap::new(), capacity: limits.max_connections.max(1) };
+        Connections { limits, table: Mutex::new(table) }
+    }
+
+    fn table(&self) -> MutexGuard<'_, Table> {
+        self.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds a connection, whose task `start` starts; others make room for it.
+    pub fn add(&self, client: IpAddr, start: impl FnOnce(Arc<Connection>) -> AbortHandle) {
+        let mut table = self.table();
+        let capacity = table.capacity;
+        table.close_above(capacity.saturating_sub(1));
+        let id = table.next_id;
+        table.next_id += 1;
+        let activity = Activity {
+            progress: Instant::now(),
+            taken_bytes: 0,
+            is_answering: false,
+            is_blocked: false,
+            is_given_up: false,
+        };
+        let connection = Arc::new(Connection { id, network: network(client), activity: Mutex::new(activity) });
+        let task = start(Arc::clone(&connection));
+        table.open.insert(id, Open { connection, task });
+    }
+
+    /// Forgets a connection that has ended.
+    pub fn remove(&self, connection: &Connection) {
+        self.table().open.remove(&connection.id);
+    }
+
+    /// Closes as many connections as reading the film needs files, and allows fewer for a while: the system has no file left.
+    pub fn out_of_files(&self) {
+        let mut table = self.table();
+        table.capacity = table.open.len().saturating_sub(FREE_FILES).max(1);
+        let capacity = table.capacity;
+        table.close_above(capacity);
+    }
+
+    /// Time between calls of [`Self::sweep`].
+    pub fn sweep_interval(&self) -> Duration {
+        (self.limits.progress_timeout / 8).max(Duration::from_millis(1))
+    }
+
+    /// Closes connections whose clients had their time.
+    pub fn sweep(&self) {
+        let (now, timeout) = (Instant::now(), self.limits.progress_timeout);
+        let mut table = self.table();
+        table.capacity = (table.capacity + 1).min(self.limits.max_connections.max(1));
+        let late = table.open.iter().filter(|(_, open)| {
+            let activity = open.connection.activity();
+            activity.waits_for_client() && now.saturating_duration_since(activity.progress) > timeout
+        });
+        let late: Vec<u64> = late.map(|(id, _)| *id).collect();
+        late.into_iter().for_each(|id| table.close(id));
+    }
+}
+
+impl Table {
+    fn close_above(&mut self, count: usize) {
+        while self.open.len() > count {
+            let all = self.open.values().map(|Open { connection, .. }| (&**connection, *connection.activity()));
+            let Some(id) = worst(&all.collect::<Vec<_>>()) else { return };
+            self.close(id);
+        }
+    }
+
+    fn close(&mut self, id: u64) {
+        if let Some(Open { connection, task }) = self.open.remove(&id) {
+            connection.activity().is_given_up = true;
+            task.abort();
+        }
+    }
+}
+
+/// The connection to close first: one that waits for its client, before those that the server works for; of those of an address that has
+/// more than its share, if there is one; without progress for the longest time.
+fn worst(open: &[(&Connection, Activity)]) -> Option<u64> {
+    let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
+    open.iter().for_each(|(connection, _)| *counts.entry(connection.network).or_default() += 1);
+    let rank = |(connection, activity): &&(&Connection, Activity)| {
+        let share = counts.get(&connection.network).copied().unwrap_or_default().max(FAIR_SHARE);
+        (activity.waits_for_client(), share, std::cmp::Reverse((activity.progress, connection.id)))
+    };
+    open.iter().max_by_key(rank).map(|(connection, _)| connection.id)
+}
+
+/// Network of a client: its address, of IPv6 the network of 64 bits, whose addresses one machine may all have.
+fn network(address: IpAddr) -> IpAddr {
+    match address.to_canonical() {
+        IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from_bits(v6.to_bits() >> 64 << 64)),
+        v4 => v4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Connections of addresses, whose last progress was so many seconds ago.
+    struct Rows(Vec<(Connection, Activity)>);
+
+    impl Rows {
+        fn of(rows: &[(&str, u64)]) -> Rows {
+            let now = Instant::now() + Duration::from_secs(1000);
+            let row = |(id, (address, ago)): (usize, &(&str, u64))| {
+                let activity = Activity {
+                    progress: now - Duration::from_secs(*ago),
+                    taken_bytes: 0,
+                    is_answering: false,
+                    is_blocked: false,
+                    is_given_up: false,
+                };
+                let network = network(address.parse().unwrap());
+                (Connection { id: id as u64, network, activity: Mutex::new(activity) }, activity)
+            };
+            Rows(rows.iter().enumerate().map(row).collect())
+        }
+
+        fn worst(&self) -> Option<u64> {
+            worst(&self.0.iter().map(|(connection, activity)| (connection, *activity)).collect::<Vec<_>>())
+        }
+    }
+
+    #[test]
+    fn least_progress_is_closed_first() {
+        let mut rows = Rows::of(&[("10.0.0.1", 3), ("10.0.0.2", 9), ("10.0.0.3", 5)]);
+        assert_eq!(rows.worst(), Some(1));
+        // The server is at work for it: its client is not to blame.
+        rows.0[1].1.is_answering = true;
+        assert_eq!(rows.worst(), Some(2));
+        rows.0[1].1.is_blocked = true;
+        assert_eq!(rows.worst(), Some(1));
+        rows.0.iter_mut().for_each(|row| (row.1.is_answering, row.1.is_blocked) = (true, false));
+        assert_eq!(rows.worst(), Some(1), "one has to go");
+        assert_eq!(Rows::of(&[]).worst(), None);
+        assert_eq!(Rows::of(&[("::1", 1), ("::1", 1)]).worst(), Some(0), "the elder of two");
+    }
+
+    #[test]
+    fn addresses_above_their_share_lose_connections_first() {
+        let mut rows = vec![("10.0.0.1", 1); FAIR_SHARE];
+        rows.push(("10.0.0.2", 99));
+        assert_eq!(Rows::of(&rows).worst(), Some(FAIR_SHARE as u64), "a share is no fault");
+        rows.push(("::ffff:10.0.0.1", 2));
+        assert_eq!(Rows::of(&rows).worst(), Some(FAIR_SHARE as u64 + 1));
+        let addresses: Vec<String> = (0..=FAIR_SHARE).map(|number| format!("2001:db8::{number:x}")).collect();
+        let mut rows: Vec<(&str, u64)> = addresses.iter().map(|address| (address.as_str(), 1)).collect();
+        rows.push(("2001:db8:0:1::1", 99));
+        assert_eq!(Rows::of(&rows).worst(), Some(0), "addresses of one network");
+    }
+
+    #[test]
+    fn bytes_are_progress_by_the_piece() {
+        let rows = Rows::of(&[("10.0.0.1", 0)]);
+        let connection = &rows.0[0].0;
+        let began = connection.activity().progress - Duration::from_secs(1000);
+        connection.activity().progress = began;
+        connection.blocked();
+        for _ in 1..PROGRESS_BYTES {
+            connection.took(1);
+        }
+        assert_eq!(connection.activity().progress, began, "a byte now and then");
+        connection.took(1);
+        assert!(connection.activity().progress > began && !connection.activity().is_blocked);
+    }
+}
