@@ -55,6 +55,7 @@ struct Document {
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let start = Instant::now();
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
     settings.depth.domain = args.domain.depth_domain;
     args.units.apply(&mut options, &mut settings);
@@ -70,8 +71,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let source = args.input.open(StreamKind::Depth, &options)?;
     let target = output.map(|path| Target { path, unfinished: Unfinished::Discard, json: args.store.json });
-    let encode =
-        |target| Encode { source: &source, part: None, settings: &settings, target, time: None, smaller: None, global };
+    let encode = |target| Encode {
+        source: &source,
+        part: None,
+        settings: &settings,
+        target,
+        time: None,
+        smaller: None,
+        start,
+        global,
+    };
     match target {
         Some(target) if !args.stats => encode(target).run(),
         target => {

@@ -129,9 +129,20 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     capture(args, &places.scene, global)?;
     let captured = start.elapsed();
+    let encoding = Instant::now();
     let source = Source::open(&places.scene, &SourceOptions::default())?;
     let target = Target { path: &places.container, unfinished: Unfinished::Discard, json: false };
-    Encode { source: &source, part: None, settings: &settings, target, time: None, smaller: None, global }.encode()?;
+    Encode {
+        source: &source,
+        part: None,
+        settings: &settings,
+        target,
+        time: None,
+        smaller: None,
+        start: encoding,
+        global,
+    }
+    .encode()?;
     let encoded = start.elapsed();
     let decoder = Decoder::open(&places.container)?;
     decode(&decoder, &places.decoded, global)?;

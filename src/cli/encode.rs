@@ -13,7 +13,8 @@ use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::{
-    self, EncodeReport, EncodeSettings, EncodeSummary, FrameSource, Kept, Part, Resumable, ScanFile, Stopped,
+    self, EncodeReport, EncodeSettings, EncodeSummary, Footage, FrameSource, Kept, Part, Resumable, ScanFile, Scans,
+    Stopped,
 };
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
@@ -112,6 +113,7 @@ impl Encodes for Args {
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (start, begun) = (Instant::now(), SystemTime::now());
+    let stages = Progress::start(global, "opening", 0)?;
     let (options, settings) = args.settings()?;
     let inputs = [manifest::manifest_path(&args.input)].into_iter().chain(args.shards.scan.clone());
     if is_one_of(&args.output.container.path, inputs) {
@@ -120,6 +122,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut source = args.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
     let part = args.shards.part(&source, &settings)?;
+    drop(stages);
+    let (part, scans) = with_footage(part, args.shards.scan.as_deref(), (&source, &settings), global)?;
     let path = &args.output.container.path;
     if let Some(part) = part.as_ref().filter(|_| args.output.resume)
         && let Some(summary) = encode::complete_shard(part, path)
@@ -128,48 +132,69 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         let words = || format!("{}: this shard is complete; nothing was left to encode", path.display());
         return global.report(args.output.container.store.json, &report, words).map(|()| ExitStatus::Passed);
     }
-    let part = with_scans(part, args.shards.scan.as_deref(), (&source, &settings), global)?;
+    let part = with_scans(part, scans, &settings, global)?;
     let smaller = Some(args.smaller());
     // By which `encode::complete_shard` sees whether an image has changed since.
     let time = part.as_ref().filter(|part| part.is_shard()).map(|_| begun);
-    Encode { source: &source, part, settings: &settings, target: args.target(), time, smaller, global }.run()
+    Encode { source: &source, part, settings: &settings, target: args.target(), time, smaller, start, global }.run()
 }
 
 /// Runs a command that needs no further checks.
 pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> {
+    let start = Instant::now();
+    let stages = Progress::start(global, "opening", 0)?;
     let (options, settings) = command.settings()?;
     let mut source = command.open(&options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    let smaller = Some(command.smaller());
-    Encode { source: &source, part: None, settings: &settings, target: command.target(), time: None, smaller, global }
-        .run()
+    drop(stages);
+    let (smaller, target) = (Some(command.smaller()), command.target());
+    Encode { source: &source, part: None, settings: &settings, target, time: None, smaller, start, global }.run()
 }
 
-/// What is encoded of the source, where that is a shard, or where scans were made before.
-fn with_scans<'a>(
+/// What is encoded of the source, where that is a shard, or where scans were made before: with the content of the footage, as a scan
+/// has it, or as it is now. Answers the scans, too.
+fn with_footage<'a>(
     part: Option<Part<'a>>,
     scan: Option<&Path>,
     (source, settings): (&'a Source, &EncodeSettings),
     global: &GlobalArgs,
-) -> Result<Option<Part<'a>>> {
+) -> Result<(Option<Part<'a>>, Option<Scans>)> {
     let known = match scan {
         Some(path) => Some(ScanFile::read(path)?.scans(source, settings).map_err(|error| error.in_file(path))?),
         None => None,
     };
-    let Some(part) = part else { return Ok(known.map(|scans| Part::whole(source, scans))) };
-    if settings.depends_on_processor() {
+    Ok(match (part, known) {
+        (None, None) => (None, None),
+        (None, Some((scans, footage))) => (Some(Part::whole(source, footage)), Some(scans)),
+        (Some(part), Some((scans, footage))) => (Some(part.with_footage(footage)), Some(scans)),
+        (Some(part), None) => {
+            let images = encode::selected_groups(source, settings).iter().map(encode::GroupRef::images).sum();
+            let progress = Progress::start(global, "reading footage", images)?;
+            (Some(part.with_footage(Footage::read(source, settings, &progress)?)), None)
+        }
+    })
+}
+
+/// The same with these scans, or with scans that are made now.
+fn with_scans<'a>(
+    part: Option<Part<'a>>,
+    known: Option<Scans>,
+    settings: &EncodeSettings,
+    global: &GlobalArgs,
+) -> Result<Option<Part<'a>>> {
+    let Some(part) = part else { return Ok(None) };
+    if part.is_shard() && settings.depends_on_processor() {
         global.note(
             "texture blocks depend on the processor: use machines with the same instruction sets, or pack refuses",
         );
     }
-    let scans = match known {
-        Some(scans) => scans,
+    match known {
+        Some(scans) => Ok(Some(part.with_scans(scans))),
         None => {
-            let progress = Progress::start(global, "scanning", 1)?;
-            encode::scan_probes(source, settings, &part.probes_of_depth(), &progress)?
+            let progress = Progress::start(global, "finding near and far", part.images_to_scan(settings))?;
+            part.scan(settings, &progress).map(Some)
         }
-    };
-    Ok(Some(part.with_scans(scans)))
+    }
 }
 
 pub struct Encode<'a> {
@@ -182,6 +207,8 @@ pub struct Encode<'a> {
     pub time: Option<SystemTime>,
     /// What makes the container smaller, if anything.
     pub smaller: Option<&'a str>,
+    /// When the command began.
+    pub start: Instant,
     pub global: &'a GlobalArgs,
 }
 
@@ -192,7 +219,7 @@ impl Encode<'_> {
         if unfinished == Unfinished::Resume && path == Path::new("-") {
             return refuse("--resume needs a file: an encode to standard output cannot be resumed");
         }
-        encode_advice::note_values(self.source, self.settings, self.global);
+        encode_advice::note_values(self.source, self.settings, self.global)?;
         let done = self.encode()?;
         note_clipping(path, &done.summary);
         encode_advice::note_depth(&done.summary, self.global);
@@ -210,10 +237,12 @@ impl Encode<'_> {
         self.note_block_bound();
         // Checked before an earlier encode is replaced.
         encode::check(self.frames(), self.settings)?;
-        let start = Instant::now();
+        let first_frames = encode::first_frames(self.frames(), self.settings)?;
+        let progress = Progress::start(self.global, "reading first frames", first_frames)?;
+        encode::check_first_frames(self.frames(), self.settings, &progress)?;
+        drop(progress);
         let images = encode::selected_groups(self.frames(), self.settings).iter().map(encode::GroupRef::images).sum();
         let progress = Progress::start(self.global, "encoding", images)?;
-        encode::check_first_frames(self.frames(), self.settings, &progress)?;
         let summary = if unfinished == Unfinished::Discard {
             self.encode_whole(OutputFile::create(path)?, &progress)?
         } else {
@@ -227,7 +256,7 @@ impl Encode<'_> {
                 self.encode_whole(file, &progress)?
             }
         };
-        Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
+        Ok(EncodeReport::new(summary, self.start.elapsed().as_secs_f64()))
     }
 
     fn frames(&self) -> &dyn FrameSource {

@@ -3,20 +3,27 @@
 use std::collections::HashSet;
 
 use crate::cli::output::human_bytes;
+use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, depth_bound};
 use crate::convention::{self, Choice, MAX_PROBES, Verdict};
 use crate::dataset::Source;
 use crate::encode::{self, EncodeSettings, EncodeSummary, FrameSource};
+use crate::error::{Error, Result};
 use crate::image::StreamKind;
-use crate::monitor::Silent;
 use crate::report::coding_map::counted;
 
 /// Says what is odd about the values of the first frames, before anything is coded. The encoder reports what cannot be read.
-pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalArgs) {
+///
+/// # Errors
+/// [`crate::Error::Interrupted`].
+pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalArgs) -> Result<()> {
     // Checks keep an image for each thread, and more of it, which no limit counts.
     if settings.memory.bytes.is_some() {
-        return;
+        return Ok(());
     }
+    let choice = Choice { max_probes: MAX_PROBES, ..Choice::default() };
+    let steps = convention::steps(source, &choice).unwrap_or(0);
+    let progress = Progress::start(global, "checking", steps)?;
     if settings.kinds.contains(&StreamKind::Color)
         && let Some((file, pixels)) = source.unnamed_alpha()
     {
@@ -27,8 +34,12 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
             counted(pixels, "pixel")
         ));
     }
-    let choice = Choice { max_probes: MAX_PROBES, ..Choice::default() };
-    let findings = convention::check_values(source, &choice, &Silent).unwrap_or_default();
+    let findings = match convention::check_values(source, &choice, &progress) {
+        Ok(findings) => findings,
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        Err(_) => Vec::new(),
+    };
+    drop(progress);
     let is_coded = |check: &str| {
         let of = |kind: StreamKind| settings.kinds.contains(&kind) && check.starts_with(kind.name());
         StreamKind::ALL.into_iter().any(of) || check == "positions"
@@ -36,6 +47,7 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
     for finding in findings.iter().filter(|finding| finding.verdict == Verdict::Suspect && is_coded(finding.check)) {
         global.note(format_args!("warning: {}: {}", finding.check, finding.says));
     }
+    Ok(())
 }
 
 /// Names few pixels that take much of the precision of depth, and says how many were outside near and far.

@@ -1,8 +1,9 @@
 //! Progress, as a bar on a terminal or as lines for programs, and Ctrl-C.
 
 use std::io::{IsTerminal, Write};
-use std::sync::Mutex;
+
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -24,6 +25,15 @@ pub struct Progress {
     /// Counts, also where it is not drawn.
     bar: ProgressBar,
     lines: Option<Lines>,
+    /// The current stage, above those that go on when it ends.
+    stages: Mutex<Vec<Stage>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Stage {
+    name: &'static str,
+    /// Steps done when another stage began within it, and all steps.
+    steps: [u64; 2],
 }
 
 impl Progress {
@@ -48,8 +58,9 @@ impl Progress {
             ProgressForm::OpenJd if global.has_result_on_stdout => Some(LineForm::OpenJdOnStderr),
             ProgressForm::OpenJd => Some(LineForm::OpenJd),
         };
-        let lines = lines.map(|form| Lines { form, stage: what, begun: Instant::now(), last: Mutex::new(None) });
-        let progress = Progress { bar, lines };
+        let lines = lines.map(|form| Lines { form, begun: Instant::now(), last: Mutex::new(None) });
+        let stages = Mutex::new(vec![Stage { name: what, steps: [0, steps] }]);
+        let progress = Progress { bar, lines, stages };
         progress.tell(false);
         Ok(progress)
     }
@@ -63,8 +74,22 @@ impl Progress {
 
     fn tell(&self, is_last: bool) {
         if let Some(lines) = &self.lines {
-            lines.tell(self.bar.position(), self.bar.length().unwrap_or(0), is_last);
+            let stage = self.stages().last().map_or("", |stage| stage.name);
+            lines.tell(stage, [self.bar.position(), self.bar.length().unwrap_or(0)], is_last);
         }
+    }
+
+    fn stages(&self) -> MutexGuard<'_, Vec<Stage>> {
+        self.stages.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Goes on with a stage.
+    fn show(&self, Stage { name, steps: [done, total] }: Stage) {
+        self.bar.set_message(name);
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        self.bar.reset_eta();
+        self.tell(true);
     }
 }
 
@@ -81,19 +106,52 @@ impl Monitor for Progress {
         self.tell(false);
     }
 
+    fn begin_stage(&self, name: &'static str, steps: u64) {
+        let stage = Stage { name, steps: [0, steps] };
+        {
+            let mut stages = self.stages();
+            if let Some(before) = stages.last_mut() {
+                before.steps = [self.bar.position(), self.bar.length().unwrap_or(0)];
+            }
+            stages.push(stage);
+        }
+        self.show(stage);
+    }
+
+    fn end_stage(&self) {
+        self.tell(true);
+        let before = {
+            let mut stages = self.stages();
+            if stages.len() < 2 {
+                return;
+            }
+            stages.pop();
+            stages.last().copied()
+        };
+        if let Some(before) = before {
+            self.show(before);
+        }
+    }
+
     fn interrupted(&self) -> bool {
         INTERRUPTED.load(Ordering::Relaxed)
     }
 }
 
-/// Lines of one stage.
+/// Lines of progress.
 #[derive(Debug)]
 struct Lines {
     form: LineForm,
-    stage: &'static str,
     begun: Instant,
-    /// When the last line was written, and the steps that it told.
-    last: Mutex<Option<(Instant, [u64; 2])>>,
+    last: Mutex<Option<Line>>,
+}
+
+/// A line that was written: when, the stage, and its steps.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    at: Instant,
+    stage: &'static str,
+    steps: [u64; 2],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,17 +170,20 @@ struct JsonLine {
 }
 
 impl Lines {
-    /// Writes where the stage stands, unless a line was written just now; the last one always, if it has news.
-    fn tell(&self, done: u64, total: u64, is_last: bool) {
+    /// Writes where the stage stands, unless a line was written just now; its first and last one always, if it has news.
+    fn tell(&self, stage: &'static str, steps: [u64; 2], is_last: bool) {
         // Other threads that advance meanwhile need not wait: one of them writes.
         let guard = if is_last { self.last.lock().ok() } else { self.last.try_lock().ok() };
         let Some(mut last) = guard else { return };
-        let is_due = last.is_none_or(|(at, told)| if is_last { told != [done, total] } else { at.elapsed() >= PAUSE });
+        let is_due = last.is_none_or(|line| match is_last {
+            true => (line.stage, line.steps) != (stage, steps),
+            false => line.at.elapsed() >= PAUSE,
+        });
         if !is_due {
             return;
         }
-        *last = Some((Instant::now(), [done, total]));
-        let text = self.text(done, total);
+        *last = Some(Line { at: Instant::now(), stage, steps });
+        let text = self.text(stage, steps);
         // Progress that nobody reads is no error.
         let _ = match self.form {
             LineForm::OpenJd => std::io::stdout().lock().write_all(text.as_bytes()),
@@ -130,8 +191,7 @@ impl Lines {
         };
     }
 
-    fn text(&self, done: u64, total: u64) -> String {
-        let stage = self.stage;
+    fn text(&self, stage: &'static str, [done, total]: [u64; 2]) -> String {
         if self.form == LineForm::Json {
             let seconds = (self.begun.elapsed().as_secs_f64() * 1000.0).round() / 1000.0;
             let line = serde_json::to_string(&JsonLine { stage, done, total, seconds });
@@ -161,12 +221,12 @@ mod tests {
 
     #[test]
     fn lines_tell_stage_and_steps() {
-        let lines = |form| Lines { form, stage: "encoding", begun: Instant::now(), last: Mutex::new(None) };
-        let json: serde_json::Value = serde_json::from_str(&lines(LineForm::Json).text(12, 96)).unwrap();
+        let lines = |form| Lines { form, begun: Instant::now(), last: Mutex::new(None) };
+        let json: serde_json::Value = serde_json::from_str(&lines(LineForm::Json).text("encoding", [12, 96])).unwrap();
         assert_eq!((&json["stage"], &json["done"], &json["total"]), (&"encoding".into(), &12.into(), &96.into()));
         assert!(json["seconds"].as_f64().is_some_and(|seconds| seconds >= 0.0));
         let openjd = lines(LineForm::OpenJd);
-        assert_eq!(openjd.text(12, 96), "openjd_progress: 12.5\nopenjd_status: encoding 12/96\n");
-        assert_eq!(openjd.text(0, 0), "openjd_progress: 0.0\nopenjd_status: encoding 0/0\n");
+        assert_eq!(openjd.text("encoding", [12, 96]), "openjd_progress: 12.5\nopenjd_status: encoding 12/96\n");
+        assert_eq!(openjd.text("encoding", [0, 0]), "openjd_progress: 0.0\nopenjd_status: encoding 0/0\n");
     }
 }

@@ -43,6 +43,7 @@ const ALL_FRAMES: FrameRange = FrameRange { first: 0, last: u32::MAX };
 const MOST_STILL_FRAMES: u64 = 1_000_000;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    let start = Instant::now();
     if args.gpu.list_devices {
         return device::list(args.json);
     }
@@ -79,7 +80,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let rows = jobs.iter().map(|job| job.request.cameras.len() as u64 * u64::from(job.size[1])).sum();
     let progress = Progress::start(global, "rendering rows", rows)?;
     let gpu = args.gpu.index.open(args.device, global)?;
-    let start = Instant::now();
     let tone = subject.tone();
     let mut renderer = subject.renderer(gpu.as_ref())?;
     for job in jobs {
@@ -97,7 +97,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             writeln!(file, "{line}").map_err(|error| Error::io(args.views.trace.as_deref().unwrap_or(input), error))?;
         }
     }
-    let seconds = start.elapsed().as_secs_f64();
     let figures = renderer.figures();
     drop(renderer);
     drop(progress);
@@ -115,7 +114,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         pixels: jobs.iter().map(|job| job.request.cameras.len() as u64 * pixels(job.size)).sum(),
         pictures: count,
         is_cut_off: args.march.far.is_some() || jobs.iter().flat_map(|job| &job.request.cameras).any(Camera::has_range),
-        seconds,
+        seconds: start.elapsed().as_secs_f64(),
         bytes_out: bytes,
         device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
         truth: truth.as_ref(),

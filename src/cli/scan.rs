@@ -20,8 +20,9 @@ use crate::report::coding_map::counted;
     lightfold encode film --scan scan.json --shard 3/8 -o film-3.lfold\n  \
     lightfold scan film --shard 3/8 -o scan-3.json\n  \
     lightfold scan --merge scan-*.json -o scan.json\n\n\
-    Near, far and recurring distances of a probe follow from all its frames. Give scan the options of encode: \
-    those of colour, material, effort and compression have no effect on it. --merge needs the scans of all shards.")]
+    Near, far and recurring distances of a probe follow from all its frames. Digests of all files are kept with them: shards join only \
+    where they are equal, and encode refuses a file that has changed since. Give scan the options of encode: those of colour, material, \
+    effort, compression and --stream have no effect on it. --merge needs the scans of all shards.")]
 pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it; with --merge, scans of shards
     #[arg(value_name = "MANIFEST", required = true)]

@@ -130,7 +130,7 @@ mod tests {
                 let planar = metres / (1.0 + u * u + v * v).sqrt();
                 (if kind == DepthKind::Planar { planar } else { metres }) as f32
             });
-            FaceSamples::new(face, &plane, ImageProjection::cube_face(face, SIDE))
+            FaceSamples::new(face, |x, y| plane.get(x, y), ImageProjection::cube_face(face, SIDE))
         };
         let pose = Pose { position: DVec3::ZERO, turn: DQuat::IDENTITY };
         ProbeSamples { name: "0".into(), frame: 0, pose, faces: Face::CUBE.map(face).to_vec() }

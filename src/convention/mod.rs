@@ -70,7 +70,7 @@ pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
 /// Runs the checks of values alone: those of depth, and whether colour is light.
 pub fn check_values(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
     let stated = stated(source);
-    let footage = read::read(source, choice, &stated, monitor)?;
+    let footage = read::read_values(source, choice, &stated, monitor)?;
     let mut findings = footage.depth.map_or_else(Vec::new, |values| values::check(&values, &stated));
     findings.extend(footage.color.map(|values| check_light(source, &values)));
     findings.extend(positions::check(source.probes()));

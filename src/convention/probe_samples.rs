@@ -26,13 +26,14 @@ pub struct FaceSamples {
 }
 
 impl FaceSamples {
-    pub fn new(face: Face, stored: &DepthPlane, projection: ImageProjection) -> FaceSamples {
+    /// Samples of an image whose pixels are `stored`.
+    pub fn new(face: Face, stored: impl Fn(u32, u32) -> f32, projection: ImageProjection) -> FaceSamples {
         let size = projection.size();
         let step = size[0].max(size[1]).div_ceil(MAX_SIDE).max(1);
         let offset = step / 2;
         let count = |side: u32| (side.saturating_sub(offset)).div_ceil(step).max(1);
         let at = |index: u32, side: u32| (offset + index * step).min(side - 1);
-        let stored = Plane::from_fn(count(size[0]), count(size[1]), |x, y| stored.get(at(x, size[0]), at(y, size[1])));
+        let stored = Plane::from_fn(count(size[0]), count(size[1]), |x, y| stored(at(x, size[0]), at(y, size[1])));
         let unknown = || Plane::filled(0, 0, [0.0; 2]);
         let mut samples = FaceSamples { face, projection, step, stored, distance: unknown(), planar: unknown() };
         samples.distance = samples.around(DepthKind::Distance);

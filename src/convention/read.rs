@@ -110,6 +110,35 @@ pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>>
     Ok(jobs)
 }
 
+/// Statistics of values alone.
+#[derive(Debug, Default)]
+pub struct FootageValues {
+    pub depth: Option<DepthValues>,
+    pub color: Option<ColorValues>,
+}
+
+/// Reads no more than statistics need. The monitor advances by one for each file.
+pub fn read_values(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Monitor) -> Result<FootageValues> {
+    let counted = try_map_ordered(jobs(source, choice)?, |(group, frame)| {
+        monitor.check()?;
+        let mut values = FootageValues::default();
+        if group.kind == StreamKind::Depth {
+            let planes = source.read_depth_as_stored(&group, frame)?;
+            values.depth = planes.iter().map(|plane| DepthValues::count(plane, stated)).reduce(DepthValues::add);
+        } else {
+            let planes = source.read_color_unfiltered(&group, frame)?;
+            values.color = planes.iter().map(ColorValues::count).reduce(ColorValues::add);
+        }
+        monitor.advance(1);
+        Ok(values)
+    })?;
+    let (depth, color): (Vec<_>, Vec<_>) = counted.into_iter().map(|values| (values.depth, values.color)).unzip();
+    Ok(FootageValues {
+        depth: depth.into_iter().flatten().reduce(DepthValues::add),
+        color: color.into_iter().flatten().reduce(ColorValues::add),
+    })
+}
+
 /// The monitor advances by one for each file.
 pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Monitor) -> Result<Footage> {
     let jobs = jobs(source, choice)?;
@@ -120,7 +149,7 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
             let faces = group.faces.iter().zip(source.read_depth_as_stored(&group, frame)?);
             faces.map(|(face, plane)| depth_face(*face, &plane, probe, stated)).collect()
         } else {
-            let faces = group.faces.iter().zip(source.read_color(&group, frame)?);
+            let faces = group.faces.iter().zip(source.read_color_unfiltered(&group, frame)?);
             faces.map(|(face, plane)| color_face(*face, &plane)).collect()
         };
         monitor.advance(1);
@@ -204,18 +233,18 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
 
 fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> Kept {
     let values = DepthValues::count(plane, stated);
-    let hash = hash_of(plane, |value| value.to_bits());
+    let hash = hash_of(plane, |value| value.to_bits().into());
     let farthest = stated.rules.farthest(plane);
-    let metres = plane.map(|&value| match stated.rules.units(value) {
+    let metres = |x: u32, y: u32| match stated.rules.units(plane.get(x, y)) {
         units if units >= farthest => f32::INFINITY,
         units if units > 0.0 => (f64::from(units) * stated.rules.scale.abs()) as f32,
         _ => f32::NAN,
-    });
-    let borders = Borders::new(plane.width().min(plane.height()), |x, y| metres.get(x, y));
-    let size = [metres.width(), metres.height()];
+    };
+    let borders = Borders::new(plane.width().min(plane.height()), metres);
+    let size = [plane.width(), plane.height()];
     let known = probe.and_then(|probe| probe.projection(face, size));
     let projection = known.unwrap_or(ImageProjection::CubeFace { face, size });
-    let samples = FaceSamples::new(face, &metres, projection);
+    let samples = FaceSamples::new(face, metres, projection);
     Kept { face, borders, hash, values: Values::Depth(Box::new((values, samples))) }
 }
 
@@ -235,18 +264,18 @@ fn color_face(face: Face, plane: &ColorPlane) -> Kept {
         }
         (sum / count as f32).max(0.0) + DARK
     };
-    let hash = hash_of(plane, |value| value.map(f16::to_bits));
+    let hash = hash_of(plane, |light| light.iter().fold(0, |bits, value| bits << 16 | u64::from(value.to_bits())));
     Kept { face, borders: Borders::new(side, smooth), hash, values: Values::Color(ColorValues::count(plane)) }
 }
 
 /// A hash of the pixels of an image, unless all are equal.
-fn hash_of<T: Copy, B: Hash + PartialEq>(plane: &Plane<T>, bits: impl Fn(T) -> B) -> Option<u64> {
+fn hash_of<T: Copy>(plane: &Plane<T>, bits: impl Fn(T) -> u64) -> Option<u64> {
     let first = bits(*plane.data().first()?);
     if plane.data().iter().all(|value| bits(*value) == first) {
         return None;
     }
     let mut hasher = DefaultHasher::new();
     (plane.width(), plane.height()).hash(&mut hasher);
-    plane.data().iter().for_each(|value| bits(*value).hash(&mut hasher));
+    plane.data().iter().for_each(|value| hasher.write_u64(bits(*value)));
     Some(hasher.finish())
 }

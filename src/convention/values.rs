@@ -100,10 +100,17 @@ impl DepthValues {
             } else if value < 0.0 {
                 found.negative += 1;
             } else {
-                let whole = u64::from(value.fract() == 0.0);
-                let outside = u64::from(stated.is_outside(f64::from(value) * stated.rules.scale.abs()));
-                let one = DepthValues { surfaces: 1, whole, outside, at_max: 1, ..DepthValues::default() };
-                found = found.add(DepthValues { min: Some(value), max: value, ..one });
+                found.surfaces += 1;
+                found.whole += u64::from(value.fract() == 0.0);
+                found.outside += u64::from(stated.is_outside(f64::from(value) * stated.rules.scale.abs()));
+                found.min = Some(found.min.map_or(value, |min| min.min(value)));
+                if value > found.max {
+                    (found.next_max, found.max, found.at_max) = (found.max, value, 1);
+                } else if value == found.max {
+                    found.at_max += 1;
+                } else {
+                    found.next_max = found.next_max.max(value);
+                }
             }
         }
         found

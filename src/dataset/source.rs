@@ -297,6 +297,21 @@ impl Source {
     /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite. Where the source
     /// has alpha, colour is multiplied by it: that of PNG files here, that of EXR files is so already.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
+        self.read_color_by(group, frame, resample_color)
+    }
+
+    /// As [`Self::read_color`], but faces of panoramas have the nearest pixel in place of a mean: the filters for that take far longer
+    /// to make than an image to read.
+    pub fn read_color_unfiltered(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
+        self.read_color_by(group, frame, resample_nearest)
+    }
+
+    fn read_color_by(
+        &self,
+        group: &SourceGroup,
+        frame: u32,
+        resample: fn(&ColorPlane, &FaceMap) -> Result<ColorPlane>,
+    ) -> Result<Vec<ColorPlane>> {
         self.read((StreamKind::Color, group, frame), [f16::ZERO; 3], |path| {
             let mut plane = self.color_file(path, group)?;
             self.check_size(&plane)?;
@@ -309,7 +324,7 @@ impl Source {
             {
                 plane = plane.zip(&alpha, |light, alpha| light.map(|value| f16::from_f32(value.to_f32() * alpha)))?;
             }
-            self.faces_of(plane, group, resample_color)
+            self.faces_of(plane, group, resample)
         })
     }
 

@@ -21,7 +21,7 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
     let read_from = std::fs::metadata(container).ok().filter(std::fs::Metadata::is_file)?.modified().ok()?;
     let reader = Reader::open(container).ok()?;
     let index = reader.index();
-    if index.attributes.get(SHARD)? != part.shard.as_ref()?.write() {
+    if index.attributes.get(SHARD)? != part.shard.as_ref()?.entry.write() {
         return None;
     }
     let wanted: BTreeSet<_> = part

@@ -55,7 +55,7 @@ pub(super) fn depth_of_probe(
         let strays = known.spread.strays(range);
         return Ok(ProbeDepth { range, levels: known.levels(range), strays, scanned: None });
     }
-    let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
+    let scanned = scan_in_stage(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
     let scan = scanned.found.scan();
     let range = found_range(probe, given, &scan)?;
     Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned: Some(scanned) })
@@ -116,6 +116,20 @@ pub(super) struct ScannedProbe {
     pub scanning: Duration,
 }
 
+/// As [`scan_probe`], as a stage of the work of its own.
+pub(super) fn scan_in_stage(
+    source: &dyn FrameSource,
+    groups: &[GroupRef<'_>],
+    limits: ScanLimits,
+    monitor: &dyn Monitor,
+) -> Result<ScannedProbe> {
+    monitor.begin_stage("finding near and far", groups.iter().map(GroupRef::images).sum());
+    let scanned = scan_probe(source, groups, limits, monitor);
+    monitor.end_stage();
+    scanned
+}
+
+/// Reads all depth images of a probe. The monitor advances by one for every image.
 pub(super) fn scan_probe(
     source: &dyn FrameSource,
     groups: &[GroupRef<'_>],
@@ -144,6 +158,7 @@ pub(super) fn scan_probe(
         let spread = of_faces.fold(Spread::default(), |all, of_face| all.union(&of_face));
         let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
         let keep = kept_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes <= limits.keep_bytes;
+        monitor.advance(planes.len() as u64);
         let kept = keep.then_some(((at, frame), planes));
         Ok(ScannedFrame { extent, has_invalid, spread, reading, kept })
     })?;

@@ -10,11 +10,13 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::{ColorFormat, convert};
 
-/// Reads the first frame of each selected stream that is in a file.
-///
-/// # Errors
-/// A file that cannot be read as its stream; with [`Clipping::Refuse`] light that 8 bits would clip.
-pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<()> {
+/// Images that [`check`] reads.
+pub fn steps(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<u64> {
+    Ok(jobs(source, settings)?.iter().map(|(group, _)| group.faces.len() as u64).sum())
+}
+
+/// The first frame of each selected group that is in a file.
+fn jobs<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Result<Vec<(&'a SourceGroup, u32)>> {
     let mut jobs = Vec::new();
     for group in selected_groups(source, settings) {
         let group = group.group;
@@ -25,6 +27,15 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn 
             }
         }
     }
+    Ok(jobs)
+}
+
+/// Reads the first frame of each selected stream that is in a file. The monitor advances by one for every image.
+///
+/// # Errors
+/// A file that cannot be read as its stream; with [`Clipping::Refuse`] light that 8 bits would clip.
+pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<()> {
+    let jobs = jobs(source, settings)?;
     let table = match settings.color {
         ColorFormat::EightBit(tone) => Some(EncodeTable::new(&tone)),
         ColorFormat::Half { .. } => None,
@@ -34,6 +45,7 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn 
     let found = try_map_at_once(jobs, at_once, |(group, frame)| {
         monitor.check()?;
         let [pixels, clipped] = read(source, group, frame, table.as_ref())?;
+        monitor.advance(group.faces.len() as u64);
         Ok((group, frame, pixels, clipped))
     })?;
     let most = found.iter().filter(|(.., clipped)| *clipped > 0).max_by_key(|(.., clipped)| *clipped);

@@ -17,6 +17,7 @@ mod configuration;
 mod depth_range;
 mod encoder;
 mod first_frames;
+mod footage;
 mod group;
 mod job;
 mod order;
@@ -35,14 +36,16 @@ mod unit;
 pub use complete::complete_shard;
 pub use depth_range::keep_few_planar_depths;
 pub use encoder::{Encoder, EncoderStream, ProbePose};
-pub use first_frames::check as check_first_frames;
+pub use first_frames::{check as check_first_frames, steps as first_frames};
+pub use footage::Footage;
 pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
     encode_resumable,
 };
 pub use part::Part;
 pub use precision::{NamedPixel, NamedStrays, ProbePrecision};
-pub use scan_file::{ScanFile, scan_probes};
+pub use scan::Scans;
+pub use scan_file::{ScanFile, probe_images, scan_probes};
 pub use settings::{
     Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings,
     TileSize,

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use crate::container::Attributes;
 use crate::dataset::{ProbeInfo, SourceGroup};
+use crate::encode::footage::Footage;
 use crate::encode::order::Order;
 use crate::encode::scan::Scans;
+use crate::encode::scan_file::{probe_images, scan_probes};
 use crate::encode::shard::{Shard, ShardBy, groups_of_shard};
 use crate::encode::shard_choice::ShardChoice;
 use crate::encode::source::FrameSource;
@@ -13,23 +15,33 @@ use crate::encode::{EncodeSettings, configuration};
 use crate::error::Result;
 use crate::fingerprint::{digest, digest_bytes};
 use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
-use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
+use crate::monitor::Monitor;
+use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
 /// Groups of a source, or some frames of these.
 pub struct Part<'a> {
     pub(super) source: &'a dyn FrameSource,
     pub(super) groups: Vec<SourceGroup>,
     scans: Scans,
-    pub(super) shard: Option<ShardEntry>,
+    footage: Footage,
+    pub(super) shard: Option<OneShard>,
+}
+
+/// A shard, as its attributes say.
+pub(super) struct OneShard {
+    pub entry: ShardEntry,
+    /// Groups of the whole encode.
+    whole: Vec<SourceGroup>,
+    footage: FootageDigests,
 }
 
 impl<'a> Part<'a> {
-    /// The whole source, with scans that were made before.
-    pub fn whole(source: &'a dyn FrameSource, scans: Scans) -> Part<'a> {
-        Part { source, groups: source.groups().to_vec(), scans, shard: None }
+    /// The whole source, with the footage as it was scanned, and without scans.
+    pub fn whole(source: &'a dyn FrameSource, footage: Footage) -> Part<'a> {
+        Part { source, groups: source.groups().to_vec(), scans: Scans::default(), footage, shard: None }
     }
 
-    /// One shard without scans.
+    /// One shard, without scans and footage.
     ///
     /// # Errors
     /// [`crate::Error::Usage`] where the source cannot be cut into so many.
@@ -44,7 +56,7 @@ impl<'a> Part<'a> {
         Part::of_groups(source, settings, (&order, groups), shard)
     }
 
-    /// One shard, of which is said what it has, without scans. Whether all shards together have everything once is found
+    /// One shard, of which is said what it has, without scans and footage. Whether all shards together have everything once is found
     /// where they are joined.
     ///
     /// # Errors
@@ -79,7 +91,9 @@ impl<'a> Part<'a> {
         });
         let job = digest_bytes(&configuration::to_bytes(&configuration::of(source, settings).0)?);
         let entry = ShardEntry { job, number, count, streams: streams.collect() };
-        Ok(Part { source, groups, scans: Scans::default(), shard: Some(entry) })
+        let whole = order.0.iter().map(|ordered| ordered.group.group.clone()).collect();
+        let shard = Some(OneShard { entry, whole, footage: FootageDigests::default() });
+        Ok(Part { source, groups, scans: Scans::default(), footage: Footage::default(), shard })
     }
 
     /// Whether it is one shard.
@@ -93,6 +107,32 @@ impl<'a> Part<'a> {
         let mut probes: Vec<usize> = of_depth.map(|group| group.probe).collect();
         probes.dedup();
         probes
+    }
+
+    /// The same with the footage of the whole encode, which all its shards must have in common.
+    #[must_use]
+    pub fn with_footage(mut self, footage: Footage) -> Part<'a> {
+        if let Some(OneShard { entry, whole, footage: digests }) = &mut self.shard {
+            let of_group = |stream: &WholeStream| footage.of_group(whole.get(stream.group as usize)?);
+            digests.0 = entry.streams.iter().map(|stream| of_group(stream).unwrap_or_default()).collect();
+            entry.job = digest_bytes(&[&entry.job[..], &digests.write()].concat());
+        }
+        Part { footage, ..self }
+    }
+
+    /// Images that [`Self::scan`] reads.
+    pub fn images_to_scan(&self, settings: &EncodeSettings) -> u64 {
+        probe_images(self.source, settings, &self.probes_of_depth())
+    }
+
+    /// The same with scans of all frames of its probes, which are made now, of the footage that it was given.
+    ///
+    /// # Errors
+    /// Names the file, also one that has changed meanwhile.
+    pub fn scan(self, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<Part<'a>> {
+        let whole = Part::whole(self.source, self.footage.clone());
+        let scans = scan_probes(&whole, settings, &self.probes_of_depth(), monitor)?;
+        Ok(self.with_scans(scans))
     }
 
     /// The same with scans of its probes.
@@ -150,23 +190,31 @@ impl FrameSource for Part<'_> {
     }
 
     fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
+        self.footage.check(self.source, group, frame)?;
         self.source.read_depth(group, frame)
     }
 
     fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
+        self.footage.check(self.source, group, frame)?;
         self.source.read_color(group, frame)
     }
 
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
+        self.footage.check(self.source, group, frame)?;
         self.source.read_material(group, frame)
     }
 
     fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
+        self.footage.check(self.source, group, frame)?;
         self.source.read_alpha(group, frame)
     }
 
     fn files(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
         self.source.files(group, frame)
+    }
+
+    fn digest(&self, group: &SourceGroup, frame: u32) -> Result<Option<[u8; 16]>> {
+        self.source.digest(group, frame)
     }
 
     fn scans(&self) -> Option<&Scans> {
@@ -176,7 +224,8 @@ impl FrameSource for Part<'_> {
     fn attributes(&self) -> Attributes {
         let mut attributes = self.source.attributes();
         if let Some(shard) = &self.shard {
-            attributes.set(SHARD, shard.write());
+            attributes.set(SHARD, shard.entry.write());
+            attributes.set(SHARD_FOOTAGE, shard.footage.write());
         }
         attributes
     }
@@ -184,8 +233,9 @@ impl FrameSource for Part<'_> {
     fn configuration(&self) -> Vec<(&'static str, String)> {
         let mut fields = self.source.configuration();
         fields.push(("the scan", digest(format!("{:?}", self.scans).as_bytes())));
-        if let Some(ShardEntry { number, count, .. }) = &self.shard {
+        if let Some(OneShard { entry: ShardEntry { number, count, .. }, footage, .. }) = &self.shard {
             fields.push(("`shard`", format!("{number}/{count}")));
+            fields.push(("the content of the footage", digest(&footage.write())));
         }
         fields
     }

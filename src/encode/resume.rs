@@ -249,7 +249,7 @@ impl Completed {
             let before = self.scans.remove(&probe).unwrap_or_default();
             if is_used {
                 let limits = budget::scan_limits(source, settings, &groups)?;
-                let scan = depth_range::scan_probe(source, &groups, limits, monitor)?.found.scan();
+                let scan = depth_range::scan_in_stage(source, &groups, limits, monitor)?.found.scan();
                 if !scan.is_as_good_as(&before.scan) {
                     let has_other_range = scan.limits() != before.scan.limits();
                     let changed =

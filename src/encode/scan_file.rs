@@ -1,4 +1,5 @@
-//! `scan.json`: what the depth images of a dataset hold, found before an encode, by one machine or by many.
+//! `scan.json`: what the depth images of a dataset hold, and digests of the files of all kinds, found before an encode, by one machine
+//! or by many.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::SourceGroup;
 use crate::encode::depth_range::{given_range, scan_probe};
+use crate::encode::footage::{Footage, FrameDigest, KnownFiles};
 use crate::encode::order::Order;
 use crate::encode::scan::{FoundDepth, Scans};
 use crate::encode::shard::{Segment, Shard, segments_of_shard};
@@ -15,9 +17,9 @@ use crate::encode::{DepthCodec, EncodeSettings, budget};
 use crate::error::{Error, Result};
 use crate::files::{open_regular, write_whole};
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::{FrameRange, StreamKind};
+use crate::image::StreamKind;
 use crate::json;
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Uncounted};
 
 const VERSION: u32 = 3;
 /// Frames of a part, which is scanned again where a scan was stopped.
@@ -41,6 +43,8 @@ pub struct ScanFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sequence {
+    /// Name of the kind of its streams.
+    kind: String,
     probe: String,
     /// Names of the faces, with commas.
     faces: String,
@@ -51,25 +55,38 @@ struct Sequence {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ScannedFrames {
+    /// Name of the kind of its streams.
+    kind: String,
     probe: String,
     /// Names of the faces, with commas.
     faces: String,
     /// First and last.
     frames: [u32; 2],
-    found: FoundDepth,
+    /// Of each frame.
+    digests: Vec<FrameDigest>,
+    /// Of depth alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    found: Option<FoundDepth>,
 }
 
 impl ScannedFrames {
-    fn place(&self) -> (&str, &str, u32) {
-        (&self.probe, &self.faces, self.frames[0])
+    fn place(&self) -> (&str, &str, u32, &str) {
+        (&self.probe, &self.faces, self.frames[0], &self.kind)
+    }
+
+    /// Whether it is of this sequence.
+    fn is_of(&self, sequence: &Sequence) -> bool {
+        (&self.kind, &self.probe, &self.faces) == (&sequence.kind, &sequence.probe, &sequence.faces)
     }
 }
 
 impl ScanFile {
     /// A scan of no frames yet.
     pub fn new(source: &dyn FrameSource, settings: &EncodeSettings) -> ScanFile {
-        let whole =
-            selected_groups(source, &of_depth(settings)).iter().map(|group| sequence(source, group.group)).collect();
+        let whole = selected_groups(source, &of_all_kinds(settings))
+            .iter()
+            .map(|group| sequence(source, group.group))
+            .collect();
         let footage = footage(source, settings);
         ScanFile { lightfold_scan: VERSION, footage, whole, is_unfinished: false, parts: Vec::new() }
     }
@@ -104,7 +121,7 @@ impl ScanFile {
 
     /// Images that a scan of a shard has to read; `None` scans all.
     pub fn images(source: &dyn FrameSource, settings: &EncodeSettings, shard: Option<Shard>) -> Result<u64> {
-        let settings = of_depth(settings);
+        let settings = of_all_kinds(settings);
         let order = Order::of(source, &settings);
         let faces = |segment: &Segment| order.0[segment.ordered].group.group.faces.len() as u64;
         Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
@@ -121,24 +138,34 @@ impl ScanFile {
         save: &mut dyn FnMut(&ScanFile) -> Result<()>,
     ) -> Result<u64> {
         self.is_unfinished = true;
-        let mut read = 0;
-        let settings = of_depth(settings);
+        let (mut read, mut known_files) = (0, KnownFiles::default());
+        let settings = of_all_kinds(settings);
         let order = Order::of(source, &settings);
         for Segment { ordered, frames, .. } in segments(&order, shard)? {
             let GroupRef { at, group } = order.0[ordered].group;
             let part = SourceGroup { frames, ..group.clone() };
-            let (probe, faces) = (source.probes()[group.probe].name.clone(), faces_of(group));
+            let Sequence { kind, probe, faces, .. } = sequence(source, group);
             let images = frames.count() * group.faces.len() as u64;
-            let place = (probe.as_str(), faces.as_str(), frames.first);
+            let place = (probe.as_str(), faces.as_str(), frames.first, kind.as_str());
             let Err(behind) = self.parts.binary_search_by(|known| known.place().cmp(&place)) else {
                 monitor.advance(images);
                 continue;
             };
-            let groups = [GroupRef { at, group: &part }];
-            let limits = budget::scan_limits(source, &settings, &groups)?;
-            let found = scan_probe(source, &groups, budget::ScanLimits { keep_bytes: 0, ..limits }, monitor)?.found;
-            self.parts.insert(behind, ScannedFrames { probe, faces, frames: [frames.first, frames.last], found });
-            monitor.advance(images);
+            // Of depth the images count as they are scanned.
+            let uncounted = Uncounted(monitor);
+            let is_depth = group.kind == StreamKind::Depth;
+            let digests = known_files.read(source, &part, if is_depth { &uncounted } else { monitor })?;
+            let found = match group.kind {
+                StreamKind::Depth => {
+                    let groups = [GroupRef { at, group: &part }];
+                    let limits = budget::scan_limits(source, &settings, &groups)?;
+                    let limits = budget::ScanLimits { keep_bytes: 0, ..limits };
+                    Some(scan_probe(source, &groups, limits, monitor)?.found)
+                }
+                _ => None,
+            };
+            let frames = [frames.first, frames.last];
+            self.parts.insert(behind, ScannedFrames { kind, probe, faces, frames, digests, found });
             read += images;
             save(self)?;
         }
@@ -155,8 +182,8 @@ impl ScanFile {
     pub fn missing(&self) -> Option<String> {
         let of_sequence = |sequence: &Sequence| {
             let runs: Vec<String> = self.gaps(sequence).map(|[first, last]| format!("{first}-{last}")).collect();
-            let Sequence { probe, faces, .. } = sequence;
-            (!runs.is_empty()).then(|| format!("frames {} of probe {probe}, face {faces}", few(&runs)))
+            let Sequence { kind, probe, faces, .. } = sequence;
+            (!runs.is_empty()).then(|| format!("frames {} of {kind} of probe {probe}, face {faces}", few(&runs)))
         };
         let sequences: Vec<String> = self.whole.iter().filter_map(of_sequence).collect();
         (!sequences.is_empty()).then(|| few(&sequences))
@@ -164,7 +191,7 @@ impl ScanFile {
 
     /// The parts of a sequence, in the order of their frames.
     fn parts_of<'a>(&'a self, sequence: &'a Sequence) -> impl Iterator<Item = &'a ScannedFrames> {
-        self.parts.iter().filter(|part| (&part.probe, &part.faces) == (&sequence.probe, &sequence.faces))
+        self.parts.iter().filter(|part| part.is_of(sequence))
     }
 
     /// Runs of frames that no part has.
@@ -193,10 +220,10 @@ impl ScanFile {
                 Err(at) => self.parts.insert(at, part),
                 Ok(at) if self.parts[at] == part => {}
                 Ok(_) => {
-                    let ScannedFrames { probe, faces, frames: [first, last], .. } = part;
+                    let ScannedFrames { kind, probe, faces, frames: [first, last], .. } = part;
                     return Err(Error::invalid(format!(
-                        "it holds another scan of frames {first}-{last} of probe {probe}, face {faces}, than an earlier \
-                         file: the images changed in between, so scan them again"
+                        "it holds another scan of frames {first}-{last} of {kind} of probe {probe}, face {faces}, than an \
+                         earlier file: the images changed in between, so scan them again"
                     )));
                 }
             }
@@ -204,11 +231,11 @@ impl ScanFile {
         Ok(())
     }
 
-    /// The scans of all probes.
+    /// The scans of all probes, and the digests of all frames.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for other footage, [`Error::Usage`] where frames are missing.
-    pub fn scans(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> Result<Scans> {
+    /// [`Error::Invalid`] for other footage, and where frames are missing.
+    pub fn scans(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> Result<(Scans, Footage)> {
         if !self.is_of(source, settings) {
             return Err(Error::invalid(
                 "a scan of other footage, or made with other settings or by another version of lightfold: scan again",
@@ -222,17 +249,43 @@ impl ScanFile {
             return Err(Error::invalid(format!("the scan lacks {missing}: {instead}")));
         }
         let mut found: BTreeMap<usize, FoundDepth> = BTreeMap::new();
-        for GroupRef { group, .. } in selected_groups(source, &of_depth(settings)) {
-            let of_probe = found.entry(group.probe).or_insert_with(FoundDepth::nothing);
-            for part in self.parts_of(&sequence(source, group)) {
-                *of_probe = std::mem::replace(of_probe, FoundDepth::nothing()).union(&part.found);
+        let mut footage = Footage::empty("the scan");
+        for GroupRef { group, .. } in selected_groups(source, &of_all_kinds(settings)) {
+            let sequence = sequence(source, group);
+            let mut digests = Vec::new();
+            for part in self.parts_of(&sequence) {
+                digests.extend_from_slice(&part.digests);
+                if let (StreamKind::Depth, Some(more)) = (group.kind, &part.found) {
+                    let of_probe = found.entry(group.probe).or_insert_with(FoundDepth::nothing);
+                    *of_probe = std::mem::replace(of_probe, FoundDepth::nothing()).union(more);
+                }
             }
+            if digests.len() as u64 != group.frames.count() {
+                let Sequence { kind, probe, faces, .. } = sequence;
+                let message = format!(
+                    "it has {} digests of the {} frames of {kind} of probe {probe}, face {faces}: scan again",
+                    digests.len(),
+                    group.frames.count()
+                );
+                return Err(Error::invalid(message));
+            }
+            footage.insert(group, digests);
         }
-        Ok(found.into_iter().map(|(probe, found)| (probe, found.scan())).collect())
+        Ok((found.into_iter().map(|(probe, found)| (probe, found.scan())).collect(), footage))
     }
 }
 
-/// Scans probes whole, for an encode of a part of their frames; none where near and far are given.
+/// Images that [`scan_probes`] reads.
+pub fn probe_images(source: &dyn FrameSource, settings: &EncodeSettings, probes: &[usize]) -> u64 {
+    if given_range(source, settings).iter().all(Option::is_some) {
+        return 0;
+    }
+    let groups = selected_groups(source, &of_depth(settings)).into_iter();
+    groups.filter(|group| probes.contains(&group.group.probe)).map(|group| group.images()).sum()
+}
+
+/// Scans probes whole, for an encode of a part of their frames; none where near and far are given. The monitor advances by one for
+/// every image.
 pub fn scan_probes(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -260,6 +313,11 @@ fn of_depth(settings: &EncodeSettings) -> EncodeSettings {
     settings
 }
 
+/// Of all kinds, as digests are of all files.
+fn of_all_kinds(settings: &EncodeSettings) -> EncodeSettings {
+    EncodeSettings { kinds: StreamKind::ALL.to_vec(), ..of_depth(settings) }
+}
+
 fn segments(order: &Order<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
     segments_of_shard(order, |_| PART_FRAMES, shard.unwrap_or(Shard { number: 1, count: 1 }))
 }
@@ -270,7 +328,8 @@ fn faces_of(group: &SourceGroup) -> String {
 
 fn sequence(source: &dyn FrameSource, group: &SourceGroup) -> Sequence {
     let probe = source.probes()[group.probe].name.clone();
-    Sequence { probe, faces: faces_of(group), frames: [group.frames.first, group.frames.last] }
+    let (kind, faces) = (group.kind.name().to_owned(), faces_of(group));
+    Sequence { kind, probe, faces, frames: [group.frames.first, group.frames.last] }
 }
 
 /// The first of these words, and that there are more.
@@ -281,10 +340,7 @@ fn few(words: &[String]) -> String {
 }
 
 fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {
-    let groups: Vec<(&str, String, FrameRange)> = selected_groups(source, &of_depth(settings))
-        .iter()
-        .map(|group| group.group)
-        .map(|group| (source.probes()[group.probe].name.as_str(), faces_of(group), group.frames))
-        .collect();
+    let groups: Vec<Sequence> =
+        selected_groups(source, &of_all_kinds(settings)).iter().map(|group| sequence(source, group.group)).collect();
     digest(format!("{:?} {:?} {groups:?}", Fingerprint::of_program(), source.configuration()).as_bytes())
 }

@@ -93,6 +93,15 @@ pub trait FrameSource: Sync {
         Ok(Vec::new())
     }
 
+    /// A digest of all that pixels of a frame follow from, where the source has one: shards of an encode join only where the digests
+    /// of all frames are equal. `None` takes that of the bytes of [`Self::files`], else that of the pixels.
+    ///
+    /// # Errors
+    /// As for [`Self::files`].
+    fn digest(&self, _group: &SourceGroup, _frame: u32) -> Result<Option<[u8; 16]>> {
+        Ok(None)
+    }
+
     /// Scans of its depth that were made before; `None` where the encoder is to scan.
     fn scans(&self) -> Option<&Scans> {
         None

@@ -10,18 +10,7 @@ use crate::evaluate::{Aov, RenderedImage};
 use crate::image::{Plane, Primaries};
 use crate::march::{Counters, Rendered};
 use crate::math::Camera;
-use crate::monitor::Monitor;
-
-/// Rows of a picture are not those of its columns.
-struct Unmoved<'a>(&'a dyn Monitor);
-
-impl Monitor for Unmoved<'_> {
-    fn advance(&self, _steps: u64) {}
-
-    fn interrupted(&self) -> bool {
-        self.0.interrupted()
-    }
-}
+use crate::monitor::{Monitor, Uncounted};
 
 /// Renders the columns of a picture of this width and height: `row` renders a picture of `height` by 1 pixels. The monitor advances by one
 /// for each row of the picture.
@@ -34,7 +23,7 @@ pub fn render_columns(
     let rows_by = |column: u32| u64::from(column) * u64::from(height) / u64::from(width);
     let column = |at: u32| {
         monitor.check()?;
-        let rendered = row(&camera.column(at, width), &Unmoved(monitor))?;
+        let rendered = row(&camera.column(at, width), &Uncounted(monitor))?;
         monitor.advance(rows_by(at + 1) - rows_by(at));
         Ok(rendered)
     };

@@ -15,7 +15,7 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
 use crate::streams;
-use crate::streams::shard::SHARD;
+use crate::streams::shard::{SHARD, SHARD_FOOTAGE};
 use crate::streams::{CodecHeader, FootageInfo, StreamKind};
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
@@ -281,7 +281,10 @@ pub(super) fn merge_attributes<'a>(inputs: impl Iterator<Item = &'a Reader>) -> 
                 (joined, has_color || own_color)
             }
         });
-        let others = index.attributes.iter().filter(|(name, _)| *name != SHARD && !FootageInfo::has(name));
+        let others = index
+            .attributes
+            .iter()
+            .filter(|(name, _)| ![SHARD, SHARD_FOOTAGE].contains(name) && !FootageInfo::has(name));
         for (name, value) in others {
             match merged.get(name) {
                 Some(earlier) if earlier != value => {

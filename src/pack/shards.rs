@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Write;
 
 use crate::container::{ChunkEntry, ChunkKey, PackedChunk, Reader, StreamEntry, Writer};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, counted};
 use crate::image::{Face, StreamKind};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::pack::join::{Copier, PackSettings, PackSummary, Repack, batch_length, limits, merge_attributes};
 use crate::streams;
-use crate::streams::shard::{SHARD, ShardEntry, WholeStream};
+use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
 /// Bytes of chunks that are read together where they lie one behind the other, so that a call to the system costs little.
 const RUN_BYTES: u64 = 512 << 10;
@@ -55,11 +55,7 @@ pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>
     }
     for (reader, shard) in inputs.iter().zip(&shards) {
         if (shard.job, &shard.streams) != (shards[0].job, &shards[0].streams) {
-            let message = format!(
-                "a shard of another encode than {}: other footage, other settings, another version of lightfold or \
-                 another kind of processor",
-                inputs[0].path().display()
-            );
+            let message = not_of_one_encode(&inputs[0], reader, &shards[0]);
             return Err(Error::invalid(message).in_file(reader.path()));
         }
         if reader.index().probes != inputs[0].index().probes {
@@ -68,6 +64,33 @@ pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>
         }
     }
     Ok(Some(shards))
+}
+
+/// What differs between a shard and the first one, as far as they say it.
+fn not_of_one_encode(first: &Reader, other: &Reader, shard: &ShardEntry) -> String {
+    let digests = |reader: &Reader| {
+        FootageDigests::read(reader.index().attributes.get(SHARD_FOOTAGE)?, shard.streams.len()).map(|found| found.0)
+    };
+    let than = first.path().display();
+    let (footage, others) =
+        ("other footage", "other settings, another version of lightfold or another kind of processor");
+    let (Some(of_first), Some(of_other)) = (digests(first), digests(other)) else {
+        return format!("a shard of another encode than {than}: {footage}, {others}");
+    };
+    let mut differing = shard.streams.iter().zip(of_first.iter().zip(&of_other)).filter(|(_, (a, b))| a != b);
+    let Some((stream, _)) = differing.next() else {
+        return format!("a shard of another encode than {than}: {others}");
+    };
+    let more = match differing.count() {
+        0 => String::new(),
+        more => format!(" and {}", counted(more as u64, "further stream")),
+    };
+    format!(
+        "a shard of another encode than {than}: {footage}, whose {}{more} {} another content; encode all shards of one \
+         footage",
+        name_of(first, stream),
+        if more.is_empty() { "has" } else { "have" }
+    )
 }
 
 /// Writes the whole into `out`.

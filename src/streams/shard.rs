@@ -1,4 +1,5 @@
-//! The attribute `shard` (container.md 6.5): which piece of an encode a container is, and what the whole has.
+//! The attributes `shard` and `shard.footage` (container.md 6.5): which piece of an encode a container is, what the whole has, and of
+//! which footage it is.
 
 use crate::container::Fields;
 use crate::container::index::MAX_FRAME;
@@ -7,6 +8,8 @@ use crate::image::{Face, StreamKind};
 
 /// Name of the attribute.
 pub const SHARD: &str = "shard";
+/// Name of the attribute of digests.
+pub const SHARD_FOOTAGE: &str = "shard.footage";
 const SECTION: &str = "container.md 6.5";
 /// Kind, probe, face, group, first frame and number of frames, a byte each at least.
 const MIN_STREAM_BYTES: usize = 6;
@@ -31,6 +34,23 @@ pub struct WholeStream {
     pub group: u32,
     pub first_frame: u32,
     pub frame_count: u32,
+}
+
+/// Digests of the content of all frames, one for each stream of the whole: 16 bytes each.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FootageDigests(pub Vec<[u8; 16]>);
+
+impl FootageDigests {
+    /// Reads the value of the attribute; `None` where it is of another length than that of so many streams.
+    pub fn read(value: &[u8], streams: usize) -> Option<FootageDigests> {
+        let (digests, []) = value.as_chunks() else { return None };
+        (digests.len() == streams).then(|| FootageDigests(digests.to_vec()))
+    }
+
+    /// The value of the attribute.
+    pub fn write(&self) -> Vec<u8> {
+        self.0.concat()
+    }
 }
 
 impl ShardEntry {

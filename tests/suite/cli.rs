@@ -324,8 +324,10 @@ fn no_stage_of_the_demo_has_more_steps_than_it_told() {
     for line in &lines {
         assert!(line["done"].as_u64() <= line["total"].as_u64(), "{line}");
     }
-    for pair in lines.windows(2).filter(|pair| pair[0]["stage"] != pair[1]["stage"]) {
-        assert_eq!(pair[0]["done"], pair[0]["total"], "{said}");
+    // A stage may begin within another, which then goes on.
+    for stage in lines.iter().map(|line| &line["stage"]) {
+        let last = lines.iter().rfind(|line| line["stage"] == *stage).unwrap();
+        assert_eq!(last["done"], last["total"], "{said}");
     }
 }
 

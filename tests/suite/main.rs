@@ -65,6 +65,7 @@ mod serve_site;
 mod seurat;
 mod shards;
 mod shards_of_a_farm;
+mod shards_of_other_footage;
 mod simplify;
 mod simplify_export;
 mod simplify_quality;

@@ -2,7 +2,7 @@
 
 use lightfold::Error;
 use lightfold::container::Reader;
-use lightfold::encode::{self, Part, ScanFile, Shard, ShardBy, ShardChoice};
+use lightfold::encode::{self, Footage as Content, Part, ScanFile, Shard, ShardBy, ShardChoice};
 use lightfold::image::{FrameRange, StreamKind};
 use lightfold::monitor::Silent;
 use lightfold::pack::{PackSettings, pack};
@@ -13,8 +13,8 @@ use crate::samples::Random;
 /// A shard, encoded.
 fn encoded(footage: &Footage, part: Part<'_>) -> Vec<u8> {
     let (source, settings) = (footage.source(), &footage.settings);
-    let probes: Vec<usize> = (0..source.probes().len()).collect();
-    let part = part.with_scans(encode::scan_probes(&source, settings, &probes, &Silent).unwrap());
+    let part = part.with_footage(Content::read(&source, settings, &Silent).unwrap());
+    let part = part.scan(settings, &Silent).unwrap();
     encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0
 }
 
@@ -170,7 +170,7 @@ fn scans_of_shards_merge_to_the_scan_of_all_and_serve_encodes() {
     let first = scan(Some(Shard { number: 1, count: 3 }));
     let message = first.scans(&source, settings).unwrap_err().to_string();
     assert!(message.contains("the scan lacks frames 1"), "{message}");
-    let scans = scan(None).scans(&source, settings).unwrap();
-    let part = Part::whole(&source, scans);
+    let (scans, content) = scan(None).scans(&source, settings).unwrap();
+    let part = Part::whole(&source, content).with_scans(scans);
     assert!(encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0 == whole, "a scan changes the container");
 }

@@ -45,7 +45,7 @@ pub struct ShardArgs {
     /// Give this shard these frames, which begin and end where all its streams can be cut
     #[arg(long, value_name = "A-B", requires = "shard", conflicts_with = "shard_by")]
     pub shard_frames: Option<FrameRange>,
-    /// Depth ranges found by scan; without them each shard reads all depth images of its probes
+    /// Depth ranges and digests of all images, made by scan; without them each shard reads all images itself
     #[arg(long, value_name = "FILE")]
     pub scan: Option<PathBuf>,
 }
