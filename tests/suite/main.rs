@@ -22,6 +22,7 @@ mod docs_of_transforms;
 mod documents;
 mod effects;
 mod exports;
+mod exr_damage;
 mod exr_files;
 mod extreme_light;
 mod footage;
