@@ -214,8 +214,8 @@ impl PairComparison {
             self.report.measured.note_bits(bits.differing_pixels > 0);
         }
         if let [Image::File(Values::Light(a)), Image::File(Values::Light(b))] = &images {
-            let bits = |plane: &ColorPlane| plane.data().as_flattened().iter().map(|half| half.to_bits());
-            self.report.measured.note_bits(!bits(a).eq(bits(b)));
+            let [a, b] = [a, b].map(|plane| plane.data().as_flattened().iter().map(|half| half.to_bits()));
+            self.report.measured.note_bits(!a.eq(b));
         }
         let [a, b] = images;
         let (a, b) = (self.converters[0].convert(a)?, self.converters[1].convert(b)?);

@@ -238,7 +238,7 @@ impl Source {
         let path = self.path(group.kind, group, group.frames.first).ok().flatten();
         let is_png = path.as_deref().is_some_and(png::is_png);
         let decoding = match (is_png, group.kind) {
-            (false, _) => path.as_deref().map_or(0, |path| exr::chunk_bytes(path, &self.limits).unwrap_or(0)),
+            (false, _) => path.as_deref().map_or(0, |path| exr::reading_bytes(path, 0, &self.limits).unwrap_or(0)),
             // Codes of the file, and as many channels of 16 bits as are wanted.
             (true, StreamKind::Depth) => 2 * file_pixels,
             (true, _) => (8 + 8) * file_pixels,

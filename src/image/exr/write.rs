@@ -1,6 +1,5 @@
 //! OpenEXR files of half or float channels, ZIP compressed.
 
-use std::fs::File;
 use std::io::{BufWriter, Cursor, Seek, Write};
 use std::path::Path;
 
@@ -14,6 +13,7 @@ use half::f16;
 
 use super::translate;
 use crate::error::{Error, Result};
+use crate::files::DiskFile;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::primaries::Primaries;
 
@@ -98,7 +98,7 @@ fn write<T>(path: &Path, plane: &Plane<T>, channels: Channels<'_>) -> Result<()>
     if [plane.width(), plane.height()].contains(&0) {
         return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
     }
-    let file = File::create(path).map_err(|error| Error::io(path, error))?;
+    let file = DiskFile::create(path).map_err(|error| Error::io(path, error))?;
     let mut writer = BufWriter::new(file);
     encode(&mut writer, plane, channels).map_err(|error| match error {
         exr::error::Error::Io(source) => Error::io(path, source),
