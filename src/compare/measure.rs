@@ -14,7 +14,7 @@ use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideForm, SideReader, SideStream, Values};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, FrameRange, Plane, StreamKind};
+use crate::image::{FrameRange, Plane, StreamKind};
 use crate::memory::{Budget, Need};
 use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, ssim_rgb8};
 use crate::monitor::Monitor;

@@ -105,14 +105,14 @@ const HALVES: [Cell<f16>; 17] = [
         if [x, y] == [frame % 16, 5 + frame / 16] { lamp.map(half) } else { [half(0.4 + 0.01 * f64::from(y)); 3] }
     }),
     ("light from 90 to 110 flickers in one pixel", [12, 12], 24, |frame, x, y| match (x, y) {
-        (5, 7) => [0, 1, 2].map(|c| half(90.0 + noise([frame, c, 5], 20) as f64)),
+        (5, 7) => [0, 1, 2].map(|c| half(90.0 + f64::from(noise([frame, c, 5], 20)))),
         _ => [half(f64::from(x) / 12.0); 3],
     }),
     ("a lamp at 65504 beside black", [16, 16], 24, |frame, x, y| {
         if (x, y) == (3 + frame / 8, 9) { [f16::MAX; 3] } else { [f16::ZERO; 3] }
     }),
     ("darkness below 0.005 cd/m2 in motion", [12, 12], 24, |frame, x, y| {
-        [0, 1, 2].map(|c| half(5e-5 * noise([frame, 3 * x + c, y], 1000) as f64 / 1000.0))
+        [0, 1, 2].map(|c| half(5e-5 * f64::from(noise([frame, 3 * x + c, y], 1000)) / 1000.0))
     }),
     ("negative light just below black", [12, 12], 24, |frame, x, y| match noise([frame, x, y], 9) {
         0 => [half(-0.0011), half(-1e-6), half(0.3)],

@@ -74,7 +74,7 @@ fn write(folder: &Path, light: Light) {
 }
 
 fn diff(line: &str, at: &Path) -> (i32, serde_json::Value) {
-    let out = lightfold(&format!("diff {line} --json"), at);
+    let out = lightfold(&format!("diff {line} --json").split(' ').collect::<Vec<_>>(), at);
     (out.status.code().unwrap(), serde_json::from_slice(&out.stdout).unwrap())
 }
 
@@ -194,7 +194,7 @@ fn diff_sees_every_difference_of_halves() {
             for bound in ["--exact", "--min-psnr 180", "--min-cell-psnr inf"] {
                 assert_eq!(diff(&format!("{sides} {bound}"), at).0, 1, "{from} and {to}, {sides} {bound}");
             }
-            let text = String::from_utf8(lightfold(&format!("diff {sides}"), at).stdout).unwrap();
+            let text = String::from_utf8(lightfold(&format!("diff {sides}").split(' ').collect::<Vec<_>>(), at).stdout).unwrap();
             assert!(!text.contains("inf dB") && text.contains("different; no bound was given"), "{text}");
         }
         // A lamp of the wrong brightness is an error by usual bounds, too.

@@ -45,7 +45,8 @@ pub fn check_half(source: &Source, bytes: &[u8], min_psnr_db: f64) {
             let [left, top, width, height] = stream.entry.unit_rect(unit);
             let rows = (top..top + height).map(|y| {
                 let row = |plane: &Plane<[f16; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
-                metric.between(row(&shown).as_flattened(), row(wanted).as_flattened())
+                let (squared, _) = metric.between(row(&shown).as_flattened(), row(wanted).as_flattened());
+                squared
             });
             let (error, samples) = (rows.sum::<u64>(), (width * height * 3) as usize);
             assert!(error <= metric.max_squared_error(min_psnr_db, samples), "frame {frame} unit {unit}: {error}");

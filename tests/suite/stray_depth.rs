@@ -75,7 +75,7 @@ fn strays_are_named_with_the_options_that_leave_them_out() {
                 percent(&report["depth"][0]) < 0.4 && said.contains("1 depth pixel outside near and far"),
                 "{said}"
             );
-            let diff = lightfold("diff . b.lfold --max-error 100 --json", at);
+            let diff = lightfold(&["diff", ".", "b.lfold", "--max-error", "100", "--json"], at);
             assert_eq!(diff.status.code(), Some(1));
             let diff: Value = serde_json::from_slice(&diff.stdout).unwrap();
             assert_eq!(diff["depth"]["outside_pixels"], 1, "{becomes}");

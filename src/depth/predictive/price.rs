@@ -67,7 +67,7 @@ impl Sink for Recorder {
         match count {
             0 => {}
             1..=SHORT_BITS => self.steps.push(RAW | (count << SHORT_BITS | value) as u16),
-            ..=16 => self.steps.extend([RAW | LONG | count as u16, value as u16]),
+            _ if count <= 16 => self.steps.extend([RAW | LONG | count as u16, value as u16]),
             _ => self.steps.extend([RAW | LONG | count as u16, (value >> 16) as u16, value as u16]),
         }
     }
