@@ -68,7 +68,7 @@ fn plain(path: &Path) -> PathBuf {
     path.strip_prefix(here).unwrap_or(path).components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// Names reach the disk on their own: those in a folder whose own name did not are found once it does ([`found`]).
+/// Names reach the disk on their own: those in a folder whose own name did not are found once it does ([`reachable`]).
 fn apply(tree: &mut Tree, change: &Change) {
     match change {
         Change::Put(path, inode) => {
@@ -90,7 +90,7 @@ fn apply(tree: &mut Tree, change: &Change) {
 }
 
 /// Names whose folders are there.
-fn found(tree: &Tree) -> Tree {
+fn reachable(tree: &Tree) -> Tree {
     let has_folders = |path: &Path| {
         let mut above = path.ancestors().skip(1).filter(|above| *above != Path::new(""));
         above.all(|folder| tree.get(folder) == Some(&None))
@@ -201,7 +201,7 @@ impl Disk {
         for (words, chosen) in chosen {
             let mut tree = self.synced.clone();
             chosen.iter().for_each(|&change| apply(&mut tree, &self.pending[change]));
-            let tree = found(&tree);
+            let tree = reachable(&tree);
             for lost in LOSSES {
                 let content = |inode: Inode| after(&self.contents[inode], lost);
                 let names = tree.iter().map(|(path, inode)| (path.clone(), inode.map(content))).collect();
