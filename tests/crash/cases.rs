@@ -28,9 +28,10 @@ pub const INPUTS: &[&str] = &[
     "encode-color room/probe_00/face_px/color.%04d.exr -o c.lfold --clip -q",
     "encode-depth room/probe_00/face_px/depth.%04d.exr -o d.lfold -q",
     "interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 4 --baseline 0.3 --size 16 -o v/%04d.png -q",
-    "place courtyard --region=-0.5,1,-0.5,0.5,2,0.5 --cameras 2 --effort fast -o cams.json -q",
-    "simplify room --triangles 300 --effort fast -o room.glb -q",
 ];
+
+pub const CAMERAS: &str =
+    r#"{"cameras": [{"eye": [0, 1, 0], "look_at": [2, 1, 0]}, {"eye": [0, 2, 0], "look_at": [2, 1, 0]}]}"#;
 
 pub const CASES: &[Case] = &[
     case("demo -o demo --size 16 --frame-count 2 -q"),
@@ -47,7 +48,7 @@ pub const CASES: &[Case] = &[
     resumed("encode-color ../inputs/room/probe_00/face_px/color.%04d.exr -o c.lfold --clip -q"),
     resumed("encode-depth ../inputs/room/probe_00/face_px/depth.%04d.exr -o d.lfold -q"),
     resumed("quadtree ../inputs/room/probe_00/face_px/depth.%04d.exr --effort fast -o q.lfold -q"),
-    resumed("bc4w ../inputs/room/probe_00/face_px/depth.%04d.exr -o b.lfold -q"),
+    case("bc4w ../inputs/room/probe_00/face_px/depth.%04d.exr -o b.lfold -q"),
     case("pack ../inputs/room.lfold -o p.lfold --lzma2 -q"),
     case("scan ../inputs/room -o scan.json -q"),
     case("train-color ../inputs/room.lfold -o t.txt -q"),
@@ -59,15 +60,17 @@ pub const CASES: &[Case] = &[
     case("inspect ../inputs/room.lfold --plot maps --source ../inputs/room -q"),
     case("render ../inputs/room.lfold --eye 0,1.5,0.1 --look-at 2,1.3,0 --size 8 --frames 0-1 -o pics -q"),
     case(
-        "render ../inputs/room.lfold --eye 0,1.5,0.1 --look-at 2,1.3,0 --size 8 --frames 0-1 -o %V.%04d.exr --stereo left-right \
+        "render ../inputs/room.lfold --eye 0,1.5,0.1 --look-at 2,1.3,0 --size 8 --frames 0-1 -o %V.%04d.exr --stereo side-by-side \
          --contact-sheet sheet.png --trace trace.jsonl -q",
     ),
     case("render ../inputs/room.lfold --reference ../inputs/room --reference-probe 00 --error-map maps --null -q"),
-    case("cameras ../inputs/cams.json -o shot.usda -q"),
-    case("cameras ../inputs/cams.json --format colmap -o colmap -q"),
+    case("cameras ../inputs/path.json -o shot.usda -q"),
+    case("cameras ../inputs/path.json --format colmap -o colmap -q"),
     case("quilt ../inputs/v/%04d.png -o q.png -q"),
     resumed("simplify ../inputs/room --triangles 300 --effort fast -o room.glb -q"),
-    resumed("simplify ../inputs/room --triangles 300 --effort fast -o room.obj --plot plots -q"),
+    resumed("simplify ../inputs/room --triangles 300 --effort fast -o room.obj -q"),
+    // Its charts show times.
+    case("simplify ../inputs/room --triangles 300 --effort fast -o room.glb --plot plots -q"),
     resumed("interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 4 --baseline 0.3 --size 8 -o v/%04d.png -q"),
     resumed(
         "interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 4 --baseline 0.3 --size 8 --frames 0-1 -o q.%04d.exr --quilt 2x2 -q",

@@ -68,23 +68,17 @@ fn plain(path: &Path) -> PathBuf {
     path.strip_prefix(here).unwrap_or(path).components().filter(|part| *part != Component::CurDir).collect()
 }
 
+/// Names reach the disk on their own: those in a folder whose own name did not are found once it does ([`reachable`]).
 fn apply(tree: &mut Tree, change: &Change) {
-    let has_folder = |tree: &Tree, path: &Path| parent(path) == Path::new("") || tree.contains_key(parent(path));
     match change {
-        // A name needs its folder.
         Change::Put(path, inode) => {
-            if has_folder(tree, path) {
-                tree.entry(path.clone()).or_insert(*inode);
-            }
+            tree.entry(path.clone()).or_insert(*inode);
         }
         Change::Remove(path) => {
             tree.retain(|name, _| !name.starts_with(path));
         }
         Change::Rename(from, to) => {
             let moved: Vec<PathBuf> = tree.keys().filter(|name| name.starts_with(from)).cloned().collect();
-            if moved.is_empty() || !has_folder(tree, to) {
-                return;
-            }
             for name in moved {
                 let inode = tree.remove(&name).unwrap();
                 // Joining an empty path would end in a slash.
@@ -93,6 +87,15 @@ fn apply(tree: &mut Tree, change: &Change) {
             }
         }
     }
+}
+
+/// Names whose folders are there.
+fn reachable(tree: &Tree) -> Tree {
+    let has_folders = |path: &Path| {
+        let mut above = path.ancestors().skip(1).filter(|above| *above != Path::new(""));
+        above.all(|folder| tree.get(folder) == Some(&None))
+    };
+    tree.iter().filter(|(path, _)| has_folders(path)).map(|(path, inode)| (path.clone(), *inode)).collect()
 }
 
 impl Disk {
@@ -172,6 +175,12 @@ impl Disk {
         }
     }
 
+    /// What programs read in a file.
+    pub fn content(&self, path: &Path) -> Option<&[u8]> {
+        let inode = (*self.now.get(&plain(path))?)?;
+        Some(&self.contents[inode].now)
+    }
+
     /// What programs see.
     pub fn names(&self) -> Names {
         let content = |inode: &Option<Inode>| inode.map(|inode| self.contents[inode].now.clone());
@@ -192,6 +201,7 @@ impl Disk {
         for (words, chosen) in chosen {
             let mut tree = self.synced.clone();
             chosen.iter().for_each(|&change| apply(&mut tree, &self.pending[change]));
+            let tree = reachable(&tree);
             for lost in LOSSES {
                 let content = |inode: Inode| after(&self.contents[inode], lost);
                 let names = tree.iter().map(|(path, inode)| (path.clone(), inode.map(content))).collect();

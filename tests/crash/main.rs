@@ -17,7 +17,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use cases::{CASES, Case, INPUTS};
+use cases::{CAMERAS, CASES, Case, INPUTS};
 use disk::{Disk, Names};
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::files::record::{Operation, record};
@@ -44,6 +44,7 @@ fn main() -> ExitCode {
     let base = base.path().canonicalize().expect("a folder that is there");
     fs::create_dir(base.join("inputs")).expect("a folder that may be written");
     std::env::set_current_dir(base.join("inputs")).expect("a folder that is there");
+    fs::write("path.json", CAMERAS).expect("an input");
     for line in INPUTS {
         run(line).unwrap_or_else(|error| panic!("{error}"));
     }
@@ -125,11 +126,18 @@ impl Case {
     fn replay(&self, before: &Names, operations: &[Operation], after: &Names) -> Outcome {
         let mut disk = Disk::of(before);
         let mut seen = BTreeSet::new();
+        // Some commands replace a file by a better one as they go; all are whole.
+        let mut whole = [before, after].map(Clone::clone).to_vec();
         for (at, operation) in operations.iter().enumerate() {
             disk.perform(operation);
+            if let Operation::Rename { to, .. } = operation
+                && let Some(bytes) = disk.content(to)
+            {
+                whole.push(Names::from([(to.clone(), Some(bytes.to_vec()))]));
+            }
             for (words, names) in disk.crashes() {
                 if seen.insert(crc(&names)) {
-                    check(before, &names, after).map_err(|error| {
+                    check(&whole, &names).map_err(|error| {
                         format!("a crash after operation {at} ({}), {words}: {error}", shown(operation))
                     })?;
                 }
@@ -184,16 +192,17 @@ impl Case {
     }
 }
 
-/// Each file is as before, as after, or missing; hidden ones may be unfinished.
-fn check(before: &Names, crashed: &Names, after: &Names) -> Result<(), String> {
+/// Each file is as in one of these, of which the first is before the command and the second after it, or missing; hidden ones may be
+/// unfinished.
+fn check(whole: &[Names], crashed: &Names) -> Result<(), String> {
     for (name, bytes) in crashed {
         let is_hidden = name.iter().any(|part| part.to_string_lossy().starts_with('.'));
-        let is_whole = before.get(name) == Some(bytes) || after.get(name) == Some(bytes);
-        if bytes.is_some() && !is_hidden && !is_whole {
+        if bytes.is_some() && !is_hidden && !whole.iter().any(|names| names.get(name) == Some(bytes)) {
             return Err(format!("{} is neither the old file nor the new one", name.display()));
         }
     }
     // What was there and stays is there at any time.
+    let (before, after) = (&whole[0], &whole[1]);
     match before.keys().find(|name| after.contains_key(*name) && !crashed.contains_key(*name)) {
         Some(lost) => Err(format!("{} is lost", lost.display())),
         None => Ok(()),

@@ -58,12 +58,16 @@ impl<'a> UnfinishedScene<'a> {
                     unfinished.file.keep().map_err(|error| Error::io(path, error))?;
                 }
                 let words = words?;
-                say("resuming with the tiles that were selected");
-                Some(words)
+                say(match words {
+                    Some(_) => "resuming with the tiles that were selected",
+                    None => "the tiles that were selected are damaged; starting anew",
+                });
+                words
             }
             (Some(records), false) => {
                 let more = match unfinished.words_of(&records) {
-                    Ok(_) => "; --resume would continue it",
+                    Ok(Some(_)) => "; --resume would continue it",
+                    Ok(None) => "",
                     Err(_) => " with other options",
                 };
                 say(&format!("replacing an unfinished scene{more}"));
@@ -78,20 +82,20 @@ impl<'a> UnfinishedScene<'a> {
         Ok((unfinished, words))
     }
 
-    /// Checks what an earlier run left.
-    fn words_of(&self, records: &[u8]) -> Result<Vec<u64>> {
-        let damaged = || self.cannot("its state is damaged");
-        let end = records.iter().position(|byte| *byte == b'\n').ok_or_else(damaged)?;
+    /// The words of an earlier run of the same options; none where they are damaged, as where the power failed.
+    fn words_of(&self, records: &[u8]) -> Result<Option<Vec<u64>>> {
+        let Some(end) = records.iter().position(|byte| *byte == b'\n') else { return Ok(None) };
         let (head, body) = (&records[..end], &records[end + 1..]);
-        let (fields, expected): (Vec<(String, String)>, String) =
-            serde_json::from_slice(head).map_err(|_| damaged())?;
+        let Ok((fields, expected)) = serde_json::from_slice::<(Vec<(String, String)>, String)>(head) else {
+            return Ok(None);
+        };
         if let Some(difference) = Fingerprint(fields).difference(&self.fingerprint) {
             return Err(self.cannot(&difference));
         }
         if digest(body) != expected {
-            return Err(damaged());
+            return Ok(None);
         }
-        Ok(body.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect())
+        Ok(Some(body.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect()))
     }
 
     pub fn cannot(&self, why: &str) -> Error {
