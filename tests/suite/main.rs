@@ -20,6 +20,7 @@ mod docs_of_transforms;
 mod documents;
 mod effects;
 mod exports;
+mod exr_damage;
 mod exr_files;
 mod footage;
 mod hard_cases;
