@@ -29,6 +29,7 @@ enum Kind {
     Case,
     Journal,
     Header(usize),
+    Exr,
     Png,
     Json,
 }
@@ -45,7 +46,7 @@ impl Inputs {
             "zstd" => (Kind::Header(24), seeds::zstd()),
             "transform" => (Kind::Header(64), seeds::transforms()),
             "journal" => (Kind::Journal, seeds::journals()),
-            "exr" => (Kind::Header(700), seeds::exr()),
+            "exr" => (Kind::Exr, seeds::exr()),
             "png" => (Kind::Png, seeds::png()),
             "manifest" => (Kind::Json, seeds::manifests()),
             "seurat" => (Kind::Json, seeds::seurat_manifests()),
@@ -85,6 +86,8 @@ impl Inputs {
             Kind::Header(front) => mutate::header(&mut input, front, other, random),
             Kind::Index => input = self.index(chosen, random),
             Kind::Case => input = case(&input, other, random),
+            Kind::Exr if random.below(2) == 0 => exr_chunk(&mut input, random),
+            Kind::Exr => mutate::header(&mut input, 700, other, random),
             Kind::Png => {
                 mutate::header(&mut input, 60, other, random);
                 if random.below(4) > 0 {
@@ -272,6 +275,30 @@ fn case(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
         }
     }
     case.write()
+}
+
+/// Changes the head of a chunk of an OpenEXR file and the counters behind it, or bytes of its payload.
+fn exr_chunk(file: &mut [u8], random: &mut Random) {
+    let places = seeds::exr_chunks(file);
+    for _ in 0..=random.below(3) {
+        let start = *pick(&places, random);
+        // Up to five words of 4 bytes before the payload, and eleven counters of 8 bytes in that of DWA.
+        let (at, width) = match random.below(4) {
+            0 => (start + 4 * random.below(7) as usize, 4),
+            1 | 2 => (start + 4 * random.below(28) as usize, 8),
+            _ => (start + random.below(400) as usize, *pick(&[1, 1, 2, 4], random)),
+        };
+        let Some(field) = file.get_mut(at..at + width) else { continue };
+        let mut word = [0; 8];
+        word[..width].copy_from_slice(field);
+        let old = u64::from_le_bytes(word);
+        let new = match random.below(4) {
+            0 => old.wrapping_add(u64::from(random.below(9))).wrapping_sub(4),
+            1 => old ^ 1 << random.below(8 * width as u32),
+            _ => number(random),
+        };
+        field.copy_from_slice(&new.to_le_bytes()[..width]);
+    }
 }
 
 /// Gives each chunk of a PNG file the CRC-32 of its bytes.

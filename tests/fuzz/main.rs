@@ -136,6 +136,15 @@ impl Long {
             println!("{}", names.join("\n"));
             return Ok(0);
         }
+        if self.target == "bounds" {
+            // What the largest of some inputs may take.
+            for target in TARGETS {
+                let inputs = Inputs::new(target, self.seed);
+                let bytes = (0..500).map(|at| (target.bound)(&inputs.get(at))).max().unwrap_or_default();
+                println!("{} {bytes}", target.name);
+            }
+            return Ok(0);
+        }
         let target = TARGETS.iter().find(|target| target.name == self.target);
         let target = target.ok_or_else(|| format!("the targets are {}", names.join(" ")))?;
         if let Some(path) = &self.replay {

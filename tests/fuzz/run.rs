@@ -47,12 +47,17 @@ pub struct Finding {
 pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64, f64), String> {
     let before = ALLOCATED.current_usage();
     ALLOCATED.reset_peak_usage();
+    let last_words = || PANIC.lock().map(|mut words| std::mem::take(&mut *words)).unwrap_or_default();
+    last_words();
     let start = Instant::now();
     let result = catch_unwind(AssertUnwindSafe(|| (target.run)(input)));
     let seconds = start.elapsed().as_secs_f64();
     let bytes = ALLOCATED.peak_usage().saturating_sub(before) as u64;
-    let verdict =
-        result.map_err(|_| format!("panic: {}", PANIC.lock().map(|words| words.clone()).unwrap_or_default()))??;
+    let verdict = result.map_err(|_| format!("panic: {}", last_words()))??;
+    let words = last_words();
+    if !words.is_empty() {
+        return Err(format!("a panic that was caught: {words}"));
+    }
     let bound = (target.bound)(input);
     if bytes > bound {
         return Err(format!("{bytes} bytes of memory for an input of {} bytes: the bound is {bound}", input.len()));

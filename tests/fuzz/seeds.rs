@@ -132,7 +132,7 @@ fn compressed(compress: impl Fn(&[u8]) -> Vec<u8>) -> Vec<Vec<u8>> {
     raws.iter().map(stream).collect()
 }
 
-/// OpenEXR files in every compression, in lines and tiles, of one layer and of several.
+/// OpenEXR files in every compression, in lines and tiles, of halves, floats and integers, of one layer and of several.
 pub fn exr() -> Vec<Vec<u8>> {
     let compressions = [
         Compression::Uncompressed,
@@ -143,28 +143,42 @@ pub fn exr() -> Vec<Vec<u8>> {
         Compression::PXR24,
         Compression::B44,
         Compression::B44A,
+        Compression::DWAA(None),
+        Compression::DWAB(Some(45.0)),
     ];
     let mut all = Vec::new();
     for compression in compressions {
         for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(8, 4))] {
-            all.push(exr_file(compression, blocks, &["Z"], 1));
-            all.push(exr_file(compression, blocks, &["R", "G", "B"], 1));
+            all.push(exr_file(compression, blocks, &[("Z", 'f')], 1));
+            all.push(exr_file(compression, blocks, &[("Z", 'u')], 1));
+            all.push(exr_file(compression, blocks, &[("R", 'h'), ("G", 'h'), ("B", 'h'), ("A", 'h'), ("Z", 'f')], 1));
+            all.push(exr_file(compression, blocks, &[("B", 'f'), ("G", 'f'), ("R", 'f')], 2));
         }
     }
-    all.push(exr_file(Compression::ZIP16, Blocks::ScanLines, &["reflect", "refract", "ior"], 1));
-    all.push(exr_file(Compression::ZIP1, Blocks::ScanLines, &["R", "G", "B", "Z"], 3));
+    let material = [("reflect", 'h'), ("refract", 'f'), ("ior", 'u')];
+    all.push(exr_file(Compression::ZIP16, Blocks::ScanLines, &material, 1));
+    all.push(exr_file(Compression::ZIP1, Blocks::ScanLines, &[("R", 'u'), ("G", 'h'), ("B", 'f'), ("Z", 'f')], 3));
     all
 }
 
-fn exr_file(compression: Compression, blocks: Blocks, names: &[&str], layers: usize) -> Vec<u8> {
+/// Places of the chunks of an OpenEXR file.
+pub fn exr_chunks(file: &[u8]) -> Vec<usize> {
+    let mut rest = std::io::Cursor::new(file);
+    let meta = exr::meta::MetaData::read_from_buffered(&mut rest, true).expect("a seed is an EXR file");
+    let count: usize = meta.headers.iter().map(|header| header.chunk_count).sum();
+    let table = &file[rest.position() as usize..];
+    table.as_chunks::<8>().0[..count].iter().map(|place| u64::from_le_bytes(*place) as usize).collect()
+}
+
+fn exr_file(compression: Compression, blocks: Blocks, channels: &[(&str, char)], layers: usize) -> Vec<u8> {
     let size = (21, 13);
     let layer = |number: usize| {
-        let samples = |at: usize| match (at + number) % 3 {
-            0 => FlatSamples::F32((0..273).map(|i| (i * 7 % 50) as f32 / 3.0).collect()),
-            1 => FlatSamples::F16((0..273).map(|i| f16::from_f32((i % 21) as f32 / 8.0)).collect()),
-            _ => FlatSamples::U32((0..273).map(|i| i * 5 % 97).collect()),
+        let samples = |kind: char| match kind {
+            'f' => FlatSamples::F32((0..273).map(|i| (i / 6 * 7 % 5) as f32 / 3.0).collect()),
+            'h' => FlatSamples::F16((0..273).map(|i| f16::from_f32((i / 8 % 3) as f32 / 8.0)).collect()),
+            _ => FlatSamples::U32((0..273).map(|i| i / 5 * 5 % 7).collect()),
         };
-        let channels = names.iter().enumerate().map(|(at, &name)| AnyChannel::new(name, samples(at))).collect();
+        let channels = channels.iter().map(|&(name, kind)| AnyChannel::new(name, samples(kind))).collect();
         let mut attributes = LayerAttributes::named(format!("layer{number}").as_str());
         attributes.layer_position = Vec2(number as i32 - 1, 2);
         let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };

@@ -18,7 +18,7 @@ fn new_file() -> NamedTempFile {
     tempfile::Builder::new().prefix("fuzz").tempfile_in(folder).expect("a temporary file")
 }
 
-fn with_file(bytes: &[u8], read: impl FnOnce(&Path) -> Judged) -> Judged {
+fn with_file<T>(bytes: &[u8], read: impl FnOnce(&Path) -> T) -> T {
     FILE.with(|file| {
         std::fs::write(file.path(), bytes).expect("the temporary file is written");
         read(file.path())
@@ -71,6 +71,13 @@ pub fn run_png(bytes: &[u8]) -> Judged {
             judge(&png::read_color(path, ColorSpace::LinearRec709, &limits)),
         ])
     })
+}
+
+/// What an OpenEXR file may take: that of the largest pixels that are read, with the planes and their bits that are compared. Where
+/// the header is refused, texts and lists of it.
+pub fn bound_exr(bytes: &[u8]) -> u64 {
+    let limits = ReadLimits::default();
+    with_file(bytes, |path| exr::reading_bytes(path, 32, &limits)).unwrap_or((1 << 20) + 64 * bytes.len() as u64)
 }
 
 /// What one image file may take: see `ReadLimits`.

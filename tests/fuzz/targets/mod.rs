@@ -75,7 +75,7 @@ pub const TARGETS: &[Target] = &[
     payloads!(b"CTRH", 2000),
     Target { name: "transform", execs: 20_000, run: transform::run, bound: transform::bound },
     Target { name: "journal", execs: 4000, run: journal::run, bound: journal::bound },
-    Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound },
+    Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound_exr },
     Target { name: "png", execs: 4000, run: images::run_png, bound: images::bound },
     Target { name: "manifest", execs: 4000, run: texts::run_manifest, bound: texts::bound },
     Target { name: "seurat", execs: 4000, run: texts::run_seurat, bound: texts::bound },
