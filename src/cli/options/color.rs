@@ -56,7 +56,7 @@ pub struct ColorArgs {
     /// Entropy tables of lightfold train-color: stored once, used by each cell that they make smaller
     #[arg(long, value_name = "TABLES")]
     pub color_tables: Option<PathBuf>,
-    /// Least PSNR of each frame of each cell, in dB, 0 to 200, which keeps every bit; with --color-block, of temporal coding alone
+    /// Least PSNR of each frame of each cell, in dB, 0 to 200 (every bit); with --color-block, of temporal coding alone
     /// [default: 40; of cells 50, or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
@@ -83,8 +83,10 @@ pub struct ColorArgs {
     #[arg(long)]
     pub clip: bool,
     /// Half floats instead of 8 bits, which clip light above 1 of EXR files. PSNR is then that of the PU21 encoding, with its peak
-    /// at 100 cd/m². Single samples beyond 0.005 to 10000 cd/m², or negative, are within four times the RMS error that --psnr allows:
-    /// bright ones within 16% at 40 dB, 5% at 50 dB. Infinite light becomes 65504
+    /// at 100 cd/m². Infinite light becomes 65504
+    ///
+    /// Each sample below 0.005 or above 10000 cd/m² is within four times the RMS error that --psnr allows: bright ones within 16% at
+    /// 40 dB, 5% at 50 dB.
     #[arg(long)]
     pub hdr: bool,
     /// Luminance of the value 1.0 for --hdr, in cd/m²

@@ -238,12 +238,12 @@ fn few_codes_far_apart_take_fewer_bytes_by_number() {
 
 #[test]
 fn a_chunk_is_closed_before_its_symbols_take_much_memory() {
-    let area = UnitArea::whole([16, 16]);
+    let area = UnitArea::whole([64, 64]);
     let header = PredictiveHeader { keyframe_interval: 1000, ..header(0, Shape::None) };
     let mut encoder = PredictiveEncoder::new(&header, area, Decide::Size, Effort::Fast).unwrap();
     let mut frames = Vec::new();
     for t in 0..40 {
-        let picture: Vec<u16> = (0..256).map(|at| noise(at + 1000 * t) as u16).collect();
+        let picture: Vec<u16> = (0..4096).map(|at| noise(at + 5000 * t) as u16).collect();
         frames.extend(encoder.push(&picture).map(|chunk| chunk.frame_count));
     }
     frames.extend(encoder.finish().map(|chunk| chunk.frame_count));

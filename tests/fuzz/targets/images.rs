@@ -73,11 +73,17 @@ pub fn run_png(bytes: &[u8]) -> Judged {
     })
 }
 
-/// What an OpenEXR file may take: that of the largest pixels that are read, with the planes and their bits that are compared. Where
-/// the header is refused, texts and lists of it.
+/// Bytes for a pixel of the largest planes that are read, and of two of depth with their bits.
+const PIXEL_BYTES: u64 = 32;
+
+/// What an OpenEXR file may take: its headers, a chunk and the planes; where the headers are refused, texts and lists of them.
 pub fn bound_exr(bytes: &[u8]) -> u64 {
     let limits = ReadLimits::default();
-    with_file(bytes, |path| exr::reading_bytes(path, 32, &limits)).unwrap_or((1 << 20) + 64 * bytes.len() as u64)
+    with_file(bytes, |path| {
+        let pixels = exr::read_size(path, &limits).map_or(0, |(width, height)| u64::from(width) * u64::from(height));
+        let reading = exr::reading_bytes(path, 1, &limits).unwrap_or((1 << 20) + 64 * bytes.len() as u64);
+        reading + pixels * (PIXEL_BYTES - 1)
+    })
 }
 
 /// What one image file may take: see `ReadLimits`.
