@@ -194,7 +194,8 @@ fn diff_sees_every_difference_of_halves() {
             for bound in ["--exact", "--min-psnr 180", "--min-cell-psnr inf"] {
                 assert_eq!(diff(&format!("{sides} {bound}"), at).0, 1, "{from} and {to}, {sides} {bound}");
             }
-            let text = String::from_utf8(lightfold(&format!("diff {sides}").split(' ').collect::<Vec<_>>(), at).stdout).unwrap();
+            let text = String::from_utf8(lightfold(&format!("diff {sides}").split(' ').collect::<Vec<_>>(), at).stdout)
+                .unwrap();
             assert!(!text.contains("inf dB") && text.contains("different; no bound was given"), "{text}");
         }
         // A lamp of the wrong brightness is an error by usual bounds, too.
