@@ -21,11 +21,12 @@ use super::primaries::Primaries;
 use crate::error::{Error, Result};
 
 mod chunks;
+mod errors;
 mod guard;
 mod payload;
 mod write;
 
-pub use guard::reading_bytes;
+pub use chunks::reading_bytes;
 use guard::{Opened, open};
 pub use write::{
     rgba_bytes, triple_bytes, write_alpha, write_color, write_color_of, write_depth, write_material, write_rgba,
@@ -200,15 +201,6 @@ impl Sample for f32 {
     }
     fn from_uint(value: u32) -> Self {
         value as f32
-    }
-}
-
-fn translate(error: exr::error::Error) -> Error {
-    match error {
-        exr::error::Error::NotSupported(what) => Error::unsupported(format!("the EXR file cannot be read: {what}")),
-        exr::error::Error::Invalid(what) => Error::invalid(format!("the EXR file is damaged: {what}")),
-        exr::error::Error::Io(source) => Error::io("", source),
-        exr::error::Error::Aborted => Error::Interrupted,
     }
 }
 

@@ -6,6 +6,7 @@
 
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock, CompressedTileBlock, TileCoordinates};
@@ -14,10 +15,11 @@ use exr::meta::header::Header;
 use exr::meta::{BlockDescription, compute_block_count};
 use exr::prelude::Compression;
 
-use super::guard::Opened;
+use super::errors::translate;
+use super::guard::{CHUNK_ENTRY_BYTES, HEADER_SHARE, Opened, check, display_pixels, open};
 use super::payload::{self, Room};
-use super::translate;
 use crate::error::{Error, Result};
+use crate::image::limits::ReadLimits;
 
 /// Tables of PIZ: a bitmap and its inverse, code lengths, and a decoding table with a list of long codes.
 const PIZ_TABLE_BYTES: u64 = 4 << 20;
@@ -121,6 +123,18 @@ fn read_chunk(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool
         BlockDescription::Tiles(_) => CompressedBlock::Tile(CompressedTileBlock { coordinates, compressed_pixels_le }),
     };
     Ok(Chunk { layer_index: part, compressed_block })
+}
+
+/// Upper bound of the bytes that reading a file takes: its headers and offset tables, one chunk while it is decoded, and the
+/// display window with `wanted_bytes` for a pixel of the result. Errors are those of reading the headers.
+pub fn reading_bytes(path: &Path, wanted_bytes: u64, limits: &ReadLimits) -> Result<u64> {
+    let opened = open(path)?;
+    check(&opened, wanted_bytes, limits).map_err(|error| error.in_file(path))?;
+    let plane = display_pixels(&opened).saturating_mul(wanted_bytes);
+    let chunk = opened.headers().iter().map(|header| decoding_bytes(header, opened.file_len)).max();
+    let entries: u64 = opened.headers().iter().map(|header| header.chunk_count as u64).sum();
+    let fixed = opened.tables_at.saturating_mul(HEADER_SHARE).saturating_add(entries * CHUNK_ENTRY_BYTES);
+    Ok(plane.saturating_add(chunk.unwrap_or(0)).saturating_add(fixed))
 }
 
 /// Upper bound of the bytes that decoding one chunk of a part takes, with its payload.

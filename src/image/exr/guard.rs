@@ -1,4 +1,4 @@
-//! Limits of what the header of an OpenEXR file may claim, and the memory that reading the file takes.
+//! Limits of what the header of an OpenEXR file may claim.
 //!
 //! [`open`] looks at the windows, names and channels of all parts before the `exr` crate computes with them, and [`check`]
 //! compares the pixels that a header claims with the length of its file before memory is allocated for them.
@@ -12,8 +12,7 @@ use exr::meta::attribute::LevelMode;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 
-use super::chunks;
-use super::translate;
+use super::errors::translate;
 use crate::error::{Error, Result};
 use crate::image::limits::ReadLimits;
 
@@ -31,9 +30,9 @@ const MAX_VIEWS: usize = 256;
 /// Bytes of the name of a part or view. Every channel gets a copy.
 const MAX_NAME_BYTES: usize = 1024;
 /// Bytes of memory for a byte of a header: parts, channels and attributes as values, and copies of names.
-const HEADER_SHARE: u64 = 64;
+pub(super) const HEADER_SHARE: u64 = 64;
 /// Bytes for an entry of an offset table: the entry, and the position of a chunk that was read.
-const CHUNK_ENTRY_BYTES: u64 = 64;
+pub(super) const CHUNK_ENTRY_BYTES: u64 = 64;
 
 /// A file whose headers have been read; its cursor is at the offset tables.
 pub(super) struct Opened {
@@ -218,18 +217,6 @@ pub(super) fn check(opened: &Opened, wanted_bytes: u64, limits: &ReadLimits) -> 
     Ok(())
 }
 
-fn display_pixels(opened: &Opened) -> u64 {
+pub(super) fn display_pixels(opened: &Opened) -> u64 {
     opened.headers().first().map_or(0, |header| header.shared_attributes.display_window.size.area() as u64)
-}
-
-/// Upper bound of the bytes that reading a file takes: its headers and offset tables, one chunk while it is decoded, and the
-/// display window with `wanted_bytes` for a pixel of the result. Errors are those of reading the headers.
-pub fn reading_bytes(path: &Path, wanted_bytes: u64, limits: &ReadLimits) -> Result<u64> {
-    let opened = open(path)?;
-    check(&opened, wanted_bytes, limits).map_err(|error| error.in_file(path))?;
-    let plane = display_pixels(&opened).saturating_mul(wanted_bytes);
-    let chunk = opened.headers().iter().map(|header| chunks::decoding_bytes(header, opened.file_len)).max();
-    let entries: u64 = opened.headers().iter().map(|header| header.chunk_count as u64).sum();
-    let fixed = opened.tables_at.saturating_mul(HEADER_SHARE).saturating_add(entries * CHUNK_ENTRY_BYTES);
-    Ok(plane.saturating_add(chunk.unwrap_or(0)).saturating_add(fixed))
 }

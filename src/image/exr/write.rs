@@ -11,7 +11,7 @@ use exr::prelude::{
 };
 use half::f16;
 
-use super::translate;
+use super::errors::translate;
 use crate::error::{Error, Result};
 use crate::files::DiskFile;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
