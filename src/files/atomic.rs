@@ -74,7 +74,7 @@ pub fn hidden_beside(output: &Path, end: &str) -> Option<PathBuf> {
         hidden.push(format!("{start}~{:08x}", crc32fast::hash(bytes)));
     }
     hidden.push(end);
-    Some(parent_of(output).join(hidden))
+    Some(output.with_file_name(hidden))
 }
 
 #[cfg(test)]

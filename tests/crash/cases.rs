@@ -31,7 +31,7 @@ pub const INPUTS: &[&str] = &[
 ];
 
 pub const CAMERAS: &str =
-    r#"{"cameras": [{"eye": [0, 1, 0], "look_at": [2, 1, 0]}, {"eye": [0, 2, 0], "look_at": [2, 1, 0]}]}"#;
+    r#"{"cameras": [{"eye": [0, 1, 0], "look_at": [2, 1, 0], "fov_y_deg": 60}, {"eye": [0, 2, 0], "look_at": [2, 1, 0], "fov_y_deg": 60}]}"#;
 
 pub const CASES: &[Case] = &[
     case("demo -o demo --size 16 --frame-count 2 -q"),

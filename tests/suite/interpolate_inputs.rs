@@ -243,7 +243,7 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     let said = refused(&format!("{line} -o v/%V-%d.png --resume"), at);
     assert!(said.contains("--output was v/%V.%d.png and is v/%V-%d.png now"), "{said}");
     // A disk that lost what was written last.
-    let kept = at.join(".v.views.partial/files/0000.0.png");
+    let kept = at.join(".v.f0-1.views.partial/files/0000.0.png");
     std::fs::write(&kept, vec![0; bytes(&kept).len()]).unwrap();
     let resumed = fine(&format!("{line} -o v/%V.%d.png --resume --json"), at);
     let said = String::from_utf8(resumed.stderr).unwrap();
