@@ -18,9 +18,9 @@ pub fn length(metres: f64) -> String {
     if metres < 0.1 { format!("{} mm", rounded_up(1000.0 * metres)) } else { format!("{} m", rounded_up(metres)) }
 }
 
-/// The bound in percent, and in metres at the distances that are within near and far.
+/// The bound in percent, and in metres at the stated distances that are within near and far.
 pub fn words(bound: &DepthBound) -> String {
-    let Some(share) = bound.share() else { return format!("{}: no bound on the error", bound.range) };
+    let Some(share) = bound.share() else { return "no bound on the error".into() };
     let (within, outside): (Vec<f32>, Vec<f32>) =
         STATED_DISTANCES_M.into_iter().partition(|&distance| bound.metres_at(distance).is_some());
     let at = |distance: &f32| format!("{} at {distance} m", length(share * f64::from(*distance)));
@@ -31,12 +31,12 @@ pub fn words(bound: &DepthBound) -> String {
         distances => format!("; no surface at {distances} m"),
     };
     let metres = if metres.is_empty() { String::new() } else { format!(", {}", metres.join(", ")) };
-    format!("{}: within {} of the distance{metres}{no_surface}", bound.range, percent(bound))
+    format!("within {} of the distance{metres}{no_surface}", percent(bound))
 }
 
 /// A line for each probe, or the worst and the best of more than `most`.
 pub fn lines(probes: &[(&str, DepthBound)], most: usize) -> Vec<String> {
-    let line = |(probe, bound): &(&str, DepthBound)| format!("depth of probe {}, {}", escaped(probe), words(bound));
+    let line = |(probe, bound): &(&str, DepthBound)| format!("depth of {}: {}", escaped(probe), words(bound));
     if probes.len() <= most {
         return probes.iter().map(line).collect();
     }

@@ -150,7 +150,7 @@ fn bounds_hold_in_every_pixel_as_they_are_stated() {
         assert_eq!(metres["at_1_m"].is_null(), near > 1.0);
         assert!((metres["at_10_m"].as_f64().unwrap() - percent / 10.0).abs() < 1e-9 && metres["at_100_m"].is_null());
         for text in [text_of(&format!("encode . -o a.lfold {options}"), at), text_of("inspect a.lfold", at)] {
-            assert!(text.contains("depth of probe 00, ") && text.contains("% of the distance"), "{text}");
+            assert!(text.contains("depth of 00: ") && text.contains("% of the distance"), "{text}");
             assert!(text.contains(" at 10 m") && text.contains("no surface at"), "{text}");
         }
     }
