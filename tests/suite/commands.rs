@@ -16,7 +16,7 @@ pub fn lightfold(arguments: &[&str], folder: &Path) -> Output {
 
 /// Runs a command line that must succeed.
 pub fn fine(line: &str, folder: &Path) -> Output {
-    let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
+    let output = lightfold(&line.split_whitespace().collect::<Vec<_>>(), folder);
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     output
 }
@@ -33,7 +33,7 @@ pub fn code_of(said: &str) -> i32 {
 
 /// Runs a command line that must be refused; answers what it said.
 pub fn refused(line: &str, folder: &Path) -> String {
-    let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
+    let output = lightfold(&line.split_whitespace().collect::<Vec<_>>(), folder);
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(code_of(&said)), "{line}: {said}");
     said
