@@ -237,7 +237,8 @@ fn odd_values_and_large_results_are_told_before_and_after() {
     };
     // This is read as background.
     write(1e30);
-    assert!(!text(&fine("encode . -o a.lfold", at).stderr).contains("depth"));
+    let said = text(&fine("encode . -o a.lfold", at).stderr);
+    assert!(!said.contains("depth"), "{said}");
     write(1e8);
     let said = text(&fine("encode . -o a.lfold", at).stderr);
     assert!(said.contains("depth.background") && said.contains("1.0e8 m away"), "{said}");

@@ -47,10 +47,13 @@ fn families_and_limits_are_those_of_the_code() {
         assert_eq!(numbers(&row[1..6]), [contexts, first_context, alphabet, clusters, first_cluster], "{}", row[0]);
     }
     let says = |sentence: String| assert!(document.contains(&sentence), "color.md does not say: {sentence}");
-    says(format!("has {CLUSTERS} distributions"));
-    says(format!("each of the {},{:03} contexts", CONTEXTS / 1000, CONTEXTS % 1000));
-    says(format!("each of the {BUILT_IN} *built-in* sets"));
-    says(format!("the built-in ones are 0 to {}", BUILT_IN - 1));
+    says(format!("of {CLUSTERS} distributions"));
+    let entropy = read("formats/entropy.md");
+    let says_of_sets = |row: String| assert!(entropy.contains(&row), "entropy.md does not say: {row}");
+    says_of_sets(format!("| contexts | {},{:03} |", CONTEXTS / 1000, CONTEXTS % 1000));
+    says_of_sets(format!("| distributions of a table set | {CLUSTERS} |"));
+    says_of_sets(format!("| built-in sets | {BUILT_IN}, numbers 0 to {} |", BUILT_IN - 1));
+    says_of_sets(format!("| own sets of a stream, in its codec header | 0 to {MOST_OWN}:"));
     says(format!("| 20 | 1 | u8 | own_set_count | 0 to {MOST_OWN} |"));
     says(format!("F must be at most {MAX_FRAMES}"));
     says(format!("| 1 | u8 | color_count | K, 0 to {CACHED} |"));

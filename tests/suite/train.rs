@@ -179,7 +179,7 @@ fn rough(_: Face, frame: u32) -> Plane<f32> {
 fn commands_train_and_use_tables_of_depth() {
     let folder = TempDir::new().unwrap();
     let place = folder.path();
-    Footage { depth: Some(&rough), frames: [0, 5], ..Footage::new(192, 160) }.write(place);
+    Footage { depth: Some(&rough), frames: [0, 2], ..Footage::new(192, 160) }.write(place);
     let encode = "encode . --max-error 3 --stream depth";
     fine(&format!("{encode} -o plain.lfold"), place);
     fine("encode . --max-error 5 --stream depth -o other.lfold", place);
