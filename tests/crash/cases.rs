@@ -30,8 +30,7 @@ pub const INPUTS: &[&str] = &[
     "interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 4 --baseline 0.3 --size 16 -o v/%04d.png -q",
 ];
 
-pub const CAMERAS: &str =
-    r#"{"cameras": [{"eye": [0, 1, 0], "look_at": [2, 1, 0], "fov_y_deg": 60}, {"eye": [0, 2, 0], "look_at": [2, 1, 0], "fov_y_deg": 60}]}"#;
+pub const CAMERAS: &str = r#"{"cameras": [{"eye": [0, 1, 0], "look_at": [2, 1, 0], "fov_y_deg": 60}, {"eye": [0, 2, 0], "look_at": [2, 1, 0], "fov_y_deg": 60}]}"#;
 
 pub const CASES: &[Case] = &[
     case("demo -o demo --size 16 --frame-count 2 -q"),
