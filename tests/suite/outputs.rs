@@ -32,7 +32,7 @@ const FILES: &[&str] = &[
 ];
 const FOLDERS: &[&str] = &[
     "demo -o",
-    "capture none.glb --position=0,0,0 -o",
+    "capture none.glb --position 0,1,0 -o",
     "decode none.lfold -o",
     "render none.lfold --eye 0,0,0 --look-at 0,0,1 -o",
     "render none.lfold --reference none --null --error-map",
@@ -139,11 +139,11 @@ fn pictures_on_a_full_disk_are_named_as_the_user_did() {
     for (line, file) in [
         ("decode a.lfold --format png -o out/d".to_owned(), "out/d/"),
         ("decode a.lfold -o out/d".to_owned(), "out/d/"),
-        ("render a.lfold --eye 0,1.5,0 --look-at 1,1.5,0 --size 64 --frames 0-1 -o out/r.%d.png".to_owned(), "out/r."),
+        ("render a.lfold --eye 0,1.5,0 --look-at 1,1.5,0 --size 128 --frames 0-1 -o out/r.%d.png".to_owned(), "out/r."),
         (format!("interpolate interior {views} -o out/v/%04d.png"), "out/v/00"),
         ("capture interior --position=0,1.5,0 --size 64 --frames 0-3 -o out/c".to_owned(), "out/c/"),
     ] {
-        let script = format!("mount -t tmpfs -o size=12k none out && {} {line} -q", env!("CARGO_BIN_EXE_lightfold"));
+        let script = format!("mount -t tmpfs -o size=8k none out && {} {line} -q", env!("CARGO_BIN_EXE_lightfold"));
         let output = Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(place).output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(75), "{line}: {said}");
