@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{Read, Result, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::atomic::parent_of;
+use super::names::parent_of;
 
 #[cfg(feature = "internals")]
 use super::record::{self, Operation};

@@ -18,9 +18,10 @@
 
 #![allow(clippy::disallowed_methods)]
 
-mod atomic;
 mod disk;
+mod file_folder;
 mod lock;
+mod names;
 mod output_file;
 mod output_folder;
 mod partial_file;
@@ -31,26 +32,14 @@ mod regular;
 mod standard_output;
 mod work_folder;
 
-use std::path::{Path, PathBuf};
-
-pub use atomic::{check_file, check_name, parent_of, write_whole};
 pub use disk::{DiskFile, create_folders, remove_file};
+pub use file_folder::FileFolder;
 pub use lock::{Locked, open_locked};
-pub use output_file::OutputFile;
+pub use names::{check_file, check_name, parent_of};
+pub use output_file::{OutputFile, write_whole};
 pub use output_folder::OutputFolder;
 pub use partial_file::IntactBytes;
 pub use partial_folder::{FolderKind, Kept, Left, PartialFolder};
 pub use regular::open_regular;
 pub use standard_output::standard_output;
 pub use work_folder::WorkFolder;
-
-use crate::error::Result;
-
-/// A folder that takes files until they appear together.
-pub trait FileFolder: Sync {
-    /// The place of a file that an earlier process made, and that is intact.
-    fn made(&self, file: &Path) -> Option<PathBuf>;
-
-    /// Writes a file by a path, in folders that are made where they are missing. Returns its bytes.
-    fn write_file(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64>;
-}

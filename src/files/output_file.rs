@@ -130,11 +130,31 @@ impl Write for OutputFile {
     }
 }
 
+/// Writes a file whole: [`OutputFile`] of these bytes.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.write_all(bytes).map_err(|error| Error::io(path, error))?;
+    file.commit()
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
 
     use super::*;
+
+    #[test]
+    fn replaces_files_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("page");
+        for text in ["first", "2nd"] {
+            write_whole(&path, text.as_bytes()).unwrap();
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+        let missing = write_whole(&folder.path().join("none/page"), b"").unwrap_err().to_string();
+        assert!(missing.contains("page") && !missing.contains("partial"), "{missing}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
 
     #[test]
     fn an_output_that_is_not_committed_leaves_nothing() {

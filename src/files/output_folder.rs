@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::FileFolder;
-use super::atomic::{check_name, parent_of};
 use super::disk::{self, DiskFile};
+use super::file_folder::FileFolder;
+use super::names::{check_name, parent_of};
 use super::work_folder::{WorkFolder, clear_left};
 use crate::error::{Error, Result};
 

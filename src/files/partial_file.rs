@@ -4,9 +4,9 @@ use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::atomic::{check_file, hidden_beside, parent_of};
 use super::disk::{self, DiskFile};
 use super::lock::{Locked, open_locked};
+use super::names::{check_file, hidden_beside, parent_of};
 use crate::error::{Error, Result};
 
 /// Ending of an unfinished file's name, after a dot and the name of the output.

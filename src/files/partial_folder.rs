@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
-use super::FileFolder;
-use super::atomic::{check_name, hidden_beside, parent_of};
 use super::disk::{self, DiskFile};
+use super::file_folder::FileFolder;
 use super::lock::{Locked, open_locked};
+use super::names::{check_name, hidden_beside, parent_of};
 use super::output_folder::{MadeFolders, name_final_path, rename_or_move_into};
 use crate::error::{Error, Result};
 

@@ -36,7 +36,8 @@ fn inspect(container: &str, at: &Path) -> Value {
 }
 
 fn text_of(line: &str, at: &Path) -> String {
-    String::from_utf8(fine(line, at).stdout).unwrap()
+    let out = fine(line, at);
+    String::from_utf8([out.stdout, out.stderr].concat()).unwrap()
 }
 
 #[test]

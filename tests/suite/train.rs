@@ -185,7 +185,11 @@ fn commands_train_and_use_tables_of_depth() {
     fine("encode . --max-error 5 --stream depth -o other.lfold", place);
     let report = fine("train-depth plain.lfold -o tables.txt --sets 2 --held-out other.lfold --json", place);
     let report: Value = serde_json::from_slice(&report.stdout).unwrap();
-    assert_eq!((report["sets"].as_u64(), report["payloads"].as_u64()), (Some(2), Some(6)), "tiles of 128, two of which close a chunk early: {report}");
+    assert_eq!(
+        (report["sets"].as_u64(), report["payloads"].as_u64()),
+        (Some(2), Some(6)),
+        "tiles of 128, two of which close a chunk early: {report}"
+    );
     let of = |name: &str| report[name].as_u64().unwrap();
     assert!(of("trained_payload_bytes") < of("payload_bytes"), "{report}");
     let held_out = |name: &str| report["held_out"][name].as_u64().unwrap();

@@ -1,17 +1,9 @@
-//! Small files that are replaced as a whole, and what names of outputs may be.
+//! Names of outputs: which a file system takes, and hidden ones beside them.
 
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::output_file::OutputFile;
 use crate::error::{Error, Result};
-
-/// Writes a file whole: [`OutputFile`] of these bytes.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let mut file = OutputFile::create(path)?;
-    file.write_all(bytes).map_err(|error| Error::io(path, error))?;
-    file.commit()
-}
 
 /// The folder that a path is in; `.` for a bare name.
 pub fn parent_of(path: &Path) -> &Path {
@@ -82,19 +74,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn replaces_files_whole_or_not_at_all() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("page");
-        for text in ["first", "2nd"] {
-            write_whole(&path, text.as_bytes()).unwrap();
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
-        }
-        let missing = write_whole(&folder.path().join("none/page"), b"").unwrap_err().to_string();
-        assert!(missing.contains("page") && !missing.contains("partial"), "{missing}");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
     fn refuses_names_that_no_file_can_have() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
@@ -120,7 +99,7 @@ mod tests {
         assert_eq!(hidden_beside(Path::new(".."), ".partial"), None);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name(120, 'a'));
-        write_whole(&path, b"whole").unwrap();
+        crate::files::write_whole(&path, b"whole").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"whole");
     }
 }
