@@ -133,7 +133,7 @@ fn every_codec_keeps_the_bound_outside_the_metric() {
             ("--hdr --color-block bc6h", 40.0),
         ] {
             fine(&format!("encode . -o a.lfold {options}"), at);
-            let decoder = Decoder::open(&at.join("a.lfold")).unwrap();
+            let decoder = Decoder::open(at.join("a.lfold")).unwrap();
             let mut face = decoder.face(&decoder.streams()[0]);
             // Rounding to 64ths on both sides.
             let most = 4.0 * 256.0 * 10f64.powf(-db / 20.0) + 1.0 / 64.0;

@@ -134,7 +134,7 @@ fn bounds_hold_in_every_pixel_as_they_are_stated() {
             let asked: f64 = asked.0.parse().unwrap();
             assert!(percent <= asked && percent > 0.98 * asked, "{percent}% of {asked}%");
         }
-        let decoder = lightfold::Decoder::open(&at.join("a.lfold")).unwrap();
+        let decoder = lightfold::Decoder::open(at.join("a.lfold")).unwrap();
         let mut face = decoder.face(&decoder.streams()[0]);
         let range = decoder.streams()[0].depth_range().unwrap();
         for frame in 0..3 {
