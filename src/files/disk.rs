@@ -1,5 +1,5 @@
 //! Operations that change files and folders. The crate calls the system for them here only (`clippy.toml`), so that a test can
-//! record what a command does, and in which order ([`super::record`]).
+//! record what a command does, and in which order (`record`).
 
 use std::fs::File;
 use std::io::{Read, Result, Seek, SeekFrom, Write};

@@ -1,7 +1,7 @@
 //! OpenEXR files: reads selected channels as planes; writes planes as half or float ZIP files.
 //!
 //! Nothing that a file says is believed before it is checked: a header may claim only as many pixels as its file could hold
-//! ([`guard`]), and a chunk only as many bytes as its pixels take ([`chunks`], [`payload`]). Chunks of other parts are neither read
+//! (`guard`), and a chunk only as many bytes as its pixels take (`chunks`, `payload`). Chunks of other parts are neither read
 //! nor decompressed. Files are decoded on the calling thread; callers read several at once.
 
 use std::path::Path;

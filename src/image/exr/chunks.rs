@@ -2,7 +2,7 @@
 //! `exr` crate decompresses them.
 //!
 //! Every size that a chunk states is bounded by the length of the file or by the raw size of the chunk, which follows from the
-//! header. Counters inside of payloads are those of [`super::payload`].
+//! header. Counters inside of payloads are those of `payload`.
 
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
