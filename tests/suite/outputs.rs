@@ -130,7 +130,7 @@ fn the_next_run_removes_what_a_killed_one_left() {
 fn pictures_on_a_full_disk_are_named_as_the_user_did() {
     let folder = TempDir::new().unwrap();
     let place = folder.path();
-    FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 64, probes: 1 }
+    FootagePlan { kind: DemoKind::Courtyard, frames: 4, face_size: 64, probes: 1 }
         .write(&place.join("scene"), &Silent)
         .unwrap();
     fine("encode scene --clip -o a.lfold -q", place);
@@ -139,7 +139,7 @@ fn pictures_on_a_full_disk_are_named_as_the_user_did() {
     for (line, file) in [
         ("decode a.lfold --format png -o out/d".to_owned(), "out/d/"),
         ("decode a.lfold -o out/d".to_owned(), "out/d/"),
-        ("render a.lfold --eye 0,1.5,0 --look-at 1,1.5,0 --size 128 --frames 0-1 -o out/r.%d.png".to_owned(), "out/r."),
+        ("render a.lfold --eye 0,1.5,0 --look-at 1,1.5,0 --size 64 --frames 0-3 -o out/r.%d.png".to_owned(), "out/r."),
         (format!("interpolate interior {views} -o out/v/%04d.png"), "out/v/00"),
         ("capture interior --position=0,1.5,0 --size 64 --frames 0-3 -o out/c".to_owned(), "out/c/"),
     ] {
