@@ -88,7 +88,7 @@ pub use half::f16;
 pub use modules::container::Compression;
 pub use modules::container::{ByteSource, ProbeEntry};
 #[cfg(feature = "encode")]
-pub use modules::dataset::{Pose, ProbeInfo, SourceGroup};
+pub use modules::dataset::{InvalidDepth, Pose, ProbeInfo, SourceGroup};
 pub use modules::decode::{DecodeCost, Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
 pub use modules::depth::DepthRange;
 #[cfg(feature = "encode")]

@@ -95,6 +95,7 @@ def encode(
     min_children: int | None = None,
     near: float | None = None,
     far: float | None = None,
+    invalid_depth: Literal["refuse", "far", "near"] | None = None,
     depth_window: int | None = None,
     update_threshold: int | None = None,
     max_aabbs: int | None = None,

@@ -2,7 +2,7 @@
 
 use library::{
     ColorBlockSettings, ColorBlocks, ColorCodec, ColorFormat, Compression, Decide, DepthCodec, DomainKind, Effort,
-    EncodeSettings, ErrorBound, TileSize, Transfer,
+    EncodeSettings, ErrorBound, InvalidDepth, TileSize, Transfer,
 };
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
@@ -127,6 +127,8 @@ fn set_depth(given: &mut Given<'_, '_>, settings: &mut EncodeSettings) -> PyResu
     depth.min_children = given.take("min_children")?.unwrap_or(depth.min_children);
     settings.near_m = given.take("near")?;
     settings.far_m = given.take("far")?;
+    let outside = [("refuse", InvalidDepth::Refuse), ("far", InvalidDepth::Far), ("near", InvalidDepth::Near)];
+    settings.outside_depth = given.word("invalid_depth", &outside)?.unwrap_or_default();
     Ok(())
 }
 

@@ -185,6 +185,14 @@ class Encode(Folder):
         with self.assertRaisesRegex(lightfold.Error, "has an alpha of 2: 0 to 1 was expected"):
             self.encode(alpha=[2 * np.ones((1, 4, 8))])
 
+    def test_depth_outside_near_and_far(self):
+        depth = np.broadcast_to(np.linspace(1, 4, 256).reshape(1, 16, 16), (1, 16, 16))
+        with self.assertRaisesRegex(lightfold.Error, "outside the range"):
+            self.encode(depth=[depth], near=2.0, far=3.0)
+        for rule, values in (("near", (2.0, 3.0)), ("far", (np.inf, np.inf))):
+            decoded = self.encode(depth=[depth], near=2.0, far=3.0, invalid_depth=rule, max_error=0).stream("depth").decode(0)
+            np.testing.assert_allclose(decoded.ravel()[[0, -1]], values, rtol=1e-5)
+
     def test_settings_reach_the_stream(self):
         depth = np.broadcast_to(np.linspace(1, 4, 256).reshape(1, 16, 16), (2, 16, 16))
         light = np.broadcast_to(np.linspace(0, 1, 768).reshape(16, 16, 3), (2, 16, 16, 3))
