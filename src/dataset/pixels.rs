@@ -7,7 +7,8 @@ use crate::image::{
     AlphaPlane, ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer, unit_alpha,
 };
 
-/// Treatment of depth that is NaN, zero, negative or −inf and is not the background.
+/// Treatment of depth that is NaN, zero, negative or −inf and is not the background; in encoders, also of surfaces outside a
+/// given near and far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum InvalidDepth {
     /// An error that names file and pixel.
@@ -37,6 +38,7 @@ impl InvalidDepth {
         count
     }
 
+    /// `refuse`, `far` or `near`, as options spell it.
     pub fn name(self) -> &'static str {
         match self {
             InvalidDepth::Refuse => "refuse",
