@@ -238,10 +238,14 @@ fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
         codec_header: header.write().into(),
     });
     let mut encoder = TemporalEncoder::<u16>::new(3, temporal);
+    let mut chunks = Vec::new();
     for frame in 0..frames {
-        encoder.push(&std::array::from_fn::<u16, 6, _>(|at| (frame / (at as u32 + 1)) as u16))?;
+        chunks.extend(encoder.push(&std::array::from_fn::<u16, 6, _>(|at| (frame / (2 * at as u32 + 1)) as u16))?);
     }
-    if let Some(chunk) = encoder.finish()? {
+    chunks.extend(encoder.finish()?);
+    // Longer chunks would close before their interval ends.
+    assert_eq!(chunks.len(), 1, "one chunk of {frames} frames was wanted");
+    for chunk in chunks {
         let key = ChunkKey { stream: 0, unit: 0, first_frame: chunk.first_frame, frame_count: chunk.frame_count };
         writer.push(&PackedChunk::new(key, chunk.payload, (Compression::None, PayloadKind::Mixed))?)?;
     }
