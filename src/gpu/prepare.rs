@@ -5,12 +5,10 @@
 
 use crate::block;
 use crate::color::cells::Blend;
-use crate::color::transform::basis::LENGTHS;
 use crate::color::transform::blocks::regions;
-use crate::color::transform::domain::CHANNELS;
 use crate::color::transform::payload::{Header, Layout};
 use crate::color::transform::steps::Steps;
-use crate::color::transform::{Domain, Keyed, Tables, TransformChunk};
+use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
 use crate::container::{ChunkEntry, ChunkPlace, Payload};
 use crate::decode::StreamInfo;
@@ -265,13 +263,15 @@ pub fn of_transform<S: Keyed>(
     tables: &Tables,
 ) -> Result<Prepared> {
     let size = chunk.size();
-    let Layout { header, substreams } = Layout::parse::<S>(payload, size, tables)?;
-    let mut stream = header_words(&header, frames, &S::DOMAIN);
+    let Layout { header, deltas, substreams } = Layout::parse::<S>(payload, size, tables)?;
+    let mut stream = header_words(&header, frames);
     let (mut boxes, mut end) = (Vec::new(), 0);
-    for (rect, substream) in regions(size).zip(substreams) {
+    for ((rect, substream), delta) in regions(size).zip(substreams).zip(deltas) {
         let [x, y, width, height] = rect.map(|side| side as u32);
         end += WORKGROUP;
         boxes.push(BoxRow { x, y, width, height, at: 4 * stream.len() as u32, end, ..BoxRow::default() });
+        let steps = Steps::new(header.steps, header.offset_set, delta, &S::DOMAIN);
+        stream.extend(steps.indices().map(|index| index as u32));
         let bytes = &payload[substream];
         match words_from(bytes).as_slice() {
             words if bytes.len() >= 4 => stream.extend(words),
@@ -289,14 +289,12 @@ pub fn of_transform<S: Keyed>(
 }
 
 /// What the kernel reads of a chunk before its regions: `shaders/color/transform/reconstruct.wgsl`.
-fn header_words(header: &Header, frames: u32, domain: &Domain) -> Vec<u32> {
-    let steps = Steps::new(header.steps, domain);
-    let slopes = [header.slopes.green, header.slopes.orange].map(|slope| i32::from(slope) as u32);
-    let mut words = vec![(header.set * SET_WORDS) as u32, slopes[0], slopes[1], header.colors.len() as u32, frames];
-    let (steps, lengths) = (&steps, 0..LENGTHS.len());
-    let of_channel = |channel| lengths.clone().map(move |length| steps.step(channel, length) as u32);
-    words.extend((0..CHANNELS).flat_map(of_channel));
-    words.extend(header.colors.iter().flat_map(|color| pack_halves(color.map(|key| key as u16))));
+fn header_words(header: &Header, frames: u32) -> Vec<u32> {
+    let Header { set, slopes, offset_set, colors, .. } = header;
+    let slopes = [slopes.green, slopes.orange].map(|slope| i32::from(slope) as u32);
+    let mut words = vec![(set * SET_WORDS) as u32, slopes[0], slopes[1], colors.len() as u32, frames];
+    words.push(*offset_set as u32);
+    words.extend(colors.iter().flat_map(|color| pack_halves(color.map(|key| key as u16))));
     words
 }
 

@@ -5,6 +5,7 @@ use crate::color::transform::basis::{LENGTHS, basis, length_index};
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::contexts::{CLASSES_OF_SUMS, CLUSTERS};
 use crate::color::transform::scan;
+use crate::color::transform::steps::{INVERSE_ROOTS, OCTAVE, OFFSET_SETS};
 use crate::color::transform::tables::CLUSTER_OF;
 use crate::entropy::SYMBOLS;
 use crate::streams::{CodecHeader, StreamInfo};
@@ -63,13 +64,15 @@ pub fn of_format() -> Vec<u32> {
     let scans: Vec<u32> = scans.map(|at| u32::from(at.0) | (at.class() as u32) << 16).collect();
     let classes = CLASSES_OF_SUMS.map(u32::from);
     let clusters = CLUSTER_OF.iter().map(|&cluster| u32::from(cluster) * SYMBOLS as u32);
+    let offsets = OFFSET_SETS.iter().flatten().flatten().map(|&offset| u32::from(offset));
+    let steps: Vec<u32> = OCTAVE.into_iter().chain(INVERSE_ROOTS).chain(offsets).collect();
     let (mut heads, mut bases) = (vec![LENGTHS.len() as u32; MAX_FRAMES as usize + 1], Vec::new());
-    let first = heads.len() + classes.len() + scans.len() + clusters.len();
+    let first = heads.len() + classes.len() + scans.len() + clusters.len() + steps.len();
     for points in points {
         heads[points] = length_index(points).unwrap_or(LENGTHS.len()) as u32 | ((first + bases.len()) as u32) << 8;
         bases.extend((0..points * points).map(|at| basis(points, at / points, at % points) as u32));
     }
-    [heads, classes.to_vec(), scans, clusters.collect(), bases].concat()
+    [heads, classes.to_vec(), scans, clusters.collect(), steps, bases].concat()
 }
 
 #[cfg(test)]
@@ -108,6 +111,10 @@ mod tests {
             );
         }
         assert!(at(layout::CLUSTERS_AT, CONTEXTS).iter().zip(CLUSTER_OF).all(|(&at, of)| at == u32::from(of) * 16));
+        assert_eq!(at(layout::OCTAVE_AT, OCTAVE.len()), OCTAVE);
+        assert_eq!(at(layout::ROOTS_AT, INVERSE_ROOTS.len()), INVERSE_ROOTS);
+        let offsets = at(layout::OFFSETS_AT, 128 * OFFSET_SETS.len());
+        assert!(offsets.iter().zip(OFFSET_SETS.iter().flatten().flatten()).all(|(&word, &offset)| word == offset.into()));
         for points in [1, 24, 32] {
             let first = words[points] >> 8;
             assert_eq!(words[first as usize], 256);

@@ -23,6 +23,10 @@ const SUM_CLASSES_AT: u32 = 97u;
 const SCAN_AT: u32 = 109u;
 // First word of each context's distribution in a set.
 const CLUSTERS_AT: u32 = 1469u;
+// Of steps (color.md 6.3): an octave, and the inverse roots of lengths; offsets by frequency of each set, for luma and chroma.
+const OCTAVE_AT: u32 = 3034u;
+const ROOTS_AT: u32 = 3050u;
+const OFFSETS_AT: u32 = 3059u;
 
 // Index of a number of frames among the lengths of transforms; of others, the number of lengths.
 fn length_index(frames: u32) -> u32 {

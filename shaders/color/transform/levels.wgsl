@@ -42,10 +42,10 @@ fn read_channel(block: Block, channel: u32, frame: u32) -> vec2u {
     }
     reader.iterations += count + 2u * (1u << (2u * block.level));
     let length = length_index(block.frames);
-    let step = step_of(channel, length);
     let scan = scan_at(block.level);
     let functions = basis_at(block.frames);
-    var mean_level = predicted_level(block, channel, step);
+    let mean_step = step_of(channel, length, block.level, 0u);
+    var mean_level = predicted_level(block, channel, mean_step);
     // Constant coefficients of the block's last frame.
     var last_sum = 0;
     var extent = vec2u(1u, 1u);
@@ -104,7 +104,8 @@ fn read_channel(block: Block, channel: u32, frame: u32) -> vec2u {
                 mean_level += level;
                 continue;
             }
-            let coefficient = dequantise(level, step);
+            let frequency = (position & 31u) + (position >> 5u);
+            let coefficient = dequantise(level, step_of(channel, length, block.level, frequency));
             coefficients[position] += coefficient * weight;
             if (position == 0u) {
                 last_sum += coefficient * last_weight;
@@ -112,7 +113,7 @@ fn read_channel(block: Block, channel: u32, frame: u32) -> vec2u {
         }
         coded = true;
     }
-    let mean = dequantise(mean_level, step) << 8u;
+    let mean = dequantise(mean_level, mean_step) << 8u;
     note_block(block, channel, last_sum + mean);
     if (frame != NONE) {
         coefficients[0] += mean;

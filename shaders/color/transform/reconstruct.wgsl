@@ -1,7 +1,7 @@
 // One frame of a region (color.md 6.3), a workgroup each: one invocation reads, all transform blocks. Mirrors
 // src/color/transform/reconstruct.rs. A chunk is words: its table set, from the first of its stream's sets; slopes of chroma;
-// number of colours; number of frames; steps of the three channels by length; the colours, two words each. Needs `put_pixel`
-// and `sample_of`.
+// number of colours; number of frames; set of frequency offsets; the colours, two words each. A region is the step indices of its
+// channels and its substream. Needs `put_pixel` and `sample_of`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -11,8 +11,8 @@
 @group(0) @binding(5) var<storage, read> tables: array<u32>;
 @group(0) @binding(6) var<storage, read_write> pictures: array<u32>;
 
-const STEPS: u32 = 5u;
-const COLORS: u32 = 32u;
+const OFFSET_SET: u32 = 5u;
+const COLORS: u32 = 6u;
 
 // Columns transformed of `coefficients`, 32 a row; indices of palettes while these are read.
 var<workgroup> scratch: array<i32, 1024>;
@@ -30,8 +30,14 @@ fn slope_of(channel: u32) -> i32 {
     return i32(stream[chunk + channel]);
 }
 
-fn step_of(channel: u32, length: u32) -> i32 {
-    return i32(stream[chunk + STEPS + 9u * channel + length]);
+// The step of a sum of spatial frequencies of blocks of a size and length.
+fn step_of(channel: u32, length: u32, level: u32, frequency: u32) -> i32 {
+    let table = 2u * stream[chunk + OFFSET_SET] + min(channel, 1u);
+    let offset = tables[OFFSETS_AT + 64u * table + (((2u * frequency + 1u) << (3u - level)) >> 1u)];
+    let index = u32(clamp(i32(stream[region.at / 4u + channel] + offset), 0, 255));
+    let mantissa = (tables[OCTAVE_AT + (index & 15u)] * tables[ROOTS_AT + length] + 2048u) >> 12u;
+    let shift = 11u - FRACTION_BITS;
+    return i32(max(((mantissa << (index >> 4u)) + (1u << (shift - 1u))) >> shift, 1u));
 }
 
 // Fills the cache with the chunk's colours, and answers their number.
@@ -123,7 +129,7 @@ fn decode_regions(
     distributions = unit.base + stream[chunk];
     wanted_frame = record.frame;
     if (local == 0u) {
-        open_substream(region.at / 4u);
+        open_substream(region.at / 4u + 3u);
         open_region(vec2u(region.width, region.height), stream[chunk + 4u]);
     }
     var reading = 0u;

@@ -10,7 +10,8 @@ use crate::color::transform::contexts::{
     FAMILIES, LAST, LATER_PIXEL, LEVELS, NODE, PALETTE_COLOR, PALETTE_SIZE, PIXEL, PLANES,
 };
 use crate::color::transform::payload::Header;
-use crate::color::transform::region::{PARTS, QUARTERS, Region, TRANSFORM};
+use crate::color::transform::region::{PARTS, QUARTERS, Region, Setting, TRANSFORM};
+use crate::color::transform::steps::DELTAS;
 use crate::color::transform::tables::TableSet;
 use crate::color::transform::{Keyed, Tables};
 use crate::entropy::{Encoder, Family};
@@ -187,19 +188,31 @@ pub fn random_payload<S: Keyed>(
     (taste, random_below): (Taste, RandomBelow<'_>),
 ) -> Result<Vec<u8>> {
     let set = &tables.sets()[header.set];
-    let mut substream = |[_, _, width, height]: [usize; 4]| {
-        let root = Block::root([width, height], frames);
-        for _ in 0..MOST_TRIES {
-            let mut stream = Encoder::default();
-            let author = Author::new(&mut stream, set, |question: Question<'_>| taste.answer(question, random_below));
-            Region::read_by(author, u64::MAX, root, header, &S::DOMAIN).map_err(Error::invalid)?;
-            let bytes = stream.finish();
-            if Region::read((&bytes, 0), root, header, set, &S::DOMAIN).is_ok() {
-                return Ok(bytes);
-            }
+    let (mut deltas, mut substreams) = (Vec::new(), Vec::new());
+    for [_, _, width, height] in regions(size) {
+        let delta = *DELTAS.start() + random_below(DELTAS.len() as u32) as i8;
+        let setting = Setting { header, delta, domain: &S::DOMAIN };
+        deltas.push(delta);
+        substreams.push(random_substream(Block::root([width, height], frames), setting, set, (taste, &mut *random_below))?);
+    }
+    Ok(header.write::<S>(&deltas, &substreams))
+}
+
+/// A random substream of a region that decoders take.
+fn random_substream(
+    root: Block,
+    setting: Setting<'_>,
+    set: &TableSet,
+    (taste, random_below): (Taste, RandomBelow<'_>),
+) -> Result<Vec<u8>> {
+    for _ in 0..MOST_TRIES {
+        let mut stream = Encoder::default();
+        let author = Author::new(&mut stream, set, |question: Question<'_>| taste.answer(question, random_below));
+        Region::read_by(author, u64::MAX, root, setting).map_err(Error::invalid)?;
+        let bytes = stream.finish();
+        if Region::read((&bytes, 0), root, setting, set).is_ok() {
+            return Ok(bytes);
         }
-        Err(Error::invalid("no random tree of blocks is legal"))
-    };
-    let substreams = regions(size).map(&mut substream).collect::<Result<Vec<_>>>()?;
-    Ok(header.write::<S>(&substreams))
+    }
+    Err(Error::invalid("no random tree of blocks is legal"))
 }

@@ -3,12 +3,13 @@
 //! Based on: Malvar and Sullivan, *YCoCg-R: A color space with RGB reversibility and low dynamic range*, 2003.
 
 use crate::color::blend::{HalfKey, Sample};
+use crate::color::transform::steps::{StepTable, step_table};
 
 /// Channels of a pixel: luma, green chroma, orange chroma.
 pub const CHANNELS: usize = 3;
 
 /// What differs between samples of 8 bits and half floats.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Domain {
     /// Bits of the fraction of coefficients and means.
     pub fraction_bits: u32,
@@ -18,12 +19,19 @@ pub struct Domain {
     pub middle: i32,
     /// Least and greatest key that blocks of a transform show: those of finite samples.
     pub shown: [i32; 2],
+    /// Keys of a difference that is about as visible as one step of 8-bit sRGB in the middle of its range.
+    pub visible_key: f32,
+    /// Steps of coefficients.
+    pub steps: &'static StepTable,
 }
 
+static STEPS_OF_BYTES: StepTable = step_table(6);
+static STEPS_OF_HALVES: StepTable = step_table(0);
+
 impl Domain {
-    pub const BYTES: Domain = Domain { fraction_bits: 6, key_bits: 8, middle: 128, shown: [0, 255] };
+    pub const BYTES: Domain = Domain { fraction_bits: 6, key_bits: 8, middle: 128, shown: [0, 255], visible_key: 1.0, steps: &STEPS_OF_BYTES };
     /// Keys of half floats; the middle is that of 1.0, and the keys of -65504 to 65504 are shown.
-    pub const HALVES: Domain = Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff] };
+    pub const HALVES: Domain = Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff], visible_key: 25.0, steps: &STEPS_OF_HALVES };
 }
 
 /// Samples that the transform codec codes, by their keys.

@@ -135,10 +135,19 @@ impl SparseLevels {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Level {
+    /// As it was read; once its block is, the coefficient.
     pub value: i32,
     pub position: Position,
     pub plane: u8,
     pub channel: u8,
+}
+
+impl Level {
+    /// Whether it is the constant one of the first plane, which is coded as a difference.
+    #[inline(always)]
+    pub fn is_mean(&self) -> bool {
+        self.plane == 0 && self.position.0 == 0
+    }
 }
 
 impl Levels for SparseLevels {

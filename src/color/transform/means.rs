@@ -3,7 +3,7 @@
 use crate::color::transform::basis::{BASIS_BITS, basis};
 use crate::color::transform::blocks::{Block, LEAST, REGION};
 use crate::color::transform::domain::CHANNELS;
-use crate::color::transform::steps::{STEP_BITS, dequantise};
+use crate::color::transform::steps::STEP_BITS;
 
 const SIDE: usize = REGION / LEAST;
 
@@ -36,11 +36,11 @@ impl Means {
         scaled.wrapping_add(step >> 1).div_euclid(step)
     }
 
-    /// Notes the mean of a transformed block; `levels` are the constant ones of its planes, the prediction included.
-    pub fn set_block(&mut self, channel: usize, block: Block, levels: &[i32], step: i32) {
+    /// Notes the mean of a transformed block from the constant coefficients of its planes.
+    pub fn set_block(&mut self, channel: usize, block: Block, coefficients: &[i32]) {
         let frames = block.shape.frames;
-        let sum = levels.iter().enumerate().fold(0i32, |sum, (plane, &level)| {
-            sum.wrapping_add(dequantise(level, step).wrapping_mul(basis(frames, plane, frames - 1)))
+        let sum = coefficients.iter().enumerate().fold(0i32, |sum, (plane, &coefficient)| {
+            sum.wrapping_add(coefficient.wrapping_mul(basis(frames, plane, frames - 1)))
         });
         let mean = (sum.wrapping_add(1 << (BASIS_BITS - 1)) >> BASIS_BITS) >> (2 + block.shape.level);
         let squares = block.shape.side() / LEAST;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::color::transform::blocks::{MAX_FRAMES, regions};
 use crate::color::transform::domain::{ChromaSlopes, Keyed};
-use crate::color::transform::palette::{CACHED, Color};
-use crate::color::transform::steps::StepIndices;
+use crate::color::transform::palette::Color;
+use crate::color::transform::steps::{DELTAS, OFFSET_SETS, StepIndices};
 use crate::color::transform::tables::Tables;
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
@@ -21,6 +21,8 @@ pub struct Header {
     pub set: usize,
     pub steps: StepIndices,
     pub slopes: ChromaSlopes,
+    /// Index of the offsets of steps by frequency.
+    pub offset_set: usize,
     /// Colours that the palettes of all regions may refer to.
     pub colors: Vec<Color>,
 }
@@ -28,6 +30,8 @@ pub struct Header {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
     pub header: Header,
+    /// Deltas of the step indices of each region.
+    pub deltas: Vec<i8>,
     /// Places of the substreams in the payload.
     pub substreams: Vec<Range<usize>>,
 }
@@ -53,15 +57,18 @@ impl Layout {
         }
         let steps = StepIndices { luma: fields.u8()?, chroma: fields.u8()? };
         let slopes = ChromaSlopes { green: fields.u8()? as i8, orange: fields.u8()? as i8 };
-        let count = usize::from(fields.u8()?);
-        if count > CACHED {
-            return Err(fields.error(format!("{count} colours, at most {CACHED} are legal")));
+        let choices = fields.u8()?;
+        let (count, offset_set) = (usize::from(choices & 15), usize::from(choices >> 4));
+        if offset_set >= OFFSET_SETS.len() {
+            return Err(fields.error(format!("set {offset_set} of frequency offsets, there are {}", OFFSET_SETS.len())));
         }
         let mut colors = vec![[0; 3]; count];
         for key in colors.as_flattened_mut() {
             *key = if S::BYTES == 1 { fields.u8()?.into() } else { fields.u16()?.into() };
         }
         let regions = regions(size).len();
+        let nibbles = fields.bytes(regions.div_ceil(2))?.iter().flat_map(|byte| [byte & 15, byte >> 4]);
+        let deltas = nibbles.take(regions).map(|nibble| nibble as i8 + DELTAS.start()).collect();
         let mut sizes = Vec::with_capacity(regions.min(fields.remaining() + 1));
         for _ in 1..regions {
             sizes.push(fields.varint_u32()? as usize);
@@ -75,21 +82,26 @@ impl Layout {
             substreams.push(base + start..base + end);
         }
         substreams.push(base + end..payload.len());
-        Ok(Layout { header: Header { set, steps, slopes, colors }, substreams })
+        Ok(Layout { header: Header { set, steps, slopes, offset_set, colors }, deltas, substreams })
     }
 }
 
 #[cfg(feature = "encode")]
 impl Header {
-    /// A payload of this header and the substreams of all regions.
-    pub fn write<S: Keyed>(&self, substreams: &[Vec<u8>]) -> Vec<u8> {
+    /// A payload of this header, and the deltas and substreams of all regions.
+    pub fn write<S: Keyed>(&self, deltas: &[i8], substreams: &[Vec<u8>]) -> Vec<u8> {
         use crate::container::serialize::PutFields;
 
         let StepIndices { luma, chroma } = self.steps;
         let ChromaSlopes { green, orange } = self.slopes;
-        let mut out = vec![self.set as u8, luma, chroma, green as u8, orange as u8, self.colors.len() as u8];
+        let mut out = vec![self.set as u8, luma, chroma, green as u8, orange as u8];
+        out.push((self.offset_set << 4 | self.colors.len()) as u8);
         for &key in self.colors.as_flattened() {
             if S::BYTES == 1 { out.push(key as u8) } else { out.put_u16(key as u16) }
+        }
+        for pair in deltas.chunks(2) {
+            let nibble = |at: usize| pair.get(at).map_or(0, |delta| (delta - DELTAS.start()) as u8);
+            out.push(nibble(0) | nibble(1) << 4);
         }
         for substream in substreams.iter().take(substreams.len().saturating_sub(1)) {
             out.put_varint(substream.len() as u64);

@@ -10,8 +10,7 @@ use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, inverse};
 use crate::color::transform::levels::Level;
 use crate::color::transform::palette::Palette;
 use crate::color::transform::payload::{Layout, check_frames};
-use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region};
-use crate::color::transform::steps::{Steps, dequantise};
+use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region, Setting};
 use crate::color::transform::tables::Tables;
 use crate::error::Result;
 
@@ -44,7 +43,6 @@ static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
 #[derive(Debug)]
 pub struct TransformChunk {
     size: [usize; 2],
-    steps: Steps,
     slopes: ChromaSlopes,
     regions: Vec<Region>,
 }
@@ -54,17 +52,16 @@ impl TransformChunk {
         check_frames(frames)?;
         let layout = Layout::parse::<S>(payload, size, tables)?;
         let set = &tables.sets()[layout.header.set];
-        let read = |([_, _, width, height], substream): ([usize; 4], &std::ops::Range<usize>)| {
+        let read = |(([_, _, width, height], substream), &delta): (([usize; 4], &std::ops::Range<usize>), &i8)| {
             let root = Block::root([width, height], frames as usize);
             let bytes = (&payload[substream.clone()], substream.start);
-            Region::read(bytes, root, &layout.header, set, &S::DOMAIN)
+            Region::read(bytes, root, Setting { header: &layout.header, delta, domain: &S::DOMAIN }, set)
         };
         let mut read_regions = Vec::with_capacity(layout.substreams.len());
-        for region in regions(size).zip(&layout.substreams).map(read) {
+        for region in regions(size).zip(&layout.substreams).zip(&layout.deltas).map(read) {
             read_regions.push(region?);
         }
-        let steps = Steps::new(layout.header.steps, &S::DOMAIN);
-        Ok(TransformChunk { size, steps, slopes: layout.header.slopes, regions: read_regions })
+        Ok(TransformChunk { size, slopes: layout.header.slopes, regions: read_regions })
     }
 
     pub fn size(&self) -> [usize; 2] {
@@ -156,7 +153,7 @@ impl TransformChunk {
         let weights = &TIME_BASES[length][frame * MAX_LENGTH..][..shape.frames];
         for (channel, plane) in planes.channels.iter_mut().enumerate() {
             let of = &channels[channel];
-            let source = FrameLevels { levels: of.of(region), of, step: self.steps.step(channel, length), weights };
+            let source = FrameLevels { levels: of.of(region), of, weights };
             let coefficients = &mut planes.coefficients;
             source.coefficients(shape.side(), coefficients);
             let (size_class, extent, fraction_bits) = (shape.level, of.extent(), S::DOMAIN.fraction_bits);
@@ -247,7 +244,6 @@ impl Default for Planes {
 struct FrameLevels<'a> {
     levels: &'a [Level],
     of: &'a ChannelLevels,
-    step: i32,
     /// What each plane weighs in the frame.
     weights: &'a [i32],
 }
@@ -259,17 +255,12 @@ impl FrameLevels<'_> {
         for row in out.chunks_exact_mut(side).take(rows) {
             row[..columns].fill(0);
         }
-        let mut mean = self.of.predicted;
-        for level in self.levels {
-            if level.plane == 0 && level.position.0 == 0 {
-                mean = mean.wrapping_add(level.value);
-                continue;
-            }
+        out[0] = self.of.mean << BASIS_BITS;
+        for level in self.levels.iter().filter(|level| !level.is_mean()) {
             let weight = self.weights[usize::from(level.plane)];
             let at = &mut out[level.position.y() * side + level.position.x()];
-            *at = at.wrapping_add(dequantise(level.value, self.step).wrapping_mul(weight));
+            *at = at.wrapping_add(level.value.wrapping_mul(weight));
         }
-        out[0] = out[0].wrapping_add(dequantise(mean, self.step) << BASIS_BITS);
         for row in out.chunks_exact_mut(side).take(rows) {
             for value in &mut row[..columns] {
                 *value = value.wrapping_add(1 << (BASIS_BITS - 1)) >> BASIS_BITS;

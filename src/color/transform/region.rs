@@ -89,8 +89,8 @@ pub enum Content {
 pub struct ChannelLevels {
     /// Where they are among the region's.
     levels: Range<u32>,
-    /// Predicted level of the mean.
-    pub predicted: i32,
+    /// Coefficient of the mean.
+    pub mean: i32,
     extent: [u8; 2],
 }
 
@@ -103,6 +103,15 @@ impl ChannelLevels {
     pub fn extent(&self) -> [usize; 2] {
         self.extent.map(usize::from)
     }
+}
+
+/// What a region is read with.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting<'a> {
+    pub header: &'a Header,
+    /// Delta of the region's steps.
+    pub delta: i8,
+    pub domain: &'a Domain,
 }
 
 /// A region as it was read.
@@ -144,17 +153,11 @@ impl Region {
     }
 
     /// Reads a whole substream; `at` is its offset in the payload.
-    pub fn read(
-        substream: (&[u8], usize),
-        root: Block,
-        header: &Header,
-        tables: &TableSet,
-        domain: &Domain,
-    ) -> Result<Region> {
+    pub fn read(substream: (&[u8], usize), root: Block, setting: Setting<'_>, tables: &TableSet) -> Result<Region> {
         let (bytes, at) = substream;
         let coder = Reader { stream: entropy::Decoder::new(bytes), tables };
         let most = MostContent::of_substream(bytes);
-        Region::read_within(coder, most, root, header, domain)
+        Region::read_within(coder, most, root, setting)
             .map_err(|message| Error::invalid_at(SECTION, at as u64, message))
     }
 
@@ -163,18 +166,16 @@ impl Region {
         coder: C,
         most_items: u64,
         root: Block,
-        header: &Header,
-        domain: &Domain,
+        setting: Setting<'_>,
     ) -> Result<Region, &'static str> {
-        Region::read_within(coder, MostContent { items: most_items, levels: u64::MAX }, root, header, domain)
+        Region::read_within(coder, MostContent { items: most_items, levels: u64::MAX }, root, setting)
     }
 
     fn read_within<C: SourceCoder>(
         coder: C,
         most: MostContent,
         root: Block,
-        header: &Header,
-        domain: &Domain,
+        Setting { header, delta, domain }: Setting<'_>,
     ) -> Result<Region, &'static str> {
         let pixels = (root.shape.pixels() * root.shape.frames) as u64;
         let most_levels = most.levels.min(CHANNELS as u64 * pixels) as usize;
@@ -182,7 +183,7 @@ impl Region {
             coder,
             header,
             domain,
-            steps: Steps::new(header.steps, domain),
+            steps: Steps::new(header.steps, header.offset_set, delta, domain),
             means: Means::default(),
             cache: ColorCache::new(&header.colors),
             history: History::default(),
@@ -273,26 +274,32 @@ impl<C: SourceCoder> RegionReader<'_, C> {
         self.take_items(1);
         let first = self.levels.levels.len();
         self.history.code(&mut self.coder, block.shape, &mut self.levels);
-        let levels = &self.levels.levels;
+        let levels = &mut self.levels.levels;
         let mut channels: [ChannelLevels; CHANNELS] = Default::default();
         let mut end = first;
         for (channel, of) in channels.iter_mut().enumerate() {
+            let steps = self.steps.of(channel, block.shape.level, length);
             let start = end;
             let mut constant = [0; MAX_LENGTH];
             let mut extent = [1, 1];
-            while let Some(level) = levels.get(end).filter(|level| usize::from(level.channel) == channel) {
+            let mut mean_level = self.means.predict(channel, block, steps.at(0));
+            while let Some(level) = levels.get_mut(end).filter(|level| usize::from(level.channel) == channel) {
+                let [x, y] = [level.position.x(), level.position.y()];
+                if level.position.0 == 0 && level.plane == 0 {
+                    mean_level = mean_level.wrapping_add(level.value);
+                }
+                level.value = steps.coefficient(x + y, level.value);
                 if level.position.0 == 0 {
                     constant[usize::from(level.plane)] = level.value;
                 }
-                extent = [extent[0].max(level.position.x() + 1), extent[1].max(level.position.y() + 1)];
+                extent = [extent[0].max(x + 1), extent[1].max(y + 1)];
                 end += 1;
             }
             of.extent = extent.map(|frequencies: usize| frequencies as u8);
             of.levels = start as u32..end as u32;
-            let step = self.steps.step(channel, length);
-            of.predicted = self.means.predict(channel, block, step);
-            constant[0] = of.predicted.wrapping_add(constant[0]);
-            self.means.set_block(channel, block, &constant[..block.shape.frames], step);
+            of.mean = steps.coefficient(0, mean_level);
+            constant[0] = of.mean;
+            self.means.set_block(channel, block, &constant[..block.shape.frames]);
         }
         let still = levels[first..].iter().all(|level| level.plane == 0);
         self.leaves.push(Leaf::new(block, Content::Transform { channels, still }));

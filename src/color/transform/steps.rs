@@ -1,5 +1,7 @@
 //! Quantiser steps (color.md 6.3): 16 an octave, by channel and by length in time.
 
+use std::ops::RangeInclusive;
+
 use crate::color::transform::basis::LENGTHS;
 use crate::color::transform::domain::{CHANNELS, Domain};
 
@@ -7,7 +9,7 @@ use crate::color::transform::domain::{CHANNELS, Domain};
 pub const OCTAVE: [u32; 16] =
     [4096, 4277, 4467, 4664, 4871, 5087, 5312, 5547, 5793, 6049, 6317, 6597, 6889, 7194, 7512, 7845];
 /// round(4096/√length) of each of [`LENGTHS`].
-const INVERSE_ROOTS: [u32; LENGTHS.len()] = [4096, 2896, 2365, 2048, 1672, 1448, 1182, 1024, 836];
+pub const INVERSE_ROOTS: [u32; LENGTHS.len()] = [4096, 2896, 2365, 2048, 1672, 1448, 1182, 1024, 836];
 /// Bits of the fraction of a step, beyond those of the domain.
 pub const STEP_BITS: u32 = 3;
 /// What a chroma channel's step index is above the payload's: green, orange.
@@ -20,30 +22,106 @@ pub struct StepIndices {
     pub chroma: u8,
 }
 
-/// Steps of coefficients by channel and index of the length.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Changes of the step index by frequency (color.md 6.3), for luma and for chroma.
+pub type FrequencyOffsets = [[u8; 64]; 2];
+
+/// The sets of offsets that a payload chooses from: the same step for all frequencies; coarser steps where an eye sees less.
+pub static OFFSET_SETS: [FrequencyOffsets; 2] = [
+    [[0; 64]; 2],
+    [
+        [1, 3, 5, 7, 8, 9, 10, 10, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15, 16, 16, 16, 17, 17, 17, 18, 18, 18, 18, 19, 19, 19, 19, 19, 20, 20, 20, 20, 20, 21, 21, 21, 21, 21, 21, 22, 22, 22, 22, 22, 22, 22, 23, 23, 23, 23, 23, 23, 23, 23, 24, 24, 24, 24, 24],
+        [2, 5, 8, 10, 12, 14, 15, 16, 18, 19, 20, 20, 21, 22, 23, 23, 24, 25, 25, 26, 26, 27, 27, 28, 28, 29, 29, 29, 30, 30, 30, 31, 31, 31, 32, 32, 32, 33, 33, 33, 34, 34, 34, 34, 35, 35, 35, 35, 36, 36, 36, 36, 36, 37, 37, 37, 37, 37, 38, 38, 38, 38, 38, 38],
+    ],
+];
+
+/// Units of a region's delta, in indices.
+pub const DELTA_UNIT: i32 = 4;
+/// Deltas that a payload can give a region.
+pub const DELTAS: RangeInclusive<i8> = -8..=7;
+
+/// Steps of the coefficients of a region.
+#[derive(Debug, Clone)]
 pub struct Steps {
-    of: [[i32; LENGTHS.len()]; CHANNELS],
+    /// By channel.
+    indices: [i32; CHANNELS],
+    offsets: &'static FrequencyOffsets,
+    table: &'static StepTable,
 }
 
 impl Steps {
-    pub fn new(indices: StepIndices, domain: &Domain) -> Steps {
-        let [green, orange] = CHROMA_OFFSETS.map(|offset| indices.chroma.saturating_add(offset));
-        let of = [indices.luma, green, orange].map(|index| std::array::from_fn(|length| step(index, length, domain)));
-        Steps { of }
+    pub fn new(indices: StepIndices, offset_set: usize, delta: i8, domain: &Domain) -> Steps {
+        let [green, orange] = CHROMA_OFFSETS.map(|offset| i32::from(indices.chroma) + i32::from(offset));
+        let moved = |index: i32| index + DELTA_UNIT * i32::from(delta);
+        let offsets = &OFFSET_SETS[offset_set.min(OFFSET_SETS.len() - 1)];
+        Steps { indices: [indices.luma.into(), green, orange].map(moved), offsets, table: domain.steps }
     }
 
+    /// Step indices of the channels without offsets.
+    pub fn indices(&self) -> [i32; CHANNELS] {
+        self.indices
+    }
+
+    /// Steps of a channel of blocks of a size class and length.
     #[inline(always)]
-    pub fn step(&self, channel: usize, length_index: usize) -> i32 {
-        self.of[channel][length_index]
+    pub fn of(&self, channel: usize, size_class: usize, length_index: usize) -> ChannelSteps {
+        ChannelSteps {
+            index: self.indices[channel],
+            offsets: &self.offsets[usize::from(channel > 0)],
+            size_class,
+            steps: &self.table[length_index],
+        }
     }
 }
 
-fn step(index: u8, length: usize, domain: &Domain) -> i32 {
-    let mantissa = (OCTAVE[usize::from(index & 15)] * INVERSE_ROOTS[length] + 2048) >> 12;
-    // 4096 · 2^-(fraction + 3) of an index of 32, which is a step of 1.
-    let shift = 14 - (domain.fraction_bits + STEP_BITS);
-    (((mantissa << (index >> 4)) + (1 << (shift - 1))) >> shift).max(1) as i32
+#[derive(Debug, Clone, Copy)]
+pub struct ChannelSteps {
+    index: i32,
+    offsets: &'static [u8; 64],
+    size_class: usize,
+    steps: &'static [i32; 256],
+}
+
+impl ChannelSteps {
+    /// The step of a spatial frequency, the sum of the vertical and the horizontal one.
+    #[inline(always)]
+    pub fn at(&self, frequency: usize) -> i32 {
+        let offset = self.offsets[offset_class(self.size_class, frequency)];
+        self.steps[(self.index + i32::from(offset)).clamp(0, 255) as usize]
+    }
+
+    /// The coefficient of a level: units of 2^-fraction.
+    #[inline(always)]
+    pub fn coefficient(&self, frequency: usize, level: i32) -> i32 {
+        dequantise(level, self.at(frequency))
+    }
+}
+
+/// The place in a table of offsets of a frequency of blocks of a size class: that of the largest blocks, half a step further.
+#[inline(always)]
+pub fn offset_class(size_class: usize, frequency: usize) -> usize {
+    ((2 * frequency + 1) << (3 - size_class.min(3)) >> 1) & 63
+}
+
+/// Steps by index of the length and step index.
+pub type StepTable = [[i32; 256]; LENGTHS.len()];
+
+/// The steps of samples with so many bits of fraction.
+pub const fn step_table(fraction_bits: u32) -> StepTable {
+    let mut table = [[0; 256]; LENGTHS.len()];
+    let mut length = 0;
+    while length < LENGTHS.len() {
+        let mut index = 0;
+        while index < 256 {
+            let mantissa = (OCTAVE[index & 15] * INVERSE_ROOTS[length] + 2048) >> 12;
+            // 4096 · 2^-(fraction + 3) of an index of 32, which is a step of 1.
+            let shift = 14 - (fraction_bits + STEP_BITS);
+            let step = ((mantissa << (index >> 4)) + (1 << (shift - 1))) >> shift;
+            table[length][index] = if step == 0 { 1 } else { step as i32 };
+            index += 1;
+        }
+        length += 1;
+    }
+    table
 }
 
 /// The coefficient of a level: units of 2^-fraction.
@@ -69,7 +147,7 @@ mod tests {
     #[test]
     fn an_octave_doubles_a_step() {
         for domain in [Domain::BYTES, Domain::HALVES] {
-            let at = |luma| Steps::new(StepIndices { luma, chroma: luma }, &domain).step(0, 0);
+            let at = |luma| Steps::new(StepIndices { luma, chroma: luma }, 0, 0, &domain).of(0, 0, 0).at(0);
             assert_eq!(at(32), 1 << (domain.fraction_bits + STEP_BITS));
             assert_eq!(at(64 + 32), 16 * at(32));
             assert!((32..=255).all(|index| at(index) >= at(index - 1)));

@@ -8,7 +8,7 @@ use crate::color::transform::authored::{ANY, PALETTES, USUAL, WHOLE, random_payl
 use crate::color::transform::domain::ChromaSlopes;
 use crate::color::transform::encode::{PricedTables, TransformEncoder};
 use crate::color::transform::payload::Header;
-use crate::color::transform::steps::StepIndices;
+use crate::color::transform::steps::{OFFSET_SETS, StepIndices};
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::color::{CellFormat, HalfKey, SearchSettings};
 use crate::entropy::{Counts, TableSet};
@@ -30,7 +30,8 @@ pub fn any_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, ran
     let mask = (1 << S::DOMAIN.key_bits) - 1;
     let colors = (0..random.below(16)).map(|_| [(); 3].map(|()| (random.word() & mask) as i32)).collect();
     let set = random.below(tables.sets().len() as u32) as usize;
-    let header = Header { set, steps, slopes, colors };
+    let offset_set = random.below(OFFSET_SETS.len() as u32) as usize;
+    let header = Header { set, steps, slopes, offset_set, colors };
     random_payload::<S>(size, frames as usize, &header, tables, (taste, &mut |end| random.below(end)))
 }
 

@@ -1,7 +1,7 @@
 //! Rough costs of all blocks of a region, which say what partitions are worth a closer look.
 
-use crate::color::transform::basis::length_index;
-use crate::color::transform::blocks::{Block, LEAST, REGION};
+use crate::color::transform::basis::{LENGTHS, length_index};
+use crate::color::transform::blocks::{Block, LEAST, REGION, Shape};
 use crate::color::transform::domain::CHANNELS;
 use crate::color::transform::domain::Domain;
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
@@ -35,17 +35,29 @@ pub struct Ways {
 /// What estimates depend on.
 pub struct Pricing<'a> {
     pub bases: &'a TimeBases,
-    pub steps: &'a Steps,
-    pub domain: &'a Domain,
+    pub scales: &'a Scales,
     pub lambda: f32,
     pub weights: &'a FrameWeights,
 }
 
-impl Pricing<'_> {
-    /// Factor from coefficients to steps.
-    pub fn scale(&self, channel: usize, frames: usize) -> f32 {
-        let step = self.steps.step(channel, length_index(frames).unwrap_or(0)) as f32;
-        (1u32 << (self.domain.fraction_bits + STEP_BITS)) as f32 / (step * (frames as f32).sqrt())
+/// Factors from coefficients to steps, by channel, size class and index of the length, for each spatial frequency.
+pub struct Scales(Vec<[f32; 2 * REGION]>);
+
+impl Scales {
+    pub fn new(steps: &Steps, domain: &Domain) -> Scales {
+        let unit = (1u32 << (domain.fraction_bits + STEP_BITS)) as f32;
+        let of = |channel, size_class, length: usize| {
+            let steps = steps.of(channel, size_class, length);
+            let root = (LENGTHS[length] as f32).sqrt();
+            std::array::from_fn(|frequency| unit / (steps.at(frequency) as f32 * root))
+        };
+        let sizes = (0..CHANNELS).flat_map(|channel| (0..LEVELS).map(move |size| (channel, size)));
+        Scales(sizes.flat_map(|(channel, size)| (0..LENGTHS.len()).map(move |length| of(channel, size, length))).collect())
+    }
+
+    pub fn of(&self, channel: usize, shape: Shape) -> &[f32] {
+        let length = length_index(shape.frames).unwrap_or(0);
+        &self.0[(channel * LEVELS + shape.level) * LENGTHS.len() + length][..2 * shape.side() - 1]
     }
 }
 
@@ -75,8 +87,8 @@ impl Estimates {
         if length_index(block.shape.frames).is_some() {
             let weight = pricing.weights.mean(block);
             let of = |channel| {
-                let scale = pricing.scale(channel, block.shape.frames);
-                source.coefficients(channel, block, pricing.bases, scale, scratch);
+                let factors = pricing.scales.of(channel, block.shape);
+                source.coefficients(channel, block, pricing.bases, factors, scratch);
                 weight * estimate(scratch, pricing.lambda / weight)
             };
             self.whole[index] = (0..CHANNELS).map(of).sum::<f32>() + pricing.lambda * BLOCK_BITS;

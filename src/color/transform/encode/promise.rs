@@ -10,6 +10,7 @@ use crate::color::quality::Quality;
 use crate::color::settings::SearchSettings;
 use crate::color::transform::blocks::regions;
 use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
+use crate::color::transform::encode::estimate::Scales;
 use crate::color::transform::encode::rate::{Counts, PricedTables, SymbolCounter, Writer};
 use crate::color::transform::encode::search::{Search, SearchContext};
 use crate::color::transform::encode::source::{CellSource, RegionSource, TimeBases};
@@ -78,6 +79,8 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
         tables,
         effort: search.effort,
         slopes,
+        offset_set: usize::from(search.constant_step.is_some() && std::env::var_os("LF_FLAT").is_none()),
+        lambda_factor: std::env::var("LF_LAMBDA").ok().and_then(|text| text.parse().ok()).unwrap_or(0.7),
         regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes)).collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
@@ -110,6 +113,8 @@ struct Trials<'a, S, Q> {
     tables: &'a PricedTables,
     effort: Effort,
     slopes: ChromaSlopes,
+    offset_set: usize,
+    lambda_factor: f32,
     regions: Vec<RegionSource>,
     bases: TimeBases,
 }
@@ -246,28 +251,35 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             Some(trial) => trial.header.colors.clone(),
             None => self.frequent_colors(),
         };
+        let steps = step_indices(start.step, self.slopes);
         let mut header =
-            Header { set: start.set, steps: step_indices(start.step, self.slopes), slopes: self.slopes, colors };
-        let context = SearchContext {
-            header: &header,
-            domain: &S::DOMAIN,
-            steps: Steps::new(header.steps, &S::DOMAIN),
-            prices: &self.tables.prices[start.set],
-            bases: &self.bases,
-            lambda: LAMBDA,
-            weights,
-            effort: self.effort,
-        };
-        let trees: Vec<Tree> = match partition {
-            Some(trial) => {
-                let both = self.regions.iter().zip(&trial.trees);
-                both.map(|(region, tree)| Search::requantise(region, &context, tree)).collect()
+            Header { set: start.set, steps, slopes: self.slopes, offset_set: self.offset_set, colors };
+        let tree = |(at, region): (usize, &RegionSource)| {
+            let steps = Steps::new(header.steps, header.offset_set, self.delta(region), &S::DOMAIN);
+            let context = SearchContext {
+                header: &header,
+                domain: &S::DOMAIN,
+                scales: Scales::new(&steps, &S::DOMAIN),
+                steps,
+                prices: &self.tables.prices[start.set],
+                bases: &self.bases,
+                lambda: LAMBDA * self.lambda_factor,
+                weights,
+                effort: self.effort,
+            };
+            match partition {
+                Some(trial) => Search::requantise(region, &context, &trial.trees[at]),
+                None => Search::partition(region, &context),
             }
-            None => self.regions.iter().map(|region| Search::partition(region, &context)).collect(),
         };
+        let trees: Vec<Tree> = self.regions.iter().enumerate().map(tree).collect();
         header.colors = shared_colors(&header.colors, &trees);
         header.set = self.cheapest_set(&header, &trees);
         Trial { step: start.step, header, trees }
+    }
+
+    fn delta(&self, region: &RegionSource) -> i8 {
+        if self.offset_set == 0 { 0 } else { region.delta }
     }
 
     fn cheapest_set(&self, header: &Header, trees: &[Tree]) -> usize {
@@ -287,7 +299,8 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             writer.stream.finish()
         };
         let substreams: Vec<Vec<u8>> = trial.trees.iter().map(write).collect();
-        trial.header.write::<S>(&substreams)
+        let deltas: Vec<i8> = self.regions.iter().map(|region| self.delta(region)).collect();
+        trial.header.write::<S>(&deltas, &substreams)
     }
 
     /// Colours that are frequent in several regions, the most frequent first.

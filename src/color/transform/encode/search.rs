@@ -4,7 +4,7 @@ use crate::color::transform::basis::length_index;
 use crate::color::transform::blocks::Block;
 use crate::color::transform::contexts::{self, PlaneContext};
 use crate::color::transform::domain::{CHANNELS, Domain};
-use crate::color::transform::encode::estimate::{Estimates, Pricing};
+use crate::color::transform::encode::estimate::{Estimates, Pricing, Scales};
 use crate::color::transform::encode::quantise::{Cost, Plane, Quantiser};
 use crate::color::transform::encode::rate::{Prices, RateCounter, number_bits};
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
@@ -26,6 +26,7 @@ pub struct SearchContext<'a> {
     pub header: &'a Header,
     pub domain: &'a Domain,
     pub steps: Steps,
+    pub scales: Scales,
     pub prices: &'a Prices,
     pub bases: &'a TimeBases,
     pub lambda: f32,
@@ -35,8 +36,8 @@ pub struct SearchContext<'a> {
 
 impl SearchContext<'_> {
     fn pricing(&self) -> Pricing<'_> {
-        let SearchContext { bases, steps, domain, lambda, weights, .. } = self;
-        Pricing { bases, steps, domain, lambda: *lambda, weights }
+        let SearchContext { bases, scales, lambda, weights, .. } = self;
+        Pricing { bases, scales, lambda: *lambda, weights }
     }
 
     /// Ways whose estimate is within this factor of the best are tried.
@@ -197,8 +198,7 @@ impl<'a> Search<'a> {
     }
 
     fn transform(&mut self, block: Block, length: usize) -> Found {
-        let SearchContext { prices, bases, lambda, steps, weights, .. } = self.context;
-        let pricing = self.context.pricing();
+        let SearchContext { prices, bases, lambda, steps, scales, weights, .. } = self.context;
         let weights = TimeWeights::new(bases, weights.of(block));
         let (shape, pixels) = (block.shape, block.shape.pixels());
         let mut channels_before = Magnitudes::default();
@@ -207,9 +207,9 @@ impl<'a> Search<'a> {
         let mut planes_before = 0;
         let mut errors = Vec::new();
         for (channel, values) in values.iter_mut().enumerate() {
-            self.source.coefficients(channel, block, bases, pricing.scale(channel, shape.frames), &mut self.scratch);
-            let step = steps.step(channel, length);
-            let predicted = self.state.means.predict(channel, block, step);
+            self.source.coefficients(channel, block, bases, scales.of(channel, shape), &mut self.scratch);
+            let steps = steps.of(channel, shape.level, length);
+            let predicted = self.state.means.predict(channel, block, steps.at(0));
             self.scratch[0] -= predicted as f32;
             values.resize(pixels * shape.frames, 0);
             errors.clear();
@@ -252,7 +252,8 @@ impl<'a> Search<'a> {
             }
             let mut constant: Vec<i32> = values.chunks_exact(pixels).map(|plane| plane[0]).collect();
             constant[0] += predicted;
-            self.state.means.set_block(channel, block, &constant, step);
+            constant.iter_mut().for_each(|level| *level = steps.coefficient(0, *level));
+            self.state.means.set_block(channel, block, &constant);
         }
         Found { tree: Tree::Transform(block, BlockLevels::new(shape, values)), cost }
     }

@@ -5,7 +5,7 @@ use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::domain::Keyed;
 use crate::color::transform::encode::rate::Counts;
 use crate::color::transform::payload::{Layout, check_frames, holds_cells};
-use crate::color::transform::region::{Region, most_items};
+use crate::color::transform::region::{Region, Setting, most_items};
 use crate::color::transform::tables::{Tables, Transform};
 use crate::entropy::{Decoder, PayloadCounts, Prices};
 use crate::error::{Error, Result};
@@ -21,15 +21,16 @@ pub fn count_payload<S: Keyed>(
         return Ok(None);
     }
     check_frames(frames)?;
-    let Layout { header, substreams } = Layout::parse::<S>(payload, size, tables)?;
+    let Layout { header, deltas, substreams } = Layout::parse::<S>(payload, size, tables)?;
     let set = &tables.sets()[header.set];
     let mut counts = Counts::default();
-    for ([_, _, width, height], substream) in regions(size).zip(substreams) {
+    for (([_, _, width, height], substream), delta) in regions(size).zip(substreams).zip(deltas) {
         let bytes = &payload[substream];
         let reader = Reader { stream: Decoder::new(bytes), tables: set };
         let root = Block::root([width, height], frames as usize);
         let counting = CountingReader { reader, counts: &mut counts };
-        Region::read_by(counting, most_items(bytes), root, &header, &S::DOMAIN).map_err(Error::invalid)?;
+        let setting = Setting { header: &header, delta, domain: &S::DOMAIN };
+        Region::read_by(counting, most_items(bytes), root, setting).map_err(Error::invalid)?;
     }
     let bits = Prices::new(set).total(&counts);
     Ok(Some(PayloadCounts { counts, bytes: payload.len() as u64, bits }))

@@ -75,8 +75,9 @@ function prepareTransform(chunk: TransformChunk, payload: Uint8Array, frames: nu
     const bytes = payload.subarray(substreams[region], substreams[region + 1]);
     const [short = 0] = bytes.length < 4 ? wordsOf(bytes) : [];
     const part = bytes.length < 4 ? Uint32Array.of(LEAST_STATE + short) : wordsOf(bytes);
-    parts.push(part);
-    words += part.length;
+    const steps = Uint32Array.from(chunk.layout.indices.subarray(3 * region, 3 * region + 3));
+    parts.push(steps, part);
+    words += steps.length + part.length;
   }
   const stream = new Uint32Array(words);
   let at = 0;
@@ -110,8 +111,8 @@ function timelineOf(chunk: TransformChunk, frames: number): Timeline {
 
 /** What the kernel reads of a chunk before its regions: `shaders/color/transform/reconstruct.wgsl`. */
 function headerWords({ layout }: TransformChunk, frames: number): Uint32Array<ArrayBuffer> {
-  const { set, slopes, colors, steps } = layout;
-  const words = [set * SET_WORDS, slopes.green, slopes.orange, colors.length / 3, frames, ...steps];
+  const { set, slopes, colors, offsetSet } = layout;
+  const words = [set * SET_WORDS, slopes.green, slopes.orange, colors.length / 3, frames, offsetSet];
   for (let at = 0; at < colors.length; at += 3) {
     words.push(colors[at] | (colors[at + 1] << 16), colors[at + 2]);
   }

@@ -6,6 +6,7 @@ import { colorModel, type EntropyTables, tableSets } from "../entropy.ts";
 import { type Distributions, SYMBOLS } from "../rans.ts";
 import { basis, LENGTHS, lengthIndex } from "./transform/basis.ts";
 import { SUM_CLASSES } from "./transform/levels.ts";
+import { OCTAVE, OFFSET_SETS, ROOTS } from "./transform/steps.ts";
 import { MOST_FRAMES } from "./transform/payload.ts";
 import { SCANS } from "./transform/scan.ts";
 
@@ -60,7 +61,8 @@ function tablesOfFormat(): number[] {
   const scans = SCANS.flatMap(({ places, classes }) => Array.from(places, (place, at) => place | (classes[at] << 16)));
   const distributions = Array.from(colorModel().distributionOf, (distribution) => distribution * SYMBOLS);
   const heads = Array<number>(MOST_FRAMES + 1).fill(LENGTHS.length);
-  const first = heads.length + SUM_CLASSES.length + scans.length + distributions.length;
+  const steps = [...OCTAVE, ...ROOTS, ...OFFSET_SETS.flatMap((set) => [...set])];
+  const first = heads.length + SUM_CLASSES.length + scans.length + distributions.length + steps.length;
   const bases: number[] = [];
   for (const points of [...LENGTHS, MOST_POINTS]) {
     heads[points] = lengthIndex(points) | ((first + bases.length) << 8);
@@ -68,5 +70,5 @@ function tablesOfFormat(): number[] {
       bases.push(basis(points, Math.floor(at / points), at % points) >>> 0);
     }
   }
-  return [...heads, ...SUM_CLASSES, ...scans, ...distributions, ...bases];
+  return [...heads, ...SUM_CLASSES, ...scans, ...distributions, ...steps, ...bases];
 }

@@ -11,8 +11,8 @@ export const LEAF_PLACE = 0;
 export const LEAF_FRAMES = 1;
 /** Of a transform: where the levels of the three channels start, and where they end. */
 export const LEAF_LEVELS = 2;
-/** Of a transform: the predicted levels of the means of three channels. */
-export const LEAF_PREDICTED = 6;
+/** Of a transform: the coefficients of the means of three channels. */
+export const LEAF_MEAN = 6;
 /** Of a transform, by channel in 10 bits each: columns of spatial frequencies less 1 | rows less 1 << 5. */
 export const LEAF_EXTENTS = 9;
 /** Number of the region. */

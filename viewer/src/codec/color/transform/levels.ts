@@ -2,7 +2,6 @@
 
 import { colorModel } from "../../entropy.ts";
 import type { RansDecoder } from "../../rans.ts";
-import { MOST_LENGTH } from "./basis.ts";
 import { CHANNELS } from "./domain.ts";
 import type { Leaves } from "./leaves.ts";
 import { MAGNITUDE_ROW, SCANS } from "./scan.ts";
@@ -43,8 +42,6 @@ class Magnitudes {
 export class LevelReader {
   /** Of each channel, where its levels start; then where the last ones end. */
   readonly starts = new Int32Array(CHANNELS + 1);
-  /** Of each channel, the levels of frequency 0 in space of all planes, 24 a channel. */
-  readonly constants = new Int32Array(CHANNELS * MOST_LENGTH);
   /** Columns less 1 | rows less 1 << 5 of frequencies that have levels, 10 bits for each channel. */
   extents = 0;
   /** Whether no plane but the first has levels. */
@@ -88,7 +85,6 @@ export class LevelReader {
     this.#before.clear(magnitudes);
     this.#channels.clear(magnitudes);
     this.#size = size;
-    this.constants.fill(0);
     this.extents = 0;
     this.isStill = true;
   }
@@ -141,9 +137,6 @@ export class LevelReader {
       held[place] = counted;
       if (plane === 0 && channels[place] < counted) {
         channels[place] = counted;
-      }
-      if (position === 0) {
-        this.constants[MOST_LENGTH * channel + plane] = level;
       }
     }
     leaves.levelCount = count;

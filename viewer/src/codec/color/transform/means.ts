@@ -2,7 +2,6 @@
 
 import { BASIS_BITS } from "./basis.ts";
 import { CHANNELS } from "./domain.ts";
-import { coefficientOf } from "./steps.ts";
 
 /** Squares in a row of a region. */
 const SIDE = 8;
@@ -51,12 +50,12 @@ export class Means {
     return sum;
   }
 
-  /** Notes the mean of a channel of a transformed block. `levels` are those of frequency 0 in space of its planes, the prediction
-   *  included, `weights` what each plane weighs in the last frame. */
-  setBlock(channel: number, { x, y, size }: Squares, levels: Int32Array, weights: Int32Array, step: number): void {
+  /** Notes the mean of a channel of a transformed block. `constants` are the coefficients of frequency 0 in space of its planes,
+   *  `weights` what each plane weighs in the last frame. */
+  setBlock(channel: number, { x, y, size }: Squares, constants: Int32Array, weights: Int32Array): void {
     let sum = 1 << (BASIS_BITS - 1);
     for (let plane = 0; plane < weights.length; plane++) {
-      sum = (sum + Math.imul(coefficientOf(levels[plane], step), weights[plane])) | 0;
+      sum = (sum + Math.imul(constants[plane], weights[plane])) | 0;
     }
     const mean = (sum >> BASIS_BITS) >> (2 + size);
     for (let row = y; row < y + (1 << size); row++) {

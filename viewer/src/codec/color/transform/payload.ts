@@ -4,13 +4,11 @@ import { FormatError, type Rect } from "../../../format/types.ts";
 import { type EntropyTables, tableSet } from "../../entropy.ts";
 import { Fields } from "../../fields.ts";
 import type { Domain, Slopes } from "./domain.ts";
-import { stepsOf } from "./steps.ts";
+import { OFFSET_SETS, regionIndices } from "./steps.ts";
 
 const SECTION = "color.md 6.4";
 /** First byte of a payload of keyframes and weights. */
 const CELLS = 255;
-/** Most colors of a payload. */
-const MOST_COLORS = 15;
 /** Most frames of a chunk of the transform codec. */
 export const MOST_FRAMES = 96;
 /** Pixels of a side of a region. */
@@ -20,8 +18,10 @@ const REGION = 32;
 export interface Layout {
   /** Number of the table set. */
   set: number;
-  /** Of `stepsOf`. */
-  steps: Int32Array;
+  /** Number of the set of frequency offsets. */
+  offsetSet: number;
+  /** Step indices of the three channels of each region, before offsets. */
+  indices: Int32Array;
   slopes: Slopes;
   /** Keys of red, green and blue of the colors that all palettes may name. */
   colors: Uint16Array;
@@ -63,17 +63,24 @@ export function parseLayout(
   if (tableSet(tables, set) === undefined) {
     throw fields.error(`The stream has no table set ${set}`);
   }
-  const steps = stepsOf(fields.u8(), fields.u8(), domain);
+  const [luma, chroma] = [fields.u8(), fields.u8()];
   const slopes = { green: (fields.u8() << 24) >> 24, orange: (fields.u8() << 24) >> 24 };
-  const count = fields.u8();
-  if (count > MOST_COLORS) {
-    throw fields.error(`A payload has ${count} colors, at most ${MOST_COLORS} are legal`);
+  const choices = fields.u8();
+  const [count, offsetSet] = [choices & 15, choices >> 4];
+  if (offsetSet >= OFFSET_SETS.length) {
+    throw fields.error(`There is no set ${offsetSet} of frequency offsets`);
   }
   const colors = new Uint16Array(3 * count);
   for (let at = 0; at < colors.length; at++) {
     colors[at] = domain.isHalf ? fields.u16() : fields.u8();
   }
   const regions = Math.ceil(size[0] / REGION) * Math.ceil(size[1] / REGION);
+  const deltas = fields.skip(Math.ceil(regions / 2));
+  const indices = new Int32Array(3 * regions);
+  for (let region = 0; region < regions; region++) {
+    const nibble = (payload[deltas + (region >> 1)] >> (4 * (region & 1))) & 15;
+    indices.set(regionIndices(luma, chroma, nibble), 3 * region);
+  }
   if (regions - 1 > fields.remaining) {
     throw fields.error(`${regions} substreams were expected where ${fields.remaining} bytes are left`);
   }
@@ -93,5 +100,5 @@ export function parseLayout(
     sizes[region] = fields.at;
   }
   substreams[regions] = payload.length;
-  return { set, steps, slopes, colors, substreams };
+  return { set, offsetSet, indices, slopes, colors, substreams };
 }

@@ -3,13 +3,12 @@
 import { FormatError } from "../../../format/types.ts";
 import { type EntropyTables, tableSet } from "../../entropy.ts";
 import { bitsOf, type Samples } from "../samples.ts";
-import { BASIS_BITS, LENGTHS, lengthIndex, TIME_BASES } from "./basis.ts";
+import { BASIS_BITS, lengthIndex, TIME_BASES } from "./basis.ts";
 import { CHANNELS, type Domain, domainOf, predictChroma } from "./domain.ts";
 import { inverseTransform } from "./inverse.ts";
 import * as leaf from "./leaves.ts";
 import { type Layout, parseLayout, regionRect } from "./payload.ts";
 import { RegionReader } from "./region.ts";
-import { coefficientOf } from "./steps.ts";
 
 const MOST_PIXELS = 32 * 32;
 /** Room for the coefficients of a channel of a block, and for the values of the three channels. */
@@ -219,25 +218,22 @@ export class TransformChunk {
   ): void {
     const { rows, levels, places } = this.#leaves;
     const out = coefficients;
-    const step = this.layout.steps[channel * LENGTHS.length + length];
     const weights = TIME_BASES[length];
     const shift = 2 + size;
     for (let y = 0; y < height; y++) {
       out.fill(0, y << shift, (y << shift) + columns);
     }
-    let mean = rows[row + leaf.LEAF_PREDICTED + channel];
     const end = rows[row + leaf.LEAF_LEVELS + channel + 1];
     for (let at = rows[row + leaf.LEAF_LEVELS + channel]; at < end; at++) {
       const place = places[at];
-      if (place === 0) {
-        mean = (mean + levels[at]) | 0;
-      } else {
+      // The mean, which was coded as a difference, is the leaf's.
+      if (place !== 0) {
         const to = (((place >> 5) & 31) << shift) | (place & 31);
         const weight = weights[frame * frames + (place >> 10)];
-        out[to] = (out[to] + Math.imul(coefficientOf(levels[at], step), weight)) | 0;
+        out[to] = (out[to] + Math.imul(levels[at], weight)) | 0;
       }
     }
-    out[0] = (out[0] + (coefficientOf(mean, step) << BASIS_BITS)) | 0;
+    out[0] = (out[0] + (rows[row + leaf.LEAF_MEAN + channel] << BASIS_BITS)) | 0;
     for (let y = 0; y < height; y++) {
       for (let at = y << shift; at < (y << shift) + columns; at++) {
         out[at] = (out[at] + (1 << (BASIS_BITS - 1))) >> BASIS_BITS;

@@ -10,6 +10,7 @@ import { LevelReader } from "./levels.ts";
 import { Means } from "./means.ts";
 import { PaletteReader } from "./palette.ts";
 import type { Layout } from "./payload.ts";
+import { coefficientOf, stepsOf } from "./steps.ts";
 
 const SECTION = "color.md 6.4";
 const TRANSFORM = 0;
@@ -38,6 +39,8 @@ export class RegionReader {
   readonly #levels = new LevelReader();
   readonly #palettes = new PaletteReader();
   readonly #means = new Means();
+  /** Coefficients of frequency 0 in space of the planes of a channel. */
+  readonly #constants = new Int32Array(MOST_LENGTH);
   readonly #sums = new Int32Array(CHANNELS);
   readonly #channels = new Int32Array(CHANNELS);
   #stream: RansDecoder;
@@ -124,12 +127,24 @@ export class RegionReader {
     const { frames } = block;
     const weights = TIME_BASES[length].subarray(frames * (frames - 1));
     for (let channel = 0; channel < CHANNELS; channel++) {
-      const step = this.#layout.steps[channel * LENGTHS.length + length];
-      const predicted = this.#means.predict(channel, block, block.frame === 0, step);
-      rows[at + leaf.LEAF_PREDICTED + channel] = predicted;
-      const constants = levels.constants.subarray(channel * MOST_LENGTH, (channel + 1) * MOST_LENGTH);
-      constants[0] += predicted;
-      this.#means.setBlock(channel, block, constants, weights, step);
+      const index = this.#layout.indices[CHANNELS * this.#region + channel];
+      const stepOf = stepsOf({ length, channel, size: block.size }, index, this.#layout.offsetSet, this.#domain);
+      const constants = this.#constants.fill(0);
+      let mean = this.#means.predict(channel, block, block.frame === 0, stepOf(0));
+      const { levels: values, places } = this.leaves;
+      for (let level = levels.starts[channel]; level < levels.starts[channel + 1]; level++) {
+        const [x, y, plane] = [places[level] & 31, (places[level] >> 5) & 31, places[level] >> 10];
+        if (places[level] === 0) {
+          mean = (mean + values[level]) | 0;
+        }
+        values[level] = coefficientOf(values[level], stepOf(x + y));
+        if (x + y === 0) {
+          constants[plane] = values[level];
+        }
+      }
+      constants[0] = coefficientOf(mean, stepOf(0));
+      rows[at + leaf.LEAF_MEAN + channel] = constants[0];
+      this.#means.setBlock(channel, block, constants, weights);
     }
   }
 
