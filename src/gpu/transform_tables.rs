@@ -114,7 +114,9 @@ mod tests {
         assert_eq!(at(layout::OCTAVE_AT, OCTAVE.len()), OCTAVE);
         assert_eq!(at(layout::ROOTS_AT, INVERSE_ROOTS.len()), INVERSE_ROOTS);
         let offsets = at(layout::OFFSETS_AT, 128 * OFFSET_SETS.len());
-        assert!(offsets.iter().zip(OFFSET_SETS.iter().flatten().flatten()).all(|(&word, &offset)| word == offset.into()));
+        assert!(
+            offsets.iter().zip(OFFSET_SETS.iter().flatten().flatten()).all(|(&word, &offset)| word == offset.into())
+        );
         for points in [1, 24, 32] {
             let first = words[points] >> 8;
             assert_eq!(words[first as usize], 256);

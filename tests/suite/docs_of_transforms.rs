@@ -7,8 +7,8 @@ use lightfold::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES};
 use lightfold::color::transform::domain::{ChromaSlopes, Domain};
 use lightfold::color::transform::palette::CACHED;
 use lightfold::color::transform::payload::Header;
-use lightfold::color::transform::region::Region;
-use lightfold::color::transform::steps::{StepIndices, Steps};
+use lightfold::color::transform::region::{Region, Setting};
+use lightfold::color::transform::steps::{OFFSET_SETS, StepIndices, Steps};
 use lightfold::color::transform::tables::BUILT_IN;
 use lightfold::color::transform::{Tables, TransformChunk};
 use lightfold::entropy::Encoder;
@@ -56,7 +56,8 @@ fn families_and_limits_are_those_of_the_code() {
     says_of_sets(format!("| own sets of a stream, in its codec header | 0 to {MOST_OWN}:"));
     says(format!("| 20 | 1 | u8 | own_set_count | 0 to {MOST_OWN} |"));
     says(format!("F must be at most {MAX_FRAMES}"));
-    says(format!("| 1 | u8 | color_count | K, 0 to {CACHED} |"));
+    assert_eq!(CACHED, 15, "four bits of a payload's header");
+    says(format!("offset_set, 0 or {} (section 6.3)", OFFSET_SETS.len() - 1));
 }
 
 #[test]
@@ -68,18 +69,31 @@ fn bases_and_steps_are_those_of_the_code() {
     let lengths = table(&document, "| length index | 0 |");
     assert_eq!(numbers(&lengths[0]), LENGTHS);
     let roots = numbers(&lengths[1]);
-    let offset = |channel: &str| {
-        let cell = &table(&document, "| channel | index i |").into_iter().find(|row| row[0] == channel).unwrap()[1];
-        cell.split([' ', ',']).nth(2).map_or(0, |offset| offset.parse::<usize>().unwrap())
+    let base_offset = |channel: &str| {
+        let cell = &table(&document, "| channel | base |").into_iter().find(|row| row[0] == channel).unwrap()[1];
+        cell.split(' ').nth(2).map_or(0, |offset| offset.parse::<i32>().unwrap())
     };
-    for (domain, index) in [Domain::BYTES, Domain::HALVES].iter().flat_map(|d| (0..=255).map(move |i| (d, i))) {
-        let steps = Steps::new(StepIndices { luma: index, chroma: index }, domain);
+    let rows = table(&document, "| table | d | +0 |");
+    let offsets = |name: &str| -> Vec<usize> {
+        rows.iter().filter(|row| row[0].split(", ").any(|of| of == name)).flat_map(|row| numbers(&row[2..])).collect()
+    };
+    let indices = (0..=255).step_by(5).flat_map(|index| [0, 1].map(|set| (index, set, (index % 16) as i8 - 8)));
+    for (domain, (index, set, delta)) in
+        [Domain::BYTES, Domain::HALVES].iter().flat_map(|d| indices.clone().map(move |i| (d, i)))
+    {
+        let steps = Steps::new(StepIndices { luma: index, chroma: index }, set, delta, domain);
         for (channel, name) in ["Y", "G", "O"].into_iter().enumerate() {
-            let i = (usize::from(index) + offset(name)).min(255);
-            for (at, root) in roots.iter().enumerate() {
-                let (mantissa, shift) = ((octave[i % 16] * root + 2048) >> 12, 11 - domain.fraction_bits);
-                let said = ((mantissa << (i / 16)) + (1 << (shift - 1))) >> shift;
-                assert_eq!(steps.step(channel, at) as usize, said.max(1), "{name} {i} {at}");
+            let offsets = offsets(name);
+            assert_eq!(offsets.len(), 64);
+            for (z, x_y) in (0..4).flat_map(|z| (0..(8 << z) - 1).map(move |x_y| (z, x_y))) {
+                let offset = if set == 0 { 0 } else { offsets[((2 * x_y + 1) << (3 - z)) >> 1] };
+                let i = (i32::from(index) + base_offset(name) + 4 * i32::from(delta) + offset as i32).clamp(0, 255)
+                    as usize;
+                for (at, root) in roots.iter().enumerate() {
+                    let (mantissa, shift) = ((octave[i % 16] * root + 2048) >> 12, 11 - domain.fraction_bits);
+                    let said = ((mantissa << (i / 16)) + (1 << (shift - 1))) >> shift;
+                    assert_eq!(steps.of(channel, z, at).at(x_y) as usize, said.max(1), "{name} {i} {at}");
+                }
             }
         }
     }
@@ -91,6 +105,7 @@ fn header_of_example() -> Header {
         set: 0,
         steps: StepIndices { luma: 96, chroma: 90 },
         slopes: ChromaSlopes { green: 4, orange: -8 },
+        offset_set: 0,
         colors: vec![[16, 32, 48]],
     }
 }
@@ -115,9 +130,10 @@ fn example(document: &str) -> Vec<u8> {
     let (header, tables) = (header_of_example(), Tables::default());
     let mut stream = Encoder::default();
     let author = Author::new(&mut stream, &tables.sets()[header.set], pick);
-    Region::read_by(author, u64::MAX, Block::root([5, 6], 2), &header, &Domain::BYTES).unwrap();
+    let setting = Setting { header: &header, delta: 0, domain: &Domain::BYTES };
+    Region::read_by(author, u64::MAX, Block::root([5, 6], 2), setting).unwrap();
     assert!(rows.next().is_none(), "the table has rows too many");
-    header.write::<u8>(&[stream.finish()])
+    header.write::<u8>(&[0], &[stream.finish()])
 }
 
 /// All frames of the example.

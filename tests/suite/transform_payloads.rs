@@ -21,6 +21,7 @@ pub fn usual_header(bytes: usize) -> Header {
         set: 0,
         steps: StepIndices { luma, chroma: luma + 5 },
         slopes: ChromaSlopes { green: 3, orange: -7 },
+        offset_set: 1,
         colors: Vec::new(),
     }
 }

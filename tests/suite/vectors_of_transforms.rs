@@ -10,7 +10,7 @@ use lightfold::color::transform::blocks::Block;
 use lightfold::color::transform::contexts::{NODE, PALETTE_SIZE, PIXEL};
 use lightfold::color::transform::domain::{ChromaSlopes, Domain};
 use lightfold::color::transform::payload::{CELLS, Header, holds_cells};
-use lightfold::color::transform::region::{Content, PALETTE, QUARTERS, Region};
+use lightfold::color::transform::region::{Content, PALETTE, QUARTERS, Region, Setting};
 use lightfold::color::transform::steps::StepIndices;
 use lightfold::color::transform::tables::BUILT_IN;
 use lightfold::color::transform::{Keyed, Tables, TransformChunk};
@@ -111,7 +111,7 @@ fn sums_that_wrap<S: Keyed>(seed: u64) -> Vec<u8> {
     let headers = [(0, 0, 0, 0), (255, 255, 127, -128), (31, 240, -128, 127), (200, 247, 24, -24), (16, 100, 1, -1)];
     let streams = (0..).zip(headers).map(|(face, (luma, chroma, green, orange))| {
         let (steps, slopes) = (StepIndices { luma, chroma }, ChromaSlopes { green, orange });
-        let header = Header { set: 1, steps, slopes, colors: Vec::new() };
+        let header = Header { set: 1, steps, slopes, offset_set: usize::from(face) % 2, colors: Vec::new() };
         random::<S>(face, [12, 9], 7, &header, (ANY, seed + u64::from(face)))
     });
     container(&streams.collect::<Vec<_>>())
@@ -196,7 +196,9 @@ fn encoded_bytes() -> Vec<u8> {
     let size = [13, 10];
     let streams = (0..).zip([1, 2, 3, 5, 7, 24, 25]).map(|(face, chunk_frames)| {
         let images = samples::drifting_bytes(size, 25);
-        samples::color8_transform(shape(face, size, [8, 8], 3, 25), &images, search(), chunk_frames)
+        // Every other one by a step, with offsets by frequency.
+        let search = SearchSettings { constant_step: (face % 2 == 1).then_some(80), ..search() };
+        samples::color8_transform(shape(face, size, [8, 8], 3, 25), &images, search, chunk_frames)
     });
     container(&streams.collect::<Vec<_>>())
 }
@@ -257,7 +259,7 @@ fn most_items(more: usize) -> Vec<u8> {
             Question::Symbol(..) | Question::Bits(_) | Question::Length(_) => 0,
         };
         let author = Author::new(&mut stream, &tables.sets()[header.set], pick);
-        let region = Region::read_by(author, u64::MAX, Block::root(size, 1), &header, &Domain::BYTES).unwrap();
+        let region = Region::read_by(author, u64::MAX, Block::root(size, 1), still(&header)).unwrap();
         let items = region.leaves().map(|leaf| match &leaf.content {
             Content::Palette(palette) => 1 + palette.colors.len(),
             Content::Transform { .. } => 1,
@@ -265,7 +267,7 @@ fn most_items(more: usize) -> Vec<u8> {
         let items = items.sum::<usize>();
         let bytes = stream.finish();
         if items == 64 + 8 * bytes.len() + more {
-            let payload = header.write::<u8>(&[bytes]);
+            let payload = header.write::<u8>(&[0], &[bytes]);
             return container(&[stream_of_one::<u8>(size.map(|side| side as u32), 1, &tables, payload)]);
         }
     }
@@ -303,9 +305,14 @@ fn by_hand(size: [u32; 2], frames: u32, payload: Vec<u8>) -> Vec<u8> {
     container(&[stream_of_one::<u8>(size, frames, &Tables::default(), payload)])
 }
 
-/// A payload without colours: its header, then these bytes.
+/// What a region of bytes without a delta is read with.
+fn still(header: &Header) -> Setting<'_> {
+    Setting { header, delta: 0, domain: &Domain::BYTES }
+}
+
+/// A payload without colours, of a region without a delta or of two: its header, then these bytes.
 fn headed(rest: &[u8]) -> Vec<u8> {
-    [&[0, 84, 89, 3, 0xf9, 0], rest].concat()
+    [&[0, 84, 89, 3, 0xf9, 0, 0x88], rest].concat()
 }
 
 /// A payload of one region with these symbols, by context, and raw bits.
@@ -332,7 +339,7 @@ fn beyond_its_palette() -> Vec<u8> {
         Question::Bits(_) | Question::Length(_) => 0,
     };
     let author = Author::new(&mut stream, &tables.sets()[0], pick);
-    assert!(Region::read_by(author, u64::MAX, Block::root([4, 4], 1), &header, &Domain::BYTES).is_err());
+    assert!(Region::read_by(author, u64::MAX, Block::root([4, 4], 1), still(&header)).is_err());
     headed(&stream.finish())
 }
 
@@ -367,7 +374,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("transform-no-bytes", small(vec![]), "1 more bytes expected"));
     all.push(("transform-table-set", small([vec![4], headed(&[])[1..].to_vec()].concat()), "table set 4"));
     all.push(("transform-header-cut", small(headed(&[])[..5].to_vec()), "1 more bytes expected"));
-    all.push(("transform-too-many-colors", small([vec![0, 84, 89, 3, 0, 16], vec![7; 80]].concat()), "16 colours"));
+    all.push(("transform-offset-set", small(vec![0, 84, 89, 3, 0, 0x20, 0x88]), "set 2 of frequency offsets"));
+    all.push(("transform-deltas-cut", small(headed(&[])[..6].to_vec()), "1 more bytes expected"));
     all.push(("transform-colors-cut", small(vec![0, 84, 89, 3, 0, 2, 1, 2, 3, 4, 5]), "1 more bytes expected"));
     all.push(("transform-size-beyond", wide(headed(&[9, 1, 2])), "9 more bytes expected"));
     all.push(("transform-size-cut", wide(headed(&[])), "1 more bytes expected"));

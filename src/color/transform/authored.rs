@@ -193,7 +193,12 @@ pub fn random_payload<S: Keyed>(
         let delta = *DELTAS.start() + random_below(DELTAS.len() as u32) as i8;
         let setting = Setting { header, delta, domain: &S::DOMAIN };
         deltas.push(delta);
-        substreams.push(random_substream(Block::root([width, height], frames), setting, set, (taste, &mut *random_below))?);
+        substreams.push(random_substream(
+            Block::root([width, height], frames),
+            setting,
+            set,
+            (taste, &mut *random_below),
+        )?);
     }
     Ok(header.write::<S>(&deltas, &substreams))
 }

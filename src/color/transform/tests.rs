@@ -6,7 +6,7 @@ use crate::color::transform::blocks::{Block, MAX_FRAMES, regions};
 use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::contexts::{ALPHABETS, NODE};
 use crate::color::transform::payload::Layout;
-use crate::color::transform::region::{PALETTE, PARTS, QUARTERS, Region, TRANSFORM, held_bytes, most_items};
+use crate::color::transform::region::{PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, most_items};
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -26,7 +26,7 @@ fn certain(of: impl Fn(usize) -> usize) -> Tables {
 
 /// A payload of the stream's own set for so many regions, whose substreams are all the same.
 fn payload(regions: usize, substream: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![4, 80, 80, 3, 0xfd, 0];
+    let mut bytes = [vec![4, 80, 80, 3, 0xfd, 0], vec![0x88; regions.div_ceil(2)]].concat();
     (1..regions).for_each(|_| bytes.put_varint(substream.len() as u64));
     (0..regions).for_each(|_| bytes.extend_from_slice(substream));
     bytes
@@ -89,7 +89,8 @@ impl SourceCoder for Counting<'_> {
 fn work(payload: &[u8], limits: Limits, tables: &Tables) -> (usize, usize) {
     let layout = Layout::parse::<HalfKey>(payload, limits.size, tables).unwrap();
     let (mut count, mut pixels) = (0, 0);
-    for ([_, _, width, height], substream) in regions(limits.size).zip(&layout.substreams) {
+    let places = layout.substreams.iter().zip(&layout.deltas);
+    for ([_, _, width, height], (substream, &delta)) in regions(limits.size).zip(places) {
         let root = Block::root([width, height], limits.frames as usize);
         pixels += root.shape.pixels() * root.shape.frames;
         let set = &tables.sets()[layout.header.set];
@@ -97,7 +98,8 @@ fn work(payload: &[u8], limits: Limits, tables: &Tables) -> (usize, usize) {
         let stream = entropy::Decoder::new(bytes);
         let coder = Counting { coder: Reader { stream, tables: set }, count: &mut count };
         // Whether it is legal, the other reader says.
-        let _ = Region::read_by(coder, most_items(bytes), root, &layout.header, &HalfKey::DOMAIN);
+        let setting = Setting { header: &layout.header, delta, domain: &HalfKey::DOMAIN };
+        let _ = Region::read_by(coder, most_items(bytes), root, setting);
     }
     (count, pixels)
 }
@@ -153,6 +155,7 @@ fn any_bytes_are_refused_or_stay_within_what_they_justify() {
         let frames = 1 + next() % MAX_FRAMES;
         let regions = regions(size).len();
         let mut payload = vec![(round % 4) as u8, next() as u8, next() as u8, next() as u8, next() as u8, 0];
+        (0..regions.div_ceil(2)).for_each(|_| payload.push(next() as u8));
         (1..regions).for_each(|_| payload.put_varint((next() % 40).into()));
         (0..regions * 40).for_each(|_| payload.push(next() as u8));
         fn parse<S: Keyed>(payload: &[u8], size: [usize; 2], frames: u32, tables: &Tables) -> Result<TransformChunk> {

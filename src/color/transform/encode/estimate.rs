@@ -52,7 +52,9 @@ impl Scales {
             std::array::from_fn(|frequency| unit / (steps.at(frequency) as f32 * root))
         };
         let sizes = (0..CHANNELS).flat_map(|channel| (0..LEVELS).map(move |size| (channel, size)));
-        Scales(sizes.flat_map(|(channel, size)| (0..LENGTHS.len()).map(move |length| of(channel, size, length))).collect())
+        Scales(
+            sizes.flat_map(|(channel, size)| (0..LENGTHS.len()).map(move |length| of(channel, size, length))).collect(),
+        )
     }
 
     pub fn of(&self, channel: usize, shape: Shape) -> &[f32] {

@@ -252,8 +252,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             None => self.frequent_colors(),
         };
         let steps = step_indices(start.step, self.slopes);
-        let mut header =
-            Header { set: start.set, steps, slopes: self.slopes, offset_set: self.offset_set, colors };
+        let mut header = Header { set: start.set, steps, slopes: self.slopes, offset_set: self.offset_set, colors };
         let tree = |(at, region): (usize, &RegionSource)| {
             let steps = Steps::new(header.steps, header.offset_set, self.delta(region), &S::DOMAIN);
             let context = SearchContext {
