@@ -9,7 +9,7 @@ use crate::cli::options::{
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, depth_bound, encode_advice, refuse};
-use crate::container::journal;
+use crate::container::{Recovered, journal};
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::{
@@ -311,6 +311,16 @@ impl Encode<'_> {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
                 encode::check_recovered(self.frames(), self.settings, &begun)
                     .map_err(|error| error.context(self.target.path.display()))?;
+                // A shard of footage that changed is made again, as one that is complete.
+                let unchanged = match self.is_shard() {
+                    true => encode::check_unchanged(self.frames(), self.settings, &begun, progress),
+                    false => Ok(()),
+                };
+                if let Err(Error::Usage(_)) = unchanged {
+                    self.say("files have changed since the unfinished encode; starting anew");
+                    return self.encode_recovered(file, None, progress);
+                }
+                unchanged?;
                 let words = encode::describe_recovered(self.frames(), self.settings, &begun).unwrap_or_default();
                 self.say(&format!("resuming after {words}"));
                 Some(begun)
@@ -332,6 +342,20 @@ impl Encode<'_> {
                 None
             }
         };
+        self.encode_recovered(file, recovered, progress)
+    }
+
+    fn is_shard(&self) -> bool {
+        self.part.as_ref().is_some_and(Part::is_shard)
+    }
+
+    /// Goes on behind what was recovered, if anything.
+    fn encode_recovered(
+        &self,
+        mut file: OutputFile,
+        recovered: Option<Recovered>,
+        progress: &Progress,
+    ) -> Result<EncodeSummary> {
         let goes_on = recovered.is_some();
         let intact =
             recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
@@ -359,7 +383,14 @@ impl Encode<'_> {
             }
             Kept::Chunks(words) => {
                 let on_disk = file.keep();
-                let safe = kept(file.work_path(), &words, &on_disk) + "; " + output::how_to_resume(&error);
+                let how = match error {
+                    // The scan of a shard holds for the footage as it was.
+                    Error::Invalid { .. } if self.is_shard() => {
+                        "where the footage has changed, scan again; --resume then continues, or starts anew"
+                    }
+                    _ => output::how_to_resume(&error),
+                };
+                let safe = kept(file.work_path(), &words, &on_disk) + "; " + how;
                 Err(Error::Unfinished { cause: Box::new(error), safe })
             }
         }

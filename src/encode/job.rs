@@ -148,6 +148,16 @@ pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, reco
     Completed::of(recovered, &configuration::of(source, settings), &order, settings).map(|_| ())
 }
 
+/// Refuses to continue an interrupted encode of files that have changed since.
+pub fn check_unchanged(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    recovered: &Recovered,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    prepare(source, settings, Some(recovered), &Order::of(source, settings), monitor).map(|_| ())
+}
+
 /// Complete chunks of an interrupted encode, in words; `None` where there are none.
 pub fn describe_recovered(
     source: &dyn FrameSource,

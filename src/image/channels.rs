@@ -119,6 +119,17 @@ impl ChannelName {
         let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
         if self.layer.is_empty() || repeats { self.name.clone() } else { format!("{}.{}", self.layer, self.name) }
     }
+
+    /// Whether [`Self::full`] is the wanted name. Searches compare thousands of names with thousands.
+    fn is_called(&self, wanted: &str, same: Same) -> bool {
+        if self.layer.is_empty() || wanted.len() == self.name.len() {
+            return same(&self.full(), wanted);
+        }
+        let (before, behind) = (wanted.get(..self.layer.len()), wanted.get(self.layer.len() + 1..));
+        behind.is_some_and(|behind| behind.len() == self.name.len())
+            && before.is_some_and(|before| same(before, &self.layer))
+            && same(&self.full(), wanted)
+    }
 }
 
 /// How a channel or layer of depth is named.
@@ -162,7 +173,7 @@ const TRIES: [(By, Same); 4] = [
 /// Index of the channel of that name; `None` when there is none, an error when several layers have it.
 fn lookup(names: &[ChannelName], wanted: &str, (by, same): (By, Same), key: &str) -> Result<Option<usize>> {
     if let By::Full = by {
-        return Ok(names.iter().position(|channel| same(&channel.full(), wanted)));
+        return Ok(names.iter().position(|channel| channel.is_called(wanted, same)));
     }
     let plain: Vec<usize> = (0..names.len()).filter(|&i| same(&names[i].name, wanted)).collect();
     match plain.as_slice() {

@@ -24,6 +24,7 @@ mod chunks;
 mod errors;
 mod guard;
 mod payload;
+mod work;
 mod write;
 
 pub use chunks::reading_bytes;

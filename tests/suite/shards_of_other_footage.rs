@@ -13,7 +13,7 @@ use lightfold::monitor::Silent;
 use lightfold::pack::{PackSettings, pack};
 use tempfile::TempDir;
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 use crate::footage::{Footage, Random, drifting_color};
 
 const FRAMES: u32 = 8;
@@ -290,4 +290,42 @@ fn copies_of_footage_join_and_changed_footage_names_both_files() {
     assert!(words(&again).contains("this shard is complete"));
     render_again(&here, "material", 7, &mut Random(1));
     assert!(!words(&again).contains("this shard is complete"));
+}
+
+#[test]
+fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
+    let folder = TempDir::new().unwrap();
+    let (at, mut random) = (folder.path(), Random(8));
+    let options = "--clip --keyframe-interval 2 --color-chunk 2 --shard-by time --scan scan.json";
+    let shard = |number: usize, more: &str| format!("encode . {options} --shard {number}/2 {more}");
+    let scan = || {
+        let _ = fs::remove_file(at.join("scan.json"));
+        fine("scan . -o scan.json", at);
+    };
+    write(at, 0);
+    scan();
+    render_again(at, "color", FRAMES - 1, &mut random);
+    let stopped = [1, 2].map(|number| lightfold(&shard(number, "-o a.lfold").split(' ').collect::<Vec<_>>(), at));
+    let number = 1 + stopped.iter().position(|out| !out.status.success()).expect("a shard that reads the file");
+    assert_eq!(stopped[number - 1].status.code(), Some(2));
+    let said = String::from_utf8(stopped[number - 1].stderr.clone()).unwrap();
+    assert!(said.contains("color.0007.exr") && said.contains("scan again"), "{said}");
+    assert!(!said.contains("the same command"), "{said}");
+    let resumed = |words: &str| {
+        let said = String::from_utf8(fine(&shard(number, "--resume -o a.lfold"), at).stderr).unwrap();
+        assert!(said.contains(words), "{said}");
+        fine(&shard(number, "-o b.lfold"), at);
+        assert!(fs::read(at.join("a.lfold")).unwrap() == fs::read(at.join("b.lfold")).unwrap(), "other bytes");
+    };
+    assert!(said.contains("--resume then continues, or starts anew"), "{said}");
+    scan();
+    resumed("resuming after");
+    // Chunks that are complete were made of other files.
+    fs::remove_file(at.join("a.lfold")).unwrap();
+    render_again(at, "color", FRAMES - 1, &mut random);
+    let said = refused(&shard(number, "-o a.lfold"), at);
+    assert!(said.contains("safe in"), "{said}");
+    (0..FRAMES).for_each(|frame| render_again(at, "color", frame, &mut random));
+    scan();
+    resumed("files have changed since the unfinished encode; starting anew");
 }

@@ -116,6 +116,8 @@ fn read_chunk(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool
     let mut compressed_pixels_le = vec![0; size as usize];
     file.read_exact(&mut compressed_pixels_le).map_err(read_error)?;
     payload::check(header, &room, &compressed_pixels_le).map_err(|what| damaged(place, &what))?;
+    let counted = opened.work.add(part, header, &room, &compressed_pixels_le);
+    counted.map_err(|what| Error::unsupported(format!("the chunk at byte {place} of the EXR file {what}")))?;
     let compressed_block = match header.blocks {
         BlockDescription::ScanLines => {
             CompressedBlock::ScanLine(CompressedScanLineBlock { y_coordinate: line, compressed_pixels_le })
