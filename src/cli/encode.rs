@@ -19,6 +19,7 @@ use crate::encode::{
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::image::StreamKind;
+use crate::monitor::Monitor;
 use crate::report::coding_map::counted;
 
 const SMALLER: &str = "a lower --psnr or a higher --max-error";
@@ -237,6 +238,7 @@ impl Encode<'_> {
         self.note_block_bound();
         // Checked before an earlier encode is replaced.
         encode::check(self.frames(), self.settings)?;
+        self.prepare_filters()?;
         let first_frames = encode::first_frames(self.frames(), self.settings)?;
         let progress = Progress::start(self.global, "reading first frames", first_frames)?;
         encode::check_first_frames(self.frames(), self.settings, &progress)?;
@@ -264,6 +266,22 @@ impl Encode<'_> {
             Some(part) => part,
             None => self.source,
         }
+    }
+
+    /// Computes the filters of panoramas in a stage of their own.
+    fn prepare_filters(&self) -> Result<()> {
+        let groups: Vec<_> = encode::selected_groups(self.frames(), self.settings).iter().map(|of| of.group).collect();
+        let maps = self.source.filtered_maps(&groups);
+        if maps.is_empty() {
+            return Ok(());
+        }
+        let progress = Progress::start(self.global, "preparing panoramas", maps.len() as u64)?;
+        maps.into_iter().try_for_each(|map| {
+            progress.check()?;
+            map.prepare_filters();
+            progress.advance(1);
+            Ok(())
+        })
     }
 
     /// Blocks lose more than the search for keyframes allows.

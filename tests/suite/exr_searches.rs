@@ -16,6 +16,8 @@ const PIZ: u8 = 4;
 const DWAA: u8 = 8;
 /// Rows of a chunk of both.
 const ROWS: u32 = 32;
+/// Samples of a chunk of 2048 pixels, which has more bytes than the codes.
+const SAMPLES: usize = 2048 * 32;
 
 /// Bits, highest first.
 #[derive(Default)]
@@ -37,8 +39,8 @@ impl Bits {
 }
 
 /// Codes of 1 to 14 bits, and 65,523 that begin with 14 zeros. The last of these, which the crate finds after all others, follows
-/// `times` times.
-fn long_list(times: usize) -> Vec<u8> {
+/// `times` times, and runs of it up to so many samples.
+fn long_list(times: usize, samples: usize) -> Vec<u8> {
     let length = |symbol: u64| match symbol {
         0..=12 => symbol + 1,
         13..=25 => 29,
@@ -48,6 +50,13 @@ fn long_list(times: usize) -> Vec<u8> {
     let (mut table, mut coded) = (Bits::default(), Bits::default());
     (0..=65_536).for_each(|symbol| table.put(length(symbol), 6));
     (0..times).for_each(|_| coded.put(65_509, 30));
+    let mut left = samples.saturating_sub(times) as u64;
+    while left > 0 {
+        // The code of 14 bits, and the length of the run.
+        coded.put(1, 14);
+        coded.put(left.min(255), 8);
+        left -= left.min(255);
+    }
     let head = [0, 65_536, table.bytes.len() as u32, coded.count as u32, 0];
     [head.map(u32::to_le_bytes).as_flattened(), &table.bytes, &coded.bytes].concat()
 }
@@ -121,14 +130,14 @@ fn long_lists_of_codes_are_refused_before_they_are_searched() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("lists.exr");
     let red = names(1, |_| "R".into());
-    let of_piz = |times: usize| file(PIZ, [times as u32 / 32, 32], &red, &[piz(&long_list(times))]);
+    let of_piz = |times: usize| file(PIZ, [2048, 32], &red, &[piz(&long_list(times, SAMPLES))]);
     read(&path, &of_piz(512)).unwrap();
     let said = read(&path, &of_piz(2048)).unwrap_err();
     assert_says(&said, &["lists.exr", "134191104 steps", "save the image with ZIP compression"]);
     // Steps add up over the chunks of a file.
-    let many = file(PIZ, [16, 32 * 4], &red, &vec![piz(&long_list(512)); 4]);
+    let many = file(PIZ, [2048, 32 * 4], &red, &vec![piz(&long_list(512, SAMPLES)); 4]);
     assert_says(&read(&path, &many).unwrap_err(), &["lists.exr", "steps"]);
-    let of_dwa = |times: usize| file(DWAA, [2048, 32], &red, &[dwa(&long_list(times), times as u64, 1)]);
+    let of_dwa = |times: usize| file(DWAA, [2048, 32], &red, &[dwa(&long_list(times, 0), times as u64, 1)]);
     assert_says(&read(&path, &of_dwa(2048)).unwrap_err(), &["lists.exr", "134191104 steps"]);
     let without_end = read(&path, &of_dwa(512)).unwrap_err();
     assert!(!without_end.contains("steps"), "{without_end}");
@@ -140,9 +149,9 @@ fn codes_that_are_not_complete_count_as_their_longest_list() {
     let path = folder.path().join("open.exr");
     let red = names(1, |_| "R".into());
     // The code of one bit is gone.
-    let mut code = long_list(4096);
+    let mut code = long_list(4096, SAMPLES);
     code[20] &= 0x03;
-    let said = read(&path, &file(PIZ, [128, 32], &red, &[piz(&code)])).unwrap_err();
+    let said = read(&path, &file(PIZ, [2048, 32], &red, &[piz(&code)])).unwrap_err();
     assert_says(&said, &["open.exr", "steps", "allowed"]);
 }
 
@@ -152,7 +161,7 @@ fn channels_that_dwa_compares_with_each_other_are_counted() {
     let path = folder.path().join("channels.exr");
     let layers = |count: usize| names(count, |at| format!("{at:04}.R"));
     let chunk = |rules: usize| dwa(&[], 0, rules);
-    let wide = |channels: &[String], rules: usize| file(DWAA, [1, 32], channels, &[chunk(rules)]);
+    let wide = |channels: &[String], rules: usize| file(DWAA, [16, 32], channels, &[chunk(rules)]);
     let select = |bytes: &[u8], name: &str| {
         std::fs::write(&path, bytes).unwrap();
         let read = ours::read_depth(&path, &ChannelSelect::Named(name.into()), &ReadLimits::default());
