@@ -327,18 +327,13 @@ impl Encode<'_> {
             .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, self.target.unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
-                encode::check_recovered(self.frames(), self.settings, &begun)
-                    .map_err(|error| error.context(self.target.path.display()))?;
                 // A shard of footage that changed is made again, as one that is complete.
-                let unchanged = match self.is_shard() {
-                    true => encode::check_unchanged(self.frames(), self.settings, &begun, progress),
-                    false => Ok(()),
-                };
-                if let Err(Error::Usage(_)) = unchanged {
+                if self.is_shard() && encode::is_of_changed_footage(self.frames(), self.settings, &begun, progress)? {
                     self.say("files have changed since the unfinished encode; starting anew");
                     return self.encode_recovered(file, None, progress);
                 }
-                unchanged?;
+                encode::check_recovered(self.frames(), self.settings, &begun)
+                    .map_err(|error| error.context(self.target.path.display()))?;
                 let words = encode::describe_recovered(self.frames(), self.settings, &begun).unwrap_or_default();
                 self.say(&format!("resuming after {words}"));
                 Some(begun)
@@ -403,9 +398,7 @@ impl Encode<'_> {
                 let on_disk = file.keep();
                 let how = match error {
                     // The scan of a shard holds for the footage as it was.
-                    Error::Invalid { .. } if self.is_shard() => {
-                        "where the footage has changed, scan again; --resume then continues, or starts anew"
-                    }
+                    Error::Invalid { .. } if self.is_shard() => "after a new scan, --resume starts this shard anew",
                     _ => output::how_to_resume(&error),
                 };
                 let safe = kept(file.work_path(), &words, &on_disk) + "; " + how;

@@ -39,8 +39,8 @@ pub use encoder::{Encoder, EncoderStream, ProbePose};
 pub use first_frames::{check as check_first_frames, steps as first_frames};
 pub use footage::Footage;
 pub use job::{
-    EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, check_unchanged, describe_recovered,
-    encode, encode_resumable,
+    EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
+    encode_resumable, is_of_changed_footage,
 };
 pub use part::Part;
 pub use precision::{NamedPixel, NamedStrays, ProbePrecision, strays_of};
