@@ -124,7 +124,7 @@ struct Code<'a> {
     /// Length and value of the code of a run, which a byte follows.
     run: (usize, u64),
     /// Long codes that begin with each value of [`SHORT_BITS`] bits.
-    lists: Vec<u64>,
+    lists: Vec<u32>,
     coded: &'a [u8],
 }
 
@@ -138,13 +138,13 @@ impl<'a> Code<'a> {
         }
         let (lengths, coded) = lengths(rest, min, max)?;
         let mut counts = [0u64; MAX_BITS + 1];
-        lengths.iter().for_each(|length| counts[*length] += 1);
+        lengths.iter().for_each(|length| counts[usize::from(*length)] += 1);
         let (mut first, mut next) = ([0; MAX_BITS + 1], 0);
         for length in (1..=MAX_BITS).rev() {
             first[length] = next;
             next = (next + counts[length]) >> 1;
         }
-        let run_length = *lengths.last()?;
+        let run_length = usize::from(*lengths.last()?);
         let run = (run_length, (first[run_length] + counts[run_length]).saturating_sub(1));
         let mut lists = vec![0; 1 << SHORT_BITS];
         for length in SHORT_BITS as usize + 1..=MAX_BITS {
@@ -156,7 +156,7 @@ impl<'a> Code<'a> {
     }
 
     fn steps(&self) -> u64 {
-        let longest = self.lists.iter().copied().max().unwrap_or(0);
+        let longest = u64::from(self.lists.iter().copied().max().unwrap_or(0));
         if longest <= SHORT_LIST {
             return 0;
         }
@@ -168,7 +168,7 @@ impl<'a> Code<'a> {
         let mut bits = Bits { bytes: self.coded, held: 0, count: 0 };
         let mut steps = 0u64;
         while let Some(start) = bits.peek(SHORT_BITS as usize) {
-            let list = self.lists[start as usize];
+            let list = u64::from(self.lists[start as usize]);
             steps = steps.saturating_add(list);
             let lengths = if list > 0 { SHORT_BITS as usize + 1..=MAX_BITS } else { 1..=SHORT_BITS as usize };
             let found = lengths.filter(|length| self.counts[*length] > 0).find_map(|length| {
@@ -191,7 +191,7 @@ impl<'a> Code<'a> {
 }
 
 /// Lengths of the codes of the values from `min` to `max`, and the bytes behind them. Runs of zeros are packed.
-fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<usize>, &[u8])> {
+fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<u8>, &[u8])> {
     let count = (max + 1).checked_sub(min)?;
     let mut bits = Bits { bytes, held: 0, count: 0 };
     let mut lengths = Vec::with_capacity(count);
@@ -200,7 +200,7 @@ fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<usize>, &[u8])> 
             63 => bits.take(8)? + 6,
             word @ 59..=62 => word - 57,
             length => {
-                lengths.push(length as usize);
+                lengths.push(length as u8);
                 continue;
             }
         };
