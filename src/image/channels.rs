@@ -316,7 +316,7 @@ fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
         let is_one = |layer: &&String| {
             let is_named = layer.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case(wanted));
             let has = |component: &&str| all.contains(&format!("{layer}.{component}"));
-            is_named && COLOR_COMPONENTS.iter().any(|components| components.iter().all(|component| has(component)))
+            is_named && COLOR_COMPONENTS.iter().any(|components| components.iter().all(has))
         };
         let mut found = Vec::new();
         for layer in layers.iter().filter(is_one) {
