@@ -116,6 +116,12 @@ impl Spread {
         self
     }
 
+    /// The nearest and the farthest surface; `None` where there is none.
+    pub fn range(&self) -> Option<DepthRange> {
+        let (first, last) = (self.bins.first_key_value()?.1, self.bins.last_key_value()?.1);
+        DepthRange::new(first.near_m, last.far_m).ok()
+    }
+
     /// The pixels within `range` without which the bound would be at most three quarters as large, if these are few.
     pub fn strays(&self, range: DepthRange) -> Option<Strays> {
         let (near, far) = (range.near_m(), range.far_m());

@@ -18,6 +18,11 @@ use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane,
 use crate::monitor::Monitor;
 use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
+const SCAN: &str = "the scan";
+const CONTENT: &str = "the content of the footage";
+/// Fields of a part's configuration that follow from the footage.
+pub(super) const OF_FOOTAGE: [&str; 2] = [SCAN, CONTENT];
+
 /// Groups of a source, or some frames of these.
 pub struct Part<'a> {
     pub(super) source: &'a dyn FrameSource,
@@ -232,10 +237,10 @@ impl FrameSource for Part<'_> {
 
     fn configuration(&self) -> Vec<(&'static str, String)> {
         let mut fields = self.source.configuration();
-        fields.push(("the scan", digest(format!("{:?}", self.scans).as_bytes())));
+        fields.push((SCAN, digest(format!("{:?}", self.scans).as_bytes())));
         if let Some(OneShard { entry: ShardEntry { number, count, .. }, footage, .. }) = &self.shard {
             fields.push(("`shard`", format!("{number}/{count}")));
-            fields.push(("the content of the footage", digest(&footage.write())));
+            fields.push((CONTENT, digest(&footage.write())));
         }
         fields
     }

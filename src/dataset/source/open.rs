@@ -18,6 +18,13 @@ use crate::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primari
 const DEFAULT_FPS: f64 = 24.0;
 
 impl Source {
+    /// Maps of faces of panoramas whose filters colour or alpha of these groups is read with.
+    pub fn filtered_maps<'a>(&'a self, groups: &[&SourceGroup]) -> Vec<&'a FaceMap> {
+        let is_filtered = |group: &SourceGroup| matches!(group.kind, StreamKind::Color | StreamKind::Alpha);
+        let is_used = |map: &&FaceMap| groups.iter().any(|group| is_filtered(group) && group.faces.contains(&map.face));
+        self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used).collect()
+    }
+
     /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
     pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
         Source::of_manifest(Manifest::read(path)?, &manifest_path(path), options)

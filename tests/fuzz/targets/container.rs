@@ -14,7 +14,7 @@ use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::pack::{self, FlattenSettings, PackSettings, Repack};
 use lightfold::streams::CodecHeader;
-use lightfold::streams::shard::SHARD;
+use lightfold::streams::shard::{FootageDigests, SHARD, ShardEntry};
 
 use super::{Judged, Verdict, judge, refused};
 
@@ -282,4 +282,17 @@ pub fn run_zstd(bytes: &[u8]) -> Judged {
 /// Twice what may come out, two dictionaries and the decoders' tables.
 pub fn bound_lzma2(bytes: &[u8]) -> u64 {
     (40 << 20) + 4 * bytes.len() as u64
+}
+
+/// Attributes of a shard are read, and its entry written and read again.
+pub fn run_shard(bytes: &[u8]) -> Judged {
+    FootageDigests::read(bytes, bytes.len() % 5);
+    let entry = match ShardEntry::read(bytes) {
+        Ok(entry) => entry,
+        Err(error) => return refused(&error),
+    };
+    match ShardEntry::read(&entry.write()) {
+        Ok(again) if again == entry => Ok(Verdict::Accepted),
+        _ => Err("the entry of a shard comes back as another".into()),
+    }
 }
