@@ -10,9 +10,10 @@ use crate::error::{Error, Result};
 
 /// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator of the main thread holds back.
 pub const PROCESS_BYTES: u64 = 36 << 20;
-/// The same for each thread of the pool, of which more than some are hardly at work together: a stack, and what its allocator holds
-/// back of the work before, which was measured to be up to 10 MB where one stream is encoded after another.
+/// Bytes of each thread of the pool beside these: a stack, and what the allocator of the thread holds back of earlier work, which was
+/// measured to be up to 10 MB where one stream is encoded after another.
 const THREAD_BYTES: u64 = 12 << 20;
+/// Threads that count: more are hardly ever at work at once.
 const MAX_BUSY_THREADS: usize = 8;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -46,7 +46,7 @@ impl<'a> Part<'a> {
         Part { source, groups: source.groups().to_vec(), scans: Scans::default(), footage, shard: None }
     }
 
-    /// One shard, without scans and footage.
+    /// One shard of `shard.count` of about the same size, without scans and footage.
     ///
     /// # Errors
     /// [`crate::Error::Usage`] where the source cannot be cut into so many.
@@ -61,8 +61,7 @@ impl<'a> Part<'a> {
         Part::of_groups(source, settings, (&order, groups), shard)
     }
 
-    /// One shard, of which is said what it has, without scans and footage. Whether all shards together have everything once is found
-    /// where they are joined.
+    /// One shard of chosen content, without scans and footage. Joining shards checks that together they have everything once.
     ///
     /// # Errors
     /// As [`ShardChoice::groups`].

@@ -15,7 +15,7 @@ use crate::memory::{Budget, Need};
 const MAX_COMPARED: usize = 8;
 /// Bytes of a pixel of an image while it is read: depth, light and material as files hold them, and its rays.
 const READING_PIXEL_BYTES: u64 = 56;
-/// Bytes of the end of a sample.
+/// Bytes of the point at which the ray of a sample ends.
 const END_BYTES: u64 = 24;
 /// Bytes of a pixel of an image that is compared: its rays, and those of the one that is read meanwhile, pictures and their errors.
 const COMPARED_PIXEL_BYTES: u64 = 240;
@@ -34,10 +34,10 @@ const SURFACE_ATLAS_BYTES: u64 = 80;
 /// Bytes of a pixel of a picture of alpha, and of a triangle that it is drawn of; each thread has one.
 const ALPHA_PIXEL_BYTES: u64 = 8;
 const TRIANGLE_BYTES: u64 = 400;
-/// Tables of candidates and of the shares of views, and of these alone.
+/// Bytes of the tables of candidates and of the shares of views; and of the latter alone.
 const SELECTION_BYTES: u64 = 112 << 20;
 const SHARES_BYTES: u64 = 48 << 20;
-/// Tiles, what they are found by, and directions in which there are surfaces.
+/// Bytes of tiles, of the tables by which they are found, and of directions in which there are surfaces.
 const TILES_BYTES: u64 = 16 << 20;
 
 /// Pixels of the largest image.

@@ -8,7 +8,7 @@
 //! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is
 //! reached depends on the samples alone, too.
 //!
-//! Samples wait until they are many. They are sorted by voxel then, and merged with the voxels so far, which are in that order.
+//! Samples are collected up to `WAITING`. They are then sorted by voxel, and merged with the voxels so far, which are in that order.
 
 use std::iter::Peekable;
 

@@ -289,7 +289,8 @@ impl<'a> Player<'a> {
         active.sort_unstable();
         active.dedup();
         let [whole, forgetting] = self.bytes_of(&active).map(|bytes| bytes.saturating_add(self.reserved_bytes));
-        self.forgets = self.budget.bytes.is_some_and(|bytes| whole > bytes);
+        // Units at work may take more than decoders would keep: then forgetting is of no use.
+        self.forgets = forgetting < whole && self.budget.bytes.is_some_and(|bytes| whole > bytes);
         let fixed = if self.forgets { forgetting } else { whole };
         let need = Need { what: "showing the views", fixed, each: 0, instead: "fewer `views`" };
         self.budget.at_once(&need, 1)?;

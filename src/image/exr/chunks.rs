@@ -78,8 +78,8 @@ pub fn is_guarded() -> bool {
     IS_GUARDED.get()
 }
 
-/// The last resort: no payload is known that passes the checks of this module and panics in the crate, which does not promise it.
-/// Nothing half-done is seen again. `None` after a panic.
+/// The result of `work`, `None` after a panic. This is the last resort: no payload is known that passes the checks of this module and
+/// makes the crate panic, but the crate does not promise that there is none. What a panic leaves half done is dropped.
 fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
     IS_GUARDED.set(true);
     let done = catch_unwind(AssertUnwindSafe(work));

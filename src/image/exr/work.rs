@@ -1,7 +1,7 @@
-//! Searches that chunks ask of the `exr` crate, counted before it makes them.
+//! Counts of the steps that the `exr` crate would take to decode a chunk, made before it does.
 //!
 //! The crate looks for a Huffman code of more than 14 bits in a list, entry by entry, and compares the channels of a DWA chunk with
-//! each other. A file of an encoder needs a few steps for a sample; one that is made for it a hundred thousand.
+//! each other. A file of an encoder needs a few steps for a sample; a hostile one may need a hundred thousand.
 
 use std::collections::HashSet;
 
@@ -209,7 +209,7 @@ fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<u8>, &[u8])> {
     (lengths.len() == count).then_some((lengths, bits.bytes))
 }
 
-/// Bits of some bytes, highest first, of which up to 64 are held.
+/// Bits of some bytes, highest first, of which the last 64 that were read are held.
 struct Bits<'a> {
     bytes: &'a [u8],
     held: u64,

@@ -61,8 +61,10 @@ impl ProxyProvider for SphereFit {
 type Images<'a> = [SpecularImage<'a>];
 
 struct Cluster {
-    /// Numbers of images and of their texels, whose points are found again for each fit: they would take six times as many bytes.
+    /// Numbers of images and of their texels. Points are computed again for each fit: they would take six times as many bytes.
     parts: Vec<(usize, Vec<u32>)>,
+    /// Texels of all parts. Of single texels a cluster may join millions, so that to count them each time would take quadratic time.
+    len: usize,
     ior_sum: f64,
     /// Centres of the views that see them.
     seen_from: Vec<DVec3>,
@@ -72,10 +74,6 @@ struct Cluster {
 }
 
 impl Cluster {
-    fn len(&self) -> usize {
-        self.parts.iter().map(|(_, texels)| texels.len()).sum()
-    }
-
     fn points<'a>(&'a self, images: &'a Images<'_>) -> impl Iterator<Item = DVec3> + Clone + 'a {
         let of_part = |(image, texels): &'a (usize, Vec<u32>)| {
             let image = &images[*image];
@@ -88,12 +86,12 @@ impl Cluster {
     fn inliers(&self, of: &Cluster, images: &Images<'_>) -> f64 {
         let FittedSphere { centre, radius_m } = self.sphere;
         let near = |point: &DVec3| ((*point - centre).length() - radius_m).abs() <= ON_SPHERE * radius_m;
-        of.points(images).filter(near).count() as f64 / of.len() as f64
+        of.points(images).filter(near).count() as f64 / of.len as f64
     }
 
     /// Fits the sphere to the points; false where none fits.
     fn fit(&mut self, images: &Images<'_>) -> bool {
-        self.fitted = self.len();
+        self.fitted = self.len;
         let Some(sphere) = fit(self.points(images)) else { return false };
         self.sphere = sphere;
         let FittedSphere { centre, radius_m } = sphere;
@@ -118,7 +116,7 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
     };
     let found: Vec<Vec<Cluster>> = images.par_iter().enumerate().map(of_image).collect::<Result<_>>()?;
     let mut parts: Vec<Cluster> = found.into_iter().flatten().collect();
-    parts.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.len()));
+    parts.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.len));
     let mut clusters: Vec<Cluster> = Vec::new();
     for mut part in parts {
         monitor.check()?;
@@ -126,14 +124,15 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
         match clusters.iter_mut().find(|cluster| cluster.inliers(&part, &images) >= INLIERS) {
             Some(cluster) => {
                 cluster.parts.append(&mut part.parts);
+                cluster.len += part.len;
                 cluster.seen_from.append(&mut part.seen_from);
                 cluster.ior_sum += part.ior_sum;
                 // Refitting for every texel would take quadratic time.
-                if cluster.len() >= 2 * cluster.fitted {
+                if cluster.len >= 2 * cluster.fitted {
                     cluster.fit(&images);
                 }
             }
-            None if is_room && part.len() >= LEAST_TEXELS && part.fit(&images) => clusters.push(part),
+            None if is_room && part.len >= LEAST_TEXELS && part.fit(&images) => clusters.push(part),
             None => {}
         }
     }
@@ -142,7 +141,7 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
         let FittedSphere { centre, radius_m } = cluster.sphere;
         let sphere = Sphere { centre: centre.as_vec3(), radius_m: radius_m as f32 };
         let is_outside = sphere.radius_m >= LEAST_RADIUS_M && sphere.centre.length() > sphere.radius_m;
-        let ior = (cluster.ior_sum / cluster.len() as f64) as f32;
+        let ior = (cluster.ior_sum / cluster.len as f64) as f32;
         (fits && is_outside && is_occupied(views, &sphere)).then_some(Refractor { sphere, ior })
     };
     Ok(clusters.into_iter().filter_map(of_cluster).take(MOST_PROXIES).collect())
@@ -197,8 +196,9 @@ fn connected(number: usize, image: &SpecularImage<'_>) -> Vec<Cluster> {
         }
         if !members.is_empty() {
             members.shrink_to_fit();
+            let len = members.len();
             let (parts, seen_from) = (vec![(number, members)], vec![image.view.from_eye.as_dvec3()]);
-            found.push(Cluster { parts, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 });
+            found.push(Cluster { parts, len, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 });
         }
     }
     found
