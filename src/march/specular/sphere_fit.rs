@@ -61,7 +61,7 @@ impl ProxyProvider for SphereFit {
 type Images<'a> = [SpecularImage<'a>];
 
 struct Cluster {
-    /// Numbers of images and of their texels. Points are computed again for each fit: they would take six times as many bytes.
+    /// Numbers of images, each once, and of their texels. Points are computed again for each fit: they would take six times as many bytes.
     parts: Vec<(usize, Vec<u32>)>,
     /// Texels of all parts. Of single texels a cluster may join millions, so that to count them each time would take quadratic time.
     len: usize,
@@ -74,6 +74,40 @@ struct Cluster {
 }
 
 impl Cluster {
+    fn new((number, image): (usize, &SpecularImage<'_>), texels: Vec<u32>) -> Cluster {
+        Cluster {
+            len: texels.len(),
+            ior_sum: texels.iter().map(|&at| ior(image, at as usize)).sum(),
+            seen_from: vec![image.view.from_eye.as_dvec3()],
+            parts: vec![(number, texels)],
+            sphere: FittedSphere::default(),
+            fitted: 0,
+        }
+    }
+
+    /// Adds the texels to the first cluster on whose sphere they lie; false where there is none.
+    fn join(&self, clusters: &mut [Cluster], images: &Images<'_>) -> bool {
+        let Some(cluster) = clusters.iter_mut().find(|cluster| cluster.inliers(self, images) >= INLIERS) else {
+            return false;
+        };
+        for ((number, texels), from) in self.parts.iter().zip(&self.seen_from) {
+            match cluster.parts.iter_mut().find(|(held, _)| held == number) {
+                Some((_, held)) => held.extend(texels),
+                None => {
+                    cluster.parts.push((*number, texels.clone()));
+                    cluster.seen_from.push(*from);
+                }
+            }
+        }
+        cluster.len += self.len;
+        cluster.ior_sum += self.ior_sum;
+        // Refitting for every texel would take quadratic time.
+        if cluster.len >= 2 * cluster.fitted {
+            cluster.fit(images);
+        }
+        true
+    }
+
     fn points<'a>(&'a self, images: &'a Images<'_>) -> impl Iterator<Item = DVec3> + Clone + 'a {
         let of_part = |(image, texels): &'a (usize, Vec<u32>)| {
             let image = &images[*image];
@@ -114,26 +148,25 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
         monitor.check()?;
         Ok(connected(number, image))
     };
-    let found: Vec<Vec<Cluster>> = images.par_iter().enumerate().map(of_image).collect::<Result<_>>()?;
-    let mut parts: Vec<Cluster> = found.into_iter().flatten().collect();
-    parts.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.len));
+    let found: Vec<Connected> = images.par_iter().enumerate().map(of_image).collect::<Result<_>>()?;
+    let (large, small): (Vec<_>, Vec<_>) = found.into_iter().map(|Connected { large, small }| (large, small)).unzip();
+    let mut large: Vec<Cluster> = large.into_iter().flatten().collect();
+    large.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.len));
     let mut clusters: Vec<Cluster> = Vec::new();
-    for mut part in parts {
+    for mut part in large {
         monitor.check()?;
-        let is_room = clusters.len() < MOST_CANDIDATES;
-        match clusters.iter_mut().find(|cluster| cluster.inliers(&part, &images) >= INLIERS) {
-            Some(cluster) => {
-                cluster.parts.append(&mut part.parts);
-                cluster.len += part.len;
-                cluster.seen_from.append(&mut part.seen_from);
-                cluster.ior_sum += part.ior_sum;
-                // Refitting for every texel would take quadratic time.
-                if cluster.len >= 2 * cluster.fitted {
-                    cluster.fit(&images);
-                }
+        if !part.join(&mut clusters, &images) && clusters.len() < MOST_CANDIDATES && part.fit(&images) {
+            clusters.push(part);
+        }
+    }
+    // The largest first, here too.
+    let lengths = if clusters.is_empty() { 0..0 } else { 1..LEAST_TEXELS };
+    for len in lengths.rev() {
+        for (image, small) in images.iter().zip(&small).enumerate().map(|(at, (image, small))| ((at, image), small)) {
+            monitor.check()?;
+            for texels in small.of_len(len) {
+                Cluster::new(image, texels.to_vec()).join(&mut clusters, &images);
             }
-            None if is_room && part.len >= LEAST_TEXELS && part.fit(&images) => clusters.push(part),
-            None => {}
         }
     }
     let of_cluster = |mut cluster: Cluster| {
@@ -156,29 +189,65 @@ fn is_occupied(views: &ActiveViews<'_>, sphere: &Sphere) -> bool {
     })
 }
 
+/// Connected texels of an image.
+#[derive(Default)]
+struct Connected {
+    /// Those that a sphere may be fitted to.
+    large: Vec<Cluster>,
+    small: SmallParts,
+}
+
+/// Parts of fewer texels than [`LEAST_TEXELS`], which can only join others. There may be one for every other texel.
+#[derive(Default)]
+struct SmallParts {
+    texels: Vec<u32>,
+    /// Ends of the parts among the texels.
+    ends: Vec<u32>,
+}
+
+impl SmallParts {
+    fn push(&mut self, texels: &[u32]) {
+        self.texels.extend(texels);
+        self.ends.push(self.texels.len() as u32);
+    }
+
+    /// Parts of so many texels.
+    fn of_len(&self, len: usize) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        let ranges = starts.zip(&self.ends).map(|(&start, &end)| start as usize..end as usize);
+        ranges.filter(move |range| range.len() == len).map(|range| &self.texels[range])
+    }
+}
+
+/// The index of refraction of a texel of an image with material.
+fn ior(image: &SpecularImage<'_>, at: usize) -> f64 {
+    let part = image.texels.material.as_ref().map_or(0.0, |material| f64::from(material[at][2]) / 255.0);
+    f64::from(IOR_RANGE[0]) + part * f64::from(IOR_RANGE[1] - IOR_RANGE[0])
+}
+
 /// Connected refractive texels of an image: adjacent, and of much the same depth.
-fn connected(number: usize, image: &SpecularImage<'_>) -> Vec<Cluster> {
+fn connected(number: usize, image: &SpecularImage<'_>) -> Connected {
     let texels = image.texels;
-    let Some(material) = &texels.material else { return Vec::new() };
+    let mut found = Connected::default();
+    let Some(material) = &texels.material else { return found };
     let [width, height] = texels.size.map(|size| size as usize);
     // Mirrors alone need no list.
     if !(0..material.len()).any(|at| image.is_refractive(at)) {
-        return Vec::new();
+        return found;
     }
     let mut taken: Vec<bool> = (0..material.len()).map(|at| !image.is_refractive(at)).collect();
-    let mut found = Vec::new();
+    let mut members = Vec::new();
     for start in 0..taken.len() {
         if std::mem::replace(&mut taken[start], true) {
             continue;
         }
-        let (mut stack, mut members, mut ior_sum) = (vec![start as u32], Vec::new(), 0.0);
+        let mut stack = vec![start as u32];
+        members.clear();
         while let Some(at) = stack.pop().map(|at| at as usize) {
             if image.point(at).is_none() {
                 continue;
             }
             members.push(at as u32);
-            let part = f64::from(material[at][2]) / 255.0;
-            ior_sum += f64::from(IOR_RANGE[0]) + part * f64::from(IOR_RANGE[1] - IOR_RANGE[0]);
             let (column, row) = (at % width, at / width);
             let beside = [
                 (column > 0).then(|| at - 1),
@@ -194,11 +263,10 @@ fn connected(number: usize, image: &SpecularImage<'_>) -> Vec<Cluster> {
                 }
             }
         }
-        if !members.is_empty() {
-            members.shrink_to_fit();
-            let len = members.len();
-            let (parts, seen_from) = (vec![(number, members)], vec![image.view.from_eye.as_dvec3()]);
-            found.push(Cluster { parts, len, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 });
+        match members.len() {
+            0 => {}
+            1..LEAST_TEXELS => found.small.push(&members),
+            _ => found.large.push(Cluster::new((number, image), members.clone())),
         }
     }
     found
