@@ -26,6 +26,13 @@ impl Fingerprint {
         ]
     }
 
+    /// The names of all values that differ, or of all where the names do.
+    pub fn differing(&self, now: &Fingerprint) -> Vec<&str> {
+        let has_same_names = self.0.len() == now.0.len() && self.0.iter().zip(&now.0).all(|((a, _), (b, _))| a == b);
+        let pairs = self.0.iter().zip(&now.0);
+        pairs.filter(|(old, new)| !has_same_names || old != new).map(|((name, _), _)| name.as_str()).collect()
+    }
+
     /// The first difference of unfinished work to the work `now`.
     pub fn difference(&self, now: &Fingerprint) -> Option<String> {
         let mut pairs = self.0.iter().zip(&now.0);

@@ -38,7 +38,7 @@ pub struct Args {
     #[arg(value_name = "B")]
     pub b: String,
     /// Largest allowed error: 16-bit log codes of depth, 8-bit codes of material
-    #[arg(long, value_name = "CODES")]
+    #[arg(long, value_name = "CODES", value_parser = parse_codes)]
     pub max_error: Option<u16>,
     /// Lowest allowed PSNR of a frame of a colour stream, in dB
     #[arg(long, value_name = "DB", value_parser = parse_db)]
@@ -55,7 +55,7 @@ pub struct Args {
     /// Accept light that did not fit 8 bits, and compare clipped codes
     #[arg(long)]
     pub allow_clipping: bool,
-    /// Require every bit to be equal, of depth and colour as stored in the files
+    /// Require every bit to be equal: of depth as stored in the files, of colour as half floats or 8 bits
     #[arg(long)]
     pub exact: bool,
     /// Ignore streams and frames that only one side has
@@ -92,6 +92,11 @@ const SSIM: &Choices<SsimFrames> = &[
     ("sampled", SsimFrames::Sampled, "The first, the middle and the last"),
     ("none", SsimFrames::None, "No frame"),
 ];
+
+fn parse_codes(text: &str) -> Result<u16, String> {
+    text.parse()
+        .map_err(|_| "a whole number of codes to 65535 was expected, as encode and inspect state their bound".into())
+}
 
 fn parse_db(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("'{text}' is no number of decibels"))?;

@@ -9,7 +9,7 @@ use crate::cli::options::{
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, depth_bound, encode_advice, refuse};
-use crate::container::journal;
+use crate::container::{Recovered, journal};
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::{
@@ -19,6 +19,7 @@ use crate::encode::{
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::image::StreamKind;
+use crate::monitor::Monitor;
 use crate::report::coding_map::counted;
 
 const SMALLER: &str = "a lower --psnr or a higher --max-error";
@@ -237,6 +238,7 @@ impl Encode<'_> {
         self.note_block_bound();
         // Checked before an earlier encode is replaced.
         encode::check(self.frames(), self.settings)?;
+        self.prepare_filters()?;
         let first_frames = encode::first_frames(self.frames(), self.settings)?;
         let progress = Progress::start(self.global, "reading first frames", first_frames)?;
         encode::check_first_frames(self.frames(), self.settings, &progress)?;
@@ -264,6 +266,22 @@ impl Encode<'_> {
             Some(part) => part,
             None => self.source,
         }
+    }
+
+    /// Computes the filters of panoramas in a stage of their own.
+    fn prepare_filters(&self) -> Result<()> {
+        let groups: Vec<_> = encode::selected_groups(self.frames(), self.settings).iter().map(|of| of.group).collect();
+        let maps = self.source.filtered_maps(&groups);
+        if maps.is_empty() {
+            return Ok(());
+        }
+        let progress = Progress::start(self.global, "preparing panoramas", maps.len() as u64)?;
+        maps.into_iter().try_for_each(|map| {
+            progress.check()?;
+            map.prepare_filters();
+            progress.advance(1);
+            Ok(())
+        })
     }
 
     /// Blocks lose more than the search for keyframes allows.
@@ -309,6 +327,11 @@ impl Encode<'_> {
             .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, self.target.unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
+                // A shard of footage that changed is made again, as one that is complete.
+                if self.is_shard() && encode::is_of_changed_footage(self.frames(), self.settings, &begun, progress)? {
+                    self.say("files have changed since the unfinished encode; starting anew");
+                    return self.encode_recovered(file, None, progress);
+                }
                 encode::check_recovered(self.frames(), self.settings, &begun)
                     .map_err(|error| error.context(self.target.path.display()))?;
                 let words = encode::describe_recovered(self.frames(), self.settings, &begun).unwrap_or_default();
@@ -332,6 +355,20 @@ impl Encode<'_> {
                 None
             }
         };
+        self.encode_recovered(file, recovered, progress)
+    }
+
+    fn is_shard(&self) -> bool {
+        self.part.as_ref().is_some_and(Part::is_shard)
+    }
+
+    /// Goes on behind what was recovered, if anything.
+    fn encode_recovered(
+        &self,
+        mut file: OutputFile,
+        recovered: Option<Recovered>,
+        progress: &Progress,
+    ) -> Result<EncodeSummary> {
         let goes_on = recovered.is_some();
         let intact =
             recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
@@ -359,7 +396,12 @@ impl Encode<'_> {
             }
             Kept::Chunks(words) => {
                 let on_disk = file.keep();
-                let safe = kept(file.work_path(), &words, &on_disk) + "; " + output::how_to_resume(&error);
+                let how = match error {
+                    // The scan of a shard holds for the footage as it was.
+                    Error::Invalid { .. } if self.is_shard() => "after a new scan, --resume starts this shard anew",
+                    _ => output::how_to_resume(&error),
+                };
+                let safe = kept(file.work_path(), &words, &on_disk) + "; " + how;
                 Err(Error::Unfinished { cause: Box::new(error), safe })
             }
         }

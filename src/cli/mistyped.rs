@@ -42,6 +42,8 @@ fn paths(argument: &OsString) -> Vec<PathBuf> {
     if let Some(text) = argument.to_str().filter(|text| text.starts_with('-')) {
         let value = match text.split_once('=') {
             Some((_, value)) => value,
+            // The value of a long option is another argument.
+            None if text.starts_with("--") => "",
             None => text.get(2..).unwrap_or_default(),
         };
         paths.push(PathBuf::from(value));

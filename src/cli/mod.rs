@@ -60,6 +60,7 @@ pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 /// Runs a command line and answers the process's exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     tradeoff::end_with_parent();
+    hide_guarded_panics();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let as_json = arguments.iter().any(|word| word == "--json");
     let cli = match parse(&arguments) {
@@ -83,6 +84,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             ExitCode::from(code)
         }
     }
+}
+
+/// Panics that become errors of one sentence print nothing before it.
+fn hide_guarded_panics() {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !crate::image::exr::is_guarded() {
+            print(panic);
+        }
+    }));
 }
 
 /// The command line, and whether its outputs can be written.

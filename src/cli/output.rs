@@ -53,6 +53,9 @@ pub fn how_to_resume(error: &Error) -> &'static str {
         true => {
             "--resume continues with equal options, once the input is mended; with other options, start anew without --resume"
         }
+        false if matches!(error, Error::Invalid { .. }) => {
+            "the same command with --resume continues, once the input is mended"
+        }
         false => "the same command with --resume continues",
     }
 }

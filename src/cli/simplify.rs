@@ -15,12 +15,11 @@ use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::dataset::manifest::manifest_path;
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
-use crate::memory::Need;
 use crate::monitor::Monitor;
 use crate::simplify::capture::Capture;
 use crate::simplify::export::{self, OutputBytes, Scene};
 use crate::simplify::fidelity::compare;
-use crate::simplify::memory::bytes;
+use crate::simplify::memory::check_images;
 use crate::simplify::pipeline::{self, Simplified, texture};
 use crate::simplify::selected::{SelectedTiles, select};
 use crate::simplify::settings::Settings;
@@ -37,14 +36,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     capture.notes.iter().for_each(|note| global.note(note));
     let mut held_out = args.held_out.as_deref().map(|path| Capture::open(path, args.frames)).transpose()?;
     let held_out_images = held_out.as_ref().map_or(0, |capture| capture.images.len());
-    let all = std::iter::once(&capture).chain(&held_out);
-    let need = Need {
-        what: "simplifying",
-        fixed: all.map(|capture| bytes(capture, &settings)).max().unwrap_or(0),
-        each: 0,
-        instead: "fewer `triangles` and a smaller `area`, or fewer `pixels_per_degree`",
-    };
-    args.memory.get().at_once(&need, 1)?;
+    let evaluated = Some(&capture).filter(|_| args.is_evaluated());
+    let compared: Vec<&Capture> = evaluated.into_iter().chain(&held_out).collect();
+    check_images(&[&capture], &compared, settings.memory)?;
     let evaluated_images = held_out_images + if args.is_evaluated() { capture.images.len() } else { 0 };
     let steps = pipeline::steps(capture.images.len()) + evaluated_images as u64;
     let progress = Progress::start(global, "simplifying", steps)?;
@@ -123,14 +117,11 @@ impl Outputs<'_> {
         scene: &mut OutputFile,
     ) -> Result<Compared> {
         let Outputs { args, settings, progress } = self;
-        let background = settings.background;
-        let evaluation =
-            args.is_evaluated().then(|| simplified.evaluate(capture, background, &progress)).transpose()?;
+        let evaluation = args.is_evaluated().then(|| simplified.evaluate(capture, settings, &progress)).transpose()?;
         simplified.stages.evaluate = evaluation.map_or(Duration::ZERO, |evaluation| evaluation.duration);
-        let held_out =
-            held_out.map(|capture| compare(&simplified.scene, capture, background, &progress)).transpose()?;
+        let held_out = held_out.map(|capture| compare(&simplified.scene, capture, settings, &progress)).transpose()?;
         let figures = match &args.plot {
-            Some(folder) => plot::write(folder, simplified, capture, background)?,
+            Some(folder) => plot::write(folder, simplified, capture, settings.background)?,
             None => Vec::new(),
         };
         drop(progress);

@@ -27,8 +27,11 @@ mod seams;
 pub mod settle;
 mod values;
 
+use std::collections::BTreeMap;
+
 use crate::dataset::manifest::Manifest;
 use crate::dataset::{Projection, Source, StreamKind};
+use crate::depth::spread::Spread;
 use crate::error::Result;
 use crate::image::ColorSpace;
 use crate::monitor::Monitor;
@@ -49,6 +52,9 @@ pub struct Report {
     pub images: u64,
     #[serde(rename = "checks")]
     pub findings: Vec<Finding>,
+    /// How distances are spread, by index of the probe.
+    #[serde(skip)]
+    pub spreads: BTreeMap<usize, Spread>,
 }
 
 impl Report {
@@ -136,5 +142,5 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         findings.extend(positions::check(source.probes()));
     }
     let probes = read::chosen_probes(source, choice)?.len();
-    Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })
+    Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings, spreads: footage.spreads })
 }

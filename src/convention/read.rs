@@ -1,6 +1,6 @@
 //! Reads one frame of each probe; keeps of each image subsampled depth, borders, statistics and a hash.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::DQuat;
@@ -11,7 +11,8 @@ use super::light::ColorValues;
 use super::probe_samples::{FaceSamples, Pose, ProbeSamples};
 use super::seams::CubeBorders;
 use super::values::{DepthValues, Stated};
-use crate::dataset::{ProbeInfo, Source, SourceGroup, StreamKind};
+use crate::dataset::{DepthKind, ProbeInfo, Source, SourceGroup, StreamKind, planar_to_distance};
+use crate::depth::spread::Spread;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};
 use crate::monitor::Monitor;
@@ -59,6 +60,8 @@ pub struct Footage {
     pub depth_borders: Vec<(String, CubeBorders)>,
     pub color_borders: Vec<(String, CubeBorders)>,
     pub depth: Option<DepthValues>,
+    /// How distances are spread, by index of the probe.
+    pub spreads: BTreeMap<usize, Spread>,
     pub color: Option<ColorValues>,
     /// Images of more than one value.
     pub hashes: Vec<HashedImage>,
@@ -76,7 +79,7 @@ struct Kept {
 }
 
 enum Values {
-    Depth(Box<(DepthValues, FaceSamples)>),
+    Depth(Box<(DepthValues, FaceSamples, Spread)>),
     Color(ColorValues),
 }
 
@@ -147,7 +150,8 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
         let kept: Vec<Kept> = if group.kind == StreamKind::Depth {
             let probe = source.probes().get(group.probe);
             let faces = group.faces.iter().zip(source.read_depth_as_stored(&group, frame)?);
-            faces.map(|(face, plane)| depth_face(*face, &plane, probe, stated)).collect()
+            let kind = source.depth_in_files;
+            faces.map(|(face, plane)| depth_face((*face, frame), &plane, probe, (kind, stated))).collect()
         } else {
             let faces = group.faces.iter().zip(source.read_color_unfiltered(&group, frame)?);
             faces.map(|(face, plane)| color_face(*face, &plane)).collect()
@@ -178,7 +182,9 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
             }
             match values {
                 Values::Depth(depth) => {
-                    let (values, samples) = *depth;
+                    let (values, samples, spread) = *depth;
+                    let before = footage.spreads.entry(index).or_default();
+                    *before = std::mem::take(before).union(&spread);
                     let surfaces = values.min.is_some_and(|nearest| nearest < values.max);
                     let shows = if surfaces { Shows::Surfaces } else { Shows::Background };
                     shown.insert((probe.name.clone(), face), shows);
@@ -231,7 +237,12 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
     }
 }
 
-fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> Kept {
+fn depth_face(
+    (face, frame): (Face, u32),
+    plane: &DepthPlane,
+    probe: Option<&ProbeInfo>,
+    (kind, stated): (DepthKind, &Stated),
+) -> Kept {
     let values = DepthValues::count(plane, stated);
     let hash = hash_of(plane, |value| value.to_bits().into());
     let farthest = stated.rules.farthest(plane);
@@ -244,8 +255,13 @@ fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated:
     let size = [plane.width(), plane.height()];
     let known = probe.and_then(|probe| probe.projection(face, size));
     let projection = known.unwrap_or(ImageProjection::CubeFace { face, size });
+    let mut distances = DepthPlane::from_fn(size[0], size[1], metres);
+    if kind == DepthKind::Planar {
+        planar_to_distance(&mut distances, &projection);
+    }
+    let spread = Spread::of(&distances, frame, face);
     let samples = FaceSamples::new(face, metres, projection);
-    Kept { face, borders, hash, values: Values::Depth(Box::new((values, samples))) }
+    Kept { face, borders, hash, values: Values::Depth(Box::new((values, samples, spread))) }
 }
 
 fn color_face(face: Face, plane: &ColorPlane) -> Kept {

@@ -13,9 +13,9 @@ use crate::image::{DepthPlane, Face};
 /// Depths whose bits agree above this one share a bin: there are eight bins for each power of two.
 const BIN_SHIFT: u32 = 20;
 const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
-/// Pixels are few if they are at most one in so many, …
+/// Pixels are few if they are at most one in so many of all, or as below.
 const FEW: u64 = 10_000;
-/// … or one for each image, and one in so many.
+/// Pixels are few also if they are at most one for each image, and at most one in so many of all.
 const FEW_OF_SMALL_IMAGES: u64 = 1000;
 /// Few pixels are named if the bound without them is at most this part of that with them.
 const WORTH_NAMING: f64 = 0.75;
@@ -100,11 +100,12 @@ impl Spread {
 
     #[must_use]
     pub fn union(mut self, other: &Spread) -> Spread {
-        self.pixels += other.pixels;
-        self.images += other.images;
+        // Numbers may be those of a damaged file.
+        self.pixels = self.pixels.saturating_add(other.pixels);
+        self.images = self.images.saturating_add(other.images);
         for (&number, more) in &other.bins {
             let merge = |bin: &mut Bin| {
-                bin.pixels += more.pixels;
+                bin.pixels = bin.pixels.saturating_add(more.pixels);
                 bin.near_m = bin.near_m.min(more.near_m);
                 bin.far_m = bin.far_m.max(more.far_m);
                 if more.first.order() < bin.first.order() {
@@ -114,6 +115,12 @@ impl Spread {
             self.bins.entry(number).and_modify(merge).or_insert(*more);
         }
         self
+    }
+
+    /// The nearest and the farthest surface; `None` where there is none.
+    pub fn range(&self) -> Option<DepthRange> {
+        let (first, last) = (self.bins.first_key_value()?.1, self.bins.last_key_value()?.1);
+        DepthRange::new(first.near_m, last.far_m).ok()
     }
 
     /// The pixels within `range` without which the bound would be at most three quarters as large, if these are few.
@@ -128,11 +135,11 @@ impl Spread {
         let whole = libm::log(f64::from(far) / f64::from(near));
         // As many as possible at one end, then as many of the others as are few enough.
         let mut best: Option<(f64, usize, usize)> = None;
-        let mut before = 0;
+        let mut before = 0u64;
         for first in 0..bins.len() {
-            let mut behind = 0;
+            let mut behind = 0u64;
             for last in (first..bins.len()).rev() {
-                let left_out = before + behind;
+                let left_out = before.saturating_add(behind);
                 if left_out > few {
                     break;
                 }
@@ -141,9 +148,9 @@ impl Spread {
                 if best.is_none_or(|(least, ..)| rest < least - 0.02 * whole) {
                     best = Some((rest, first, last));
                 }
-                behind += bins[last].pixels;
+                behind = behind.saturating_add(bins[last].pixels);
             }
-            before += bins[first].pixels;
+            before = before.saturating_add(bins[first].pixels);
             if before > few {
                 break;
             }

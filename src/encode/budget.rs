@@ -27,12 +27,14 @@ const PENDING_BYTES: u64 = 768 << 20;
 /// Most bytes of keyframes in the open chunks of a group.
 const OPEN_BYTES: usize = 384 << 20;
 
-/// Bytes that a tile is worked on with, for each pixel, by the thread that does so: its codes; of nodes a leaf for 16 pixels (1) and
+/// Bytes for each pixel of a tile that the thread which encodes it takes: its codes; of nodes a leaf for 16 pixels (1) and
 /// nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent, and as children while their parent is tried
 /// (3 times 4, and half of it again where they grow).
 const TILE_WORK_BYTES: u64 = 24;
-/// The same of predictive depth: its codes, and 6 bytes for each step of a chunk that is finished.
-const PREDICTIVE_WORK_BYTES: u64 = 2 + 3 * (16 + PREDICTIVE_FRAME_BYTES);
+/// The same of predictive depth without the chunk that is finished: its codes.
+const PREDICTIVE_WORK_BYTES: u64 = 2;
+/// Bytes for each byte of the open chunk of predictive depth while it is finished: 6 for each step, of 2 bytes.
+const PREDICTIVE_FINISHING: u64 = 3;
 const PREDICTIVE_FRAME_BYTES: u64 = FRAME_BYTES_A_PIXEL as u64;
 
 /// Bytes that the search of the transform codec takes for each pixel of a chunk of a cell: coefficients of four block sizes in three
@@ -54,8 +56,8 @@ impl Default for ScanLimits {
     }
 }
 
-#[derive(Clone, Copy)]
 /// Limits of a group's cells of keyframes and weights. They follow from footage and settings alone, because the file depends on them.
+#[derive(Clone, Copy)]
 pub(super) struct ColorMemory {
     /// With a shorter lookahead where more pictures would be pending.
     pub search: SearchSettings,
@@ -246,7 +248,9 @@ fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let is_constant = group.kind == StreamKind::Depth && codec == DepthCodec::Blocks;
     let most = if is_constant { u64::MAX } else { close_at_bytes(unit_pixels as usize) as u64 + frame };
     let open = (frames * frame).min(most);
-    let unit = unit_pixels * work + compressing_bytes(settings.compression, open);
+    let finishing =
+        if codec == DepthCodec::Predictive && group.kind != StreamKind::Material { PREDICTIVE_FINISHING } else { 0 };
+    let unit = unit_pixels * work + finishing * open + compressing_bytes(settings.compression, open);
     State { held: pixels * held + units * open, unit }
 }
 

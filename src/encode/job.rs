@@ -21,12 +21,14 @@ use crate::encode::budget::{self, ColorMemory};
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
 use crate::encode::order::Order;
+use crate::encode::part::OF_FOOTAGE;
 use crate::encode::precision::ProbePrecision;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
 use crate::encode::source::{FrameSource, GroupRef, missing_frames, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::{Error, Result};
+use crate::fingerprint::Fingerprint;
 use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
 use crate::monitor::Monitor;
@@ -146,6 +148,25 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> 
 pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
     let order = Order::of(source, settings);
     Completed::of(recovered, &configuration::of(source, settings), &order, settings).map(|_| ())
+}
+
+/// Whether an interrupted encode of a shard has the settings of this one, and its footage has changed since.
+pub fn is_of_changed_footage(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    recovered: &Recovered,
+    monitor: &dyn Monitor,
+) -> Result<bool> {
+    let now = configuration::of(source, settings);
+    let begun = serde_json::from_slice(&recovered.head).map(Fingerprint).unwrap_or_else(|_| now.clone());
+    let differing = begun.differing(&now);
+    if !differing.is_empty() {
+        return Ok(differing.iter().all(|name| OF_FOOTAGE.contains(name)));
+    }
+    match prepare(source, settings, Some(recovered), &Order::of(source, settings), monitor) {
+        Err(Error::Usage(_)) => Ok(true),
+        prepared => prepared.map(|_| false),
+    }
 }
 
 /// Complete chunks of an interrupted encode, in words; `None` where there are none.

@@ -40,10 +40,10 @@ pub use first_frames::{check as check_first_frames, steps as first_frames};
 pub use footage::Footage;
 pub use job::{
     EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
-    encode_resumable,
+    encode_resumable, is_of_changed_footage,
 };
 pub use part::Part;
-pub use precision::{NamedPixel, NamedStrays, ProbePrecision};
+pub use precision::{NamedPixel, NamedStrays, ProbePrecision, strays_of};
 pub use scan::Scans;
 pub use scan_file::{ScanFile, probe_images, scan_probes};
 pub use settings::{

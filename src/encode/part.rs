@@ -18,6 +18,11 @@ use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane,
 use crate::monitor::Monitor;
 use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
+const SCAN: &str = "the scan";
+const CONTENT: &str = "the content of the footage";
+/// Fields of a part's configuration that follow from the footage.
+pub(super) const OF_FOOTAGE: [&str; 2] = [SCAN, CONTENT];
+
 /// Groups of a source, or some frames of these.
 pub struct Part<'a> {
     pub(super) source: &'a dyn FrameSource,
@@ -41,7 +46,7 @@ impl<'a> Part<'a> {
         Part { source, groups: source.groups().to_vec(), scans: Scans::default(), footage, shard: None }
     }
 
-    /// One shard, without scans and footage.
+    /// One shard of `shard.count` of about the same size, without scans and footage.
     ///
     /// # Errors
     /// [`crate::Error::Usage`] where the source cannot be cut into so many.
@@ -56,8 +61,7 @@ impl<'a> Part<'a> {
         Part::of_groups(source, settings, (&order, groups), shard)
     }
 
-    /// One shard, of which is said what it has, without scans and footage. Whether all shards together have everything once is found
-    /// where they are joined.
+    /// One shard of chosen content, without scans and footage. Joining shards checks that together they have everything once.
     ///
     /// # Errors
     /// As [`ShardChoice::groups`].
@@ -232,10 +236,10 @@ impl FrameSource for Part<'_> {
 
     fn configuration(&self) -> Vec<(&'static str, String)> {
         let mut fields = self.source.configuration();
-        fields.push(("the scan", digest(format!("{:?}", self.scans).as_bytes())));
+        fields.push((SCAN, digest(format!("{:?}", self.scans).as_bytes())));
         if let Some(OneShard { entry: ShardEntry { number, count, .. }, footage, .. }) = &self.shard {
             fields.push(("`shard`", format!("{number}/{count}")));
-            fields.push(("the content of the footage", digest(&footage.write())));
+            fields.push((CONTENT, digest(&footage.write())));
         }
         fields
     }

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::depth::spread::{PlacedDepth, Strays};
+use crate::depth::DepthRange;
+use crate::depth::spread::{PlacedDepth, Spread, Strays};
+use crate::encode::EncodeSettings;
+use crate::encode::depth_range::given_range;
 use crate::encode::source::FrameSource;
 use crate::image::{Face, StreamKind};
 use crate::json::Number;
@@ -49,16 +52,32 @@ impl ProbePrecision {
         strays: Option<&Strays>,
     ) -> ProbePrecision {
         let bound = DepthBound::of(header);
+        // Levels are exact, whatever the range.
+        ProbePrecision::named(source, probe, bound, strays.filter(|_| header.levels() == 0))
+    }
+
+    fn named(source: &dyn FrameSource, probe: usize, bound: DepthBound, strays: Option<&Strays>) -> ProbePrecision {
         let named = |strays: &Strays| NamedStrays {
             pixels: strays.pixels,
             of_pixels: strays.of_pixels,
             first: strays.named.iter().map(|place| named(source, probe, place)).collect(),
             without: DepthBound { range: strays.without, ..bound },
         };
-        // Levels are exact, whatever the range.
-        let strays = strays.filter(|_| header.levels() == 0).map(named);
-        ProbePrecision { probe: source.probes()[probe].name.clone(), bound, strays }
+        ProbePrecision { probe: source.probes()[probe].name.clone(), bound, strays: strays.map(named) }
     }
+}
+
+/// Few pixels of a probe that would take much of the precision of a lossless encode; `None` where there are none, or near and far
+/// are given.
+pub fn strays_of(source: &dyn FrameSource, probe: usize, spread: &Spread) -> Option<ProbePrecision> {
+    let ([given_near, given_far], found) = (given_range(source, &EncodeSettings::default()), spread.range()?);
+    if given_near.is_some() && given_far.is_some() {
+        return None;
+    }
+    let [near, far] = [given_near.unwrap_or(found.near_m()), given_far.unwrap_or(found.far_m())];
+    let range = DepthRange::new(near, far).ok()?;
+    let strays = spread.strays(range)?;
+    Some(ProbePrecision::named(source, probe, DepthBound { range, codes: Some(0) }, Some(&strays)))
 }
 
 fn named(source: &dyn FrameSource, probe: usize, place: &PlacedDepth) -> NamedPixel {

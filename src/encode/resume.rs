@@ -214,7 +214,10 @@ impl Completed {
             source.files(group, frame)?.iter().map(|file| file.display().to_string()).collect();
         files.dedup();
         let name = name_frame(source, group, frame);
-        Err(configuration::other(&format!("{} ({name}) has changed since", files.join(" or "))))
+        Err(Error::Usage(format!(
+            "the unfinished encode cannot go on: {} ({name}) has changed since; leave out `resume` to start anew",
+            files.join(" or ")
+        )))
     }
 
     /// Refuses changed files that complete chunks depend on. Forgets scans of changed files that no chunk depends on.

@@ -97,13 +97,13 @@ impl ScanFile {
         let file = open_regular(path)?;
         let scan: ScanFile = serde_json::from_reader(std::io::BufReader::new(file))
             .map_err(|error| Error::invalid(format!("this is no scan: {error}")).in_file(path))?;
-        match scan.lightfold_scan {
-            VERSION => Ok(scan),
-            other => {
-                let message = format!("a scan of version {other}, this program reads version {VERSION}");
-                Err(Error::invalid(message).in_file(path))
-            }
-        }
+        let ascends = |pair: &[ScannedFrames]| pair[0].place() < pair[1].place();
+        let message = match scan.lightfold_scan {
+            VERSION if scan.parts.windows(2).all(ascends) => return Ok(scan),
+            VERSION => "the parts of this scan repeat or are out of order: scan again".into(),
+            other => format!("a scan of version {other}, this program reads version {VERSION}"),
+        };
+        Err(Error::invalid(message).in_file(path))
     }
 
     pub fn write(&self, path: &Path) -> Result<()> {

@@ -328,6 +328,10 @@ impl EncodeSettings {
         if let Some(step) = constant_step.filter(|step| i32::from(*step) > COARSEST) {
             return wrong(format!("`color_qp` {step}: 0 to {COARSEST} was expected"));
         }
+        // Each alone, and both together.
+        if let (Some(near_m), Some(far_m)) = (self.near_m.or(self.far_m), self.far_m.or(self.near_m)) {
+            DepthRange::new(near_m, far_m).map_err(|error| Error::Usage(format!("`near` and `far`: {error}")))?;
+        }
         match self.color {
             ColorFormat::EightBit(ToneMap { exposure_ev, .. }) if !(-8.0..=8.0).contains(&exposure_ev) => {
                 wrong(format!("`exposure` {exposure_ev}: -8 to 8 stops were expected"))

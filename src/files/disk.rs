@@ -142,11 +142,10 @@ pub fn sync_file(path: &Path) -> Result<()> {
 /// Waits until the names in a folder are on the disk, on systems that sync folders.
 #[cfg(unix)]
 pub fn sync_folder(folder: &Path) -> Result<()> {
-    use std::io::ErrorKind::{InvalidInput, Unsupported};
+    use std::io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     // A folder may be writable without being readable.
-    let Ok(opened) = File::open(folder) else { return Ok(()) };
-    let done = match opened.sync_all() {
-        Err(error) if !matches!(error.kind(), InvalidInput | Unsupported) => Err(error),
+    let done = match File::open(folder).and_then(|opened| opened.sync_all()) {
+        Err(error) if !matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported) => Err(error),
         _ => Ok(()),
     };
     recorded!(done, Operation::SyncFolder { path: folder.to_path_buf() })
@@ -184,11 +183,13 @@ pub fn remove_tree(path: &Path) -> Result<()> {
 pub fn create_folders(folder: &Path) -> Result<Vec<PathBuf>> {
     let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
     let missing: Vec<PathBuf> = missing.map(Path::to_path_buf).collect();
+    let mut made = Vec::new();
     for path in missing.iter().rev() {
         match recorded!(std::fs::create_dir(path), Operation::CreateFolder { path: path.clone() }) {
+            Ok(()) => made.insert(0, path.clone()),
             // Another thread or process was faster; a name such as `a/..` is there, too, once `a` is.
             Err(_) if path.is_dir() => {}
-            created => created?,
+            Err(error) => return Err(error),
         }
         sync_folder(parent_of(path))?;
     }
@@ -196,7 +197,7 @@ pub fn create_folders(folder: &Path) -> Result<Vec<PathBuf>> {
     if missing.is_empty() && !folder.as_os_str().is_empty() && !folder.is_dir() {
         std::fs::create_dir(folder)?;
     }
-    Ok(missing)
+    Ok(made)
 }
 
 /// Creates a folder with a name of its own.

@@ -95,8 +95,8 @@ impl OutputFile {
         }
     }
 
-    /// As [`Self::commit`], with `time` as that of the last change, as where a later run compares it with the times of its sources.
-    /// Of a pipe or device it is left alone.
+    /// As [`Self::commit`], with `time` as the time of the last change, which a later run may compare with the times of its sources.
+    /// Those of pipes and devices are left alone.
     pub fn commit_as_of(&mut self, time: SystemTime) -> Result<()> {
         if let Sink::Partial(partial) = &mut self.sink {
             partial.modified = Some(time);

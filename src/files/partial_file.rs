@@ -41,7 +41,7 @@ pub struct PartialFile {
     sync_error: Option<String>,
     keep: bool,
     pub is_committed: bool,
-    /// When the output was last changed, if not when it was.
+    /// Time of the last change that the output gets; `None` for the real one.
     pub modified: Option<SystemTime>,
 }
 

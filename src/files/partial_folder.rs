@@ -1,9 +1,9 @@
 //! An output folder whose files are collected beside it, so that a later process can resume.
 //!
-//! A file counts as made once the state has its record: its name, length and CRC-32, in a line behind the words of the one who
-//! works. The order is fixed: the file's bytes and its name reach the disk before its record, all records before the folder gets its
-//! name. Records are written for all files of a second together, for each waits for the disk three times. A later process reads every
-//! recorded file again, and makes those anew that are not as recorded.
+//! A file counts as made once the state file has its record: its name, length and CRC-32, on a line of its own after the first line,
+//! which describes the work. The order is fixed: the file's bytes and its name reach the disk before its record, all records before the
+//! folder gets its name. Files that are written within a second are recorded together, because each record waits for the disk three
+//! times. A later process reads every recorded file again, and makes those again that differ from their record.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -80,7 +80,7 @@ struct Progress {
     recorded: BTreeMap<PathBuf, Record>,
     /// Written, and not recorded yet.
     pending: Vec<Record>,
-    /// When records were last written.
+    /// When records were last written, or began to be.
     last: Option<Instant>,
 }
 
@@ -238,48 +238,70 @@ impl PartialFolder {
             let mut progress = self.progress();
             progress.recorded.remove(file);
             progress.pending.push(record);
-            if progress.last.is_none_or(|last| last.elapsed() >= PAUSE) {
-                self.record(&mut progress).map_err(io)?;
+            let is_due = progress.last.is_none_or(|last| last.elapsed() >= PAUSE);
+            drop(progress);
+            if is_due {
+                self.record().map_err(io)?;
             }
             Ok(bytes)
         };
         written().map_err(|error| {
-            // On a full disk its record needs the space.
+            // On a full disk the records of the others need the space.
             let _ = disk::remove_file(&path);
+            self.progress().pending.retain(|record| record.file.as_path() != file);
             self.present(error)
         })
     }
 
-    /// Records the files that were written: they reach the disk before their records do.
-    fn record(&self, progress: &mut Progress) -> std::io::Result<()> {
+    /// Records the files that were written. Files reach the disk without the lock: a thread of the pool that waits for them may begin
+    /// another job meanwhile, which takes the lock for its own file.
+    fn record(&self) -> std::io::Result<()> {
+        let mut progress = self.progress();
+        let written = std::mem::take(&mut progress.pending);
+        progress.last = Some(Instant::now());
+        drop(progress);
+        let done = self.sync_and_append(&written);
+        let mut progress = self.progress();
+        match done {
+            Ok(()) => progress.recorded.extend(written.into_iter().map(|record| (record.file.clone(), record))),
+            Err(_) => progress.pending.extend(written),
+        }
+        progress.last = Some(Instant::now());
+        done
+    }
+
+    /// Brings files to the disk, and then their records.
+    fn sync_and_append(&self, written: &[Record]) -> std::io::Result<()> {
         let mut folders: Vec<PathBuf> =
-            progress.pending.iter().map(|record| parent_of(&self.files.join(&record.file)).to_path_buf()).collect();
+            written.iter().map(|record| parent_of(&self.files.join(&record.file)).to_path_buf()).collect();
         folders.sort();
         folders.dedup();
-        progress.pending.par_iter().try_for_each(|record| disk::sync_file(&self.files.join(&record.file)))?;
+        written.par_iter().try_for_each(|record| disk::sync_file(&self.files.join(&record.file)))?;
         folders.iter().try_for_each(|folder| disk::sync_folder(folder))?;
         let mut lines = Vec::new();
-        for record in &progress.pending {
+        for record in written {
             serde_json::to_writer(&mut lines, record)?;
             lines.push(b'\n');
         }
-        progress.state.write_all(&lines)?;
-        progress.state.sync()?;
-        let pending = std::mem::take(&mut progress.pending);
-        progress.recorded.extend(pending.into_iter().map(|record| (record.file.clone(), record)));
-        progress.last = Some(Instant::now());
-        Ok(())
+        let mut progress = self.progress();
+        let state = &mut progress.state;
+        let end = state.stream_position()?;
+        let appended = state.write_all(&lines).and_then(|()| state.sync());
+        if appended.is_err() {
+            // A part of a line would hide all lines after it.
+            let _ = state.set_len(end).and_then(|()| state.seek(SeekFrom::Start(end)));
+        }
+        appended
     }
 
     /// Lets dropping leave the folder, where it has files. Returns their number.
     pub fn keep(&mut self) -> u64 {
-        let mut progress = self.progress();
-        if !progress.pending.is_empty() && self.record(&mut progress).is_err() {
+        let has_pending = !self.progress().pending.is_empty();
+        if has_pending && self.record().is_err() {
             // They are made again.
-            progress.pending.clear();
+            self.progress().pending.clear();
         }
-        let files = progress.recorded.len() as u64;
-        drop(progress);
+        let files = self.progress().recorded.len() as u64;
         self.keep |= files > 0;
         files
     }
@@ -294,15 +316,13 @@ impl PartialFolder {
         let output = &self.output;
         let io = |error| Error::io(output, error);
         self.keep = true;
-        let mut progress = self.progress();
-        self.record(&mut progress).map_err(io)?;
-        remove_others(&self.files, Path::new(""), &progress.recorded).map_err(io)?;
+        self.record().map_err(io)?;
+        remove_others(&self.files, Path::new(""), &self.progress().recorded).map_err(io)?;
         if let Some((name, bytes)) = description {
             let path = self.files.join(name);
             DiskFile::create(&path).and_then(|mut file| file.write_all(bytes)).map_err(io)?;
         }
         disk::sync_tree(&self.files).and_then(|()| rename_or_move_into(&self.files, output)).map_err(io)?;
-        drop(progress);
         // What is left has no file of the output.
         let _ = disk::remove_tree(&self.path);
         Ok(())

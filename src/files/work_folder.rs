@@ -58,7 +58,7 @@ impl Drop for WorkFolder {
     }
 }
 
-/// Removes folders that no process owns. What cannot be removed, or where the file system has no locks, stays: it does no harm.
+/// Removes folders that no process owns. Those that cannot be removed, and all on a file system without locks, stay: they do no harm.
 pub fn clear_left(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -68,7 +68,8 @@ pub fn clear_left(parent: &Path) {
             continue;
         }
         let path = entry.path();
-        // The lock is made first; where the power failed it may be lost. One of neither is that of an older version, or empty.
+        // The lock is made first, but may be lost where the power failed. A folder with neither is empty, or of an older version, and only
+        // an empty one can be removed.
         if !path.join(LOCK).exists() && !path.join(FILES).is_dir() {
             let _ = disk::remove_folder(&path);
         } else if let Ok(Some(lock)) = open_locked(&path.join(LOCK))

@@ -133,7 +133,7 @@ impl Case {
     /// Counts promises of a result that are broken.
     fn broken(&self) -> Result<Measured> {
         let found = self.run()?;
-        let Evaluation { fidelity, .. } = found.evaluate(&mut self.capture()?, self.background, &Silent)?;
+        let Evaluation { fidelity, .. } = found.evaluate(&mut self.capture()?, &self.settings()?, &Silent)?;
         let mut wrong = Measured::count(0);
         let Budgets { triangles, area, peak_overdraw } = self.budgets;
         let mesh = &found.scene.mesh;

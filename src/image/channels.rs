@@ -4,7 +4,7 @@
 //! first by full name, then by the channel's own name. An ambiguous name is an error that lists the candidates. A given name
 //! is that of a channel, or else of a layer, part or stereo view, inside which the tables are searched.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use crate::error::{Error, Result};
 
@@ -119,6 +119,17 @@ impl ChannelName {
         let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
         if self.layer.is_empty() || repeats { self.name.clone() } else { format!("{}.{}", self.layer, self.name) }
     }
+
+    /// Whether [`Self::full`] is the wanted name. Searches compare thousands of names with thousands, so none is made here.
+    fn is_called(&self, wanted: &str, same: Same) -> bool {
+        let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
+        if self.layer.is_empty() || repeats {
+            return same(&self.name, wanted);
+        }
+        let split = wanted.split_at_checked(self.layer.len());
+        let parts = split.and_then(|(layer, rest)| Some((layer, rest.strip_prefix('.')?)));
+        parts.is_some_and(|(layer, name)| same(name, &self.name) && same(layer, &self.layer))
+    }
 }
 
 /// How a channel or layer of depth is named.
@@ -162,7 +173,7 @@ const TRIES: [(By, Same); 4] = [
 /// Index of the channel of that name; `None` when there is none, an error when several layers have it.
 fn lookup(names: &[ChannelName], wanted: &str, (by, same): (By, Same), key: &str) -> Result<Option<usize>> {
     if let By::Full = by {
-        return Ok(names.iter().position(|channel| same(&channel.full(), wanted)));
+        return Ok(names.iter().position(|channel| channel.is_called(wanted, same)));
     }
     let plain: Vec<usize> = (0..names.len()).filter(|&i| same(&names[i].name, wanted)).collect();
     match plain.as_slice() {
@@ -300,9 +311,13 @@ fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
         ([], [_only]) => return alone(0),
         _ => {}
     }
+    let (layers, all) = (layers(names), names.iter().map(ChannelName::full).collect::<HashSet<_>>());
     for wanted in DEPTH_LAYERS {
-        let is_one = |layer: &&String| layer.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case(wanted));
-        let layers = layers(names);
+        let is_one = |layer: &&String| {
+            let is_named = layer.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case(wanted));
+            let has = |component: &&str| all.contains(&format!("{layer}.{component}"));
+            is_named && COLOR_COMPONENTS.iter().any(|components| components.iter().all(has))
+        };
         let mut found = Vec::new();
         for layer in layers.iter().filter(is_one) {
             found.extend(find_layer(names, layer, (By::Full, str::eq), DEPTH_KEY)?);

@@ -73,6 +73,11 @@ impl FaceMap {
         ImageProjection::Equirect { size: [self.width, self.height] }
     }
 
+    /// Computes the filters of colour and alpha, which the first image would wait for.
+    pub fn prepare_filters(&self) {
+        self.filters();
+    }
+
     fn filters(&self) -> &[FilterRow] {
         self.filters.get_or_init(|| rows(self.size, |row| self.filter_row(row)))
     }

@@ -311,7 +311,9 @@ impl Sequence {
             if !path.is_file() {
                 return Err(Error::not_found(
                     path,
-                    format!("frame {frame} is missing: there is no such file; `missing` chooses what takes its place"),
+                    format!(
+                        "frame {frame} is missing: there is no such file; \"missing\" in the manifest chooses what takes its place"
+                    ),
                 ));
             }
         }

@@ -11,8 +11,9 @@ use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS
 
 /// Bytes of each ray that a thread holds: its direction, layers of what it shows, and the sum of its pixel.
 const RAY_BYTES: u64 = 400;
-/// Bytes of a texel of material while spheres are fitted: its point, twice in a cluster, and the end of its ray.
-const FIT_BYTES: u64 = 64;
+/// Bytes of a texel of material while spheres are fitted: its number, in a list that grows and in one of texels whose neighbours are
+/// looked at, and whether it was.
+const FIT_BYTES: u64 = 8 + 8 + 1;
 /// Bytes of a texel of an environment map.
 const MAP_BYTES: u64 = 18;
 /// Bytes of one while the map is made: what views see, sums, weights, and coarser images.

@@ -97,7 +97,7 @@ async fn open_film(served: &Arc<Served>) -> Result<Arc<OpenFilm>> {
 }
 
 /// ENFILE and EMFILE, or ERROR_TOO_MANY_OPEN_FILES.
-fn is_out_of_files(error: &io::Error) -> bool {
+pub fn is_out_of_files(error: &io::Error) -> bool {
     let codes: &[i32] = if cfg!(windows) { &[4] } else { &[23, 24] };
     error.raw_os_error().is_some_and(|code| codes.contains(&code))
 }

@@ -2,8 +2,8 @@
 //!
 //! A connection makes progress when the head of a request is complete, when an answer ends, and with each [`PROGRESS_BYTES`] of
 //! answers that the client takes. A byte now and then is no progress. One that waits for its client without progress is closed after
-//! [`Limits::progress_timeout`]. A new connection is always accepted: if there are [`Limits::max_connections`], the one that is worst
-//! makes room for it.
+//! [`Limits::progress_timeout`]. A new connection is always accepted: if there are [`Limits::max_connections`], the one that [`worst`]
+//! finds is closed for it.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv6Addr};
@@ -14,10 +14,12 @@ use tokio::task::AbortHandle;
 
 /// Bytes of answers that count as progress once a client has taken them.
 const PROGRESS_BYTES: u64 = 64 << 10;
-/// Connections of one address above which it is the first to lose one. Browsers have six to a server.
+/// Connections of one network above which it is the first to lose one. Browsers open six to a server.
 const FAIR_SHARE: usize = 32;
 /// Open files that are kept free for reading the film once the system has refused one.
 const FREE_FILES: usize = 20;
+/// Time in which closed connections give their files back.
+const FILES_RETURN: Duration = Duration::from_millis(10);
 
 /// Limits of a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +49,8 @@ struct Table {
     open: BTreeMap<u64, Open>,
     /// Connections that the system has files for; at most those of the limits.
     capacity: usize,
+    /// When the system last had no file left.
+    out_of_files: Option<Instant>,
 }
 
 #[derive(Debug)]
@@ -59,7 +63,7 @@ struct Open {
 #[derive(Debug)]
 pub struct Connection {
     id: u64,
-    /// Address of the client.
+    /// Network of the client: see [`network`].
     network: IpAddr,
     activity: Mutex<Activity>,
 }
@@ -68,7 +72,7 @@ pub struct Connection {
 struct Activity {
     /// Time of the last progress, or of the beginning.
     progress: Instant,
-    /// Bytes taken since.
+    /// Bytes taken since the last that counted as progress.
     taken_bytes: u64,
     /// True if there is an answer that has not ended.
     is_answering: bool,
@@ -127,7 +131,8 @@ impl Connection {
 
 impl Connections {
     pub fn new(limits: Limits) -> Connections {
-        let table = Table { next_id: 0, open: BTreeMap::new(), capacity: limits.max_connections.max(1) };
+        let table =
+            Table { next_id: 0, open: BTreeMap::new(), capacity: limits.max_connections.max(1), out_of_files: None };
         Connections { limits, table: Mutex::new(table) }
     }
 
@@ -159,9 +164,15 @@ impl Connections {
         self.table().open.remove(&connection.id);
     }
 
-    /// Closes as many connections as reading the film needs files, and allows fewer for a while: the system has no file left.
+    /// Closes as many connections as reading the film needs files, and allows fewer for a while: the system has no file left. Requests
+    /// that find so at the same time are answered by the same files.
     pub fn out_of_files(&self) {
         let mut table = self.table();
+        let now = Instant::now();
+        if table.out_of_files.is_some_and(|before| now.duration_since(before) < FILES_RETURN) {
+            return;
+        }
+        table.out_of_files = Some(now);
         table.capacity = table.open.len().saturating_sub(FREE_FILES).max(1);
         let capacity = table.capacity;
         table.close_above(capacity);
@@ -203,8 +214,9 @@ impl Table {
     }
 }
 
-/// The connection to close first: one that waits for its client, before those that the server works for; of those of an address that has
-/// more than its share, if there is one; without progress for the longest time.
+/// The connection to close first. Those that wait for their clients go before those that the server works for; among these, those of
+/// the network with the most connections, if it has more than [`FAIR_SHARE`]; and among these, the one without progress for the longest
+/// time.
 fn worst(open: &[(&Connection, Activity)]) -> Option<u64> {
     let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
     open.iter().for_each(|(connection, _)| *counts.entry(connection.network).or_default() += 1);

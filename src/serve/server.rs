@@ -15,7 +15,7 @@ use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::Notify;
 
-use super::answer::{Served, answer};
+use super::answer::{Served, answer, is_out_of_files};
 use super::answering::{AnswerMark, Answering};
 use super::connections::{Connection, Connections, Limits};
 use super::film::Film;
@@ -125,8 +125,10 @@ async fn accept(listener: TcpListener, served: Arc<Served>, connections: Arc<Con
             }),
             // The client went away before.
             Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
-            Err(_) => {
-                connections.out_of_files();
+            Err(error) => {
+                if is_out_of_files(&error) {
+                    connections.out_of_files();
+                }
                 tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
             }
         }

@@ -9,10 +9,12 @@ use rayon::prelude::*;
 use super::capture::{Capture, CaptureImage, ImageRays};
 use super::cracks::{CRACK_ALPHA, OPAQUE_ALPHA, covered};
 use super::gaps::SeenDirections;
+use super::memory;
 use super::quad_mesh::QuadMesh;
 use super::raster::{Drawn, draw};
 use super::region::ViewingRegion;
 use super::samples::Background;
+use super::settings::Settings;
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::evaluate::reference::Truth;
@@ -26,8 +28,6 @@ use crate::monitor::Monitor;
 /// Decibels that the released evaluator added to the PSNR: 10 log10 255.
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 
-/// Images that are compared at once, at most.
-pub(super) const MOST_AT_ONCE: usize = 8;
 /// Pictures of random poses, and their side in pixels.
 const POSES: u32 = 64;
 const POSE_SIDE: u32 = 256;
@@ -160,11 +160,12 @@ impl Compared {
 pub fn compare(
     scene: &QuadMesh,
     capture: &mut Capture,
-    background: Background,
+    settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Fidelity> {
     let mut fidelity = Fidelity::default();
-    let at_once = rayon::current_num_threads().min(MOST_AT_ONCE);
+    let texels = scene.texture.pixels.len() as u64;
+    let at_once = memory::compared_at_once(capture, texels, settings.memory)?;
     let mut read = |first: usize| -> Result<Vec<(CaptureImage, ImageRays)>> {
         let images = first..(first + at_once).min(capture.images.len());
         images.map(|image| Ok((capture.images[image].clone(), capture.rays(image)?))).collect()
@@ -172,7 +173,7 @@ pub fn compare(
     let one = |(image, rays): &(CaptureImage, ImageRays)| {
         monitor.advance(1);
         let mut fidelity = Fidelity::default();
-        fidelity.add(scene, image, rays, background)?;
+        fidelity.add(scene, image, rays, settings.background)?;
         Ok(fidelity)
     };
     let (mut first, mut next) = (0, read(0)?);

@@ -1,46 +1,127 @@
-//! Memory that simplification takes at most.
+//! Memory that the stages of simplification take at most. What images and points take is known before the work begins; what textures
+//! take, when the tiles are selected.
 
 use super::capture::Capture;
-use super::fidelity::MOST_AT_ONCE;
+use super::points::{VOXEL_BYTES, WAITING};
+use super::quad_mesh::AtlasLight;
+use super::samples::Sample;
 use super::selected::MAX_POINTS;
-use super::settings::Settings;
+use super::settings::{Settings, SurfaceAtlases};
+use super::textures::SAMPLES_AT_ONCE;
+use crate::error::Result;
+use crate::memory::{Budget, Need};
 
-/// Bytes by pixel of an image: its rays, samples, constraints and pictures.
-const PIXEL_BYTES: u64 = 640;
-/// Bytes by pixel of each further image that is compared at the same time.
-const COMPARED_PIXEL_BYTES: u64 = 320;
-/// Bytes by merged point: its voxel, the point, its copies in the candidates' order, and the candidates it may lead to.
-const POINT_BYTES: u64 = 400;
-/// Bytes by texel of all tiles: sums of light, constraints, light and alpha, and the atlas.
-const TEXEL_BYTES: u64 = 96;
-/// Area in the planes of cube faces over that on the sphere, at most: 24 over 4 π.
-const PLANE_SHARE: f64 = 1.91;
-/// Texels by which the side of a tile grows: it is dilated on both sides, and rounded up.
-const SIDE_GROWTH: f64 = 9.0;
-/// Bytes by pixel of a picture of alpha, and by triangle that it is drawn of; each thread has one.
+/// Images that are compared at once, at most.
+const MAX_COMPARED: usize = 8;
+/// Bytes of a pixel of an image while it is read: depth, light and material as files hold them, and its rays.
+const READING_PIXEL_BYTES: u64 = 56;
+/// Bytes of the point at which the ray of a sample ends.
+const END_BYTES: u64 = 24;
+/// Bytes of a pixel of an image that is compared: its rays, and those of the one that is read meanwhile, pictures and their errors.
+const COMPARED_PIXEL_BYTES: u64 = 240;
+/// Bytes of a merged point while candidates are fitted: the point, its copies in their order, and the tile that it belongs to.
+const POINT_BYTES: u64 = 96;
+/// Bytes of the constraints of a sample, as they are found and in the order of tiles, where it lies along eight tiles.
+const CONSTRAINED_BYTES: u64 = 8 * 2 * 24;
+/// Bytes of a texel while samples arrive: a sum of light, and 4x4 places of constraints.
+const TEXEL_BYTES: u64 = 16 + 16;
+/// Bytes of a texel of the tile that a thread finishes: distances of 4x4 places to both kinds of constraints, coverage, and light.
+const FINISHED_BYTES: u64 = 2 * 4 * 16 + 4 + 28;
+/// Bytes of a texel of the atlas while files are written, and with half floats or atlases of surfaces.
+const ATLAS_BYTES: u64 = 16;
+const FLOAT_ATLAS_BYTES: u64 = 40;
+const SURFACE_ATLAS_BYTES: u64 = 80;
+/// Bytes of a pixel of a picture of alpha, and of a triangle that it is drawn of; each thread has one.
 const ALPHA_PIXEL_BYTES: u64 = 8;
 const TRIANGLE_BYTES: u64 = 400;
-/// Tables of candidates and of the shares of views.
-const FIXED_BYTES: u64 = 128 << 20;
+/// Bytes of the tables of candidates and of the shares of views; and of the latter alone.
+const SELECTION_BYTES: u64 = 112 << 20;
+const SHARES_BYTES: u64 = 48 << 20;
+/// Bytes of tiles, of the tables by which they are found, and of directions in which there are surfaces.
+const TILES_BYTES: u64 = 16 << 20;
 
-/// An upper bound, for a budget that is checked before the work.
-pub fn bytes(capture: &Capture, settings: &Settings) -> u64 {
-    let pixels = capture.images.iter().map(|image| image.size.map(u64::from).iter().product()).max().unwrap_or(0);
+/// Pixels of the largest image.
+fn most_pixels(capture: &Capture) -> u64 {
+    capture.images.iter().map(|image| image.pixels() as u64).max().unwrap_or(0)
+}
+
+/// Images that are held at once while samples are taken: one is read while that before it is worked on.
+fn held_images(capture: &Capture) -> u64 {
+    rayon::current_num_threads().min(capture.images.len()).min(2) as u64
+}
+
+/// Bytes of merging and selecting.
+fn selecting_bytes(capture: &Capture) -> u64 {
+    let pixels = most_pixels(capture);
     let samples = pixels.saturating_mul(capture.images.len() as u64);
     let points = samples.min(MAX_POINTS as u64);
-    let texels_per_unit = settings.texels_per_unit(capture);
-    let sphere = 4.0 * std::f64::consts::PI * texels_per_unit * texels_per_unit;
-    let (area, tiles) = (PLANE_SHARE * settings.budgets.area * sphere, 0.5 * settings.budgets.triangles);
-    // The sum of (side + growth)², of tiles that have this area together, is largest where all are alike.
-    let texels = (area + 2.0 * SIDE_GROWTH * (tiles * area).sqrt() + SIDE_GROWTH.powi(2) * tiles) as u64;
-    let compared = (rayon::current_num_threads().min(MOST_AT_ONCE) as u64).saturating_mul(COMPARED_PIXEL_BYTES);
-    let pictures = (pixels.saturating_mul(ALPHA_PIXEL_BYTES))
-        .saturating_add((settings.budgets.triangles as u64).saturating_mul(TRIANGLE_BYTES))
-        .saturating_mul(rayon::current_num_threads() as u64);
-    pixels
-        .saturating_mul(PIXEL_BYTES + compared)
-        .saturating_add(pictures)
-        .saturating_add(points * POINT_BYTES)
-        .saturating_add(texels.saturating_mul(TEXEL_BYTES))
-        .saturating_add(FIXED_BYTES)
+    let waiting = samples.min(2 * WAITING as u64);
+    // Voxels, those that wait, and both as they are merged.
+    let merging = VOXEL_BYTES * (2 * (points + waiting) + waiting / 2);
+    let images = pixels.saturating_mul(READING_PIXEL_BYTES + END_BYTES * held_images(capture));
+    images.saturating_add(merging).max(points * POINT_BYTES + SELECTION_BYTES)
+}
+
+/// Bytes of texturing tiles whose textures have such sides.
+fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u64 {
+    let threads = rayon::current_num_threads();
+    let pixels = most_pixels(capture);
+    let of_side = |side: usize| (side as u64).pow(2);
+    let texels: u64 = sides.iter().copied().map(of_side).sum();
+    let mut largest = sides.to_vec();
+    largest.sort_unstable_by_key(|&side| std::cmp::Reverse(side));
+    let finished = largest.into_iter().take(threads).map(of_side).sum::<u64>() * FINISHED_BYTES;
+    let samples = pixels.saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64 * held_images(capture));
+    let constraints = pixels.min(SAMPLES_AT_ONCE as u64) * CONSTRAINED_BYTES;
+    let textures = texels.saturating_mul(TEXEL_BYTES).saturating_add(finished.max(samples + constraints));
+    let atlas_bytes = match (settings.surfaces, settings.light) {
+        (SurfaceAtlases::GBuffer, _) => SURFACE_ATLAS_BYTES,
+        (_, AtlasLight::HalfFloats) => FLOAT_ATLAS_BYTES,
+        _ => ATLAS_BYTES,
+    };
+    let with_files = atlas_texels(texels, settings) * atlas_bytes + samples;
+    // Of textures of half the size pictures are drawn, while the shares of views are there.
+    let pictures = pixels.saturating_mul(ALPHA_PIXEL_BYTES * threads.min(capture.images.len()) as u64)
+        + (2 * sides.len() as u64).saturating_mul(TRIANGLE_BYTES * threads as u64);
+    let coarse = SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures);
+    textures.max(with_files).max(coarse).saturating_add(TILES_BYTES)
+}
+
+/// Texels of the atlas of so many texels of tiles, some of which are left empty between them.
+fn atlas_texels(texels: u64, settings: &Settings) -> u64 {
+    (texels + texels / 2).min(u64::from(settings.atlas).pow(2))
+}
+
+/// Bytes of a picture of a scene beside an image.
+fn compared_bytes(capture: &Capture) -> u64 {
+    most_pixels(capture).saturating_mul(COMPARED_PIXEL_BYTES)
+}
+
+fn need(fixed: u64, each: u64, instead: &str) -> Need<'_> {
+    Need { what: "simplifying", fixed, each, instead }
+}
+
+/// Refuses captures that would not fit into a budget, whatever their tiles. Some are compared with the scene.
+pub fn check_images(captures: &[&Capture], compared: &[&Capture], budget: Budget) -> Result<()> {
+    let selecting = captures.iter().map(|capture| {
+        let images = most_pixels(capture).saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64);
+        selecting_bytes(capture).max(images)
+    });
+    let comparing = compared.iter().map(|capture| compared_bytes(capture) + TILES_BYTES);
+    let bytes = selecting.chain(comparing).max().unwrap_or(0);
+    budget.at_once(&need(bytes, 0, "smaller images"), 1).map(|_| ())
+}
+
+/// Refuses textures of such sides that would not fit.
+pub fn check_textures(capture: &Capture, sides: &[usize], settings: &Settings) -> Result<()> {
+    let bytes = texturing_bytes(capture, sides, settings);
+    let instead = "fewer `pixels_per_degree`, a smaller `area` or a smaller `atlas`";
+    settings.memory.at_once(&need(bytes, 0, instead), 1).map(|_| ())
+}
+
+/// Images that are compared at once with a scene, whose atlas has so many texels.
+pub fn compared_at_once(capture: &Capture, texels: u64, budget: Budget) -> Result<usize> {
+    let most = rayon::current_num_threads().min(MAX_COMPARED).min(capture.images.len());
+    let fixed = texels * ATLAS_BYTES + TILES_BYTES;
+    budget.at_once(&need(fixed, compared_bytes(capture), "smaller images"), most)
 }

@@ -12,6 +12,7 @@ use super::fidelity::{self, Evaluation};
 use super::gaps::{Account, Extensions, SeenDirections};
 use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::geometry_bytes::GeometryBytes;
+use super::memory::check_textures;
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{Background, SampleRules};
@@ -132,9 +133,9 @@ pub struct Simplified {
 
 impl Simplified {
     /// Compares pictures of the scene with the capture that it was made from, and looks for cracks from other places.
-    pub fn evaluate(&self, capture: &mut Capture, background: Background, monitor: &dyn Monitor) -> Result<Evaluation> {
+    pub fn evaluate(&self, capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<Evaluation> {
         let begun = Instant::now();
-        let fidelity = fidelity::compare(&self.scene, capture, background, monitor)?;
+        let fidelity = fidelity::compare(&self.scene, capture, settings, monitor)?;
         let poses = fidelity::random_poses(&self.scene, &self.region, &self.seen)?;
         Ok(Evaluation { fidelity, poses, duration: begun.elapsed() })
     }
@@ -185,6 +186,7 @@ pub fn texture(
         filter: settings.texture_filter,
         short_cuts: settings.short_cuts,
     };
+    check_textures(capture, &texturing.sides(&tiles), settings)?;
     let begun = Instant::now();
     let mut coarse = texturing.coarse().run(&tiles, capture, monitor)?;
     if !is_short {
@@ -215,7 +217,9 @@ pub fn texture(
     let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
     if let Some((extended, count)) = extensions.extended(&mut account) {
         (tiles, used, counters.extended_tiles) = (extended, account.used, count);
+        check_textures(capture, &texturing.sides(&tiles), settings)?;
     }
+    drop(shares);
     stages.gaps += begun.elapsed();
     let textured = texturing.run(&tiles, capture, monitor)?;
     stages.add(&textured);
@@ -321,7 +325,7 @@ mod tests {
     }
 
     fn evaluated(found: &Simplified) -> Evaluation {
-        captured(|capture| found.evaluate(capture, Background::Sky, &Silent)).unwrap()
+        captured(|capture| found.evaluate(capture, &settings(), &Silent)).unwrap()
     }
 
     fn psnr_db_of(found: &Simplified) -> f64 {

@@ -8,7 +8,7 @@
 //! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is
 //! reached depends on the samples alone, too.
 //!
-//! Samples wait until they are many. They are sorted by voxel then, and merged with the voxels so far, which are in that order.
+//! Samples are collected up to `WAITING`. They are then sorted by voxel, and merged with the voxels so far, which are in that order.
 
 use std::iter::Peekable;
 
@@ -33,7 +33,8 @@ const COARSEST: u32 = 6;
 /// Samples that one job finds the voxels of.
 const SAMPLES_A_JOB: usize = 4096;
 /// Samples that wait until they are merged; fewer where fewer points are kept.
-const WAITING: usize = 1 << 20;
+pub(super) const WAITING: usize = 1 << 19;
+pub(super) const VOXEL_BYTES: u64 = size_of::<Voxel>() as u64;
 /// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
 const LEAST_M: f64 = 1e-9;
 
@@ -90,6 +91,11 @@ impl PointMerger {
 
     /// Adds samples: ends of rays relative to the middle of the region, which none of them is at.
     pub fn add(&mut self, ends: &[DVec3]) {
+        // In parts, so that an image takes no more memory than what waits.
+        ends.chunks(WAITING).for_each(|ends| self.add_part(ends));
+    }
+
+    fn add_part(&mut self, ends: &[DVec3]) {
         let (first, level) = (self.samples, self.level);
         self.samples += ends.len() as u64;
         let of_job = |(job, ends): (usize, &[DVec3])| {
@@ -103,7 +109,7 @@ impl PointMerger {
             voxels
         };
         let jobs: Vec<Vec<Voxel>> = ends.par_chunks(SAMPLES_A_JOB).enumerate().map(of_job).collect();
-        jobs.iter().for_each(|voxels| self.waiting.extend_from_slice(voxels));
+        jobs.into_iter().for_each(|voxels| self.waiting.extend(voxels));
         if self.waiting.len() >= WAITING.min(self.max_points) {
             self.merge();
         }

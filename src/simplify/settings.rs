@@ -9,6 +9,7 @@ use super::short_cuts::ShortCuts;
 use super::texture_filter::TextureFilter;
 use super::texture_sizes::Sizing;
 use crate::effort::Effort;
+use crate::memory::Budget;
 use crate::placement::Region;
 
 /// Texels of all tiles before they are reduced, over those of the atlas.
@@ -46,6 +47,7 @@ pub struct Settings {
     pub light: AtlasLight,
     pub surfaces: SurfaceAtlases,
     pub short_cuts: ShortCuts,
+    pub memory: Budget,
 }
 
 /// Atlases beside that of light.
@@ -75,6 +77,7 @@ impl Default for Settings {
             light: AtlasLight::Codes,
             surfaces: SurfaceAtlases::None,
             short_cuts: ShortCuts::Taken,
+            memory: Budget::UNLIMITED,
         }
     }
 }

@@ -13,6 +13,9 @@ use super::tiles::TileSet;
 /// Samples that one job finds the constraints of.
 const SAMPLES_A_JOB: usize = 4096;
 
+/// Samples whose constraints are held at once. A multiple of all strides, by which rays are traced.
+pub(super) const SAMPLES_AT_ONCE: usize = 1 << 17;
+
 /// Textures of all tiles.
 #[derive(Debug)]
 pub struct TileTextures {
@@ -64,6 +67,10 @@ impl<'a> TextureBuilder<'a> {
 
     /// Adds samples; rays of every `stride`th are traced through free space.
     pub fn add(&mut self, samples: &[Sample], stride: usize) {
+        samples.chunks(SAMPLES_AT_ONCE).for_each(|samples| self.add_part(samples, stride));
+    }
+
+    fn add_part(&mut self, samples: &[Sample], stride: usize) {
         let free = |number: usize| if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
         let (found, uncovered) = constraints_by_tile(self.tiles, self.solid_threshold, samples, free);
         self.uncovered += uncovered;

@@ -61,7 +61,7 @@ impl Texturing<'_> {
     /// Reads all samples once.
     pub fn run(&self, tiles: &TileSet, capture: &mut Capture, monitor: &dyn Monitor) -> Result<Textured> {
         let begun = Instant::now();
-        let sides: Vec<usize> = tiles.tiles.iter().map(|tile| self.side(tile)).collect();
+        let sides = self.sides(tiles);
         let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold, self.filter);
         self.rules.of_all_images(capture, PixelChoice::Every(self.pixel_step), monitor, |samples, _| {
             builder.add(&samples, self.stride);
@@ -89,6 +89,11 @@ impl Texturing<'_> {
             filled_tiles,
             durations: [constrained, shaded - constrained, begun.elapsed() - shaded],
         })
+    }
+
+    /// Texels of a side of each tile's texture.
+    pub fn sides(&self, tiles: &TileSet) -> Vec<usize> {
+        tiles.tiles.iter().map(|tile| self.side(tile)).collect()
     }
 
     fn side(&self, tile: &QuadTile) -> usize {

@@ -269,22 +269,29 @@ impl<'a> Player<'a> {
         )
     }
 
+    /// Least bytes with which some views (indices into [`LightField::views`], each once) are shown.
+    pub fn least_bytes(&self, views: &[usize]) -> u64 {
+        self.bytes_of(views).into_iter().min().unwrap_or(0)
+    }
+
+    /// Bytes of loaded views, and where their decoders keep nothing but pixels from frame to frame.
+    fn bytes_of(&self, views: &[usize]) -> [u64; 2] {
+        let streams = || views.iter().filter_map(|&view| self.streams.get(view));
+        let pixels: u64 = streams().map(|view| view.pixel_bytes).sum();
+        let unit = streams().map(|view| view.unit_bytes).max().unwrap_or(0);
+        let at_work = unit.saturating_mul(rayon::current_num_threads() as u64);
+        [streams().map(|view| view.bytes).sum(), pixels.saturating_add(at_work)]
+    }
+
     /// Unloads idle views, the least recently used first, until the active ones fit.
     fn make_room(&mut self, views: &[usize], backend: &mut dyn TexelBackend) -> Result<()> {
         let mut active: Vec<usize> = views.to_vec();
         active.sort_unstable();
         active.dedup();
-        let streams = || active.iter().filter_map(|&view| self.streams.get(view));
-        let whole: u64 = streams().map(|view| view.bytes).sum::<u64>().saturating_add(self.reserved_bytes);
-        self.forgets = self.budget.bytes.is_some_and(|bytes| whole > bytes);
-        let fixed = if self.forgets {
-            let pixels: u64 = streams().map(|view| view.pixel_bytes).sum();
-            let unit = streams().map(|view| view.unit_bytes).max().unwrap_or(0);
-            let at_work = unit.saturating_mul(rayon::current_num_threads() as u64);
-            pixels.saturating_add(at_work).saturating_add(self.reserved_bytes)
-        } else {
-            whole
-        };
+        let [whole, forgetting] = self.bytes_of(&active).map(|bytes| bytes.saturating_add(self.reserved_bytes));
+        // Units at work may take more than decoders would keep: then forgetting is of no use.
+        self.forgets = forgetting < whole && self.budget.bytes.is_some_and(|bytes| whole > bytes);
+        let fixed = if self.forgets { forgetting } else { whole };
         let need = Need { what: "showing the views", fixed, each: 0, instead: "fewer `views`" };
         self.budget.at_once(&need, 1)?;
         let kept_bytes = self.budget.less(fixed).at_most(KEPT_BYTES);

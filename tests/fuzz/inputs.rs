@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use lightfold::container::journal::MAGIC;
 use lightfold::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
+use lightfold::evaluate::cameras::CameraFormat;
 use serde_json::Value;
 
 use crate::mutate::{self, number, pick, place};
@@ -51,6 +52,15 @@ impl Inputs {
             "manifest" => (Kind::Json, seeds::manifests()),
             "seurat" => (Kind::Json, seeds::seurat_manifests()),
             "cameras" => (Kind::Json, seeds::cameras()),
+            "texture" => (Kind::Header(700), seeds::textures()),
+            "seurat-exr" => (Kind::Exr, seeds::exr()),
+            "seurat-png" => (Kind::Png, seeds::png()),
+            "transforms" => (Kind::Json, seeds::camera_files(CameraFormat::Transforms)),
+            "cameras-gltf" => (Kind::Json, seeds::cameras_gltf()),
+            "cameras-glb" => (Kind::Header(4000), seeds::camera_files(CameraFormat::Gltf)),
+            "colmap" => (Kind::Bytes, seeds::camera_files(CameraFormat::Colmap)),
+            "scan" => (Kind::Json, seeds::scans()),
+            "shard" => (Kind::Bytes, seeds::shards()),
             "usda" => (Kind::Bytes, vec![include_bytes!("../data/cameras/shot.usda").to_vec()]),
             "sweep" => (Kind::Bytes, seeds::sweeps()),
             "patterns" => (Kind::Bytes, seeds::patterns()),

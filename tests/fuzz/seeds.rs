@@ -10,17 +10,25 @@ use exr::prelude::{
 };
 use glam::DVec3;
 use half::f16;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
 use lightfold::container::{
     ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, Writer, compression,
 };
+use lightfold::dataset::{Source, SourceOptions};
+use lightfold::encode::{EncodeSettings, ScanFile, Shard};
+use lightfold::evaluate::cameras::{self as camera_formats, CameraFormat, Content, FileCamera, Written};
 use lightfold::image::{Plane, png};
 use lightfold::mesh::{ImageTexture, Mesh, Wrap};
+use lightfold::monitor::Silent;
 use lightfold::report::tradeoff::coding::CODING;
 use lightfold::simplify::export::glb as quads_glb;
 use lightfold::simplify::quad_mesh::QuadMesh;
+use lightfold::streams::shard::{ShardEntry, WholeStream};
 
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
+use crate::targets::cameras::{BETWEEN, SETTINGS as CAMERA_SETTINGS};
 use crate::targets::stream::Case;
 use crate::targets::transform;
 
@@ -312,6 +320,104 @@ pub fn cameras() -> Vec<Vec<u8>> {
     ]
     .map(|text| text.as_bytes().to_vec())
     .to_vec()
+}
+
+/// Textures: PNG and JPEG files, in colour and in gray.
+pub fn textures() -> Vec<Vec<u8>> {
+    let pixels: Vec<u8> = (0..3 * 24 * 17u32).map(|at| (at / 5 * 7 % 251) as u8).collect();
+    let jpeg = |size: [u32; 2], color: ExtendedColorType, quality: u8| {
+        let bytes = size[0] as usize * size[1] as usize * if color == ExtendedColorType::Rgb8 { 3 } else { 1 };
+        let mut file = Vec::new();
+        let mut encoder = JpegEncoder::new_with_quality(&mut file, quality);
+        encoder.encode(&pixels[..bytes], size[0], size[1], color).expect("a JPEG file");
+        file
+    };
+    let mut all = png();
+    all.push(jpeg([24, 17], ExtendedColorType::Rgb8, 90));
+    all.push(jpeg([16, 16], ExtendedColorType::Rgb8, 20));
+    all.push(jpeg([9, 31], ExtendedColorType::L8, 75));
+    all
+}
+
+/// Files of cameras in the format of another program.
+pub fn camera_files(format: CameraFormat) -> Vec<Vec<u8>> {
+    let files = cameras();
+    let read = files.iter().map(|bytes| {
+        let path = Path::new("cameras.json");
+        camera_formats::parse(&Content { path, bytes, fps: 24.0 }).expect("cameras")
+    });
+    let written = |cameras: Vec<FileCamera>| match camera_formats::write(&cameras, format, &CAMERA_SETTINGS) {
+        Ok(Written::File(bytes)) => bytes,
+        Ok(Written::Folder(files)) => {
+            let text = |name: &str| files.iter().find(|(of, _)| *of == name).map_or("", |(_, text)| text.as_str());
+            [text("cameras.txt").as_bytes(), BETWEEN, text("images.txt").as_bytes()].concat()
+        }
+        Err(error) => panic!("cameras are not written: {error}"),
+    };
+    read.map(written).collect()
+}
+
+/// glTF files of cameras that stand, hang on other nodes, and move.
+pub fn cameras_gltf() -> Vec<Vec<u8>> {
+    [
+        r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"camera":0,"name":"a","translation":[1,2,3],
+            "rotation":[0,0.6,0,0.8]},{"children":[2],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,4,5,6,1]},{"camera":1,"scale":[2,2,2]}],
+            "cameras":[{"type":"perspective","perspective":{"yfov":1.0,"znear":0.1,"aspectRatio":1.5}},
+            {"type":"perspective","perspective":{"yfov":0.5,"znear":0.1,"zfar":100}}]}"#,
+        r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"camera":0}],
+            "cameras":[{"type":"perspective","perspective":{"yfov":1.0,"znear":0.1}}],
+            "buffers":[{"byteLength":32,"uri":"data:application/octet-stream;base64,AAAAAKuqKj0AAAAAAAAAAAAAAAAAAIA/AAAAQAAAQEA="}],
+            "bufferViews":[{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":24}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[0.0416667]},
+            {"bufferView":1,"componentType":5126,"count":2,"type":"VEC3"}],
+            "animations":[{"samplers":[{"input":0,"output":1}],"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}]}"#,
+    ]
+    .map(|text| text.as_bytes().to_vec())
+    .to_vec()
+}
+
+/// A scan of two frames of depth and colour, whole and of one of two shards.
+pub fn scans() -> Vec<Vec<u8>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let manifest = r#"{"lightfield":1,"name":"view","fps":24,"frames":[0,1],"projection":"perspective","size":[8,4],
+        "files":{"color":"c.%04d.exr","depth":"d.%04d.exr"},"probes":[{"name":"0","position":[0,0,0],"fov_y_deg":60}]}"#;
+    fs::write(folder.path().join("lightfield.json"), manifest).expect("the manifest");
+    for frame in 0..2 {
+        let depth = Plane::from_fn(8, 4, |x, y| 1.0 + (x * 3 + y + frame) as f32);
+        let color = Plane::from_fn(8, 4, |x, y| [f16::from_f32((x + y + frame) as f32 / 16.0); 3]);
+        lightfold::image::exr::write_depth(&folder.path().join(format!("d.{frame:04}.exr")), &depth).expect("depth");
+        lightfold::image::exr::write_color(&folder.path().join(format!("c.{frame:04}.exr")), &color).expect("colour");
+    }
+    let source = Source::open(folder.path(), &SourceOptions::default()).expect("footage");
+    let settings = EncodeSettings::default();
+    [None, Some(Shard { number: 1, count: 2 })]
+        .map(|shard| {
+            let mut scan = ScanFile::new(&source, &settings);
+            scan.scan(&source, &settings, shard, &Silent, &mut |_| Ok(())).expect("a scan");
+            scan.to_json().expect("a scan").into_bytes()
+        })
+        .to_vec()
+}
+
+/// Entries of shards.
+pub fn shards() -> Vec<Vec<u8>> {
+    let stream = |at: u32| WholeStream {
+        kind: (at % 3) as u8,
+        probe: at as u16 * 300,
+        face: (at % 6) as u8,
+        group: at,
+        first_frame: 200 * at,
+        frame_count: 1 + at,
+    };
+    [0, 1, 5]
+        .map(|count| ShardEntry {
+            job: [7; 16],
+            number: 1 + count,
+            count: 200,
+            streams: (0..count).map(stream).collect(),
+        })
+        .map(|entry| entry.write())
+        .to_vec()
 }
 
 /// The CSV of sweeps.

@@ -20,7 +20,7 @@ use lightfold::cli::device::or_on_cpu;
 use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
-use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
+use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::gpu::decode::GpuDecoder;
 use lightfold::gpu::device::Pick;
 use lightfold::gpu::kernels::{DRAWINGS, Kernel, ShaderFile};
@@ -207,7 +207,7 @@ fn footage() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A chunk of one small tile that changes in every frame of a window of one.
+/// A chunk of one small tile, of which a pixel changes in every frame of a window of one.
 fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
     let temporal = TemporalSettings { window: 1, keyframe_interval: frames, ..TemporalSettings::default() };
     let header = CodecHeader::Depth(DepthHeader {
@@ -237,18 +237,21 @@ fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
         unit_height: 8,
         codec_header: header.write().into(),
     });
-    let mut encoder = TemporalEncoder::<u16>::new(3, temporal);
-    let mut chunks = Vec::new();
-    for frame in 0..frames {
-        chunks.extend(encoder.push(&std::array::from_fn::<u16, 6, _>(|at| (frame / (2 * at as u32 + 1)) as u16))?);
+    // Encoders close chunks earlier (formats/depth.md 4): a record of the picture, then one of a box of one pixel for each frame.
+    let mut records = vec![vec![0u8; 4]];
+    records[0].extend([1u16, 2, 3, 4, 5, 6].iter().flat_map(|code| code.to_le_bytes()));
+    records.extend(
+        (1..frames).map(|frame| [2u16, 1, 0, 0, 1, 1, frame as u16].iter().flat_map(|v| v.to_le_bytes()).collect()),
+    );
+    let mut payload = frames.to_le_bytes().to_vec();
+    let mut offset = 4 + 8 * frames;
+    for (frame, record) in (0..).zip(&records) {
+        payload.extend([frame, offset].iter().flat_map(|value: &u32| value.to_le_bytes()));
+        offset += record.len() as u32;
     }
-    chunks.extend(encoder.finish()?);
-    // Longer chunks would close before their interval ends.
-    assert_eq!(chunks.len(), 1, "one chunk of {frames} frames was wanted");
-    for chunk in chunks {
-        let key = ChunkKey { stream: 0, unit: 0, first_frame: chunk.first_frame, frame_count: chunk.frame_count };
-        writer.push(&PackedChunk::new(key, chunk.payload, (Compression::None, PayloadKind::Mixed))?)?;
-    }
+    payload.extend(records.concat());
+    let key = ChunkKey { stream: 0, unit: 0, first_frame: 0, frame_count: frames };
+    writer.push(&PackedChunk::new(key, payload, (Compression::None, PayloadKind::Mixed))?)?;
     Ok(writer.finish()?.0)
 }
 

@@ -24,6 +24,7 @@ mod effects;
 mod exports;
 mod exr_damage;
 mod exr_files;
+mod exr_searches;
 mod extreme_light;
 mod footage;
 mod hard_cases;

@@ -112,8 +112,7 @@ fn check_budgets(line: &str, output: Option<&str>, folder: &Path) {
     let result = |name: &str| std::fs::read(folder.join(name)).ok();
     assert_eq!(run(line, folder).code, 0, "{line}");
     let expected = output.map(|name| result(name).unwrap());
-    let (mut refused, mut kept) = (0, 0);
-    let mut asked = 0;
+    let (mut refused, mut kept, mut asked) = (0, 0, 0);
     for budget in [1u64, 24, 48, 64, 96, 192, 384] {
         if let Some(name) = output {
             std::fs::remove_file(folder.join(name)).ok();
@@ -135,17 +134,73 @@ fn check_budgets(line: &str, output: Option<&str>, folder: &Path) {
         kept += 1;
     }
     assert!(refused > 0 && kept > 0, "{line}: {refused} refused, {kept} kept");
-    // Several stages may ask, one after the other.
-    let least = |mb: u64| run(&format!("{line} --memory {mb}M --threads 4"), folder);
-    let mut ran = least(asked);
-    while ran.code == 2 {
-        let more = asked_mb(&ran.said);
-        assert!(more > asked, "{line}: {asked} MB are refused, and asked for: {}", ran.said);
-        asked = more;
-        ran = least(asked);
+    Least::of(&format!("{line} --threads 4"), asked, folder);
+}
+
+/// A command within the least budget that it states.
+#[cfg(target_os = "linux")]
+struct Least {
+    asked_mb: u64,
+    peak_bytes: u64,
+    /// Times that it was refused.
+    refusals: u32,
+}
+
+#[cfg(target_os = "linux")]
+impl Least {
+    /// Tries a budget of `mb` MB first. Several stages may ask, one after the other.
+    fn of(line: &str, mb: u64, folder: &Path) -> Least {
+        let within = |mb: u64| run(&format!("{line} --memory {mb}M"), folder);
+        let (mut asked, mut refusals, mut ran) = (mb, 0, within(mb));
+        while ran.code == 2 {
+            let more = asked_mb(&ran.said);
+            assert!(more > asked, "{line}: {asked} MB are refused, and asked for: {}", ran.said);
+            (asked, refusals, ran) = (more, refusals + 1, within(more));
+        }
+        assert_eq!(ran.code, 0, "{line}: {}", ran.said);
+        let peak = ran.report["peak_memory_bytes"].as_u64().unwrap();
+        assert!(peak <= asked * 1_000_000, "{line}: {peak} bytes, where {asked} MB were asked for");
+        Least { asked_mb: asked, peak_bytes: peak, refusals }
     }
-    let peak = ran.report["peak_memory_bytes"].as_u64().unwrap();
-    assert!(peak <= asked * 1_000_000, "{line}: {peak} bytes, where {asked} MB were asked for");
+
+    /// Whether no more than twice as much was asked for as was taken.
+    fn is_near(&self) -> bool {
+        2 * self.peak_bytes >= self.asked_mb * 1_000_000
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let cameras = "--position -0.1,1.5,0.3 --position 0.1,1.5,0.3 --projection perspective --fov 60 --size 512x512";
+    let captured = run(&format!("capture interior {cameras} --samples 1 --frames 0 --aov depth,material -o views"), at);
+    assert_eq!(captured.code, 0, "{}", captured.said);
+    assert_eq!(run("encode views --clip -o film.lfold", at).code, 0);
+    let eye = "--eye 0.05,1.5,0.3 --look-at 0,1.2,-3 --fov 60";
+    for (line, most_refusals, is_known) in [
+        // What textures take is known once the tiles are selected.
+        ("simplify views --effort fast -o scene.glb".to_owned(), 3, true),
+        (format!("render film.lfold {eye} --size 512 --steps 64 --effects none -o picture.png"), 1, true),
+        // Maps of sixteen spheres of glass are reserved, of which there are none.
+        (format!("render film.lfold {eye} --size 512 --steps 64 -o picture.png"), 1, false),
+    ] {
+        for threads in [1, 4] {
+            let line = format!("{line} --threads {threads}");
+            let least = Least::of(&line, 1, at);
+            let Least { asked_mb, peak_bytes, refusals } = least;
+            assert!(!is_known || least.is_near(), "{line}: {asked_mb} MB asked for, {peak_bytes} bytes taken");
+            assert!(refusals <= most_refusals, "{line}: {refusals} refusals");
+        }
+    }
+    // A budget that suffices for the tiles alone leaves nothing behind.
+    let line = "simplify views --effort fast -o other.glb --threads 1";
+    let early = asked_mb(&run(&format!("{line} --memory 1M"), at).said);
+    if run(&format!("{line} --memory {early}M"), at).code == 2 {
+        let left: Vec<_> = std::fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert!(left.iter().all(|name| !name.to_string_lossy().contains("other")), "{left:?}");
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -13,7 +13,7 @@ use lightfold::monitor::Silent;
 use lightfold::pack::{PackSettings, pack};
 use tempfile::TempDir;
 
-use crate::commands::{fine, refused};
+use crate::commands::{fine, lightfold, refused};
 use crate::footage::{Footage, Random, drifting_color};
 
 const FRAMES: u32 = 8;
@@ -290,4 +290,47 @@ fn copies_of_footage_join_and_changed_footage_names_both_files() {
     assert!(words(&again).contains("this shard is complete"));
     render_again(&here, "material", 7, &mut Random(1));
     assert!(!words(&again).contains("this shard is complete"));
+}
+
+#[test]
+fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
+    let folder = TempDir::new().unwrap();
+    let (at, mut random) = (folder.path(), Random(8));
+    let options = "--clip --keyframe-interval 2 --color-chunk 2 --shard-by time --scan scan.json";
+    let shard = |number: usize, more: &str| format!("encode . {options} --shard {number}/2 {more}");
+    let scan = || {
+        let _ = fs::remove_file(at.join("scan.json"));
+        fine("scan . -o scan.json", at);
+    };
+    // Many frames, so that chunks are complete before the last one is read.
+    let last = 199;
+    let color = |_: Face, frame: u32| drifting_color(SIZE[0], SIZE[1], frame);
+    Footage { frames: [0, last], depth: None, color: Some(&color), ..Footage::new(SIZE[0], SIZE[1]) }.write(at);
+    scan();
+    render_again(at, "color", last, &mut random);
+    let stopped = [1, 2].map(|number| lightfold(&shard(number, "-o a.lfold").split(' ').collect::<Vec<_>>(), at));
+    let number = 1 + stopped.iter().position(|out| !out.status.success()).expect("a shard that reads the file");
+    assert_eq!(stopped[number - 1].status.code(), Some(2));
+    let said = String::from_utf8(stopped[number - 1].stderr.clone()).unwrap();
+    assert!(said.contains("color.0199.exr") && said.contains("scan again"), "{said}");
+    assert!(!said.contains("the same command"), "{said}");
+    let resumed = |words: &str| {
+        let said = String::from_utf8(fine(&shard(number, "--resume -o a.lfold"), at).stderr).unwrap();
+        assert!(said.contains(words), "{said}");
+        fine(&shard(number, "-o b.lfold"), at);
+        assert!(fs::read(at.join("a.lfold")).unwrap() == fs::read(at.join("b.lfold")).unwrap(), "other bytes");
+    };
+    assert!(said.contains("safe in") && said.contains("after a new scan, --resume starts this shard anew"), "{said}");
+    scan();
+    resumed("files have changed since the unfinished encode; starting anew");
+    // With other options, as any other encode.
+    fs::remove_file(at.join("a.lfold")).unwrap();
+    let before = fs::read(file(at, "color", last)).unwrap();
+    render_again(at, "color", last, &mut random);
+    refused(&shard(number, "-o a.lfold"), at);
+    let said = refused(&shard(number, "--resume --psnr 30 -o a.lfold"), at);
+    assert!(said.contains("cannot go on") && said.contains("psnr"), "{said}");
+    // As it was scanned.
+    fs::write(file(at, "color", last), before).unwrap();
+    resumed("resuming after");
 }

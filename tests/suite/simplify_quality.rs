@@ -46,7 +46,7 @@ fn of_scene(kind: DemoKind) -> Row {
     plan.write(folder.path(), &Silent).unwrap();
     let mut capture = Capture::open(folder.path(), None).unwrap();
     let simplified = simplify(&mut capture, &settings(), &Silent).unwrap();
-    let Evaluation { fidelity, .. } = simplified.evaluate(&mut capture, settings().background, &Silent).unwrap();
+    let Evaluation { fidelity, .. } = simplified.evaluate(&mut capture, &settings(), &Silent).unwrap();
     let Simplified { scene, atlas, .. } = simplified;
     Row {
         set: kind.name(),

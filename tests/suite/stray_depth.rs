@@ -89,6 +89,36 @@ fn strays_are_named_with_the_options_that_leave_them_out() {
 }
 
 #[test]
+fn checking_footage_names_strays_as_encoding_does() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let check = |more: &[&str]| {
+        let out = lightfold(&[&["inspect", "--check", "."], more].concat(), at);
+        assert!(out.status.code().is_some_and(|code| code < 2), "{out:?}");
+        String::from_utf8(out.stdout).unwrap()
+    };
+    for (depth, option) in [(1e-40, "--near 2"), (1e-6, "--near 2"), (9e9, "--far 19.")] {
+        write(at, &[(13, 40, depth)]);
+        let said = check(&["--frame", "1"]);
+        let words = [
+            "warning: probe 00: 1 depth pixel of 4096",
+            "depth.0001.exr, frame 1, px, pixel (13, 40)",
+            option,
+            "--invalid-depth",
+        ];
+        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        let report: Value = serde_json::from_str(&check(&["--frame", "1", "--json"])).unwrap();
+        let first = &report["depth_strays"][0]["strays"]["first"][0];
+        assert_eq!((&first["x"], &first["y"]), (&13.into(), &40.into()), "{report}");
+        assert_eq!(first["depth_m"].as_f64().map(|metres| metres as f32), Some(depth));
+        // Another frame has none.
+        assert!(!check(&[]).contains("warning"));
+    }
+    let report: Value = serde_json::from_str(&check(&["--json"])).unwrap();
+    assert!(report["depth_strays"].is_null());
+}
+
+#[test]
 fn usual_depth_has_no_strays() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();

@@ -6,11 +6,13 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::args::Args;
+use crate::cli::depth_bound::stray_words;
 use crate::cli::output::{self, with_option_names};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use crate::dataset::{Source, manifest};
+use crate::encode::{self, ProbePrecision};
 use crate::error::{Result, counted};
 use crate::report::Table;
 
@@ -23,6 +25,8 @@ struct Document<'a> {
     suspect: bool,
     #[serde(flatten)]
     report: &'a Report,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    depth_strays: &'a Vec<ProbePrecision>,
     seconds: f64,
 }
 
@@ -51,17 +55,20 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let mut report = convention::check(&source, &choice, &progress)?;
     drop(progress);
     report.findings.iter_mut().for_each(|finding| finding.says = with_option_names(&finding.says));
+    let strays =
+        report.spreads.iter().filter_map(|(probe, spread)| encode::strays_of(&source, *probe, spread)).collect();
     let document = Document {
         name: source.name(),
         suspect: report.suspects(),
         report: &report,
+        depth_strays: &strays,
         seconds: start.elapsed().as_secs_f64(),
     };
-    output::print_either(args.json, &document, || text(source.name(), &report))?;
+    output::print_either(args.json, &document, || text(source.name(), &report, &strays))?;
     Ok(if report.suspects() { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 
-fn text(name: &str, report: &Report) -> String {
+fn text(name: &str, report: &Report, strays: &[ProbePrecision]) -> String {
     let mut out = format!(
         "{name}: {} of {}, {}\n\n",
         report.probes,
@@ -83,5 +90,8 @@ fn text(name: &str, report: &Report) -> String {
         1 => writeln!(out, "{table}\nOne check suspects that the manifest or the files are wrong."),
         count => writeln!(out, "{table}\n{count} checks suspect that the manifest or the files are wrong."),
     };
+    for probe in strays {
+        let _ = probe.strays.iter().try_for_each(|strays| writeln!(out, "\nwarning: {}", stray_words(probe, strays)));
+    }
     out
 }

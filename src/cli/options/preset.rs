@@ -35,7 +35,7 @@ const PRESETS: &Choices<Preset> = &[
     (
         "exact",
         Preset { psnr_db: Some(200.0), max_error: Some(0), hdr: true, ..NONE },
-        "Colour is exact in every bit, depth in every code: --hdr --psnr 200 --max-error 0",
+        "Colour is exact in every bit of its half floats, depth in every code: --hdr --psnr 200 --max-error 0",
     ),
 ];
 

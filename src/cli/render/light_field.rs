@@ -34,6 +34,7 @@ use crate::views::View;
 use crate::views::catalogue::ProbeChoice;
 
 const SHEET_BYTES: u64 = 1 << 20;
+const RENDERED_INSTEAD: &str = "a smaller --size or fewer `views`";
 
 pub struct LightFieldSubject<'a> {
     args: &'a Args,
@@ -81,7 +82,8 @@ impl<'a> LightFieldSubject<'a> {
                 0
             });
         let fixed = of_pictures.saturating_add(of_method);
-        let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
+        let views = self.playback.least_bytes(jobs.iter().map(|job| &job.request));
+        let need = Need { what: "rendering", fixed: fixed.saturating_add(views), each: 0, instead: RENDERED_INSTEAD };
         args.memory.get().at_once(&need, 1)?;
         Ok(fixed)
     }

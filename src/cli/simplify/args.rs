@@ -223,6 +223,7 @@ impl Args {
             surfaces: if self.gbuffer { SurfaceAtlases::GBuffer } else { SurfaceAtlases::None },
             light: if self.hdr { AtlasLight::HalfFloats } else { AtlasLight::Codes },
             short_cuts: ShortCuts::Taken,
+            memory: self.memory.get(),
         })
     }
 }

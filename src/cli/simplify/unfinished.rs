@@ -9,6 +9,7 @@ use crate::cli::output;
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::fingerprint::{Fingerprint, digest, file_state};
+use crate::memory::Budget;
 use crate::simplify::capture::Capture;
 use crate::simplify::settings::Settings;
 
@@ -18,6 +19,7 @@ pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Finge
     let mut fields = Fingerprint::of_program();
     fields.extend(args.options());
     // What follows from options and input.
+    let settings = Settings { memory: Budget::UNLIMITED, ..settings.clone() };
     fields.push(("the set of options", digest(format!("{settings:?}").as_bytes())));
     fields.push(("the frame", capture.frame().to_string()));
     fields.push(("the list of input images", digest(format!("{:?}", capture.images).as_bytes())));

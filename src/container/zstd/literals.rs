@@ -69,6 +69,6 @@ fn four_streams(table: &Table, body: &[u8], out: &mut [u8]) -> Result<()> {
         table.decode(stream, parts.next().unwrap_or_default())?;
         rest = others;
     }
-    // Nine literals leave none for the last stream.
+    // Six literals, and nine, leave none for the last stream.
     table.decode(rest, parts.next().unwrap_or_default())
 }

@@ -18,6 +18,13 @@ use crate::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primari
 const DEFAULT_FPS: f64 = 24.0;
 
 impl Source {
+    /// Maps of faces of panoramas whose filters colour or alpha of these groups is read with.
+    pub fn filtered_maps<'a>(&'a self, groups: &[&SourceGroup]) -> Vec<&'a FaceMap> {
+        let is_filtered = |group: &SourceGroup| matches!(group.kind, StreamKind::Color | StreamKind::Alpha);
+        let is_used = |map: &&FaceMap| groups.iter().any(|group| is_filtered(group) && group.faces.contains(&map.face));
+        self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used).collect()
+    }
+
     /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
     pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
         Source::of_manifest(Manifest::read(path)?, &manifest_path(path), options)
@@ -115,9 +122,30 @@ impl Source {
         if source.groups.is_empty() {
             return Err(Error::invalid("no probe has any of the frames asked for").in_file(file));
         }
+        source.check_channels(options).map_err(|error| error.in_file(file))?;
         source.manifest = Some(manifest);
         source.find_primaries();
         Ok(source)
+    }
+
+    /// Refuses a channel of images that there are none of.
+    fn check_channels(&self, options: &SourceOptions) -> Result<()> {
+        let given = [
+            (StreamKind::Color, &options.color_channel),
+            (StreamKind::Depth, &options.depth_channel),
+            (StreamKind::Material, &options.material_channel),
+            (StreamKind::Alpha, &options.alpha_channel),
+        ];
+        let is_missing = |kind| !self.groups.iter().any(|group| group.kind == kind);
+        match given.into_iter().find(|(kind, channel)| channel.is_some() && is_missing(*kind)) {
+            Some((kind, _)) => {
+                let kind = kind.name();
+                Err(Error::Usage(format!(
+                    "`{kind}_channel`: there is no {kind} in \"files\", which names the images of each kind"
+                )))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`crate::image::Sequence::find`]).

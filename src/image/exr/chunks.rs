@@ -4,6 +4,7 @@
 //! Every size that a chunk states is bounded by the length of the file or by the raw size of the chunk, which follows from the
 //! header. Counters inside of payloads are those of `payload`.
 
+use std::cell::Cell;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -60,14 +61,30 @@ fn full_resolution_chunks(header: &Header) -> usize {
 pub fn read(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool) -> Result<UncompressedBlock> {
     let chunk = read_chunk(opened, place, is_wanted)?;
     let meta = &opened.meta;
-    // The last resort: no payload is known that passes the checks above and panics in the crate, which does not promise it.
-    // Nothing half-done is seen again.
-    let decoded = catch_unwind(AssertUnwindSafe(|| UncompressedBlock::decompress_chunk(chunk, meta, false)));
-    let decoded = decoded.map_err(|_| damaged(place, "cannot be decompressed"))?;
+    let decoded = guarded(|| UncompressedBlock::decompress_chunk(chunk, meta, false));
+    let decoded = decoded.ok_or_else(|| damaged(place, "cannot be decompressed"))?;
     decoded.map_err(|error| match error {
         exr::error::Error::Invalid(what) => damaged(place, &format!("cannot be decompressed: {what}")),
         other => translate(other),
     })
+}
+
+thread_local! {
+    static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether a panic of this thread becomes an error, so that a panic hook has nothing to print.
+pub fn is_guarded() -> bool {
+    IS_GUARDED.get()
+}
+
+/// The result of `work`, `None` after a panic. This is the last resort: no payload is known that passes the checks of this module and
+/// makes the crate panic, but the crate does not promise that there is none. What a panic leaves half done is dropped.
+fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
+    IS_GUARDED.set(true);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    IS_GUARDED.set(false);
+    done.ok()
 }
 
 fn damaged(place: u64, what: &str) -> Error {
@@ -116,6 +133,8 @@ fn read_chunk(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool
     let mut compressed_pixels_le = vec![0; size as usize];
     file.read_exact(&mut compressed_pixels_le).map_err(read_error)?;
     payload::check(header, &room, &compressed_pixels_le).map_err(|what| damaged(place, &what))?;
+    let counted = opened.work.add(part, header, &room, &compressed_pixels_le);
+    counted.map_err(|what| Error::unsupported(format!("the chunk at byte {place} of the EXR file {what}")))?;
     let compressed_block = match header.blocks {
         BlockDescription::ScanLines => {
             CompressedBlock::ScanLine(CompressedScanLineBlock { y_coordinate: line, compressed_pixels_le })
@@ -167,5 +186,17 @@ fn read_error(error: std::io::Error) -> Error {
     match error.kind() {
         std::io::ErrorKind::UnexpectedEof => Error::invalid("the EXR file is damaged: it ends within a chunk or table"),
         _ => Error::io("", error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panics_of_guarded_work_are_known_to_hooks() {
+        assert_eq!((guarded(is_guarded), is_guarded()), (Some(true), false));
+        let panicked = guarded(|| std::panic::resume_unwind(Box::new("a panic without a hook")));
+        assert_eq!((panicked, is_guarded()), (None::<()>, false));
     }
 }

@@ -13,6 +13,7 @@ use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 
 use super::errors::translate;
+use super::work::Work;
 use crate::error::{Error, Result};
 use crate::image::limits::ReadLimits;
 
@@ -23,7 +24,7 @@ const DISPLAY_FLOOR: u64 = 64 << 20;
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// No side of an image or tile may be longer; keeps all products of sides and sample sizes inside 64 bits.
 const MAX_SIDE: usize = 1 << 24;
-/// Channels of a part. The crate and our search compare them with each other.
+/// Channels of all parts. The crate and our search compare them with each other.
 const MAX_CHANNELS: usize = 4096;
 /// Names in `multiView`, which every channel is compared with.
 const MAX_VIEWS: usize = 256;
@@ -41,6 +42,7 @@ pub(super) struct Opened {
     pub file_len: u64,
     /// Place of the first offset table.
     pub tables_at: u64,
+    pub work: Work,
 }
 
 impl Opened {
@@ -67,8 +69,9 @@ pub(super) fn open(path: &Path) -> Result<Opened> {
     let meta = MetaData::read_from_buffered(&mut file, true).map_err(|error| translate(error).in_file(path))?;
     MetaData::validate(&meta.headers, false).map_err(|error| translate(error).in_file(path))?;
     let tables_at = file.stream_position().map_err(|error| Error::io(path, error))?;
-    let opened = Opened { file, meta, file_len, tables_at };
+    let mut opened = Opened { file, meta, file_len, tables_at, work: Work::default() };
     check_lists(&opened).map_err(|error| error.in_file(path))?;
+    opened.work = Work::new(&opened.meta.headers);
     Ok(opened)
 }
 
@@ -141,6 +144,12 @@ fn text(file: &mut impl BufRead) -> Option<Vec<u8>> {
 /// Limits of lists and sides, which searches and sums are made of.
 fn check_lists(opened: &Opened) -> Result<()> {
     let mut table_bytes = 0u64;
+    let channels: usize = opened.headers().iter().map(|header| header.channels.list.len()).sum();
+    if channels > MAX_CHANNELS {
+        return Err(Error::invalid(format!(
+            "the EXR file has {channels} channels, where up to {MAX_CHANNELS} are read"
+        )));
+    }
     for header in opened.headers() {
         let own = &header.own_attributes;
         let tile = header.max_block_pixel_size();
@@ -149,12 +158,6 @@ fn check_lists(opened: &Opened) -> Result<()> {
             if width > MAX_SIDE || height > MAX_SIDE {
                 return Err(refused_size(name, width as i64, height as i64));
             }
-        }
-        let channels = header.channels.list.len();
-        if channels > MAX_CHANNELS {
-            return Err(Error::invalid(format!(
-                "a part of the EXR file has {channels} channels, where up to {MAX_CHANNELS} are read"
-            )));
         }
         let views = own.multi_view_names.as_deref().unwrap_or_default();
         if views.len() > MAX_VIEWS {

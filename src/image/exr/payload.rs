@@ -8,6 +8,8 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::Compression;
 
+/// Numbers of 8 bytes that a DWA chunk begins with.
+pub(super) const DWA_COUNTERS: usize = 11;
 /// Coefficients of a block of 8x8 samples besides its mean.
 const AC_OF_BLOCK: u64 = 63;
 
@@ -68,7 +70,7 @@ fn check_dwa(room: &Room, payload: &[u8]) -> Result<(), String> {
         return Ok(());
     }
     let (words, _) = payload.as_chunks::<8>();
-    let Some(head) = words.first_chunk::<11>() else {
+    let Some(head) = words.first_chunk::<DWA_COUNTERS>() else {
         return Err(format!("has {} bytes, where a DWA chunk begins with 88 bytes of counters", payload.len()));
     };
     let [_, unknown, unknown_stored, ac_stored, dc_stored, rle_stored, rle_tokens, rle, ac, dc, _] =

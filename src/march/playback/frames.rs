@@ -179,6 +179,11 @@ impl Renderer for CpuRenderer {
     }
 }
 
+/// The middle of the eyes that look.
+fn eye_of(request: &FrameRequest) -> DVec3 {
+    request.cameras.iter().map(Camera::eye).sum::<DVec3>() / request.cameras.len().max(1) as f64
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     pub pictures: Vec<Rendered>,
@@ -225,6 +230,16 @@ impl<'a> Playback<'a> {
         })
     }
 
+    /// Least bytes of the views that requests show.
+    pub fn least_bytes<'r>(&self, requests: impl IntoIterator<Item = &'r FrameRequest>) -> u64 {
+        let mut selector = ViewSelector::new(self.options.selection);
+        let of_request = |request: &FrameRequest| {
+            let selection = selector.select(&self.player.candidates(request.frame), eye_of(request));
+            self.player.least_bytes(&selection.views())
+        };
+        requests.into_iter().map(of_request).max().unwrap_or(0)
+    }
+
     /// Keeps to a memory budget, of which others take `beside_bytes`.
     pub fn limit_memory(&mut self, budget: Budget, beside_bytes: u64) {
         self.player.limit_memory(budget, beside_bytes);
@@ -241,7 +256,7 @@ impl<'a> Playback<'a> {
         if request.cameras.is_empty() {
             return Err(Error::Usage("a frame request needs at least one camera".into()));
         }
-        let eye = request.cameras.iter().map(Camera::eye).sum::<DVec3>() / request.cameras.len() as f64;
+        let eye = eye_of(request);
         let selection = self.selector.select(&self.player.candidates(request.frame), eye);
         let views = selection.views();
         let secondary_rays = renderer.specular() != SpecularMode::None && self.player.has_material();

@@ -57,8 +57,14 @@ impl ProxyProvider for SphereFit {
     }
 }
 
+/// Images whose texels are fitted.
+type Images<'a> = [SpecularImage<'a>];
+
 struct Cluster {
-    points: Vec<DVec3>,
+    /// Numbers of images, each once, and of their texels. Points are computed again for each fit: they would take six times as many bytes.
+    parts: Vec<(usize, Vec<u32>)>,
+    /// Texels of all parts. Of single texels a cluster may join millions, so that to count them each time would take quadratic time.
+    len: usize,
     ior_sum: f64,
     /// Centres of the views that see them.
     seen_from: Vec<DVec3>,
@@ -68,22 +74,65 @@ struct Cluster {
 }
 
 impl Cluster {
-    fn inliers(&self, points: &[DVec3]) -> f64 {
+    fn new((number, image): (usize, &SpecularImage<'_>), texels: Vec<u32>) -> Cluster {
+        Cluster {
+            len: texels.len(),
+            ior_sum: texels.iter().map(|&at| ior(image, at as usize)).sum(),
+            seen_from: vec![image.view.from_eye.as_dvec3()],
+            parts: vec![(number, texels)],
+            sphere: FittedSphere::default(),
+            fitted: 0,
+        }
+    }
+
+    /// Adds the texels to the first cluster on whose sphere they lie; false where there is none.
+    fn join(&self, clusters: &mut [Cluster], images: &Images<'_>) -> bool {
+        let Some(cluster) = clusters.iter_mut().find(|cluster| cluster.inliers(self, images) >= INLIERS) else {
+            return false;
+        };
+        for ((number, texels), from) in self.parts.iter().zip(&self.seen_from) {
+            match cluster.parts.iter_mut().find(|(held, _)| held == number) {
+                Some((_, held)) => held.extend(texels),
+                None => {
+                    cluster.parts.push((*number, texels.clone()));
+                    cluster.seen_from.push(*from);
+                }
+            }
+        }
+        cluster.len += self.len;
+        cluster.ior_sum += self.ior_sum;
+        // Refitting for every texel would take quadratic time.
+        if cluster.len >= 2 * cluster.fitted {
+            cluster.fit(images);
+        }
+        true
+    }
+
+    fn points<'a>(&'a self, images: &'a Images<'_>) -> impl Iterator<Item = DVec3> + Clone + 'a {
+        let of_part = |(image, texels): &'a (usize, Vec<u32>)| {
+            let image = &images[*image];
+            texels.iter().filter_map(move |&at| image.point(at as usize))
+        };
+        self.parts.iter().flat_map(of_part)
+    }
+
+    /// Part of the texels of a cluster that lie on the sphere of this one.
+    fn inliers(&self, of: &Cluster, images: &Images<'_>) -> f64 {
         let FittedSphere { centre, radius_m } = self.sphere;
-        let near = |point: &&DVec3| ((**point - centre).length() - radius_m).abs() <= ON_SPHERE * radius_m;
-        points.iter().filter(near).count() as f64 / points.len() as f64
+        let near = |point: &DVec3| ((*point - centre).length() - radius_m).abs() <= ON_SPHERE * radius_m;
+        of.points(images).filter(near).count() as f64 / of.len as f64
     }
 
     /// Fits the sphere to the points; false where none fits.
-    fn fit(&mut self) -> bool {
-        self.fitted = self.points.len();
-        let Some(sphere) = fit(&self.points) else { return false };
+    fn fit(&mut self, images: &Images<'_>) -> bool {
+        self.fitted = self.len;
+        let Some(sphere) = fit(self.points(images)) else { return false };
         self.sphere = sphere;
         let FittedSphere { centre, radius_m } = sphere;
-        let [low, high] = [DVec3::min, DVec3::max].map(|of| self.points.iter().copied().reduce(of).unwrap_or_default());
+        let [low, high] = [DVec3::min, DVec3::max].map(|of| self.points(images).reduce(of).unwrap_or_default());
         let is_outside = |from: &DVec3| (*from - centre).length() > radius_m;
         (high - low).length() >= LEAST_EXTENT * radius_m
-            && self.inliers(&self.points) >= INLIERS
+            && self.inliers(self, images) >= INLIERS
             && self.seen_from.iter().all(is_outside)
     }
 }
@@ -94,37 +143,38 @@ struct Refractor {
 }
 
 fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refractor>> {
-    let of_image = |image: SpecularImage<'_>| {
+    let images = SpecularImage::all(views);
+    let of_image = |(number, image): (usize, &SpecularImage<'_>)| {
         monitor.check()?;
-        Ok(connected(&image))
+        Ok(connected(number, image))
     };
-    let found: Vec<Vec<Cluster>> = SpecularImage::all(views).into_par_iter().map(of_image).collect::<Result<_>>()?;
-    let mut parts: Vec<Cluster> = found.into_iter().flatten().collect();
-    parts.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.points.len()));
+    let found: Vec<Connected> = images.par_iter().enumerate().map(of_image).collect::<Result<_>>()?;
+    let (large, small): (Vec<_>, Vec<_>) = found.into_iter().map(|Connected { large, small }| (large, small)).unzip();
+    let mut large: Vec<Cluster> = large.into_iter().flatten().collect();
+    large.sort_by_key(|part: &Cluster| std::cmp::Reverse(part.len));
     let mut clusters: Vec<Cluster> = Vec::new();
-    for mut part in parts {
+    for mut part in large {
         monitor.check()?;
-        let is_room = clusters.len() < MOST_CANDIDATES;
-        match clusters.iter_mut().find(|cluster| cluster.inliers(&part.points) >= INLIERS) {
-            Some(cluster) => {
-                cluster.points.append(&mut part.points);
-                cluster.seen_from.append(&mut part.seen_from);
-                cluster.ior_sum += part.ior_sum;
-                // Refitting for every texel would take quadratic time.
-                if cluster.points.len() >= 2 * cluster.fitted {
-                    cluster.fit();
-                }
+        if !part.join(&mut clusters, &images) && clusters.len() < MOST_CANDIDATES && part.fit(&images) {
+            clusters.push(part);
+        }
+    }
+    // The largest first, here too.
+    let lengths = if clusters.is_empty() { 0..0 } else { 1..LEAST_TEXELS };
+    for len in lengths.rev() {
+        for (image, small) in images.iter().zip(&small).enumerate().map(|(at, (image, small))| ((at, image), small)) {
+            monitor.check()?;
+            for texels in small.of_len(len) {
+                Cluster::new(image, texels.to_vec()).join(&mut clusters, &images);
             }
-            None if is_room && part.points.len() >= LEAST_TEXELS && part.fit() => clusters.push(part),
-            None => {}
         }
     }
     let of_cluster = |mut cluster: Cluster| {
-        let fits = cluster.fit();
+        let fits = cluster.fit(&images);
         let FittedSphere { centre, radius_m } = cluster.sphere;
         let sphere = Sphere { centre: centre.as_vec3(), radius_m: radius_m as f32 };
         let is_outside = sphere.radius_m >= LEAST_RADIUS_M && sphere.centre.length() > sphere.radius_m;
-        let ior = (cluster.ior_sum / cluster.points.len() as f64) as f32;
+        let ior = (cluster.ior_sum / cluster.len as f64) as f32;
         (fits && is_outside && is_occupied(views, &sphere)).then_some(Refractor { sphere, ior })
     };
     Ok(clusters.into_iter().filter_map(of_cluster).take(MOST_PROXIES).collect())
@@ -139,27 +189,65 @@ fn is_occupied(views: &ActiveViews<'_>, sphere: &Sphere) -> bool {
     })
 }
 
+/// Connected texels of an image.
+#[derive(Default)]
+struct Connected {
+    /// Those that a sphere may be fitted to.
+    large: Vec<Cluster>,
+    small: SmallParts,
+}
+
+/// Parts of fewer texels than [`LEAST_TEXELS`], which can only join others. There may be one for every other texel.
+#[derive(Default)]
+struct SmallParts {
+    texels: Vec<u32>,
+    /// Ends of the parts among the texels.
+    ends: Vec<u32>,
+}
+
+impl SmallParts {
+    fn push(&mut self, texels: &[u32]) {
+        self.texels.extend(texels);
+        self.ends.push(self.texels.len() as u32);
+    }
+
+    /// Parts of so many texels.
+    fn of_len(&self, len: usize) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        let ranges = starts.zip(&self.ends).map(|(&start, &end)| start as usize..end as usize);
+        ranges.filter(move |range| range.len() == len).map(|range| &self.texels[range])
+    }
+}
+
+/// The index of refraction of a texel of an image with material.
+fn ior(image: &SpecularImage<'_>, at: usize) -> f64 {
+    let part = image.texels.material.as_ref().map_or(0.0, |material| f64::from(material[at][2]) / 255.0);
+    f64::from(IOR_RANGE[0]) + part * f64::from(IOR_RANGE[1] - IOR_RANGE[0])
+}
+
 /// Connected refractive texels of an image: adjacent, and of much the same depth.
-fn connected(image: &SpecularImage<'_>) -> Vec<Cluster> {
+fn connected(number: usize, image: &SpecularImage<'_>) -> Connected {
     let texels = image.texels;
-    let Some(material) = &texels.material else { return Vec::new() };
+    let mut found = Connected::default();
+    let Some(material) = &texels.material else { return found };
     let [width, height] = texels.size.map(|size| size as usize);
     // Mirrors alone need no list.
     if !(0..material.len()).any(|at| image.is_refractive(at)) {
-        return Vec::new();
+        return found;
     }
     let mut taken: Vec<bool> = (0..material.len()).map(|at| !image.is_refractive(at)).collect();
-    let mut found = Vec::new();
+    let mut members = Vec::new();
     for start in 0..taken.len() {
         if std::mem::replace(&mut taken[start], true) {
             continue;
         }
-        let (mut stack, mut points, mut ior_sum) = (vec![start], Vec::new(), 0.0);
-        while let Some(at) = stack.pop() {
-            let Some(point) = image.point(at) else { continue };
-            points.push(point);
-            let part = f64::from(material[at][2]) / 255.0;
-            ior_sum += f64::from(IOR_RANGE[0]) + part * f64::from(IOR_RANGE[1] - IOR_RANGE[0]);
+        let mut stack = vec![start as u32];
+        members.clear();
+        while let Some(at) = stack.pop().map(|at| at as usize) {
+            if image.point(at).is_none() {
+                continue;
+            }
+            members.push(at as u32);
             let (column, row) = (at % width, at / width);
             let beside = [
                 (column > 0).then(|| at - 1),
@@ -171,13 +259,14 @@ fn connected(image: &SpecularImage<'_>) -> Vec<Cluster> {
                 let [a, b] = [at, next].map(|at| texels.inverse_depth[at]);
                 if !taken[next] && (a - b).abs() <= SAME_PATCH * a.max(b) {
                     taken[next] = true;
-                    stack.push(next);
+                    stack.push(next as u32);
                 }
             }
         }
-        if !points.is_empty() {
-            let seen_from = vec![image.view.from_eye.as_dvec3()];
-            found.push(Cluster { points, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 });
+        match members.len() {
+            0 => {}
+            1..LEAST_TEXELS => found.small.push(&members),
+            _ => found.large.push(Cluster::new((number, image), members.clone())),
         }
     }
     found
@@ -191,17 +280,17 @@ struct FittedSphere {
 }
 
 /// The sphere through points, by least squares of |x − centre|² − radius². None where they are coplanar ([`IN_PLANE`]).
-fn fit(points: &[DVec3]) -> Option<FittedSphere> {
-    let Spread { middle, unit_m, covariance } = Spread::of(points.iter().copied());
+fn fit(points: impl Iterator<Item = DVec3> + Clone) -> Option<FittedSphere> {
+    let Spread { middle, unit_m, covariance } = Spread::of(points.clone());
     // NaN where all points are one.
     if covariance.determinant().is_nan() || covariance.determinant() < IN_PLANE {
         return None;
     }
-    let pull = |sum: DVec3, point: &DVec3| {
-        let from = (*point - middle) / unit_m;
+    let pull = |sum: DVec3, point: DVec3| {
+        let from = (point - middle) / unit_m;
         sum + 0.5 * from.length_squared() * from
     };
-    let to_centre = covariance.inverse() * (points.iter().fold(DVec3::ZERO, pull) / points.len() as f64);
+    let to_centre = covariance.inverse() * (points.clone().fold(DVec3::ZERO, pull) / points.count() as f64);
     let radius_m = unit_m * (to_centre.length_squared() + 1.0).sqrt();
     let centre = middle + unit_m * to_centre;
     (centre.is_finite() && radius_m.is_finite() && radius_m > 0.0).then_some(FittedSphere { centre, radius_m })
@@ -362,11 +451,11 @@ mod tests {
         for size in [1e-30, 1e-5, 1.0, 1e5, 1e30] {
             let middle = size * DVec3::new(3.0, -2.0, 7.0);
             let points: Vec<DVec3> = (0..81).map(|at| middle + size * cap(at)).collect();
-            let FittedSphere { centre, radius_m } = fit(&points).unwrap();
+            let FittedSphere { centre, radius_m } = fit(points.iter().copied()).unwrap();
             assert!((centre - middle).length() < 1e-9 * size && (radius_m / size - 1.0).abs() < 1e-9, "{size}");
             let flat: Vec<DVec3> = points.iter().map(|point| point.with_z(point.x + 0.3 * point.y)).collect();
-            assert_eq!((fit(&flat), fit(&flat[..1])), (None, None), "{size}");
+            assert_eq!((fit(flat.iter().copied()), fit(flat.iter().copied().take(1))), (None, None), "{size}");
         }
-        assert_eq!(fit(&[]), None);
+        assert_eq!(fit(std::iter::empty()), None);
     }
 }

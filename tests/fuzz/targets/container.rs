@@ -14,9 +14,10 @@ use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::pack::{self, FlattenSettings, PackSettings, Repack};
 use lightfold::streams::CodecHeader;
-use lightfold::streams::shard::SHARD;
+use lightfold::streams::shard::{FootageDigests, SHARD, ShardEntry};
 
 use super::{Judged, Verdict, judge, refused};
+use crate::ALLOCATED;
 
 /// Most inputs are opened with limits that are small, so that an input costs little time.
 const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_ratio: 64, ..OpenLimits::DEFAULT };
@@ -24,6 +25,8 @@ const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_rat
 const DEFAULT_EVERY: u32 = 512;
 /// What packing trees takes for encoders of nodes and LZMA2.
 pub const FLATTENING: u64 = 48 << 20;
+/// What packing takes at most beside a file and its index: a batch of chunks, and [`FLATTENING`].
+const PACKING: u64 = FLATTENING + (16 << 20);
 /// Frames of a stream that are decoded with `--keep-going`.
 const KEPT_FRAMES: u32 = 6;
 /// Streams of an input that are decoded.
@@ -62,7 +65,9 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
         Ok(again) if again.index() == reader.index() => {}
         _ => return Err("opened twice, it is not the same".into()),
     }
-    let copied = pack_again(bytes, limits)?;
+    drop(reader);
+    let copied = pack_within(bytes, limits)?;
+    let reader = open().map_err(|error| error.to_string())?;
     // A shard is packed with all others of its encode, or not at all.
     let is_shard = reader.index().attributes.get(SHARD).is_some();
     let decoder = match Decoder::new(reader) {
@@ -81,6 +86,21 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
         return Err("a sound container cannot be packed".into());
     }
     Ok(verdict)
+}
+
+/// Packs within a bound of its own, as decoding holds no batches of chunks.
+fn pack_within(bytes: &[u8], limits: OpenLimits) -> Judged {
+    let before = ALLOCATED.current_usage();
+    ALLOCATED.reset_peak_usage();
+    let verdict = pack_again(bytes, limits);
+    let packed = ALLOCATED.peak_usage().saturating_sub(before) as u64;
+    ALLOCATED.reset_peak_usage();
+    let file_bytes = bytes.len() as u64;
+    let bound = PACKING + beside(file_bytes);
+    if packed > bound {
+        return Err(format!("packing took {packed} bytes of memory: the bound is {bound}"));
+    }
+    verdict
 }
 
 /// Packing copies chunks, which need be no more than whole.
@@ -282,4 +302,17 @@ pub fn run_zstd(bytes: &[u8]) -> Judged {
 /// Twice what may come out, two dictionaries and the decoders' tables.
 pub fn bound_lzma2(bytes: &[u8]) -> u64 {
     (40 << 20) + 4 * bytes.len() as u64
+}
+
+/// Attributes of a shard are read, and its entry written and read again.
+pub fn run_shard(bytes: &[u8]) -> Judged {
+    FootageDigests::read(bytes, bytes.len() % 5);
+    let entry = match ShardEntry::read(bytes) {
+        Ok(entry) => entry,
+        Err(error) => return refused(&error),
+    };
+    match ShardEntry::read(&entry.write()) {
+        Ok(again) if again == entry => Ok(Verdict::Accepted),
+        _ => Err("the entry of a shard comes back as another".into()),
+    }
 }

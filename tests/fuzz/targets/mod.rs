@@ -5,6 +5,7 @@ use lightfold::color::transform::tables::Transform;
 use lightfold::depth::predictive::tables::Predictive;
 use lightfold::error::{Error, Result};
 
+pub mod cameras;
 pub mod container;
 pub mod images;
 pub mod journal;
@@ -77,9 +78,18 @@ pub const TARGETS: &[Target] = &[
     Target { name: "journal", execs: 4000, run: journal::run, bound: journal::bound },
     Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound_exr },
     Target { name: "png", execs: 4000, run: images::run_png, bound: images::bound },
+    Target { name: "texture", execs: 2000, run: images::run_texture, bound: images::bound },
+    Target { name: "seurat-exr", execs: 1000, run: images::run_seurat_exr, bound: images::bound_seurat },
+    Target { name: "seurat-png", execs: 2000, run: images::run_seurat_png, bound: images::bound_seurat },
     Target { name: "manifest", execs: 4000, run: texts::run_manifest, bound: texts::bound },
     Target { name: "seurat", execs: 4000, run: texts::run_seurat, bound: texts::bound },
     Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
+    Target { name: "transforms", execs: 4000, run: cameras::run, bound: cameras::bound },
+    Target { name: "cameras-gltf", execs: 2000, run: cameras::run, bound: cameras::bound },
+    Target { name: "cameras-glb", execs: 2000, run: cameras::run, bound: cameras::bound },
+    Target { name: "colmap", execs: 4000, run: cameras::run_colmap, bound: cameras::bound },
+    Target { name: "scan", execs: 2000, run: texts::run_scan, bound: texts::bound },
+    Target { name: "shard", execs: 4000, run: container::run_shard, bound: texts::bound },
     Target { name: "usda", execs: 4000, run: texts::run_usda, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },

@@ -6,6 +6,7 @@ use lightfold::container::{
 use lightfold::decode::Decoder;
 
 use super::{Judged, container, refused};
+use crate::ALLOCATED;
 
 /// Sides of images and units are at most this.
 const MAX_SIDE: u16 = 192;
@@ -121,7 +122,11 @@ impl Case {
 /// Decodes a stream of a codec.
 pub fn run(codec: [u8; 4], bytes: &[u8]) -> Judged {
     match Case::read(bytes).container(codec) {
-        Ok(file) => container::run_within(&file, OpenLimits::DEFAULT),
+        Ok(file) => {
+            // The bound is that of decoders, not of the writer.
+            ALLOCATED.reset_peak_usage();
+            container::run_within(&file, OpenLimits::DEFAULT)
+        }
         Err(error) => refused(&error),
     }
 }

@@ -6,6 +6,7 @@ use lightfold::container::Reader;
 use lightfold::dataset::seurat::{SeuratCapture, SeuratView};
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
+use lightfold::encode::ScanFile;
 use lightfold::entropy::{Model, table_text};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::evaluate::cameras::{self, Content};
@@ -141,6 +142,28 @@ pub fn run_sweep(bytes: &[u8]) -> Judged {
             Ok(_) => Err("a sweep comes back as another".into()),
             Err(error) => Err(format!("a sweep that was written is refused: {error}")),
         }
+    })
+}
+
+/// A scan of footage is read, written and read again.
+pub fn run_scan(bytes: &[u8]) -> Judged {
+    FOLDER.with(|folder| {
+        let path = folder.path().join("scan.json");
+        std::fs::write(&path, bytes).expect("the scan is written");
+        let scan = match ScanFile::read(&path) {
+            Ok(scan) => scan,
+            Err(error) => return refused(&error),
+        };
+        scan.missing();
+        let text = scan.to_json().map_err(|error| format!("a scan that was taken is not written: {error}"))?;
+        std::fs::write(&path, &text).expect("the scan is written");
+        match ScanFile::read(&path).and_then(|again| again.to_json()) {
+            Ok(again) if again == text => {}
+            Ok(_) => return Err("a scan comes back as another".into()),
+            Err(error) => return Err(format!("a scan that was written is refused: {error}")),
+        }
+        let mut joined = scan;
+        judge(&ScanFile::read(&path).and_then(|other| joined.merge(other)))
     })
 }
 

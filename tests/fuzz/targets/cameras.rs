@@ -1,0 +1,57 @@
+//! Cameras of other programs: read from bytes, and written in every format where they are taken.
+
+use std::path::Path;
+
+use lightfold::error::Result;
+use lightfold::evaluate::cameras::{self, CameraFormat, Content, FileCamera, WriteSettings};
+use tempfile::TempDir;
+
+use super::{Judged, judge, models};
+
+/// Between cameras.txt and images.txt of an input.
+pub const BETWEEN: &[u8] = b"====\n";
+pub const FORMATS: [CameraFormat; 5] =
+    [CameraFormat::Lightfold, CameraFormat::Transforms, CameraFormat::Colmap, CameraFormat::Gltf, CameraFormat::Usd];
+pub const SETTINGS: WriteSettings = WriteSettings { size: (480, None), fps: 24.0 };
+
+thread_local! {
+    static FOLDER: TempDir = TempDir::new().expect("a temporary folder");
+}
+
+fn look(read: &Result<Vec<FileCamera>>) -> Judged {
+    if let Ok(all) = read {
+        if let Some(camera) = all.iter().find(|camera| !camera.timed.camera.eye().is_finite()) {
+            return Err(format!("a camera stands nowhere: {camera:?}"));
+        }
+        // A few say what many would.
+        for format in FORMATS.into_iter().filter(|_| all.len() <= 64) {
+            judge(&cameras::write(all, format, &SETTINGS))?;
+        }
+    }
+    judge(read)
+}
+
+/// A file of any format but that of COLMAP, which is recognised by its content.
+pub fn run(bytes: &[u8]) -> Judged {
+    FOLDER.with(|folder| {
+        let path = folder.path().join("none/cameras");
+        look(&cameras::parse(&Content { path: &path, bytes, fps: 24.0 }))
+    })
+}
+
+/// A folder of cameras.txt and images.txt.
+pub fn run_colmap(bytes: &[u8]) -> Judged {
+    let place = bytes.windows(BETWEEN.len()).position(|window| window == BETWEEN);
+    let (lenses, images) = place.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + BETWEEN.len()..]));
+    FOLDER.with(|folder| {
+        let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("a file");
+        write("cameras.txt", lenses);
+        write("images.txt", images);
+        look(&cameras::read(Path::new(folder.path()), 24.0))
+    })
+}
+
+/// As meshes, which glTF files of cameras are read like; animated cameras have a pose for each frame.
+pub fn bound(bytes: &[u8]) -> u64 {
+    models::bound(bytes)
+}
