@@ -60,8 +60,8 @@ pub struct ColorArgs {
     /// [default: 40; of cells 50, or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
-    /// Constant quantiser of the transform codec instead of --psnr: one step for all cells, 0 (finest) to 240; 16 more double it.
-    /// Fastest to encode, and smallest at a given mean PSNR, but no least PSNR is kept
+    /// Constant quantiser of the transform codec instead of --psnr: the same step for the same appearance in all cells, 0 (finest) to 240; 16
+    /// more double it. Fastest to encode, and smallest for the same picture to the eye, but no least PSNR is kept
     #[arg(long, value_name = "N", conflicts_with_all = ["psnr", "color_block"],
         value_parser = clap::value_parser!(u8).range(0..=240))]
     pub color_qp: Option<u8>,

@@ -19,8 +19,6 @@ pub struct Domain {
     pub middle: i32,
     /// Least and greatest key that blocks of a transform show: those of finite samples.
     pub shown: [i32; 2],
-    /// Keys of a difference that is about as visible as one step of 8-bit sRGB in the middle of its range.
-    pub visible_key: f32,
     /// Steps of coefficients.
     pub steps: &'static StepTable,
 }

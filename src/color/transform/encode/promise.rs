@@ -25,6 +25,8 @@ use crate::entropy::Encoder;
 
 /// λ in steps² a bit.
 const LAMBDA: f32 = 0.09;
+/// The same where steps follow the eye: textures that a larger one drops are seen.
+const LAMBDA_BY_EYE: f32 = 0.063;
 /// What a step index changes the squared error by, as a logarithm to base 2.
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// A partition is searched anew where the step moves by more indices than this.
@@ -79,8 +81,7 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
         tables,
         effort: search.effort,
         slopes,
-        offset_set: usize::from(search.constant_step.is_some() && std::env::var_os("LF_FLAT").is_none()),
-        lambda_factor: std::env::var("LF_LAMBDA").ok().and_then(|text| text.parse().ok()).unwrap_or(0.7),
+        by_eye: search.constant_step.is_some() && Q::KEYS_ARE_STEPS,
         regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes)).collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
@@ -113,8 +114,8 @@ struct Trials<'a, S, Q> {
     tables: &'a PricedTables,
     effort: Effort,
     slopes: ChromaSlopes,
-    offset_set: usize,
-    lambda_factor: f32,
+    /// Whether steps follow the eye; a promise of PSNR counts all errors alike.
+    by_eye: bool,
     regions: Vec<RegionSource>,
     bases: TimeBases,
 }
@@ -252,7 +253,8 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             None => self.frequent_colors(),
         };
         let steps = step_indices(start.step, self.slopes);
-        let mut header = Header { set: start.set, steps, slopes: self.slopes, offset_set: self.offset_set, colors };
+        let mut header =
+            Header { set: start.set, steps, slopes: self.slopes, offset_set: usize::from(self.by_eye), colors };
         let tree = |(at, region): (usize, &RegionSource)| {
             let steps = Steps::new(header.steps, header.offset_set, self.delta(region), &S::DOMAIN);
             let context = SearchContext {
@@ -262,7 +264,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
                 steps,
                 prices: &self.tables.prices[start.set],
                 bases: &self.bases,
-                lambda: LAMBDA * self.lambda_factor,
+                lambda: if self.by_eye { LAMBDA_BY_EYE } else { LAMBDA },
                 weights,
                 effort: self.effort,
             };
@@ -278,7 +280,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     }
 
     fn delta(&self, region: &RegionSource) -> i8 {
-        if self.offset_set == 0 { 0 } else { region.delta }
+        if self.by_eye { region.delta } else { 0 }
     }
 
     fn cheapest_set(&self, header: &Header, trees: &[Tree]) -> usize {

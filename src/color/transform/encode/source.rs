@@ -58,7 +58,7 @@ impl RegionSource {
         let vectors = Arch::new();
         let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: LEAST << level });
         let spatial = (0..=root.shape.level).map(transform).collect();
-        RegionSource { root, delta: delta(&samples[..keys.len()], side, S::DOMAIN.visible_key), keys, spatial }
+        RegionSource { root, delta: delta(&samples[..keys.len()], side), keys, spatial }
     }
 
     /// Coefficients of a channel of a block by temporal frequency, each times the factor of its spatial frequency.
@@ -80,17 +80,17 @@ impl RegionSource {
     }
 }
 
-/// Variance of luma, in squares of visible steps, below which a place hides no errors; and that of places whose delta is 0.
+/// Variance of luma below which a place hides no errors; and how much more those of places have whose delta is 0.
 const QUIET: f32 = 80.0;
 const USUAL: f32 = 100.0;
 
 /// Delta of a region: steps are the finer the quieter it is around each of its squares of 4x4 pixels, in all frames. The mean of the
 /// weights, not the weight of the mean, so that a region with a quiet part stays fine.
-fn delta(luma: &[f32], side: usize, visible_key: f32) -> i8 {
+fn delta(luma: &[f32], side: usize) -> i8 {
     let (mut sum, mut count) = (0.0f64, 0u32);
     for image in luma.chunks_exact(side * side) {
         for (y, x) in (0..side).step_by(LEAST).flat_map(|y| (0..side).step_by(LEAST).map(move |x| (y, x))) {
-            let variance = variance(image, side, [x, y]) / (visible_key * visible_key);
+            let variance = variance(image, side, [x, y]);
             sum += f64::from(((QUIET + USUAL) / (QUIET + variance)).sqrt());
             count += 1;
         }
