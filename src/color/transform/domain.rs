@@ -27,23 +27,11 @@ static STEPS_OF_BYTES: StepTable = step_table(6);
 static STEPS_OF_HALVES: StepTable = step_table(0);
 
 impl Domain {
-    pub const BYTES: Domain = Domain {
-        fraction_bits: 6,
-        key_bits: 8,
-        middle: 128,
-        shown: [0, 255],
-        visible_key: 1.0,
-        steps: &STEPS_OF_BYTES,
-    };
+    pub const BYTES: Domain =
+        Domain { fraction_bits: 6, key_bits: 8, middle: 128, shown: [0, 255], steps: &STEPS_OF_BYTES };
     /// Keys of half floats; the middle is that of 1.0, and the keys of -65504 to 65504 are shown.
-    pub const HALVES: Domain = Domain {
-        fraction_bits: 0,
-        key_bits: 16,
-        middle: 0xbc00,
-        shown: [0x0400, 0xfbff],
-        visible_key: 25.0,
-        steps: &STEPS_OF_HALVES,
-    };
+    pub const HALVES: Domain =
+        Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff], steps: &STEPS_OF_HALVES };
 }
 
 /// Samples that the transform codec codes, by their keys.
