@@ -151,10 +151,11 @@ pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, groups:
     if settings.memory.bytes.is_none() {
         return Ok(());
     }
-    for GroupRef { group, .. } in groups {
-        let probe = &source.probes()[group.probe].name;
-        let what = format!("encoding the {} of probe {probe}", group.kind.name());
-        settings.memory.at_once(&GroupNeed::new(source, group, settings).need(&what, group.kind, settings), 1)?;
+    // The largest, so that a command is refused once.
+    let needs = groups.iter().map(|GroupRef { group, .. }| (GroupNeed::new(source, group, settings), *group));
+    if let Some((need, group)) = needs.max_by_key(|(need, group)| need.need("", group.kind, settings).bytes(1)) {
+        let what = format!("encoding the {} of probe {}", group.kind.name(), source.probes()[group.probe].name);
+        settings.memory.at_once(&need.need(&what, group.kind, settings), 1)?;
     }
     Ok(())
 }
