@@ -112,7 +112,7 @@ impl GroupNeed {
             (StreamKind::Color, ColorCodec::Cells) => color_state(group, settings),
             _ => tile_state(group, settings),
         };
-        let units = Need { what: "", fixed: held + coded, each: unit, instead: "" };
+        let units = Need { what: "", fixed: held + coded + earlier_bytes(), each: unit, instead: "" };
         // One at least, which is refused later where it does not fit.
         let units_at_once = settings.memory.at_once(&units, rayon::current_num_threads()).unwrap_or(1);
         let work = unit * units_at_once as u64;
@@ -136,17 +136,21 @@ impl GroupNeed {
         };
         // Frames of a batch are read, by one thread one after the other, before any is coded.
         match rayon::current_num_threads() {
-            // The allocator of the one thread gives all of it to the next stream.
             1 => {
                 let fixed = self.held + kept + self.work.max(self.reading - self.coded);
                 Need { what, fixed, each: self.coded, instead }
             }
             _ => {
-                let fixed = self.held + kept + (self.work + self.coded).saturating_sub(self.reading) + EARLIER_BYTES;
+                let fixed = self.held + kept + (self.work + self.coded).saturating_sub(self.reading) + earlier_bytes();
                 Need { what, fixed, each: self.reading, instead }
             }
         }
     }
+}
+
+/// [`EARLIER_BYTES`] of several threads; the allocator of one gives all to the next stream.
+fn earlier_bytes() -> u64 {
+    if rayon::current_num_threads() > 1 { EARLIER_BYTES } else { 0 }
 }
 
 /// Refuses groups that would not fit into the settings' memory.

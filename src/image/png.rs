@@ -155,14 +155,14 @@ fn encode(writer: &mut dyn Write, size: [u32; 2], bytes: &[u8], color: ExtendedC
     check_size(size)?;
     let mut out = Watched { writer, failed: None };
     let encoded = PngEncoder::new(&mut out).write_image(bytes, size[0], size[1], color);
-    match (encoded, out.failed) {
-        (Ok(()), _) => writer.flush().map_err(|error| Error::io("", error)),
-        (Err(_), Some(system)) => Err(Error::io("", system)),
-        (Err(error), None) => Err(translate(error, Path::new(""))),
+    match (out.failed, encoded) {
+        (Some(system), _) => Err(Error::io("", system)),
+        (None, Err(error)) => Err(translate(error, Path::new(""))),
+        (None, Ok(())) => writer.flush().map_err(|error| Error::io("", error)),
     }
 }
 
-/// Keeps the system's error, which the encoder may hand on as another kind: a full disk may have room later.
+/// Keeps the system's error, which the encoder hands on as another kind, or, of the last bytes, not at all.
 struct Watched<'a> {
     writer: &'a mut dyn Write,
     failed: Option<std::io::Error>,
