@@ -33,7 +33,7 @@ const OPEN_BYTES: usize = 384 << 20;
 /// nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent, and as children while their parent is tried
 /// (3 times 4, and half of it again where they grow).
 const TILE_WORK_BYTES: u64 = 24;
-/// The same of predictive depth without the chunk that is finished: its codes.
+/// Bytes for each pixel of a tile of predictive depth, its codes; the chunk that is being finished is counted apart.
 const PREDICTIVE_WORK_BYTES: u64 = 2;
 /// Bytes for each byte of the open chunk of predictive depth while it is finished: 6 for each step, of 2 bytes.
 const PREDICTIVE_FINISHING: u64 = 3;
@@ -148,7 +148,7 @@ impl GroupNeed {
     }
 }
 
-/// [`EARLIER_BYTES`] of several threads; the allocator of one gives all to the next stream.
+/// Bytes held back of earlier streams: none with one thread, whose allocator reuses them.
 fn earlier_bytes() -> u64 {
     if rayon::current_num_threads() > 1 { EARLIER_BYTES } else { 0 }
 }
