@@ -61,6 +61,14 @@ class OneTask(Folder):
     def setUp(self):
         super().setUp()
         self.program = program(self.work / "recorder", RECORDER)
+        # What tasks before have written: a task whose inputs are missing may be tried again.
+        for film, names in [("film.lfold", ["scan-1-of-2.json", "scan-2-of-2.json", "scan-of-12.json", "scan-of-1.json", "scan-of-4.json",
+                                            "shard-1-of-2.lfold", "shard-2-of-2.lfold"]),
+                            ("sets/room.lfold", ["shard-1-of-1.lfold"])]:
+            parts = self.work / f"{film}.parts"
+            parts.mkdir(parents=True)
+            for name in names:
+                (parts / name).touch()
 
     def task(self, *words, fail="0 0", **environment):
         """(exit code, what the program was called with) of one task."""
@@ -84,6 +92,10 @@ class OneTask(Folder):
              f"pack {parts}/shard-1-of-2.lfold {parts}/shard-2-of-2.lfold -o film.lfold --progress none"),
         ]:
             self.assertEqual(self.task(*words), (0, [expected]))
+
+    def test_inputs_that_are_missing_may_be_tried_again(self):
+        for words in [["merge-scans", "room", "film.lfold", "3"], ["encode", "room", "film.lfold", "1/5"], ["merge", "room", "film.lfold", "3"]]:
+            self.assertEqual(self.task(*words, LIGHTFOLD_RETRIES="0"), (75, []), words)
 
     def test_an_empty_output_is_beside_the_dataset(self):
         for dataset in ["sets/room", "sets/room/", "sets/room/lightfield.json"]:

@@ -150,7 +150,7 @@ pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, reco
     Completed::of(recovered, &configuration::of(source, settings), &order, settings).map(|_| ())
 }
 
-/// Whether an interrupted encode of a shard has the settings of this one, and its footage has changed since.
+/// True if an interrupted encode of a shard has the same settings as this one, but its footage has changed since.
 pub fn is_of_changed_footage(
     source: &dyn FrameSource,
     settings: &EncodeSettings,

@@ -120,7 +120,7 @@ impl ChannelName {
         if self.layer.is_empty() || repeats { self.name.clone() } else { format!("{}.{}", self.layer, self.name) }
     }
 
-    /// Whether [`Self::full`] is the wanted name. Searches compare thousands of names with thousands, so none is made here.
+    /// True if [`Self::full`] is the wanted name. Compares in place: allocating a name for each of thousands of channels is slow.
     fn is_called(&self, wanted: &str, same: Same) -> bool {
         let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
         if self.layer.is_empty() || repeats {

@@ -153,10 +153,42 @@ fn check_size(size: [u32; 2]) -> Result<()> {
 
 fn encode(writer: &mut dyn Write, size: [u32; 2], bytes: &[u8], color: ExtendedColorType) -> Result<()> {
     check_size(size)?;
-    PngEncoder::new(&mut *writer)
-        .write_image(bytes, size[0], size[1], color)
-        .map_err(|error| translate(error, Path::new("")))?;
-    writer.flush().map_err(|error| Error::io("", error))
+    let mut out = Watched { writer, failed: None };
+    let encoded = PngEncoder::new(&mut out).write_image(bytes, size[0], size[1], color);
+    match (out.failed, encoded) {
+        (Some(system), _) => Err(Error::io("", system)),
+        (None, Err(error)) => Err(translate(error, Path::new(""))),
+        (None, Ok(())) => writer.flush().map_err(|error| Error::io("", error)),
+    }
+}
+
+/// Keeps the system's error, which the encoder hands on as another kind, or, of the last bytes, not at all.
+struct Watched<'a> {
+    writer: &'a mut dyn Write,
+    failed: Option<std::io::Error>,
+}
+
+impl Watched<'_> {
+    fn watch<T>(&mut self, done: std::io::Result<T>) -> std::io::Result<T> {
+        if let Err(error) = &done
+            && error.kind() != std::io::ErrorKind::Interrupted
+        {
+            self.failed = Some(error.raw_os_error().map_or(error.kind().into(), std::io::Error::from_raw_os_error));
+        }
+        done
+    }
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let done = self.writer.write(bytes);
+        self.watch(done)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        let done = self.writer.flush();
+        self.watch(done)
+    }
 }
 
 fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {
@@ -198,6 +230,35 @@ fn translate(error: ImageError, path: &Path) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Has room for so many bytes.
+    struct Disk(usize);
+
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0 = self.0.checked_sub(bytes.len()).ok_or(std::io::ErrorKind::StorageFull)?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_the_error_of_the_system() {
+        let plane =
+            Plane::new(64, 64, (0..64 * 64).map(|at: u32| [at, at * at, at * 31].map(|value| value as u8)).collect());
+        let plane = plane.unwrap();
+        let mut whole = Vec::new();
+        encode_color8(&mut whole, &plane).unwrap();
+        for room in (0..whole.len()).step_by(97) {
+            match encode_color8(&mut Disk(room), &plane) {
+                Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::StorageFull => {}
+                other => panic!("with room for {room} of {} bytes: {other:?}", whole.len()),
+            }
+        }
+    }
 
     #[test]
     fn colour_and_depth_come_back() {

@@ -80,7 +80,7 @@ fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u
         _ => ATLAS_BYTES,
     };
     let with_files = atlas_texels(texels, settings) * atlas_bytes + samples;
-    // Of textures of half the size pictures are drawn, while the shares of views are there.
+    // The shares of views are still held while pictures are drawn from textures of half the size.
     let pictures = pixels.saturating_mul(ALPHA_PIXEL_BYTES * threads.min(capture.images.len()) as u64)
         + (2 * sides.len() as u64).saturating_mul(TRIANGLE_BYTES * threads as u64);
     let coarse = SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures);

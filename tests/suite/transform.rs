@@ -110,7 +110,8 @@ fn the_same_bytes_on_any_number_of_threads_and_in_any_memory() {
         pool.install(|| encoded(&source, &settings))
     };
     let alone = encode(1, None);
-    assert!(alone == encode(2, None) && alone == encode(7, None) && alone == encode(4, Some(3 << 20)));
+    // What allocators of several threads hold back, and no more than one frame at a time.
+    assert!(alone == encode(2, None) && alone == encode(7, None) && alone == encode(4, Some(18 << 20)));
 }
 
 /// Noise that is stronger in each frame than in the one before.

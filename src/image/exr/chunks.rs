@@ -73,7 +73,7 @@ thread_local! {
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether a panic of this thread becomes an error, so that a panic hook has nothing to print.
+/// True while this thread turns panics into errors; the panic hook then prints nothing.
 pub fn is_guarded() -> bool {
     IS_GUARDED.get()
 }

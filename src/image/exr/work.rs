@@ -209,10 +209,10 @@ fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<u8>, &[u8])> {
     (lengths.len() == count).then_some((lengths, bits.bytes))
 }
 
-/// Bits of some bytes, highest first, of which the last 64 that were read are held.
+/// Bits of some bytes, highest first, of which the last 128 that were read are held: a code of 58 bits may begin at the last bit of a byte.
 struct Bits<'a> {
     bytes: &'a [u8],
-    held: u64,
+    held: u128,
     count: usize,
 }
 
@@ -221,9 +221,9 @@ impl Bits<'_> {
     fn peek(&mut self, count: usize) -> Option<u64> {
         while self.count < count {
             let (byte, rest) = self.bytes.split_first()?;
-            (self.held, self.count, self.bytes) = (self.held << 8 | u64::from(*byte), self.count + 8, rest);
+            (self.held, self.count, self.bytes) = (self.held << 8 | u128::from(*byte), self.count + 8, rest);
         }
-        Some(self.held.checked_shr((self.count - count) as u32).unwrap_or(0) & ((1 << count) - 1))
+        Some((self.held >> (self.count - count)) as u64 & ((1 << count) - 1))
     }
 
     fn take(&mut self, count: usize) -> Option<u64> {
