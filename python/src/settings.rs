@@ -173,7 +173,7 @@ fn set_color(given: &mut Given<'_, '_>, settings: &mut EncodeSettings) -> PyResu
     let usual = of_blocks.map(reached).or(step.map(|_| 0.0)).unwrap_or(codec.usual_psnr_db());
     settings.color_codec = codec;
     settings.color_chunk = chunk.unwrap_or(settings.color_chunk);
-    settings.search.min_psnr_db = psnr.unwrap_or(usual);
+    settings.search.target = Target::Psnr(psnr.unwrap_or(usual));
     settings.search.constant_step = step;
     settings.search.lookahead = given.take("lookahead")?.unwrap_or(settings.search.lookahead);
     settings.color_blocks = of_blocks.map(|(blocks, db)| {

@@ -71,9 +71,9 @@ impl Places {
             format!("lightfold inspect {container}"),
             format!("lightfold decode {container} -o {decoded}"),
             format!(
-                "lightfold diff {scene} {decoded} --max-error {} --min-cell-psnr {} --allow-clipping",
+                "lightfold diff {scene} {decoded} --max-error {} --min-quality {} --allow-clipping",
                 depth_bound(settings),
-                settings.search.min_psnr_db
+                settings.search.target.min_quality()
             ),
             format!("lightfold view {container} --open"),
         ]
@@ -109,9 +109,10 @@ struct DepthReport {
     max_error_codes: Option<u16>,
 }
 
-/// The lowest PSNR of any frame of any cell.
+/// The lowest quality and PSNR of any frame of any cell.
 #[derive(Serialize)]
 struct ColorReport {
+    min_quality: Option<f64>,
     min_psnr_db: Option<Number>,
 }
 
@@ -151,7 +152,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let comparison = compare(&places, global)?;
     let (bytes, all) = (decoder.reader().file_bytes, measure(&decoder, global)?);
     let raw_bytes = all.iter().map(|kind| kind.raw_bytes).sum();
-    let lowest_db = |total: compare::SampleTotal| total.lowest_cell.map_or(f64::INFINITY, |(_, lowest)| lowest.psnr_db);
+    let lowest_db = |total: compare::SampleTotal| total.lowest_cell.map_or(f64::INFINITY, |(_, lowest)| lowest.value);
+    let lowest_quality = |total: compare::SampleTotal| total.lowest_quality.map(|(_, lowest)| lowest.value);
     let report = Report {
         bytes,
         raw_bytes,
@@ -159,7 +161,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         frames: all.iter().map(|kind| kind.frames).sum(),
         kinds: all,
         depth: DepthReport { max_error_codes: comparison.depth().map(|(errors, _)| errors.max_error_codes) },
-        color: ColorReport { min_psnr_db: comparison.color().map(lowest_db).map(Number) },
+        color: ColorReport {
+            min_quality: comparison.color().and_then(lowest_quality),
+            min_psnr_db: comparison.color().map(lowest_db).map(Number),
+        },
         seconds: Seconds { capture, encode, decode },
         commands: places.commands(&settings),
     };
@@ -226,14 +231,14 @@ impl Report {
     fn keeps(&self, settings: &EncodeSettings) -> bool {
         let depth = self.depth.max_error_codes.is_none_or(|codes| codes <= depth_bound(settings));
         // The encoder and diff may differ in the last digit.
-        depth && self.color.min_psnr_db.is_none_or(|db| db.0 >= settings.search.min_psnr_db - 1e-6)
+        depth && self.color.min_quality.is_none_or(|quality| quality >= settings.search.target.min_quality() - 1e-6)
     }
 
     fn text(&self, places: &Places) -> String {
-        let mut table = Table::new("Kind|>Streams|>Images|>Raw|>Temporal|>%|>Max error|>Min PSNR|>Decoding");
+        let mut table = Table::new("Kind|>Streams|>Images|>Raw|>Temporal|>%|>Max error|>Min quality|>Decoding");
         for row in &self.kinds {
             let error = self.depth.max_error_codes.filter(|_| row.kind == StreamKind::Depth.name());
-            let psnr = self.color.min_psnr_db.filter(|_| row.kind == StreamKind::Color.name());
+            let quality = self.color.min_quality.filter(|_| row.kind == StreamKind::Color.name());
             table.row([
                 row.kind.to_owned(),
                 row.streams.to_string(),
@@ -242,7 +247,7 @@ impl Report {
                 human_bytes(row.temporal_bytes),
                 format!("{:.2}", row.ratio_percent),
                 error.map_or_else(String::new, |codes| format!("{codes} codes")),
-                psnr.map_or_else(String::new, |db| format!("{:.2} dB", db.0)),
+                quality.map_or_else(String::new, |quality| format!("{quality:.1}")),
                 format!("{:.0} MPix/s", row.decode_megapixels_per_second),
             ]);
         }

@@ -4,6 +4,7 @@ use crate::cli::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
+use crate::color::quality::MOST_QUALITY;
 use crate::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::decode::Selection;
 use crate::error::Result;
@@ -13,7 +14,7 @@ use crate::report::coding_map::counted;
 
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  lightfold diff scene/lightfield.json scene.lfold --max-error 100 --min-cell-psnr 40\n  \
+    after_help = "Examples:\n  lightfold diff scene/lightfield.json scene.lfold --max-error 100 --min-quality 80\n  \
     lightfold diff scene.lfold frames --json\n  \
     lightfold diff color.%04d.exr other.%04d.exr --hdr --min-cell-psnr 40\n  \
     lightfold diff a.lfold b.lfold --exact --stream depth --probe 00\n  \
@@ -46,6 +47,9 @@ pub struct Args {
     /// Lowest allowed PSNR of a frame of a colour cell, in dB, as for encode --psnr
     #[arg(long, value_name = "DB", value_parser = parse_db)]
     pub min_cell_psnr: Option<f64>,
+    /// Lowest allowed quality to the eye of a frame of a colour cell, as for encode --quality; A is the source
+    #[arg(long, value_name = "Q", value_parser = parse_quality)]
+    pub min_quality: Option<f64>,
     /// Compare colour as half floats, also where a side is 8-bit: PSNR is that of their PU21 encoding, with the peak at 100 cd/m²
     #[arg(long)]
     pub hdr: bool,
@@ -103,6 +107,11 @@ fn parse_db(text: &str) -> Result<f64, String> {
     if value.is_nan() { Err("decibels were expected".into()) } else { Ok(value) }
 }
 
+fn parse_quality(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=MOST_QUALITY).contains(value));
+    value.ok_or_else(|| format!("a quality of 0 to {MOST_QUALITY} was expected"))
+}
+
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let selection = Selection {
         probes: args.probe.clone(),
@@ -127,6 +136,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         max_error: args.max_error,
         min_psnr_db: args.min_psnr,
         min_cell_psnr_db: args.min_cell_psnr,
+        min_quality: args.min_quality,
         exact: args.exact,
         allow_clipping: args.allow_clipping,
     };

@@ -64,7 +64,11 @@ fn metres(value: f64) -> String {
 }
 
 fn lowest(lowest: Option<Lowest>) -> String {
-    lowest.map_or_else(|| "-".into(), |lowest| db(lowest.psnr_db))
+    lowest.map_or_else(|| "-".into(), |lowest| db(lowest.value))
+}
+
+fn quality(lowest: Option<Lowest>) -> String {
+    lowest.map_or_else(|| "-".into(), |lowest| format!("{:.1}", lowest.value))
 }
 
 fn ssim(value: Option<f64>) -> String {
@@ -83,10 +87,10 @@ fn largest(stream: &StreamReport) -> String {
 }
 
 fn summary(comparison: &Comparison) -> String {
-    let mut table = table("kind|streams|images|differing|max error|in metres|PSNR|lowest frame, cell|SSIM");
+    let mut table = table("kind|streams|images|differing|max error|in metres|PSNR|lowest frame, cell|quality|SSIM");
     let none = || "-".to_owned();
     // The cells of a row, but for kind, streams, images and differing pixels.
-    let mut add = |kind: StreamKind, differing: u64, measures: [String; 5]| {
+    let mut add = |kind: StreamKind, differing: u64, measures: [String; 6]| {
         let of_kind = || comparison.streams.iter().filter(|stream| stream.id.kind == kind);
         let images: u64 = of_kind().map(|stream| stream.frames.count()).sum();
         let pixels: u64 =
@@ -100,8 +104,9 @@ fn summary(comparison: &Comparison) -> String {
         table.add_row(counts.into_iter().chain(measures));
     };
     let of_samples = |total: &SampleTotal, lowest: String| {
+        let least = quality(total.lowest_quality.map(|(_, lowest)| lowest));
         let error = total.worst.map_or_else(|| "0".into(), |at| largest(&comparison.streams[at]));
-        [error, none(), db(total.psnr_db), lowest, ssim(total.ssim)]
+        [error, none(), db(total.psnr_db), lowest, least, ssim(total.ssim)]
     };
     if let Some(total) = comparison.color() {
         let of = |found: Option<(usize, Lowest)>| lowest(found.map(|(_, lowest)| lowest));
@@ -110,7 +115,7 @@ fn summary(comparison: &Comparison) -> String {
     }
     if let Some((errors, _)) = comparison.depth() {
         let error = counted(errors.max_error_codes.into(), "code");
-        let measures = [error, metres(errors.max_error_m), db(errors.psnr_db()), none(), none()];
+        let measures = [error, metres(errors.max_error_m), db(errors.psnr_db()), none(), none(), none()];
         add(StreamKind::Depth, errors.differing_pixels, measures);
     }
     for kind in [StreamKind::Material, StreamKind::Alpha] {
@@ -122,7 +127,7 @@ fn summary(comparison: &Comparison) -> String {
 }
 
 fn stream_table(comparison: &Comparison) -> String {
-    let mut table = table("stream|frames|max error|in metres|PSNR|lowest frame, cell|SSIM");
+    let mut table = table("stream|frames|max error|in metres|PSNR|lowest frame, cell|quality|SSIM");
     for stream in &comparison.streams {
         let name = match &stream.other_id {
             Some(other) => format!("{} = {}/{}", stream.id, other.probe, other.face.name()),
@@ -130,7 +135,7 @@ fn stream_table(comparison: &Comparison) -> String {
         };
         let color = stream.color();
         let psnr = stream.measured.psnr_db();
-        let [of_frame, of_cell] = color.map(SampleErrors::lowest).unwrap_or_default();
+        let [of_frame, of_cell, of_eye] = color.map(SampleErrors::lowest).unwrap_or_default();
         table.add_row(vec![
             name,
             range(stream.frames),
@@ -138,6 +143,7 @@ fn stream_table(comparison: &Comparison) -> String {
             stream.depth().map_or_else(|| "-".into(), |errors| metres(errors.max_error_m)),
             db(psnr),
             color.map_or_else(|| "-".into(), |_| format!("{}, {}", lowest(of_frame), lowest(of_cell))),
+            quality(of_eye),
             ssim(color.and_then(SampleErrors::ssim)),
         ]);
     }
@@ -150,8 +156,8 @@ fn worst_table(comparison: &Comparison) -> String {
         Some((what, stream, stream.worst()?.0, largest(stream)))
     };
     let lowest = |what: &'static str, found: Option<(usize, Lowest)>| {
-        let (at, Lowest { psnr_db, spot }) = found.filter(|(_, lowest)| lowest.psnr_db.is_finite())?;
-        Some((what, &comparison.streams[at], spot, db(psnr_db)))
+        let (at, Lowest { value, spot }) = found.filter(|(_, lowest)| lowest.value.is_finite())?;
+        Some((what, &comparison.streams[at], spot, db(value)))
     };
     let color = comparison.color();
     let rows = [
@@ -284,10 +290,14 @@ fn violation_text(comparison: &Comparison, violation: &Violation) -> String {
             let option = if *bound == Bound::MinPsnr { "--min-psnr" } else { "--min-cell-psnr" };
             (option, db(*measured), db(*limit), format!("{} too low", db(limit - measured)))
         }
+        Bound::MinQuality => {
+            let words = |quality: f64| format!("{quality:.2}");
+            ("--min-quality", words(*measured), words(*limit), format!("{} too low", words(limit - measured)))
+        }
     };
     let place = match (bound, spot) {
         (Bound::MinPsnr, Some(spot)) => format!(", frame {}", spot.frame),
-        (Bound::MinCellPsnr, Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
+        (Bound::MinCellPsnr | Bound::MinQuality, Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
         (Bound::MaxError, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
         (Bound::Clipping, _) | (_, None) => String::new(),
     };

@@ -22,7 +22,7 @@ use crate::image::StreamKind;
 use crate::monitor::Monitor;
 use crate::report::coding_map::counted;
 
-const SMALLER: &str = "a lower --psnr or a higher --max-error";
+const SMALLER: &str = "a lower --quality or a higher --max-error";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
@@ -286,7 +286,7 @@ impl Encode<'_> {
 
     /// Blocks lose more than the search for keyframes allows.
     fn note_block_bound(&self) {
-        let searched_db = self.settings.search.min_psnr_db;
+        let searched_db = self.settings.search.target.min_psnr_db();
         let has_color =
             encode::selected_groups(self.frames(), self.settings).iter().any(|of| of.group.kind == StreamKind::Color);
         if let Some(blocks) =

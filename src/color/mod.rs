@@ -23,6 +23,6 @@ pub use cells::{CellChunk, CellFormat};
 pub use chunk::{ChunkFormat, ColorChunk};
 pub use keyframe_blocks::KeyframeBlocks;
 pub use quality::Quality;
-pub use settings::SearchSettings;
+pub use settings::{SearchSettings, Target};
 #[cfg(feature = "encode")]
 pub use temporal::CellEncoder;

@@ -12,11 +12,19 @@ use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable};
 
+/// Quality to the eye of equal pictures (color.md 5).
+pub const MOST_QUALITY: f64 = 100.0;
+
 pub const PU_STEPS: f64 = 64.0;
 /// Largest error of a sample outside the range of PU21, in multiples of the RMS error of the least PSNR.
 pub const MAX_OUTSIDE_RMS: u64 = 4;
 /// Samples whose squared errors are summed in 32 bits before they are carried over.
 const BLOCK: usize = 2048;
+
+/// Largest error in codes of a sample outside the range of PU21 at a quality to the eye.
+pub fn outside_codes(quality: f64) -> f64 {
+    (MOST_QUALITY - quality) / 2.0
+}
 
 pub trait Quality<S: Sample>: Sync {
     fn peak(&self) -> f64;
@@ -32,6 +40,15 @@ pub trait Quality<S: Sample>: Sync {
 
     /// Whether one step of a sample's key is one step of the metric, so that sums over keys bound it.
     const KEYS_ARE_STEPS: bool;
+
+    /// The code of a sample, of which 255 or 256 are the peak.
+    fn code(&self, sample: S) -> f32;
+
+    /// What a sample's code changes by for one key, or for 16 keys of half floats.
+    fn codes_a_key(&self, sample: S) -> f32;
+
+    /// The largest error in codes of a sample for which the bound on single samples holds; 0 without any.
+    fn largest_outside(&self, shown: &[S], source: &[S]) -> f32;
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,6 +56,20 @@ pub struct EightBit;
 
 impl Quality<u8> for EightBit {
     const KEYS_ARE_STEPS: bool = true;
+
+    #[inline(always)]
+    fn code(&self, sample: u8) -> f32 {
+        f32::from(sample)
+    }
+
+    #[inline(always)]
+    fn codes_a_key(&self, _sample: u8) -> f32 {
+        1.0
+    }
+
+    fn largest_outside(&self, _shown: &[u8], _source: &[u8]) -> f32 {
+        0.0
+    }
 
     fn peak(&self) -> f64 {
         U8_PEAK
@@ -130,6 +161,22 @@ fn as_sum(outside: u32, samples: usize) -> u64 {
 
 impl Quality<HalfKey> for Pu21 {
     const KEYS_ARE_STEPS: bool = false;
+
+    #[inline(always)]
+    fn code(&self, sample: HalfKey) -> f32 {
+        self.step(sample) as f32 / PU_STEPS as f32
+    }
+
+    #[inline]
+    fn codes_a_key(&self, sample: HalfKey) -> f32 {
+        let [below, above] = [sample.0.saturating_sub(8), sample.0.saturating_add(8)].map(HalfKey);
+        (self.code(above) - self.code(below)).abs()
+    }
+
+    fn largest_outside(&self, shown: &[HalfKey], source: &[HalfKey]) -> f32 {
+        let largest = shown.iter().zip(source).map(|(&shown, &source)| self.errors(shown, source)[1]).max();
+        largest.unwrap_or(0) as f32 / PU_STEPS as f32
+    }
 
     fn peak(&self) -> f64 {
         PU21_PEAK * PU_STEPS

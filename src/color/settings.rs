@@ -2,12 +2,32 @@
 
 use crate::effort::Effort;
 
+/// What encoded colour keeps (color.md 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// Least quality to the eye of every frame of every cell, 0 to 100. Of the transform codec.
+    Quality(f64),
+    /// Least PSNR of every frame of every cell, in dB, 0 to 200.
+    Psnr(f64),
+    /// Nothing: a step index for all cells, 0 to 240. Of the transform codec.
+    Step(u8),
+}
+
+impl Target {
+    /// Least PSNR in dB; 0 for other targets.
+    pub fn min_psnr_db(self) -> f64 {
+        if let Target::Psnr(db) = self { db } else { 0.0 }
+    }
+
+    /// Least quality; 0 for other targets.
+    pub fn min_quality(self) -> f64 {
+        if let Target::Quality(quality) = self { quality } else { 0.0 }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchSettings {
-    /// Least PSNR of every frame of every cell, in dB.
-    pub min_psnr_db: f64,
-    /// Step of the transform codec for all cells, 0 to 240; `min_psnr_db` is then 0.
-    pub constant_step: Option<u8>,
+    pub target: Target,
     /// How hard to look: fast doubles distances, then bisects; normal doubles them, then tries every distance between
     /// the last that served and the first that did not; exhaustive tries every distance, the farthest first, and so
     /// finds the maximum of equation 12 within the lookahead.
@@ -19,6 +39,6 @@ pub struct SearchSettings {
 
 impl Default for SearchSettings {
     fn default() -> Self {
-        SearchSettings { min_psnr_db: 50.0, constant_step: None, effort: Effort::Normal, lookahead: 64 }
+        SearchSettings { target: Target::Psnr(50.0), effort: Effort::Normal, lookahead: 64 }
     }
 }

@@ -112,12 +112,12 @@ impl<S: Sample> CellEncoder<S> {
     }
 
     fn shown_psnr_db(&self) -> f64 {
-        self.blocks.map_or(self.settings.min_psnr_db, |stage| stage.final_psnr_db)
+        self.blocks.map_or(self.settings.target.min_psnr_db(), |stage| stage.final_psnr_db)
     }
 
     fn sources<'a, Q: Quality<S>>(&'a self, quality: &'a Q) -> Candidates<'a, S, Q> {
         let pictures = self.pending.iter().map(|entry| entry.samples.as_slice()).collect();
-        Candidates::new(pictures, quality, self.settings.min_psnr_db)
+        Candidates::new(pictures, quality, self.settings.target.min_psnr_db())
     }
 
     /// The same with the keyframe as it is shown, up to `next`, which is shown as `last`.

@@ -15,6 +15,8 @@ pub struct Bounds {
     pub min_psnr_db: Option<f64>,
     /// Lowest PSNR of a frame of a colour cell, in dB.
     pub min_cell_psnr_db: Option<f64>,
+    /// Lowest quality of a frame of a colour cell.
+    pub min_quality: Option<f64>,
     pub exact: bool,
     /// Accepts light that 8 bits clipped.
     pub allow_clipping: bool,
@@ -26,6 +28,7 @@ pub enum Bound {
     MaxError,
     MinPsnr,
     MinCellPsnr,
+    MinQuality,
     /// None of the pixels may be clipped.
     Clipping,
 }
@@ -34,7 +37,7 @@ pub enum Bound {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
     pub bound: Bound,
-    /// Its value: codes, dB or pixels.
+    /// Its value: codes, dB, quality or pixels.
     pub limit: f64,
     pub measured: f64,
     pub stream: usize,
@@ -57,7 +60,7 @@ pub struct Judgement {
 impl Bounds {
     pub fn judge(&self, comparison: &Comparison) -> Judgement {
         let mut violations = self.errors_beyond(comparison);
-        violations.extend(self.psnr_below(comparison));
+        violations.extend(self.color_below(comparison));
         let clipped = comparison.clipped().filter(|_| !self.allow_clipping);
         violations.extend(clipped.map(|(stream, pixels)| Violation {
             bound: Bound::Clipping,
@@ -66,7 +69,7 @@ impl Bounds {
             stream,
             spot: None,
         }));
-        let bounded = self.max_error.is_some() || self.min_psnr_db.is_some() || self.min_cell_psnr_db.is_some();
+        let bounded = self.max_error.is_some() || self.of_color().into_iter().any(|bound| bound.is_some());
         let (equal, complete) = (comparison.equal(), comparison.missing.is_empty());
         Judgement {
             equal,
@@ -91,13 +94,18 @@ impl Bounds {
         beyond.filter_map(violation).collect()
     }
 
-    fn psnr_below(&self, comparison: &Comparison) -> Vec<Violation> {
+    fn of_color(&self) -> [Option<f64>; 3] {
+        [self.min_psnr_db, self.min_cell_psnr_db, self.min_quality]
+    }
+
+    fn color_below(&self, comparison: &Comparison) -> Vec<Violation> {
         let Some(total) = comparison.color() else { return Vec::new() };
         let violation = |bound, limit: Option<f64>, lowest: Option<(usize, Lowest)>| {
-            let (limit, (stream, Lowest { psnr_db: measured, spot })) = limit.zip(lowest)?;
+            let (limit, (stream, Lowest { value: measured, spot })) = limit.zip(lowest)?;
             (measured < limit).then_some(Violation { bound, limit, measured, stream, spot: Some(spot) })
         };
-        let frame = violation(Bound::MinPsnr, self.min_psnr_db, total.lowest_frame);
-        frame.into_iter().chain(violation(Bound::MinCellPsnr, self.min_cell_psnr_db, total.lowest_cell)).collect()
+        let bounds = [Bound::MinPsnr, Bound::MinCellPsnr, Bound::MinQuality].into_iter().zip(self.of_color());
+        let lowest = [total.lowest_frame, total.lowest_cell, total.lowest_quality];
+        bounds.zip(lowest).filter_map(|((bound, limit), lowest)| violation(bound, limit, lowest)).collect()
     }
 }

@@ -125,6 +125,7 @@ pub struct SampleTotal {
     /// With the index of the stream.
     pub lowest_frame: Option<(usize, Lowest)>,
     pub lowest_cell: Option<(usize, Lowest)>,
+    pub lowest_quality: Option<(usize, Lowest)>,
     /// Index of the stream with the largest error relative to its peak.
     pub worst: Option<usize>,
     /// Largest error in the steps of that stream.
@@ -192,8 +193,8 @@ impl Comparison {
         let has_other_bits = all.iter().any(|(_, errors)| errors.has_other_bits);
         let lowest = |of: fn(&SampleErrors) -> Option<Lowest>| {
             let known = all.iter().filter_map(|(at, errors)| Some((*at, of(errors)?)));
-            let lowest = known.reduce(|lowest, next| if next.1.psnr_db < lowest.1.psnr_db { next } else { lowest });
-            lowest.map(|(at, found)| (at, Lowest { psnr_db: finite_or_nan(found.psnr_db, has_other_bits), ..found }))
+            let lowest = known.reduce(|lowest, next| if next.1.value < lowest.1.value { next } else { lowest });
+            lowest.map(|(at, found)| (at, Lowest { value: finite_or_nan(found.value, has_other_bits), ..found }))
         };
         let sum = |of: fn(&SampleErrors) -> u64| all.iter().map(|(_, errors)| of(errors)).sum::<u64>();
         let worst = self.worst_where(|stream| stream.id.kind == kind).map(|(at, _)| at);
@@ -205,6 +206,7 @@ impl Comparison {
             psnr_db: finite_or_nan(psnr_of_all(all.iter().map(|(_, errors)| errors.error)), has_other_bits),
             lowest_frame: lowest(|errors| errors.lowest_frame),
             lowest_cell: lowest(|errors| errors.lowest_cell),
+            lowest_quality: lowest(|errors| errors.lowest_quality),
             worst,
             max_error: worst.and_then(|at| self.streams[at].samples()).map_or(0, |errors| errors.max_error),
             ssim: (ssim_frames > 0).then(|| ssim_sum / ssim_frames as f64),

@@ -8,7 +8,8 @@ use crate::compare::side::Values;
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
 use crate::metrics::depth_error::{Spot, finite_or_nan};
-use crate::metrics::{HvsError, SquaredError};
+use crate::metrics::visible::{quality_of, visible_error};
+use crate::metrics::{HvsError, SquaredError, U8_PEAK};
 
 pub trait Level: Copy + PartialEq {
     fn steps(self) -> i32;
@@ -45,11 +46,11 @@ pub fn half_levels(plane: &ColorPlane, metric: &Pu21) -> Plane<[HalfLevel; 3]> {
     plane.map(|pixel| pixel.map(level))
 }
 
-/// The lowest PSNR of a frame, or of a frame of a cell.
+/// The lowest PSNR or quality of a frame, or of a frame of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lowest {
-    /// +inf where all are equal.
-    pub psnr_db: f64,
+    /// PSNR in dB, +inf where all are equal; or quality.
+    pub value: f64,
     /// Frame, and upper left corner of the cell.
     pub spot: Spot,
 }
@@ -65,6 +66,8 @@ pub struct SampleErrors {
     pub lowest_frame: Option<Lowest>,
     /// The lowest PSNR of a cell in one frame.
     pub lowest_cell: Option<Lowest>,
+    /// The lowest quality of a cell in one frame; of colour alone.
+    pub lowest_quality: Option<Lowest>,
     pub ssim_sum: f64,
     pub ssim_frames: u64,
     /// Of the same frames.
@@ -85,10 +88,10 @@ impl SampleErrors {
         finite_or_nan(self.error.psnr_db(), self.has_other_bits)
     }
 
-    /// The lowest PSNR of a frame, and of a cell in one frame, likewise.
-    pub fn lowest(&self) -> [Option<Lowest>; 2] {
-        let known = |lowest: Lowest| Lowest { psnr_db: finite_or_nan(lowest.psnr_db, self.has_other_bits), ..lowest };
-        [self.lowest_frame, self.lowest_cell].map(|lowest| lowest.map(known))
+    /// The lowest PSNR of a frame, and the lowest PSNR and quality of a cell in one frame, likewise.
+    pub fn lowest(&self) -> [Option<Lowest>; 3] {
+        let known = |lowest: Lowest| Lowest { value: finite_or_nan(lowest.value, self.has_other_bits), ..lowest };
+        [self.lowest_frame, self.lowest_cell, self.lowest_quality].map(|lowest| lowest.map(known))
     }
 
     pub fn empty(peak: f64) -> SampleErrors {
@@ -99,6 +102,7 @@ impl SampleErrors {
             differing_pixels: 0,
             lowest_frame: None,
             lowest_cell: None,
+            lowest_quality: None,
             ssim_sum: 0.0,
             ssim_frames: 0,
             hvs: HvsError::default(),
@@ -123,11 +127,22 @@ impl SampleErrors {
             }
             total.sum += of_cell.sum;
             let spot = Spot { frame, x: left, y: top };
-            keep_lowest(&mut self.lowest_cell, Lowest { psnr_db: of_cell.psnr_db(), spot });
+            keep_lowest(&mut self.lowest_cell, Lowest { value: of_cell.psnr_db(), spot });
         }
-        keep_lowest(&mut self.lowest_frame, Lowest { psnr_db: total.psnr_db(), spot: Spot { frame, x: 0, y: 0 } });
+        keep_lowest(&mut self.lowest_frame, Lowest { value: total.psnr_db(), spot: Spot { frame, x: 0, y: 0 } });
         self.error.sum += total.sum;
         self.error.samples += total.samples;
+    }
+
+    /// Measures the quality of the cells of a frame whose source is `a`.
+    pub fn add_quality<T: Level>(&mut self, frame: u32, [a, b]: [&Plane<[T; 3]>; 2], cell: u32) {
+        let unit = (self.error.peak / U8_PEAK).round().max(1.0) as f32;
+        for [left, top, width, height] in cells(a, cell) {
+            let codes = |plane: &Plane<[T; 3]>, x: usize, y: usize| plane.row(top + y as u32)[left as usize + x].map(|level| level.steps() as f32 / unit);
+            let error = visible_error([width, height].map(|side| side as usize), |x, y| [b, a].map(|plane| codes(plane, x, y)));
+            let spot = Spot { frame, x: left, y: top };
+            keep_lowest(&mut self.lowest_quality, Lowest { value: quality_of(error), spot });
+        }
     }
 
     /// Adds a run of pixels from `start` on; returns its squared error.
@@ -176,7 +191,7 @@ pub(super) fn sample_error<T: Level>(a: &[T; 3], b: &[T; 3]) -> SampleError {
 }
 
 fn keep_lowest(lowest: &mut Option<Lowest>, other: Lowest) {
-    if lowest.is_none_or(|lowest| other.psnr_db < lowest.psnr_db) {
+    if lowest.is_none_or(|lowest| other.value < lowest.value) {
         *lowest = Some(other);
     }
 }
@@ -222,7 +237,7 @@ mod tests {
         b.row_mut(1)[3] = [14, 10, 10];
         let mut errors = SampleErrors::empty(255.0);
         errors.add(0, &a, &a, 4);
-        assert_eq!(errors.lowest_cell.unwrap().psnr_db, f64::INFINITY);
+        assert_eq!(errors.lowest_cell.unwrap().value, f64::INFINITY);
         errors.add(1, &a, &b, 4);
         let db = |sum: f64, samples: f64| 10.0 * (255.0 * 255.0 * samples / sum).log10();
         let (frame, cell) = (errors.lowest_frame.unwrap(), errors.lowest_cell.unwrap());

@@ -227,7 +227,10 @@ impl PairComparison {
             (Measured::Depth(errors), Converted::Depth(a), Converted::Depth(b)) => errors.add(frame, a, b),
             (Measured::Color(errors), Converted::Bytes(plane), Converted::Bytes(other)) => {
                 match (&a.unclipped, &b.unclipped) {
-                    (None, None) => errors.add(frame, plane, other, cell),
+                    (None, None) => {
+                        errors.add(frame, plane, other, cell);
+                        errors.add_quality(frame, [plane, other], cell);
+                    }
                     (a, b) => {
                         fn wide<'a>(
                             beyond: &'a Option<Plane<[i32; 3]>>,
@@ -238,7 +241,9 @@ impl PairComparison {
                                 None => Cow::Owned(codes.map(|pixel| pixel.map(i32::from))),
                             }
                         }
-                        errors.add(frame, &wide(a, plane), &wide(b, other), cell);
+                        let (a, b) = (wide(a, plane), wide(b, other));
+                        errors.add(frame, &a, &b, cell);
+                        errors.add_quality(frame, [&a, &b], cell);
                     }
                 }
                 errors.clipped_pixels += a.clipped_pixels + b.clipped_pixels;
@@ -252,7 +257,9 @@ impl PairComparison {
             }
             (Measured::Color(errors), Converted::Half(a), Converted::Half(b)) => {
                 if let Some(metric) = &self.metric {
-                    errors.add(frame, &half_levels(a, metric), &half_levels(b, metric), cell);
+                    let (a, b) = (half_levels(a, metric), half_levels(b, metric));
+                    errors.add(frame, &a, &b, cell);
+                    errors.add_quality(frame, [&a, &b], cell);
                 }
             }
             (Measured::Bytes(errors), Converted::Bytes(a), Converted::Bytes(b)) => errors.add(frame, a, b, cell),

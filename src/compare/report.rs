@@ -72,6 +72,8 @@ struct ColorTotal<'a> {
     min_psnr_at: Option<Place<'a>>,
     min_cell_psnr_db: Option<Number>,
     min_cell_psnr_at: Option<Place<'a>>,
+    min_quality: Option<Number>,
+    min_quality_at: Option<Place<'a>>,
     ssim: Option<f64>,
     ssim_frames: u64,
     psnr_hvs_m_db: Option<Number>,
@@ -138,6 +140,8 @@ struct ColorErrors {
     min_psnr_frame: Option<u32>,
     min_cell_psnr_db: Option<Number>,
     min_cell_psnr_at: Option<Spot>,
+    min_quality: Option<Number>,
+    min_quality_at: Option<Spot>,
     ssim: Option<f64>,
     ssim_frames: u64,
     psnr_hvs_m_db: Option<Number>,
@@ -218,13 +222,15 @@ impl Comparison {
     }
 
     fn color_total(&self, total: &SampleTotal) -> ColorTotal<'_> {
-        let (frame, cell) = (total.lowest_frame, total.lowest_cell);
+        let (frame, cell, quality) = (total.lowest_frame, total.lowest_cell, total.lowest_quality);
         ColorTotal {
             psnr_db: Number(total.psnr_db),
-            min_psnr_db: frame.map(|(_, lowest)| Number(lowest.psnr_db)),
+            min_psnr_db: frame.map(|(_, lowest)| Number(lowest.value)),
             min_psnr_at: frame.map(|(at, lowest)| self.place(at, lowest.spot)),
-            min_cell_psnr_db: cell.map(|(_, lowest)| Number(lowest.psnr_db)),
+            min_cell_psnr_db: cell.map(|(_, lowest)| Number(lowest.value)),
             min_cell_psnr_at: cell.map(|(at, lowest)| self.place(at, lowest.spot)),
+            min_quality: quality.map(|(_, lowest)| Number(lowest.value)),
+            min_quality_at: quality.map(|(at, lowest)| self.place(at, lowest.spot)),
             ssim: total.ssim,
             ssim_frames: total.ssim_frames,
             psnr_hvs_m_db: total.psnr_hvs_m_db.map(Number),
@@ -282,13 +288,15 @@ impl LevelErrors {
 
 impl ColorErrors {
     fn new(errors: &SampleErrors, domain: &Domain) -> ColorErrors {
-        let [frame, cell] = errors.lowest();
+        let [frame, cell, quality] = errors.lowest();
         ColorErrors {
             levels: LevelErrors::new(errors, domain),
-            min_psnr_db: frame.map(|lowest| Number(lowest.psnr_db)),
+            min_psnr_db: frame.map(|lowest| Number(lowest.value)),
             min_psnr_frame: frame.map(|lowest| lowest.spot.frame),
-            min_cell_psnr_db: cell.map(|lowest| Number(lowest.psnr_db)),
+            min_cell_psnr_db: cell.map(|lowest| Number(lowest.value)),
             min_cell_psnr_at: cell.map(|lowest| lowest.spot),
+            min_quality: quality.map(|lowest| Number(lowest.value)),
+            min_quality_at: quality.map(|lowest| lowest.spot),
             ssim: errors.ssim(),
             ssim_frames: errors.ssim_frames,
             psnr_hvs_m_db: errors.hvs.psnr_db().map(Number),

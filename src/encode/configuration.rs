@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use crate::color::SearchSettings;
+use crate::color::{SearchSettings, Target};
 use crate::dataset::SourceGroup;
 use crate::depth::TemporalSettings;
 use crate::depth::mode_decision::Decide;
@@ -84,7 +84,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = temporal;
     let MaterialSettings { epsilon: material_error, in_blocks } = material;
     let DepthSettings { codec, error, domain, decide, effort, min_children } = depth;
-    let SearchSettings { min_psnr_db, constant_step, effort: search_effort, lookahead } = search;
+    let SearchSettings { target, effort: search_effort, lookahead } = search;
     let kinds: Vec<&str> =
         StreamKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).map(StreamKind::name).collect();
     vec![
@@ -111,8 +111,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`color_chunk`", color_chunk.to_string()),
         ("`color_tables`", digest_of_tables(color_tables.as_slice())),
         ("`depth_tables`", digest_of_tables(depth_tables)),
-        ("`psnr`", format!("{min_psnr_db} dB")),
-        ("`color_qp`", constant_step.map_or_else(|| "none".to_owned(), |step| step.to_string())),
+        ("`quality`, `psnr` or `color_qp`", words_of_target(*target)),
         ("`lookahead`", lookahead.to_string()),
         ("`color_block`", words_of_blocks(*color_blocks)),
         ("the domain of colour", words_of_color(*color)),
@@ -163,6 +162,14 @@ fn words_of_tiles(tiles: TileSize) -> String {
 
 fn metres(distance_m: Option<f32>) -> String {
     distance_m.map_or_else(|| "that of the images".to_owned(), |distance| format!("{} m", metres_in_words(distance)))
+}
+
+fn words_of_target(target: Target) -> String {
+    match target {
+        Target::Quality(quality) => format!("quality {quality}"),
+        Target::Psnr(db) => format!("{db} dB"),
+        Target::Step(step) => format!("step {step}"),
+    }
 }
 
 fn words_of_blocks(blocks: Option<ColorBlockSettings>) -> String {

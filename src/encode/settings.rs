@@ -1,7 +1,8 @@
 //! Settings of an encode.
 
 use crate::block::SIDE;
-use crate::color::SearchSettings;
+use crate::color::quality::MOST_QUALITY;
+use crate::color::{SearchSettings, Target};
 use crate::color::transform::Tables;
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::encode::COARSEST;
@@ -105,11 +106,11 @@ pub enum ColorCodec {
 }
 
 impl ColorCodec {
-    /// PSNR in dB that every frame of every cell reaches unless another is asked for.
-    pub fn usual_psnr_db(self) -> f64 {
+    /// What every frame of every cell reaches unless something else is asked for.
+    pub fn usual_target(self) -> Target {
         match self {
-            ColorCodec::Transform => 40.0,
-            ColorCodec::Cells => 50.0,
+            ColorCodec::Transform => Target::Quality(75.0),
+            ColorCodec::Cells => Target::Psnr(50.0),
         }
     }
 }
@@ -126,7 +127,7 @@ pub struct ColorBlockSettings {
 impl ColorBlockSettings {
     /// The format with its usual quality, or the search's where that is less.
     pub fn new(blocks: ColorBlocks, search: &SearchSettings) -> ColorBlockSettings {
-        ColorBlockSettings { blocks, final_psnr_db: Self::usual_psnr_db(blocks).min(search.min_psnr_db) }
+        ColorBlockSettings { blocks, final_psnr_db: Self::usual_psnr_db(blocks).min(search.target.min_psnr_db()) }
     }
 
     /// PSNR in dB that a format reaches on most footage.
@@ -259,7 +260,7 @@ impl Default for EncodeSettings {
             color_chunk: 24,
             color_tables: None,
             depth_tables: Vec::new(),
-            search: SearchSettings { min_psnr_db: ColorCodec::default().usual_psnr_db(), ..SearchSettings::default() },
+            search: SearchSettings { target: ColorCodec::default().usual_target(), ..SearchSettings::default() },
             color_blocks: None,
             compression: Compression::default(),
             kinds: StreamKind::ALL.to_vec(),
@@ -292,6 +293,9 @@ impl EncodeSettings {
         if self.depth_tables.len() > MOST_OWN {
             return Err(Error::Usage(format!("`depth_tables`: at most {MOST_OWN} table sets are possible")));
         }
+        if self.color_codec == ColorCodec::Cells && !matches!(self.search.target, Target::Psnr(_)) {
+            return Err(Error::Usage("`color_codec` cells keeps a PSNR: `quality` and `color_qp` are of transform".into()));
+        }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if self.color_codec == ColorCodec::Transform {
             let message =
@@ -306,10 +310,10 @@ impl EncodeSettings {
             let message = format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell);
             return Err(Error::Usage(message));
         }
-        if final_psnr_db > self.search.min_psnr_db {
+        let searched_db = self.search.target.min_psnr_db();
+        if final_psnr_db > searched_db {
             return Err(Error::Usage(format!(
-                "{final_psnr_db} dB after blocks, but keyframes are chosen for {} dB: blocks only lose",
-                self.search.min_psnr_db
+                "{final_psnr_db} dB after blocks, but keyframes are chosen for {searched_db} dB: blocks only lose"
             )));
         }
         Ok(())
@@ -318,15 +322,21 @@ impl EncodeSettings {
     /// Refuses numbers that no codec takes.
     fn check_ranges(&self) -> Result<()> {
         let wrong = |message: String| Err(Error::Usage(message));
-        let SearchSettings { min_psnr_db, constant_step, .. } = self.search;
+        let target = self.search.target;
         let of_blocks = self.color_blocks.map(|blocks| blocks.final_psnr_db);
-        for (name, db) in [("`psnr_final`", of_blocks), ("`psnr`", Some(min_psnr_db))] {
+        for (name, db) in [("`psnr_final`", of_blocks), ("`psnr`", Some(target.min_psnr_db()))] {
             if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
                 return wrong(format!("{name} {db}: 0 to 200 dB was expected"));
             }
         }
-        if let Some(step) = constant_step.filter(|step| i32::from(*step) > COARSEST) {
-            return wrong(format!("`color_qp` {step}: 0 to {COARSEST} was expected"));
+        match target {
+            Target::Step(step) if i32::from(step) > COARSEST => {
+                return wrong(format!("`color_qp` {step}: 0 to {COARSEST} was expected"));
+            }
+            Target::Quality(quality) if !(0.0..=MOST_QUALITY).contains(&quality) => {
+                return wrong(format!("`quality` {quality}: 0 to {MOST_QUALITY} was expected"));
+            }
+            _ => {}
         }
         // Each alone, and both together.
         if let (Some(near_m), Some(far_m)) = (self.near_m.or(self.far_m), self.far_m.or(self.near_m)) {
@@ -341,12 +351,13 @@ impl EncodeSettings {
     }
 
     pub(super) fn color_header(&self) -> ColorHeader {
-        let min_psnr_db = self.color_blocks.map_or(self.search.min_psnr_db, |blocks| blocks.final_psnr_db);
+        let target = self.search.target;
+        let min_psnr_db = self.color_blocks.map_or(target.min_psnr_db(), |blocks| blocks.final_psnr_db);
         let coding = match self.color_codec {
             ColorCodec::Cells => ColorCoding::Cells(self.color_blocks.map(|settings| settings.blocks)),
             ColorCodec::Transform => ColorCoding::Transform(self.tables()),
         };
-        ColorHeader { format: self.color, coding, min_psnr_db }
+        ColorHeader { format: self.color, coding, min_psnr_db, min_quality: target.min_quality() }
     }
 
     pub(super) fn tables(&self) -> Tables {

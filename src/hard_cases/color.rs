@@ -8,7 +8,7 @@ use crate::color::quality::{EightBit, MAX_OUTSIDE_RMS, PU_STEPS, Pu21, Quality};
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::color::transform::encode::{PricedTables, TransformEncoder};
 use crate::color::transform::{Keyed, Tables};
-use crate::color::{CellChunk, CellFormat, HalfKey, Sample, SearchSettings};
+use crate::color::{CellChunk, CellFormat, HalfKey, Sample, SearchSettings, Target};
 use crate::decode::Picture;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
@@ -147,7 +147,7 @@ impl Coding {
             Codec::Cells(blocks) => ColorCoding::Cells(blocks),
             Codec::Transform => ColorCoding::Transform(Tables::default()),
         };
-        ColorHeader { format, coding, min_psnr_db }
+        ColorHeader { format, coding, min_psnr_db, min_quality: 0.0 }
     }
 }
 
@@ -216,11 +216,11 @@ fn clip_of<T, S: Sample + Keyed, Q: Quality<S>>(
     coded: fn(&T) -> S,
 ) -> Result<Clip> {
     let usual = SearchSettings { effort: EFFORT, ..SearchSettings::default() };
-    let search = SearchSettings { min_psnr_db: usual.min_psnr_db.max(header.min_psnr_db), ..usual };
+    let search = SearchSettings { target: Target::Psnr(usual.target.min_psnr_db().max(header.min_psnr_db)), ..usual };
     let samples = |frame: &Vec<[T; 3]>| frame.as_flattened().iter().map(coded).collect::<Vec<S>>();
     let chunks = match &header.coding {
         ColorCoding::Transform(tables) => {
-            let search = SearchSettings { min_psnr_db: header.min_psnr_db, ..search };
+            let search = SearchSettings { target: Target::Psnr(header.min_psnr_db), ..search };
             let tables = Arc::new(PricedTables::new(tables.clone()));
             let mut encoder = TransformEncoder::new(format, search, CHUNK_FRAMES, tables);
             source.encode(|frame| match frame {

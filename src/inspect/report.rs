@@ -216,6 +216,7 @@ struct ColorReport {
     keyframes_per_cell: Spread,
     static_cells: u64,
     min_psnr_db: Number,
+    min_quality: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     keyframes_blocks: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -474,6 +475,7 @@ impl ColorReport {
             keyframes_per_cell: stats.keyframes_per_unit,
             static_cells: stats.static_units,
             min_psnr_db: Number(header.min_psnr_db),
+            min_quality: header.min_quality,
             keyframes_blocks: keyframes.map(|count| count.blocks),
             keyframes_raw: keyframes.map(|count| count.raw),
             transfer: tone.map(|tone| tone.transfer),

@@ -1,6 +1,6 @@
-//! Every measure of pictures and depth, one of each: PSNR, PSNR-HVS-M, SSIM, PU21 codes, depth error in codes and metres.
+//! Every measure of pictures and depth, one of each: PSNR, visible errors, PSNR-HVS-M, SSIM, PU21 codes, depth error in codes and metres.
 //!
-//! Sums are exact integers, so no figure depends on the thread count.
+//! Sums are exact integers, or have an order of their own, so no figure depends on the thread count.
 
 pub mod codes;
 #[cfg(feature = "encode")]
@@ -11,6 +11,8 @@ pub mod psnr_hvs_m;
 pub mod pu21;
 #[cfg(feature = "encode")]
 pub mod ssim;
+#[cfg(feature = "encode")]
+pub mod visible;
 
 pub use codes::BACKGROUND_CODE;
 #[cfg(feature = "encode")]

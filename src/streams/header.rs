@@ -115,7 +115,10 @@ pub enum ColorCoding {
 pub struct ColorHeader {
     pub format: ColorFormat,
     pub coding: ColorCoding,
+    /// What each frame of each cell reaches, in dB; 0 where no PSNR is kept.
     pub min_psnr_db: f64,
+    /// The same in quality to the eye, 0 to 100; 0 where none is kept, as by all codecs but the transform.
+    pub min_quality: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! Codec headers as bytes (depth.md 3 and 16, color.md 2).
 
 use crate::block::SIDE;
-use crate::color::quality::Pu21;
+use crate::color::quality::{MOST_QUALITY, Pu21};
 use crate::container::StreamEntry;
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -61,6 +61,7 @@ impl CodecHeader {
                     ColorFormat::Half { white_cd_m2 } => out.put_f64(white_cd_m2),
                 }
                 if let ColorCoding::Transform(tables) = &header.coding {
+                    out.put_f64(header.min_quality);
                     out.extend_from_slice(&[PLANES, 0, 0, 0]);
                     out.push(tables.own_count());
                     tables.write(&mut out);
@@ -230,7 +231,7 @@ fn read_predictive(fields: &mut Fields<'_>) -> Result<PredictiveHeader> {
 }
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
-    let min_psnr_db = fields.finite_f64("the quality")?;
+    let min_psnr_db = fields.finite_f64("the PSNR")?;
     let is_half = matches!(codec, COLOR_CELLS_HALF | COLOR_CELLS_BC6H | COLOR_TRANSFORM_HALF);
     let format = if !is_half {
         let exposure_ev = fields.f32()?;
@@ -248,11 +249,16 @@ fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
         Pu21::check_white(white_cd_m2)?;
         ColorFormat::Half { white_cd_m2 }
     };
+    let mut min_quality = 0.0;
     let coding = match codec {
         COLOR_CELLS_BC1 => ColorCoding::Cells(Some(ColorBlocks::Bc1)),
         COLOR_CELLS_BC7 => ColorCoding::Cells(Some(ColorBlocks::Bc7)),
         COLOR_CELLS_BC6H => ColorCoding::Cells(Some(ColorBlocks::Bc6h)),
         COLOR_TRANSFORM_8 | COLOR_TRANSFORM_HALF => {
+            min_quality = fields.finite_f64("the quality")?;
+            if !(0.0..=MOST_QUALITY).contains(&min_quality) {
+                return Err(fields.error(format!("a quality of {min_quality} is not within 0 to {MOST_QUALITY}")));
+            }
             let planes = fields.u8()?;
             if planes != PLANES {
                 return Err(fields.error(format!("{planes} planes of colour, {PLANES} were expected")));
@@ -263,7 +269,7 @@ fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
         }
         _ => ColorCoding::Cells(None),
     };
-    Ok(ColorHeader { format, coding, min_psnr_db })
+    Ok(ColorHeader { format, coding, min_psnr_db, min_quality })
 }
 
 fn write_temporal(settings: &TemporalSettings, out: &mut Vec<u8>) {
@@ -320,10 +326,10 @@ mod tests {
         let tone = ColorFormat::EightBit(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
         let half = ColorFormat::Half { white_cd_m2: 80.0 };
         let color = |format, blocks| {
-            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db: 50.0 })
+            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db: 50.0, min_quality: 0.0 })
         };
         let transform = |format, tables| {
-            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Transform(tables), min_psnr_db: 40.0 })
+            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Transform(tables), min_psnr_db: 0.0, min_quality: 77.5 })
         };
         let predictive = |tables| PredictiveHeader {
             bound: 100,

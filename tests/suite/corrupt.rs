@@ -15,7 +15,7 @@ use crate::samples::{self, Images, Random, Shape};
 fn small(compression: Compression) -> Vec<u8> {
     let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [4, 4], first_frame: 3, frame_count };
     let settings = TemporalSettings { window: 2, epsilon: 1, max_aabbs: 4, keyframe_interval: 3 };
-    let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(38.0), ..SearchSettings::default() };
     let size = [5, 4];
     let halves = halves(-1.0);
     let whole = |shape: Shape| Shape { unit: shape.size, ..shape };
@@ -46,7 +46,7 @@ fn halves(least: f32) -> Vec<Vec<[f16; 3]>> {
 fn in_blocks() -> Vec<u8> {
     let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [8, 4], first_frame: 3, frame_count };
     let settings = TemporalSettings { window: 2, epsilon: 90, max_aabbs: 4, keyframe_interval: 3 };
-    let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(38.0), ..SearchSettings::default() };
     let size = [9, 6];
     let streams = [
         samples::depth_in_blocks(shape(0, size, 4), &samples::moving_codes(size, 4, 5), settings),

@@ -77,7 +77,7 @@ impl Bench {
     fn encode(&self, set: &str, name: &str, change: impl FnOnce(&mut EncodeSettings)) {
         let source = Source::open(&self.path(set), &SourceOptions::default()).unwrap();
         let mut settings = EncodeSettings { cell: 16, ..EncodeSettings::default() };
-        settings.search.min_psnr_db = 200.0;
+        settings.search.target = Target::Psnr(200.0);
         settings.depth.codec = DepthCodec::Boxes;
         change(&mut settings);
         let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
@@ -274,7 +274,7 @@ fn bounds_that_were_encoded_hold_and_tighter_ones_do_not() {
     let bench = Bench::new();
     bench.encode("set", "lossy.lfold", |settings| {
         settings.temporal.epsilon = 40;
-        settings.search.min_psnr_db = 30.0;
+        settings.search.target = Target::Psnr(30.0);
     });
     bench.decode("lossy.lfold", "out");
     for b in ["lossy.lfold", "out"] {
@@ -329,7 +329,7 @@ fn half_floats_are_measured_as_the_encoder_measures_them() {
     for (name, psnr) in [("exact.lfold", 200.0), ("lossy.lfold", 35.0)] {
         bench.encode("set", name, |settings| {
             settings.color = ColorFormat::Half { white_cd_m2: 100.0 };
-            settings.search.min_psnr_db = psnr;
+            settings.search.target = Target::Psnr(psnr);
         });
     }
     let (code, report) = bench.json("set exact.lfold --exact --stream color");
@@ -378,7 +378,7 @@ fn panoramas_take_the_face_size_of_the_container() {
     let options = SourceOptions { face_size: Some(24), ..SourceOptions::default() };
     let source = Source::open(&folder, &options).unwrap();
     let mut settings = EncodeSettings::default();
-    settings.search.min_psnr_db = 200.0;
+    settings.search.target = Target::Psnr(200.0);
     settings.depth.codec = DepthCodec::Boxes;
     let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
     std::fs::write(bench.path("pano.lfold"), bytes).unwrap();
@@ -447,7 +447,7 @@ fn the_result_does_not_depend_on_threads() {
     let bench = Bench::new();
     bench.encode("set", "lossy.lfold", |settings| {
         settings.temporal.epsilon = 9;
-        settings.search.min_psnr_db = 30.0;
+        settings.search.target = Target::Psnr(30.0);
     });
     let report = |threads: u32| {
         let (_, report, _) = bench.run(&format!("set lossy.lfold --json --threads {threads}"));

@@ -112,7 +112,7 @@ fn settings() -> EncodeSettings {
     settings.compression = Compression::None;
     settings.temporal = TemporalSettings { keyframe_interval: 4, ..settings.temporal };
     settings.color_codec = ColorCodec::Cells;
-    settings.search.min_psnr_db = 100.0;
+    settings.search.target = Target::Psnr(100.0);
     settings.depth.codec = DepthCodec::Boxes;
     settings
 }
@@ -158,7 +158,7 @@ fn rows_of_frames_are_what_a_decoder_does() {
     half.color = lightfold::streams::ColorFormat::Half { white_cd_m2: 100.0 };
     let mut blended = settings();
     // Few keyframes and weights between them.
-    blended.search.min_psnr_db = 6.0;
+    blended.search.target = Target::Psnr(6.0);
     let transform = EncodeSettings { color_codec: ColorCodec::Transform, color_chunk: 4, ..settings() };
     for settings in [settings(), half, blended, transform] {
         let bytes = encoded(&StreamKind::ALL, &settings);

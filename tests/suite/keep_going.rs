@@ -21,7 +21,7 @@ const IMAGES: usize = 81;
 fn container() -> Vec<u8> {
     let shape = |face| Shape { face, size: [9, 9], unit: [8, 12], first_frame: 3, frame_count: 9 };
     let settings = TemporalSettings { window: 2, epsilon: 90, max_aabbs: 4, keyframe_interval: 3 };
-    let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(38.0), ..SearchSettings::default() };
     let size = [9, 9];
     let (codes, bytes) = (samples::moving_codes(size, 9, 5), samples::drifting_bytes(size, 9));
     let streams = [

@@ -159,7 +159,7 @@ fn codes_of_srgb_are_encoded_as_they_are() {
     let codes: Vec<[u8; 3]> = (0..=255).map(|code| [code, 255 - code, 7]).collect();
     let mut settings = EncodeSettings::default();
     // No loss is as much.
-    settings.search.min_psnr_db = 200.0;
+    settings.search.target = Target::Psnr(200.0);
     let mut encoder = Encoder::new("film", 24.0).with_settings(settings);
     let probe = encoder.add_probe("00", ProbePose::default()).unwrap();
     let stream = encoder.add_color(probe, Face::View, [16, 16]).unwrap();
@@ -183,7 +183,7 @@ fn settings_out_of_range_are_refused() {
         encoder.push_depth(stream, &[1.0; 64]).unwrap();
         encoder.finish(Vec::new()).unwrap_err().to_string()
     };
-    assert_eq!(refused(|all| all.search.min_psnr_db = f64::NAN), "`psnr` NaN: 0 to 200 dB was expected");
+    assert_eq!(refused(|all| all.search.target = Target::Psnr(f64::NAN)), "`psnr` NaN: 0 to 200 dB was expected");
     assert_eq!(refused(|all| all.search.constant_step = Some(241)), "`color_qp` 241: 0 to 240 was expected");
     let brighter = |all: &mut EncodeSettings| {
         if let ColorFormat::EightBit(tone) = &mut all.color {

@@ -286,7 +286,7 @@ proptest! {
 
     #[test]
     fn colour_keeps_its_quality((size, images) in images(any::<[u8; 3]>(), 4), db in 20.0f64..60.0) {
-        let search = SearchSettings { min_psnr_db: db, ..SearchSettings::default() };
+        let search = SearchSettings { target: Target::Psnr(db), ..SearchSettings::default() };
         let good = |stream: Stream, db: f64| {
             let shown = decoded(stream, Compression::None);
             shown.iter().zip(&images).all(|(shown, source)| {
@@ -307,7 +307,7 @@ proptest! {
         let finite = |bits: u16| Some(f16::from_bits(bits)).filter(|half| half.is_finite()).unwrap_or(f16::ONE);
         let halves: Vec<Vec<[f16; 3]>> =
             images.iter().map(|image| image.iter().map(|pixel| pixel.map(finite)).collect()).collect();
-        let search = SearchSettings { min_psnr_db: 1000.0, ..SearchSettings::default() };
+        let search = SearchSettings { target: Target::Psnr(1000.0), ..SearchSettings::default() };
         let shown = decoded(samples::color_half(shape(size, size, halves.len()), &halves, search), Compression::None);
         let light = |bits: &[u8; 2]| f16::from_le_bytes(*bits);
         for (shown, source) in shown.iter().zip(&halves) {

@@ -327,7 +327,7 @@ fn other_options_are_refused_by_name() {
         ("`effort`", |s| s.depth.effort = lightfold::effort::Effort::Fast),
         ("`color_cell`", |s| s.cell = 32),
         ("`color_tables` was none and is given now", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
-        ("`psnr`", |s| s.search.min_psnr_db = 49.0),
+        ("`psnr`", |s| s.search.target = Target::Psnr(49.0)),
         ("`stream`", |s| s.kinds = vec![StreamKind::Depth]),
     ];
     let settings = footage.settings.clone();

@@ -86,7 +86,7 @@ pub fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     // Chunks close by their bytes, and blocks are small.
     let (width, height) = if blocks.is_some() { (640, 512) } else { (384, 256) };
     let mut settings = EncodeSettings { cell: height, color_codec: ColorCodec::Cells, ..EncodeSettings::default() };
-    settings.search.min_psnr_db = 38.0;
+    settings.search.target = Target::Psnr(38.0);
     settings.search.lookahead = 3;
     if blocks.is_some() {
         settings.search.effort = lightfold::effort::Effort::Fast;
@@ -122,7 +122,7 @@ pub fn transform(hdr: bool) -> Footage {
     if hdr {
         settings.color = ColorFormat::Half { white_cd_m2: 100.0 };
     }
-    settings.search.min_psnr_db = 45.0;
+    settings.search.target = Target::Psnr(45.0);
     Footage::new(StreamKind::Color, settings, |path| {
         let mut random = Random(5);
         for (frame, mut bytes) in samples::drifting_bytes([40, 30], 17).into_iter().enumerate() {

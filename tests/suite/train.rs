@@ -39,7 +39,7 @@ fn noisy(_: Face, frame: u32) -> ColorPlane {
 const PSNR_DB: f64 = 46.0;
 
 fn settings(color: ColorFormat) -> EncodeSettings {
-    let search = SearchSettings { min_psnr_db: PSNR_DB, effort: Effort::Fast, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(PSNR_DB), effort: Effort::Fast, ..SearchSettings::default() };
     EncodeSettings { color, search, compression: Compression::None, ..EncodeSettings::default() }
 }
 

@@ -18,7 +18,7 @@ use crate::roundtrip::{check_color8, check_half, decoder, encoded};
 const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
 
 fn settings(cell: u32, color_chunk: u32, min_psnr_db: f64) -> EncodeSettings {
-    let search = SearchSettings { min_psnr_db, effort: Effort::Fast, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(min_psnr_db), effort: Effort::Fast, ..SearchSettings::default() };
     EncodeSettings { cell, color_chunk, search, compression: Compression::None, ..EncodeSettings::default() }
 }
 
@@ -127,7 +127,7 @@ fn rising_noise(_: Face, frame: u32) -> ColorPlane {
 fn all_frames_of_a_chunk_come_close_to_the_promise() {
     let folder = TempDir::new().unwrap();
     let source = Footage { color: Some(&rising_noise), frames: [0, 5], ..Footage::new(64, 64) }.open(folder.path());
-    let normal = SearchSettings { effort: Effort::Normal, min_psnr_db: 40.0, ..SearchSettings::default() };
+    let normal = SearchSettings { effort: Effort::Normal, target: Target::Psnr(40.0), ..SearchSettings::default() };
     let bytes = encoded(&source, &EncodeSettings { search: normal, ..settings(64, 6, 40.0) });
     let frames = check_color8(&source, &bytes, 40.0);
     // The first frame has so little noise that it is better without any level.
@@ -140,7 +140,7 @@ fn a_constant_quantiser_has_one_step_and_promises_nothing() {
     let folder = TempDir::new().unwrap();
     let source = Footage { color: Some(&rising_noise), frames: [0, 5], ..Footage::new(64, 64) }.open(folder.path());
     let at = |step: u8| {
-        let search = SearchSettings { constant_step: Some(step), min_psnr_db: 0.0, ..SearchSettings::default() };
+        let search = SearchSettings { constant_step: Some(step), target: Target::Psnr(0.0), ..SearchSettings::default() };
         let bytes = encoded(&source, &EncodeSettings { search, ..settings(64, 6, 0.0) });
         let frames = check_color8(&source, &bytes, 0.0);
         (bytes.len(), frames.iter().sum::<f64>() / frames.len() as f64)

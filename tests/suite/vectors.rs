@@ -232,7 +232,7 @@ pub fn closing_cells() -> Vec<CellBuilder> {
 /// Name and bytes of every valid vector.
 fn valid() -> Vec<(&'static str, Vec<u8>)> {
     let moving = |size, count, seed| samples::moving_codes(size, count, seed);
-    let search = |min_psnr_db| SearchSettings { min_psnr_db, ..SearchSettings::default() };
+    let search = |min_psnr_db| SearchSettings { target: Target::Psnr(min_psnr_db), ..SearchSettings::default() };
     let mut all = Vec::new();
 
     let size = [17, 9];

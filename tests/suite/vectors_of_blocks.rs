@@ -15,7 +15,7 @@ fn temporal(window: u8, epsilon: u16, max_aabbs: u16, keyframe_interval: u32) ->
 }
 
 fn search(min_psnr_db: f64) -> SearchSettings {
-    SearchSettings { min_psnr_db, ..SearchSettings::default() }
+    SearchSettings { target: Target::Psnr(min_psnr_db), ..SearchSettings::default() }
 }
 
 fn random_bytes(random: &mut Random, count: usize) -> Vec<u8> {

@@ -20,7 +20,7 @@ fn of_many_streams(by_time: bool) -> Vec<u8> {
     let standing = |seed| vec![samples::moving_codes(size, 1, seed).remove(0); 9];
     let depth =
         |face, images: &[Vec<u16>]| samples::depth(shape(face, size, [8, 8], 2, 9), [0.5, 8.0], images, temporal(4));
-    let search = SearchSettings { min_psnr_db: 42.0, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(42.0), ..SearchSettings::default() };
     let color = |face| samples::color8(shape(face, size, [8, 4], 2, 9), &samples::drifting_bytes(size, 9), search);
     let cells = closing_cells();
     let count = cells.iter().map(CellBuilder::frame_count).sum();
@@ -83,7 +83,7 @@ fn compressed_in_frames() -> Vec<u8> {
     let mut skewed = || [0; 3].map(|_: u8| (random.below(7) * random.below(6)) as u8);
     let color: Vec<Vec<[u8; 3]>> = (0..4).map(|_| (0..64 * 40).map(|_| skewed()).collect()).collect();
     let flat = vec![vec![[5, 6, 7]; 256 * 200]; 4];
-    let search = SearchSettings { min_psnr_db: 50.0, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(50.0), ..SearchSettings::default() };
     let boxes = TemporalSettings { window: 2, ..temporal(64) };
     let streams = [
         samples::depth(shape(0, [256, 192], [256, 192], 0, 3), [1.0, 50.0], &depth, boxes),

@@ -188,7 +188,7 @@ fn chunks_of_cells() -> Vec<u8> {
 }
 
 fn search() -> SearchSettings {
-    SearchSettings { min_psnr_db: 40.0, ..SearchSettings::default() }
+    SearchSettings { target: Target::Psnr(40.0), ..SearchSettings::default() }
 }
 
 /// Every chunk length that halves and thirds meet.

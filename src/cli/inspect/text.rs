@@ -387,7 +387,12 @@ fn setting(stats: &StreamStats<'_>) -> String {
                     own => format!(", transform with {}", counted(own, "table set")),
                 },
             };
-            format!("{format}{coding}, at least {} dB, cell {units}", header.min_psnr_db)
+            let kept = match (header.min_quality, header.min_psnr_db) {
+                (0.0, 0.0) => String::new(),
+                (0.0, db) => format!(", at least {db} dB"),
+                (quality, _) => format!(", quality {quality} at least"),
+            };
+            format!("{format}{coding}{kept}, cell {units}")
         }
     }
 }

@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::choice::{Choices, one_of};
 use crate::cli::refuse;
-use crate::color::settings::SearchSettings;
+use crate::color::quality::MOST_QUALITY;
+use crate::color::settings::{SearchSettings, Target};
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::tables::TableSet;
 use crate::dataset::{InvalidColor, SourceOptions};
@@ -56,12 +57,15 @@ pub struct ColorArgs {
     /// Entropy tables of lightfold train-color: stored once, used by each cell that they make smaller
     #[arg(long, value_name = "TABLES")]
     pub color_tables: Option<PathBuf>,
-    /// Least PSNR of each frame of each cell, in dB, 0 to 200 (every bit); with --color-block, of temporal coding alone
-    /// [default: 40; of cells 50, or --psnr-final with --color-block]
+    /// Least quality to the eye of each frame of each cell of the transform codec, 0 to 100, on the scale of SSIMULACRA2: 70 looks
+    /// like crf 22 of x265, 80 like crf 17, 85 like crf 13 [default: 80]
+    #[arg(long, value_name = "Q", conflicts_with_all = ["psnr", "color_block", "color_qp"])]
+    pub quality: Option<f64>,
+    /// Least PSNR of each frame of each cell instead of --quality, in dB, 0 to 200 (every bit); with --color-block, of temporal coding
+    /// alone [default: none; of cells 50, or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
-    /// Constant quantiser of the transform codec instead of --psnr: the same step for the same appearance in all cells, 0 (finest) to 240; 16
-    /// more double it. Fastest to encode, and smallest for the same picture to the eye, but no least PSNR is kept
+    /// Step of the transform codec for all cells instead of --quality, 0 (finest) to 240; 16 more double it. Nothing is promised
     #[arg(long, value_name = "N", conflicts_with_all = ["psnr", "color_block"],
         value_parser = clap::value_parser!(u8).range(0..=240))]
     pub color_qp: Option<u8>,
@@ -117,17 +121,25 @@ impl ColorArgs {
             (None, None) => ColorCodec::default(),
         };
         let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));
-        let no_promise = self.color_qp.map(|_| 0.0);
-        let psnr = self.psnr.or(of_blocks).or(no_promise).unwrap_or(codec.usual_psnr_db());
-        for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", Some(psnr))] {
+        let target = match (self.quality, self.psnr.or(of_blocks), self.color_qp) {
+            (Some(quality), ..) => Target::Quality(quality),
+            (None, Some(db), _) => Target::Psnr(db),
+            (None, None, Some(step)) => Target::Step(step),
+            (None, None, None) => codec.usual_target(),
+        };
+        for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", self.psnr)] {
             if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
                 return refuse(format!("{option} {db}: 0 to 200 dB was expected"));
             }
+        }
+        if let Some(quality) = self.quality.filter(|quality| !(0.0..=MOST_QUALITY).contains(quality)) {
+            return refuse(format!("--quality {quality}: 0 to {MOST_QUALITY} was expected"));
         }
         let exposure_ev = self.exposure.unwrap_or(0.0);
         if !(-8.0..=8.0).contains(&exposure_ev) {
             return refuse(format!("--exposure {exposure_ev}: -8 to 8 stops were expected"));
         }
+        let psnr = target.min_psnr_db();
         if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
             return refuse(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected"));
         }
@@ -135,17 +147,13 @@ impl ColorArgs {
         settings.color_codec = codec;
         settings.color_chunk = self.color_chunk.unwrap_or(settings.color_chunk);
         settings.color_tables = self.color_tables.as_deref().map(read_tables).transpose()?;
-        settings.search = SearchSettings {
-            min_psnr_db: psnr,
-            constant_step: self.color_qp,
-            effort: settings.search.effort,
-            lookahead: self.lookahead,
-        };
+        settings.search = SearchSettings { target, effort: settings.search.effort, lookahead: self.lookahead };
         settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
         });
         let of_transform = [
+            ("--quality", self.quality.is_some()),
             ("--color-qp", self.color_qp.is_some()),
             ("--color-chunk", self.color_chunk.is_some()),
             ("--color-tables", self.color_tables.is_some()),

@@ -86,7 +86,7 @@ fn every_frame_reaches_the_quality_asked_for() {
         for (min_psnr_db, lookahead) in [(50.0, 64), (35.0, 64), (50.0, 1), (99.0, 3)] {
             let count = check(
                 &footage(160, 60),
-                SearchSettings { min_psnr_db, effort, lookahead, ..SearchSettings::default() },
+                SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead, ..SearchSettings::default() },
             );
             assert!(count > 1 && count <= 160);
         }
@@ -110,9 +110,9 @@ fn a_cell_that_changes_once_has_two() {
 #[test]
 fn long_noise_is_split_into_chunks_that_lead_into_each_other() {
     let frames = footage(80, 30_000);
-    let settings = SearchSettings { min_psnr_db: 30.0, lookahead: 8, ..SearchSettings::default() };
-    assert!(encode(&frames, SearchSettings { min_psnr_db: 60.0, ..settings }).len() > 1);
-    check(&frames, SearchSettings { min_psnr_db: 60.0, ..settings });
+    let settings = SearchSettings { target: Target::Psnr(30.0), lookahead: 8, ..SearchSettings::default() };
+    assert!(encode(&frames, SearchSettings { target: Target::Psnr(60.0), ..settings }).len() > 1);
+    check(&frames, SearchSettings { target: Target::Psnr(60.0), ..settings });
     check(&frames, settings);
 }
 
@@ -179,7 +179,7 @@ proptest! {
         let size = [width, height];
         let frames = pictures(size, &recipe);
         let effort = [Effort::Fast, Effort::Normal][effort];
-        let settings = SearchSettings { min_psnr_db, effort, lookahead, ..SearchSettings::default() };
+        let settings = SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead, ..SearchSettings::default() };
         let final_psnr_db = min_psnr_db - loss;
         for blocks in [KeyframeBlocks::BC1, KeyframeBlocks::BC7] {
             check_blocks(&frames, settings, BlockStage { blocks, size, final_psnr_db }, close_at_bytes, &EightBit);
@@ -224,7 +224,7 @@ fn a_frame_that_blocks_show_too_badly_becomes_a_keyframe() {
         (if at.is_multiple_of(2) { 100 + 4 * t } else { 180 - 4 * t } + above) as u8
     };
     let frames: Vec<Vec<u8>> = (0..20).map(|t| (0..48).map(|at| sample(t, at)).collect()).collect();
-    let settings = SearchSettings { min_psnr_db: 38.3, ..SearchSettings::default() };
+    let settings = SearchSettings { target: Target::Psnr(38.3), ..SearchSettings::default() };
     let stage = |blocks| BlockStage { blocks, size: [4, 4], final_psnr_db: 38.3 };
     let count = |blocks| check_blocks(&frames, settings, stage(blocks), CLOSE_AT_BYTES, &EightBit);
     assert_eq!(check(&frames, settings), 2);

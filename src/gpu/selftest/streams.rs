@@ -200,7 +200,7 @@ fn color_header(random: &mut Random) -> CodecHeader {
         0 => ColorCoding::Transform(Tables::default()),
         _ => ColorCoding::Cells(blocks),
     };
-    CodecHeader::Color(ColorHeader { format, coding, min_psnr_db: 50.0 })
+    CodecHeader::Color(ColorHeader { format, coding, min_psnr_db: 50.0, min_quality: 0.0 })
 }
 
 fn material_header(random: &mut Random) -> CodecHeader {

@@ -10,7 +10,7 @@ use crate::color::transform::encode::{PricedTables, TransformEncoder};
 use crate::color::transform::payload::Header;
 use crate::color::transform::steps::{OFFSET_SETS, StepIndices};
 use crate::color::transform::{Keyed, Tables, TransformChunk};
-use crate::color::{CellFormat, HalfKey, SearchSettings};
+use crate::color::{CellFormat, HalfKey, SearchSettings, Target};
 use crate::entropy::{Counts, TableSet};
 use crate::error::Result;
 use crate::gpu::harness::Case;
@@ -142,7 +142,7 @@ fn coded_case<S: Coded>(random: &mut Random) -> Result<Gathered> {
     const FRAMES: u32 = 24;
     let priced = Arc::new(PricedTables::new(Tables::default()));
     let mut all = Gathered { tables: TransformTables::new([&priced.tables]).words, ..Gathered::default() };
-    let search = SearchSettings { min_psnr_db: 40.0, ..SearchSettings::default() };
+    let search = SearchSettings { target: Target::Psnr(40.0), ..SearchSettings::default() };
     let format = CellFormat::of_samples(SIZE[0], SIZE[1]);
     let mut encoder = TransformEncoder::new(format, search, FRAMES, Arc::clone(&priced));
     let quality = S::quality()?;

@@ -2,6 +2,7 @@
 //!
 //! In: the samples of a cell, frame by frame. Out: payloads of [`crate::color::transform::payload`].
 
+mod activity;
 mod estimate;
 mod promise;
 mod quantise;
@@ -16,7 +17,7 @@ use std::sync::Arc;
 
 use crate::color::CellFormat;
 use crate::color::quality::Quality;
-use crate::color::settings::SearchSettings;
+use crate::color::settings::{SearchSettings, Target};
 use crate::color::temporal::CellEncoder;
 use crate::color::transform::Keyed;
 use crate::color::transform::encode::promise::{Encoded, encode_chunk};
@@ -68,7 +69,7 @@ impl<S: Keyed> TransformEncoder<S> {
         let transformed = encode_chunk(&cell, quality, &self.search, &self.tables, self.start);
         let raw_bytes = 3 * S::BYTES * self.format.pixels() * frames.len();
         // Keyframes are no smaller than a quarter of the samples unless frames repeat, which costs a transform little.
-        let most_bytes = if self.search.constant_step.is_some() { raw_bytes } else { raw_bytes / 4 };
+        let most_bytes = if matches!(self.search.target, Target::Psnr(_)) { raw_bytes / 4 } else { raw_bytes };
         let payload = match transformed {
             Some(Encoded { payload, start }) if payload.len() <= most_bytes => {
                 self.start = Some(start);
@@ -87,10 +88,13 @@ impl<S: Keyed> TransformEncoder<S> {
         Ok(EncodedChunk { first_frame, frame_count, payload })
     }
 
-    /// The chunk as keyframes and weights (color.md 4), without loss if no least PSNR is promised.
+    /// The chunk as keyframes and weights (color.md 4), without loss unless a PSNR is promised.
     fn as_cells<Q: Quality<S>>(&self, frames: &[Vec<S>], quality: &Q) -> Result<Vec<u8>> {
-        let lossless = self.search.constant_step.map(|_| LOSSLESS_DB);
-        let search = SearchSettings { min_psnr_db: lossless.unwrap_or(self.search.min_psnr_db), ..self.search };
+        let target = match self.search.target {
+            Target::Psnr(db) => Target::Psnr(db),
+            Target::Quality(_) | Target::Step(_) => Target::Psnr(LOSSLESS_DB),
+        };
+        let search = SearchSettings { target, ..self.search };
         let mut encoder = CellEncoder::new(search, usize::MAX);
         for frame in frames {
             encoder.push(frame, quality)?;

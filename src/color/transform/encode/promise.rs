@@ -6,10 +6,11 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::quality::Quality;
-use crate::color::settings::SearchSettings;
+use crate::color::quality::{MOST_QUALITY, Quality, outside_codes};
+use crate::color::settings::{SearchSettings, Target};
 use crate::color::transform::blocks::regions;
 use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
+use crate::color::transform::encode::activity;
 use crate::color::transform::encode::estimate::Scales;
 use crate::color::transform::encode::rate::{Counts, PricedTables, SymbolCounter, Writer};
 use crate::color::transform::encode::search::{Search, SearchContext};
@@ -22,6 +23,7 @@ use crate::color::transform::reconstruct::TransformChunk;
 use crate::color::transform::steps::{OCTAVE, StepIndices, Steps};
 use crate::effort::Effort;
 use crate::entropy::Encoder;
+use crate::metrics::visible::{error_of, visible_error};
 
 /// λ in steps² a bit.
 const LAMBDA: f32 = 0.09;
@@ -44,6 +46,12 @@ pub const COARSEST: i32 = 240;
 const MOST_SLOPE: f64 = 24.0;
 /// What steps of half-float keys are above those of bytes for the same quality.
 const USUAL_HALF_OFFSET: f64 = 96.0;
+
+/// Loss of quality of step index 0 of bytes, and what the next index multiplies it by, 2^(1/24).
+const LOSS_OF_FINEST: f64 = 1.93;
+const LOSS_A_STEP: f64 = 1.029_302_236_643_492;
+/// 16 keys of half floats are a code where [`Quality::codes_a_key`] is 1.
+const HALF_KEYS_A_CODE: i32 = 64;
 
 /// Where the search for a step starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,22 +83,32 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
     start: Option<Start>,
 ) -> Option<Encoded> {
     let slopes = fit_slopes(cell);
+    let by_eye = !matches!(search.target, Target::Psnr(_));
+    let delta = |region| if by_eye { activity::delta(cell, region, quality) } else { 0 };
     let trials = Trials {
         cell,
         quality,
         tables,
         effort: search.effort,
         slopes,
-        by_eye: search.constant_step.is_some() && Q::KEYS_ARE_STEPS,
+        target: search.target,
+        by_eye,
+        deltas: regions(cell.size).map(delta).collect(),
         regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes)).collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
-    let start = start.unwrap_or_else(|| Start { step: usual_step::<S, Q>(search.min_psnr_db), set: 0 });
-    let kept = match search.constant_step {
-        Some(step) => trials.at_step(Start { step: i32::from(step), ..start }),
-        None => {
-            let limit = quality.max_squared_error(search.min_psnr_db, 3 * cell.size[0] * cell.size[1]);
-            let mut kept = trials.coarsest(start, limit);
+    let set = start.map_or(0, |start| start.set);
+    let kept = match search.target {
+        Target::Step(step) => trials.at_step(Start { step: i32::from(step), set }),
+        // Where that is better than asked for, it stays: the same step for the same appearance.
+        Target::Quality(least) => {
+            let start = Start { step: step_of_quality::<S, Q>(least), set };
+            trials.coarsest(start, start.step, visible_units(error_of(least)).saturating_sub(1))
+        }
+        Target::Psnr(db) => {
+            let limit = quality.max_squared_error(db, 3 * cell.size[0] * cell.size[1]);
+            let start = start.unwrap_or_else(|| Start { step: usual_step::<S, Q>(db), set });
+            let mut kept = trials.coarsest(start, COARSEST, limit);
             if let Some(kept) = &mut kept {
                 trials.balance(kept, limit);
             }
@@ -114,8 +132,11 @@ struct Trials<'a, S, Q> {
     tables: &'a PricedTables,
     effort: Effort,
     slopes: ChromaSlopes,
+    target: Target,
     /// Whether steps follow the eye; a promise of PSNR counts all errors alike.
     by_eye: bool,
+    /// Deltas of the step index by region.
+    deltas: Vec<i8>,
     regions: Vec<RegionSource>,
     bases: TimeBases,
 }
@@ -151,14 +172,14 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let set = trial.header.set;
         match errors {
             Some(errors) => Some(Kept { payload, start: Start { set, ..start }, errors, partition: trial.into() }),
-            None => self.coarsest(start, u64::MAX),
+            None => self.coarsest(start, COARSEST, u64::MAX),
         }
     }
 
-    /// The coarsest step whose frames keep the limit, all with the same weight.
-    fn coarsest(&self, mut start: Start, limit: u64) -> Option<Kept> {
+    /// The coarsest step up to `most` whose frames keep the limit, all with the same weight.
+    fn coarsest(&self, mut start: Start, most: i32, limit: u64) -> Option<Kept> {
         let even = FrameWeights::even(self.cell.frames.len());
-        let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, COARSEST + 1);
+        let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, most + 1);
         let mut partition: Option<Rc<Trial>> = None;
         for number in 0.. {
             let near = partition.take_if(|trial| (trial.step - start.step).abs() <= NEAR);
@@ -231,7 +252,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     }
 
     fn measure(&self, start: Start, weights: &FrameWeights, partition: Option<&Trial>) -> Measured {
-        let Trials { cell, quality, tables, .. } = self;
+        let Trials { cell, tables, .. } = self;
         let trial = self.encode(start, weights, partition);
         let payload = self.payload(&trial);
         let parsed = TransformChunk::parse::<S>(&payload, cell.size, cell.frames.len() as u32, &tables.tables);
@@ -239,7 +260,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let errors = parsed.ok().map(|chunk| {
             let error_of = |(frame, source): (usize, &Vec<S>)| {
                 chunk.show(frame, frame.checked_sub(1), &mut shown);
-                quality.squared_error(&shown, &shown, 0, source, u64::MAX)
+                self.error(&shown, source)
             };
             cell.frames.iter().enumerate().map(error_of).collect()
         });
@@ -256,7 +277,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let mut header =
             Header { set: start.set, steps, slopes: self.slopes, offset_set: usize::from(self.by_eye), colors };
         let tree = |(at, region): (usize, &RegionSource)| {
-            let steps = Steps::new(header.steps, header.offset_set, self.delta(region), &S::DOMAIN);
+            let steps = Steps::new(header.steps, header.offset_set, self.deltas[at], &S::DOMAIN);
             let context = SearchContext {
                 header: &header,
                 domain: &S::DOMAIN,
@@ -279,8 +300,17 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         Trial { step: start.step, header, trees }
     }
 
-    fn delta(&self, region: &RegionSource) -> i8 {
-        if self.by_eye { region.delta } else { 0 }
+    /// The error of a frame that the target bounds: squared, or visible.
+    fn error(&self, shown: &[S], source: &[S]) -> u64 {
+        let Target::Quality(least) = self.target else {
+            return self.quality.squared_error(shown, shown, 0, source, u64::MAX);
+        };
+        let codes = |samples: &[S], at: usize| [0, 1, 2].map(|channel| self.quality.code(samples[3 * at + channel]));
+        let at = |x, y| [shown, source].map(|samples| codes(samples, y * self.cell.size[0] + x));
+        let visible = visible_error(self.cell.size, at);
+        // As far above the limit as the worst sample is above its own.
+        let excess = f64::from(self.quality.largest_outside(shown, source)) / outside_codes(least);
+        visible_units(if excess > 1.0 { visible.max(error_of(least) * excess * excess) } else { visible })
     }
 
     fn cheapest_set(&self, header: &Header, trees: &[Tree]) -> usize {
@@ -300,8 +330,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             writer.stream.finish()
         };
         let substreams: Vec<Vec<u8>> = trial.trees.iter().map(write).collect();
-        let deltas: Vec<i8> = self.regions.iter().map(|region| self.delta(region)).collect();
-        trial.header.write::<S>(&deltas, &substreams)
+        trial.header.write::<S>(&self.deltas, &substreams)
     }
 
     /// Colours that are frequent in several regions, the most frequent first.
@@ -390,7 +419,23 @@ fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
     StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step) }
 }
 
-/// Step index that keeps a quality on most footage.
+/// Visible errors are compared in units of 2^-16.
+fn visible_units(error: f64) -> u64 {
+    (error * 65_536.0) as u64
+}
+
+/// Step index that keeps a quality to the eye on most footage: twice the loss for 24 more.
+fn step_of_quality<S: Keyed, Q: Quality<S>>(least: f64) -> i32 {
+    let mut loss = LOSS_OF_FINEST;
+    let mut step = 0;
+    while step < COARSEST && loss * LOSS_A_STEP <= MOST_QUALITY - least {
+        loss *= LOSS_A_STEP;
+        step += 1;
+    }
+    if Q::KEYS_ARE_STEPS { step } else { (step + HALF_KEYS_A_CODE).min(COARSEST) }
+}
+
+/// Step index that keeps a PSNR on most footage.
 fn usual_step<S: Keyed, Q: Quality<S>>(min_psnr_db: f64) -> i32 {
     // Squared error of a sample relative to that of 40 dB of 8-bit samples, on which 88 is usual.
     let relative = (40.0 - min_psnr_db) * 3.7;

@@ -6,7 +6,6 @@ use crate::color::transform::basis::{BASIS_BITS, basis, length_index};
 use crate::color::transform::blocks::{Block, LEAST};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, forward};
 use crate::color::transform::palette::Color;
-use crate::color::transform::steps::{DELTA_UNIT, DELTAS};
 
 /// The samples of a cell: by frame, row by row, three a pixel.
 #[derive(Debug)]
@@ -23,8 +22,6 @@ pub struct RegionSource {
     pub keys: Vec<Color>,
     /// Spatial coefficients by level of the block size: channel, frame, block row by row, row by row.
     spatial: Vec<Vec<f32>>,
-    /// Delta of the step indices by how busy the region is.
-    pub delta: i8,
 }
 
 /// An orthonormal basis, one function a row.
@@ -58,7 +55,7 @@ impl RegionSource {
         let vectors = Arch::new();
         let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: LEAST << level });
         let spatial = (0..=root.shape.level).map(transform).collect();
-        RegionSource { root, delta: delta(&samples[..keys.len()], side), keys, spatial }
+        RegionSource { root, keys, spatial }
     }
 
     /// Coefficients of a channel of a block by temporal frequency, each times the factor of its spatial frequency.
@@ -78,46 +75,6 @@ impl RegionSource {
             out,
         });
     }
-}
-
-/// Variance of luma below which a place hides no errors; and how much more those of places have whose delta is 0.
-const QUIET: f32 = 80.0;
-const USUAL: f32 = 100.0;
-
-/// Delta of a region: steps are the finer the quieter it is around each of its squares of 4x4 pixels, in all frames. The mean of the
-/// weights, not the weight of the mean, so that a region with a quiet part stays fine.
-fn delta(luma: &[f32], side: usize) -> i8 {
-    let (mut sum, mut count) = (0.0f64, 0u32);
-    for image in luma.chunks_exact(side * side) {
-        for (y, x) in (0..side).step_by(LEAST).flat_map(|y| (0..side).step_by(LEAST).map(move |x| (y, x))) {
-            let variance = variance(image, side, [x, y]);
-            sum += f64::from(((QUIET + USUAL) / (QUIET + variance)).sqrt());
-            count += 1;
-        }
-    }
-    let octaves = log2(sum / f64::from(count.max(1)));
-    let units = -8.0 * octaves / f64::from(DELTA_UNIT);
-    (units.round() as i8).clamp(*DELTAS.start(), *DELTAS.end())
-}
-
-/// Variance of a square of 4x4 pixels and two pixels around it.
-fn variance(image: &[f32], side: usize, [x, y]: [usize; 2]) -> f32 {
-    let [columns, rows] = [x, y].map(|at| at.saturating_sub(2)..(at + LEAST + 2).min(side));
-    let count = (columns.len() * rows.len()) as f32;
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for row in rows {
-        for value in &image[row * side..][columns.clone()] {
-            sum += value;
-            squares += value * value;
-        }
-    }
-    (squares / count - (sum / count) * (sum / count)).max(0.0)
-}
-
-/// The logarithm to base 2 of a positive number, nearly and the same on all machines: linear between the powers of 2.
-fn log2(value: f64) -> f64 {
-    let exponent = (value.to_bits() >> 52) as i32 - 1023;
-    f64::from(exponent) + value / 2f64.powi(exponent) - 1.0
 }
 
 /// Transforms a block in time. Sums have the same order with all kinds of vectors.

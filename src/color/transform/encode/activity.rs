@@ -1,0 +1,83 @@
+//! How busy regions are, which says how fine their steps are (color.md 6.3).
+
+use crate::color::quality::Quality;
+use crate::color::transform::blocks::LEAST;
+use crate::color::transform::domain::Keyed;
+use crate::color::transform::encode::source::CellSource;
+use crate::color::transform::steps::{DELTA_UNIT, DELTAS};
+
+/// Variance of luma in codes² below which a place hides no errors; and how much more those of places have whose delta is 0.
+const QUIET: f32 = 80.0;
+const USUAL: f32 = 100.0;
+/// Pixels around a square that count as its surroundings.
+const AROUND: usize = 2;
+
+/// Delta of the step indices of a region: steps are the finer the quieter it is around each of its squares of 4x4 pixels, in all frames,
+/// and the more codes a key is there. The mean of the weights, not the weight of the mean, so that a region with a quiet part stays fine.
+pub fn delta<S: Keyed, Q: Quality<S>>(
+    cell: &CellSource<'_, S>,
+    [left, top, width, height]: [usize; 4],
+    quality: &Q,
+) -> i8 {
+    let (mut sum, mut count) = (0.0f64, 0u32);
+    let mut image = Image { width, luma: Vec::new(), slopes: Vec::new() };
+    for frame in cell.frames {
+        image.luma.clear();
+        image.slopes.clear();
+        for y in top..top + height {
+            let row = &frame[3 * (y * cell.size[0] + left)..][..3 * width];
+            for pixel in row.as_chunks::<3>().0 {
+                let [red, green, blue] = pixel.map(|sample| quality.code(sample));
+                image.luma.push(0.25 * (red + blue) + 0.5 * green);
+                image.slopes.push(pixel.iter().map(|&sample| quality.codes_a_key(sample)).sum::<f32>() / 3.0);
+            }
+        }
+        for (y, x) in (0..height).step_by(LEAST).flat_map(|y| (0..width).step_by(LEAST).map(move |x| (y, x))) {
+            sum += f64::from(image.weight([x, y]));
+            count += 1;
+        }
+    }
+    let octaves = log2(sum / f64::from(count.max(1)));
+    let units = -8.0 * octaves / f64::from(DELTA_UNIT);
+    (units.round() as i32).clamp((*DELTAS.start()).into(), (*DELTAS.end()).into()) as i8
+}
+
+struct Image {
+    width: usize,
+    luma: Vec<f32>,
+    /// Codes a key, relative to those of bytes.
+    slopes: Vec<f32>,
+}
+
+impl Image {
+    /// What a squared error in keys counts at a square.
+    fn weight(&self, place: [usize; 2]) -> f32 {
+        let height = self.luma.len() / self.width;
+        let [[columns, rows], [inner_columns, inner_rows]] = [AROUND, 0].map(|around| {
+            let range = |at: usize, most: usize| at.saturating_sub(around)..(at + LEAST + around).min(most);
+            [range(place[0], self.width), range(place[1], height)]
+        });
+        let count = (columns.len() * rows.len()) as f32;
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for row in rows {
+            for value in &self.luma[row * self.width..][columns.clone()] {
+                sum += value;
+                squares += value * value;
+            }
+        }
+        let variance = (squares / count - (sum / count) * (sum / count)).max(0.0);
+        let count = (inner_columns.len() * inner_rows.len()) as f32;
+        let slope = inner_rows.map(|row| self.slopes[row * self.width..][inner_columns.clone()].iter().sum::<f32>());
+        let slope = slope.sum::<f32>() / count;
+        ((QUIET + USUAL) / (QUIET + variance)).sqrt() * slope * slope
+    }
+}
+
+/// The logarithm to base 2 of a number, nearly and the same on all machines: linear between the powers of 2; -1000 of 0.
+fn log2(value: f64) -> f64 {
+    if value <= 0.0 {
+        return -1000.0;
+    }
+    let exponent = (value.to_bits() >> 52) as i32 - 1023;
+    f64::from(exponent) + value / 2f64.powi(exponent) - 1.0
+}
