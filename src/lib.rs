@@ -85,6 +85,8 @@ use modules::*;
 
 pub use half::f16;
 #[cfg(feature = "encode")]
+pub use modules::color::Target;
+#[cfg(feature = "encode")]
 pub use modules::container::Compression;
 pub use modules::container::{ByteSource, ProbeEntry};
 #[cfg(feature = "encode")]

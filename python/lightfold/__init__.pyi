@@ -106,6 +106,7 @@ def encode(
     color_codec: Literal["transform", "cells"] | None = None,
     color_chunk: int | None = None,
     psnr: float | None = None,
+    quality: float | None = None,
     color_qp: int | None = None,
     psnr_final: float | None = None,
     lookahead: int | None = None,

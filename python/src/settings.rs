@@ -2,7 +2,7 @@
 
 use library::{
     ColorBlockSettings, ColorBlocks, ColorCodec, ColorFormat, Compression, Decide, DepthCodec, DomainKind, Effort,
-    EncodeSettings, ErrorBound, InvalidDepth, TileSize, Transfer,
+    EncodeSettings, ErrorBound, InvalidDepth, Target, TileSize, Transfer,
 };
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
@@ -156,25 +156,27 @@ fn set_color(given: &mut Given<'_, '_>, settings: &mut EncodeSettings) -> PyResu
     let codecs = [("transform", ColorCodec::Transform), ("cells", ColorCodec::Cells)];
     let codec = given.word("color_codec", &codecs)?.unwrap_or(usual);
     let chunk = given.take("color_chunk")?;
-    let (psnr, step) = (given.take::<f64>("psnr")?, given.take::<u8>("color_qp")?);
+    let [quality, psnr] = [given.take::<f64>("quality")?, given.take::<f64>("psnr")?];
+    let step = given.take::<u8>("color_qp")?;
     let of_blocks = given.take::<f64>("psnr_final")?;
-    if codec != ColorCodec::Transform && (step.is_some() || chunk.is_some()) {
-        return refuse("`color_qp` and `color_chunk` need `color_codec` transform");
-    }
-    if psnr.is_some() && step.is_some() {
-        return refuse("give one of `psnr` and `color_qp`");
+    if codec != ColorCodec::Transform && (quality.is_some() || step.is_some() || chunk.is_some()) {
+        return refuse("`quality`, `color_qp` and `color_chunk` need `color_codec` transform");
     }
     if blocks.is_none() && of_blocks.is_some() {
         return refuse("`psnr_final` needs `color_block`");
     }
     let of_blocks = blocks.map(|blocks| (blocks, of_blocks));
     let reached = |(blocks, db): (ColorBlocks, Option<f64>)| db.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks));
-    // A constant step keeps no least PSNR.
-    let usual = of_blocks.map(reached).or(step.map(|_| 0.0)).unwrap_or(codec.usual_psnr_db());
+    let target = match (quality, psnr, step) {
+        (Some(quality), None, None) => Target::Quality(quality),
+        (None, Some(db), None) => Target::Psnr(db),
+        (None, None, Some(step)) => Target::Step(step),
+        (None, None, None) => of_blocks.map(reached).map_or(codec.usual_target(), Target::Psnr),
+        _ => return refuse("give one of `quality`, `psnr` and `color_qp`"),
+    };
     settings.color_codec = codec;
     settings.color_chunk = chunk.unwrap_or(settings.color_chunk);
-    settings.search.target = Target::Psnr(psnr.unwrap_or(usual));
-    settings.search.constant_step = step;
+    settings.search.target = target;
     settings.search.lookahead = given.take("lookahead")?.unwrap_or(settings.search.lookahead);
     settings.color_blocks = of_blocks.map(|(blocks, db)| {
         let usual = ColorBlockSettings::new(blocks, &settings.search);

@@ -297,7 +297,9 @@ fn violation_text(comparison: &Comparison, violation: &Violation) -> String {
     };
     let place = match (bound, spot) {
         (Bound::MinPsnr, Some(spot)) => format!(", frame {}", spot.frame),
-        (Bound::MinCellPsnr | Bound::MinQuality, Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
+        (Bound::MinCellPsnr | Bound::MinQuality, Some(spot)) => {
+            format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y)
+        }
         (Bound::MaxError, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
         (Bound::Clipping, _) | (_, None) => String::new(),
     };

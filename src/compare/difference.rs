@@ -138,8 +138,11 @@ impl SampleErrors {
     pub fn add_quality<T: Level>(&mut self, frame: u32, [a, b]: [&Plane<[T; 3]>; 2], cell: u32) {
         let unit = (self.error.peak / U8_PEAK).round().max(1.0) as f32;
         for [left, top, width, height] in cells(a, cell) {
-            let codes = |plane: &Plane<[T; 3]>, x: usize, y: usize| plane.row(top + y as u32)[left as usize + x].map(|level| level.steps() as f32 / unit);
-            let error = visible_error([width, height].map(|side| side as usize), |x, y| [b, a].map(|plane| codes(plane, x, y)));
+            let codes = |plane: &Plane<[T; 3]>, x: usize, y: usize| {
+                plane.row(top + y as u32)[left as usize + x].map(|level| level.steps() as f32 / unit)
+            };
+            let error =
+                visible_error([width, height].map(|side| side as usize), |x, y| [b, a].map(|plane| codes(plane, x, y)));
             let spot = Spot { frame, x: left, y: top };
             keep_lowest(&mut self.lowest_quality, Lowest { value: quality_of(error), spot });
         }
@@ -241,8 +244,8 @@ mod tests {
         errors.add(1, &a, &b, 4);
         let db = |sum: f64, samples: f64| 10.0 * (255.0 * 255.0 * samples / sum).log10();
         let (frame, cell) = (errors.lowest_frame.unwrap(), errors.lowest_cell.unwrap());
-        assert!((frame.psnr_db - db(32.0, 75.0)).abs() < 1e-9);
-        assert!((cell.psnr_db - db(16.0, 3.0)).abs() < 1e-9);
+        assert!((frame.value - db(32.0, 75.0)).abs() < 1e-9);
+        assert!((cell.value - db(16.0, 3.0)).abs() < 1e-9);
         assert_eq!(cell.spot, Spot { frame: 1, x: 4, y: 4 });
         assert_eq!((errors.max_error, errors.differing_pixels), (4, 2));
         assert_eq!(errors.worst, Some(Spot { frame: 1, x: 3, y: 1 }));

@@ -2,11 +2,11 @@
 
 use crate::block::SIDE;
 use crate::color::quality::MOST_QUALITY;
-use crate::color::{SearchSettings, Target};
 use crate::color::transform::Tables;
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::encode::COARSEST;
 use crate::color::transform::tables::TableSet;
+use crate::color::{SearchSettings, Target};
 use crate::container::Compression;
 use crate::container::index::MAX_SIZE;
 use crate::dataset::InvalidDepth;
@@ -109,7 +109,7 @@ impl ColorCodec {
     /// What every frame of every cell reaches unless something else is asked for.
     pub fn usual_target(self) -> Target {
         match self {
-            ColorCodec::Transform => Target::Quality(75.0),
+            ColorCodec::Transform => Target::Quality(77.0),
             ColorCodec::Cells => Target::Psnr(50.0),
         }
     }
@@ -294,7 +294,9 @@ impl EncodeSettings {
             return Err(Error::Usage(format!("`depth_tables`: at most {MOST_OWN} table sets are possible")));
         }
         if self.color_codec == ColorCodec::Cells && !matches!(self.search.target, Target::Psnr(_)) {
-            return Err(Error::Usage("`color_codec` cells keeps a PSNR: `quality` and `color_qp` are of transform".into()));
+            return Err(Error::Usage(
+                "`color_codec` cells keeps a PSNR: `quality` and `color_qp` are of transform".into(),
+            ));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if self.color_codec == ColorCodec::Transform {

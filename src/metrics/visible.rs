@@ -6,8 +6,7 @@ const SIDE: usize = 8;
 const PIXELS: usize = SIDE * SIDE;
 /// What errors count by how wide they are: the differences of pixels within 2x2, of the means of 2x2 within 4x4, of those of 4x4 within 8x8, and
 /// the mean of 8x8. Of luma, green chroma, orange chroma; fitted to scores of 64x64 pixels of pictures of several codecs.
-const WEIGHTS: [[f32; 4]; 3] =
-    [[0.5, 0.5, 8.0, 1.0], [0.03125, 0.04, 0.09, 0.125], [0.00625, 0.008, 0.018, 0.025]];
+const WEIGHTS: [[f32; 4]; 3] = [[0.5, 0.5, 8.0, 1.0], [0.03125, 0.04, 0.09, 0.125], [0.00625, 0.008, 0.018, 0.025]];
 /// Variance of luma, in codes², below which a place hides no errors; and that of places whose errors count once.
 const QUIET: f32 = 40.0;
 const USUAL: f32 = 100.0;

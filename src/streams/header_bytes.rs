@@ -326,10 +326,20 @@ mod tests {
         let tone = ColorFormat::EightBit(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
         let half = ColorFormat::Half { white_cd_m2: 80.0 };
         let color = |format, blocks| {
-            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Cells(blocks), min_psnr_db: 50.0, min_quality: 0.0 })
+            CodecHeader::Color(ColorHeader {
+                format,
+                coding: ColorCoding::Cells(blocks),
+                min_psnr_db: 50.0,
+                min_quality: 0.0,
+            })
         };
         let transform = |format, tables| {
-            CodecHeader::Color(ColorHeader { format, coding: ColorCoding::Transform(tables), min_psnr_db: 0.0, min_quality: 77.5 })
+            CodecHeader::Color(ColorHeader {
+                format,
+                coding: ColorCoding::Transform(tables),
+                min_psnr_db: 0.0,
+                min_quality: 77.5,
+            })
         };
         let predictive = |tables| PredictiveHeader {
             bound: 100,

@@ -365,7 +365,7 @@ fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
                     assert_eq!((errors.max_error, errors.differing_pixels > 0), (largest, differing > 0));
                     let cells = maps.iter().flat_map(|map| &map.cells);
                     let lowest = cells.map(|cell| cell.psnr_db).fold(f64::INFINITY, f64::min);
-                    assert_eq!(lowest, errors.lowest_cell.unwrap().psnr_db);
+                    assert_eq!(lowest, errors.lowest_cell.unwrap().value);
                     assert!(lowest.is_finite() && maps.iter().all(|map| map.cells.len() == 9));
                 }
                 Measured::Bytes(_) => panic!("there is no material"),

@@ -2,7 +2,7 @@
 //! damage is made to look sound (its CRC-32s are repaired), nothing panics.
 
 use half::f16;
-use lightfold::color::SearchSettings;
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::{ChunkEntry, ChunkKey, Compression, Index, OpenLimits, Reader, Storage, StreamEntry};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;

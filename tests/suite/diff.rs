@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use half::f16;
+use lightfold::color::Target;
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::decode;
 use lightfold::decode::Decoder;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use half::f16;
+use lightfold::color::Target;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, MaterialChannels, MaterialInfo, Probe};

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-use lightfold::color::SearchSettings;
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::{Compression, Reader};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;

@@ -1,6 +1,7 @@
 //! The library as a program uses it: frames from memory in, pixels in slices out.
 
 use half::f16;
+use lightfold::color::Target;
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::image::Plane;
 use lightfold::monitor::Silent;
@@ -184,7 +185,7 @@ fn settings_out_of_range_are_refused() {
         encoder.finish(Vec::new()).unwrap_err().to_string()
     };
     assert_eq!(refused(|all| all.search.target = Target::Psnr(f64::NAN)), "`psnr` NaN: 0 to 200 dB was expected");
-    assert_eq!(refused(|all| all.search.constant_step = Some(241)), "`color_qp` 241: 0 to 240 was expected");
+    assert_eq!(refused(|all| all.search.target = Target::Step(241)), "`color_qp` 241: 0 to 240 was expected");
     let brighter = |all: &mut EncodeSettings| {
         if let ColorFormat::EightBit(tone) = &mut all.color {
             tone.exposure_ev = 8.5;

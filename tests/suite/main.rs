@@ -51,6 +51,7 @@ mod place;
 mod properties;
 mod quadtree;
 mod quality;
+mod quality_to_the_eye;
 mod quilt;
 mod render;
 mod render_decode;

@@ -1,8 +1,8 @@
 //! What goes in comes out, whatever it is: containers, payloads of every codec, manifests, cameras, patterns, codes.
 
 use half::f16;
-use lightfold::color::SearchSettings;
 use lightfold::color::quality::{EightBit, Quality};
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::{
     ChunkEntry, ChunkKey, Compression, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
     compact, compression, lzma2, lzma2_independent,

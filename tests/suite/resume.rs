@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use lightfold::Error;
+use lightfold::color::Target;
 use lightfold::color::transform::Tables;
 use lightfold::container::Compression;
 use lightfold::container::journal::{self, Recovered};

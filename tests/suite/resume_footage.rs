@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
+use lightfold::color::Target;
 use lightfold::container::Compression;
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
 use lightfold::depth::predictive::tables::Tables;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use half::f16;
-use lightfold::color::SearchSettings;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::{Compression, Reader, Writer};
 use lightfold::dataset::{InvalidDepth, SequenceLayout, Source, SourceOptions};
 use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
@@ -150,7 +150,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         for (color_codec, cell) in codecs.into_iter().flat_map(|codec| [64, 4, 1].map(|cell| (codec, cell))) {
             let compression = Compression::Lzma2(1);
             let settings = EncodeSettings { color_codec, cell, compression, ..EncodeSettings::default() };
-            check_color8(&source, &encoded(&source, &settings), settings.search.min_psnr_db);
+            check_color8(&source, &encoded(&source, &settings), settings.search.target.min_psnr_db());
         }
         footage.color = None;
         footage.material = Some(&material);
@@ -271,7 +271,12 @@ fn high_dynamic_range_reaches_its_own_quality() {
         let settings = EncodeSettings {
             cell: 10,
             color: ColorFormat::Half { white_cd_m2: 100.0 },
-            search: SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead: 16, ..SearchSettings::default() },
+            search: SearchSettings {
+                target: Target::Psnr(min_psnr_db),
+                effort,
+                lookahead: 16,
+                ..SearchSettings::default()
+            },
             ..EncodeSettings::default()
         };
         for color_codec in [ColorCodec::Cells, ColorCodec::Transform] {

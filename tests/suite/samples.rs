@@ -266,7 +266,8 @@ pub fn color8_header(search: &SearchSettings) -> CodecHeader {
     CodecHeader::Color(ColorHeader {
         format: ColorFormat::EightBit(ToneMap::default()),
         coding: ColorCoding::Cells(None),
-        min_psnr_db: search.min_psnr_db,
+        min_psnr_db: search.target.min_psnr_db(),
+        min_quality: 0.0,
     })
 }
 
@@ -274,7 +275,8 @@ pub fn half_header(search: &SearchSettings) -> CodecHeader {
     CodecHeader::Color(ColorHeader {
         format: ColorFormat::Half { white_cd_m2: 100.0 },
         coding: ColorCoding::Cells(None),
-        min_psnr_db: search.min_psnr_db,
+        min_psnr_db: search.target.min_psnr_db(),
+        min_quality: 0.0,
     })
 }
 
@@ -342,7 +344,12 @@ pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings
 
 /// The header of colour of the transform codec, with the tables of the format.
 pub fn transform_header(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
-    ColorHeader { format, coding: ColorCoding::Transform(Tables::default()), min_psnr_db: search.min_psnr_db }
+    ColorHeader {
+        format,
+        coding: ColorCoding::Transform(Tables::default()),
+        min_psnr_db: search.target.min_psnr_db(),
+        min_quality: search.target.min_quality(),
+    }
 }
 
 /// 8-bit colour of the transform codec, in chunks of so many frames.
@@ -390,7 +397,7 @@ pub fn color_blocks_header(blocks: ColorBlocks, db: f64) -> ColorHeader {
         ColorBlocks::Bc6h => ColorFormat::Half { white_cd_m2: 100.0 },
         _ => ColorFormat::EightBit(ToneMap::default()),
     };
-    ColorHeader { format, coding: ColorCoding::Cells(Some(blocks)), min_psnr_db: db }
+    ColorHeader { format, coding: ColorCoding::Cells(Some(blocks)), min_psnr_db: db, min_quality: 0.0 }
 }
 
 /// 8-bit colour whose keyframes are in blocks.

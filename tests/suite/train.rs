@@ -3,8 +3,8 @@
 use std::fs;
 
 use half::f16;
-use lightfold::color::SearchSettings;
 use lightfold::color::transform::tables::{TableSet, Transform};
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::Compression;
 use lightfold::decode::Decoder;
 use lightfold::effort::Effort;

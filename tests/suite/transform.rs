@@ -1,7 +1,7 @@
 //! The transform codec through the library: footage is encoded, decoded, and keeps its promise in every frame of every cell.
 
 use half::f16;
-use lightfold::color::SearchSettings;
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::Compression;
 use lightfold::decode::Picture;
 use lightfold::effort::Effort;
@@ -18,7 +18,8 @@ use crate::roundtrip::{check_color8, check_half, decoder, encoded};
 const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
 
 fn settings(cell: u32, color_chunk: u32, min_psnr_db: f64) -> EncodeSettings {
-    let search = SearchSettings { target: Target::Psnr(min_psnr_db), effort: Effort::Fast, ..SearchSettings::default() };
+    let search =
+        SearchSettings { target: Target::Psnr(min_psnr_db), effort: Effort::Fast, ..SearchSettings::default() };
     EncodeSettings { cell, color_chunk, search, compression: Compression::None, ..EncodeSettings::default() }
 }
 
@@ -140,7 +141,7 @@ fn a_constant_quantiser_has_one_step_and_promises_nothing() {
     let folder = TempDir::new().unwrap();
     let source = Footage { color: Some(&rising_noise), frames: [0, 5], ..Footage::new(64, 64) }.open(folder.path());
     let at = |step: u8| {
-        let search = SearchSettings { constant_step: Some(step), target: Target::Psnr(0.0), ..SearchSettings::default() };
+        let search = SearchSettings { target: Target::Step(step), ..SearchSettings::default() };
         let bytes = encoded(&source, &EncodeSettings { search, ..settings(64, 6, 0.0) });
         let frames = check_color8(&source, &bytes, 0.0);
         (bytes.len(), frames.iter().sum::<f64>() / frames.len() as f64)

@@ -9,7 +9,7 @@ use std::process::Command;
 use half::f16;
 use lightfold::Error;
 use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::{HalfKey, SearchSettings};
+use lightfold::color::{HalfKey, SearchSettings, Target};
 use lightfold::container::{Compression, Reader, Storage, Writer};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;

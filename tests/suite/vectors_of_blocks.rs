@@ -2,7 +2,7 @@
 
 use half::f16;
 use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::{HalfKey, SearchSettings};
+use lightfold::color::{HalfKey, SearchSettings, Target};
 use lightfold::container::{Compression, EncodedChunk};
 use lightfold::depth::TemporalSettings;
 use lightfold::streams::{CodecHeader, ColorBlocks};

@@ -1,7 +1,7 @@
 //! The frozen containers of [`crate::vectors`] whose index is compact (container.md 6.3).
 
-use lightfold::color::SearchSettings;
 use lightfold::color::cells::builder::CellBuilder;
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::{ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, Storage, Writer};
 use lightfold::depth::TemporalSettings;
 

@@ -14,7 +14,7 @@ use lightfold::color::transform::region::{Content, PALETTE, QUARTERS, Region, Se
 use lightfold::color::transform::steps::StepIndices;
 use lightfold::color::transform::tables::BUILT_IN;
 use lightfold::color::transform::{Keyed, Tables, TransformChunk};
-use lightfold::color::{HalfKey, SearchSettings};
+use lightfold::color::{HalfKey, SearchSettings, Target};
 use lightfold::container::{Compression, EncodedChunk, Reader, StreamEntry};
 use lightfold::entropy::Encoder;
 use lightfold::image::transfer::ToneMap;
@@ -30,7 +30,8 @@ fn entry(shape: Shape, bytes: usize, tables: &Tables) -> StreamEntry {
         1 => ColorFormat::EightBit(ToneMap::default()),
         _ => ColorFormat::Half { white_cd_m2: 100.0 },
     };
-    let header = ColorHeader { format, coding: ColorCoding::Transform(tables.clone()), min_psnr_db: 40.0 };
+    let header =
+        ColorHeader { format, coding: ColorCoding::Transform(tables.clone()), min_psnr_db: 40.0, min_quality: 0.0 };
     samples::entry(shape, &CodecHeader::Color(header))
 }
 
@@ -197,7 +198,7 @@ fn encoded_bytes() -> Vec<u8> {
     let streams = (0..).zip([1, 2, 3, 5, 7, 24, 25]).map(|(face, chunk_frames)| {
         let images = samples::drifting_bytes(size, 25);
         // Every other one by a step, with offsets by frequency.
-        let search = SearchSettings { constant_step: (face % 2 == 1).then_some(80), ..search() };
+        let search = if face % 2 == 1 { SearchSettings { target: Target::Step(80), ..search() } } else { search() };
         samples::color8_transform(shape(face, size, [8, 8], 3, 25), &images, search, chunk_frames)
     });
     container(&streams.collect::<Vec<_>>())

@@ -57,8 +57,8 @@ pub struct ColorArgs {
     /// Entropy tables of lightfold train-color: stored once, used by each cell that they make smaller
     #[arg(long, value_name = "TABLES")]
     pub color_tables: Option<PathBuf>,
-    /// Least quality to the eye of each frame of each cell of the transform codec, 0 to 100, on the scale of SSIMULACRA2: 70 looks
-    /// like crf 22 of x265, 80 like crf 17, 85 like crf 13 [default: 80]
+    /// Least quality to the eye of each frame of each cell of the transform codec, 0 to 100, on the scale of SSIMULACRA2: the worst
+    /// places look like those of x265 with crf 22 at 65, with crf 18 at 73, with crf 14 at 80 [default: 77]
     #[arg(long, value_name = "Q", conflicts_with_all = ["psnr", "color_block", "color_qp"])]
     pub quality: Option<f64>,
     /// Least PSNR of each frame of each cell instead of --quality, in dB, 0 to 200 (every bit); with --color-block, of temporal coding

@@ -100,6 +100,9 @@ pub struct RecommendArgs {
     /// Lowest PSNR of any frame of any cell of colour, in dB
     #[arg(long, value_name = "DB", requires = "recommend", value_parser = parse_positive)]
     pub min_psnr: Option<f64>,
+    /// Lowest quality to the eye of any frame of any cell of colour, as of diff --min-quality
+    #[arg(long, value_name = "Q", requires = "recommend", value_parser = parse_positive)]
+    pub min_quality: Option<f64>,
     /// Milliseconds of decoding for one point in time, all probes and faces of a kind
     #[arg(long, value_name = "MS", requires = "recommend", value_parser = parse_positive)]
     pub decode_ms: Option<f64>,
@@ -155,13 +158,14 @@ impl RecommendArgs {
             max_error_codes: self.max_error.map(u32::from),
             max_error_m: self.max_error_m,
             min_psnr_db: self.min_psnr,
+            min_quality: self.min_quality,
             decode_ms: self.decode_ms,
             max_bytes: self.max_bytes,
             max_ratio_percent: self.max_ratio,
         };
         if demands.is_empty() {
             return refuse(
-                "--recommend: say what is asked, by --max-error, --max-error-m, --min-psnr, --decode-ms, --max-bytes or --max-ratio",
+                "--recommend: say what is asked, by --max-error, --max-error-m, --min-psnr, --min-quality, --decode-ms, --max-bytes or --max-ratio",
             );
         }
         Ok(Some(demands))

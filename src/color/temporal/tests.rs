@@ -3,6 +3,7 @@ use crate::color::blend::HalfKey;
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::keyframe_blocks::encode::KeyframeEncoder;
 use crate::color::quality::{EightBit, Pu21};
+use crate::color::settings::Target;
 use crate::effort::Effort;
 use half::f16;
 use proptest::prelude::*;
@@ -60,7 +61,7 @@ fn encode(frames: &[Vec<u8>], settings: SearchSettings) -> Chunks<u8> {
 /// Encodes, checks every frame, and answers the number of keyframes.
 fn check(frames: &[Vec<u8>], settings: SearchSettings) -> usize {
     let chunks = encode(frames, settings);
-    check_frames(&chunks, frames, settings.min_psnr_db, &EightBit);
+    check_frames(&chunks, frames, settings.target.min_psnr_db(), &EightBit);
     chunks.iter().map(|(_, cell)| cell.keyframes.len()).sum()
 }
 

@@ -38,6 +38,7 @@ impl<'a> CodingBench<'a> {
         match point.stream {
             Some(StreamKind::Color) => {
                 measured.set("min_psnr_db", Value::Number(of.number("min_cell_psnr_db")?));
+                measured.set("min_quality", of.value["min_quality"].as_f64().map(Value::Number));
                 // Half floats have none.
                 measured.set("ssim", of.value["ssim"].as_f64().map(Value::Number));
             }

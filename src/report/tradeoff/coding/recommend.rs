@@ -12,6 +12,8 @@ pub struct Demands {
     pub max_error_m: Option<f64>,
     /// Lowest PSNR of any frame of any cell of colour, in dB.
     pub min_psnr_db: Option<f64>,
+    /// Lowest quality to the eye of any frame of any cell of colour.
+    pub min_quality: Option<f64>,
     pub decode_ms: Option<f64>,
     pub max_bytes: Option<u64>,
     /// Bytes of the container in percent of those of the footage.
@@ -50,7 +52,7 @@ impl Demands {
         let quality = match kind {
             StreamKind::Depth => self.max_error_codes.is_some() || self.max_error_m.is_some(),
             StreamKind::Material | StreamKind::Alpha => self.max_error_codes.is_some(),
-            StreamKind::Color => self.min_psnr_db.is_some(),
+            StreamKind::Color => self.min_psnr_db.is_some() || self.min_quality.is_some(),
         };
         let cost = self.decode_ms.is_some() || self.max_bytes.is_some() || self.max_ratio_percent.is_some();
         match (quality, cost) {
@@ -68,6 +70,7 @@ impl Demands {
         // A PSNR is computed twice, on either side of a file: the last digit may differ.
         let psnr = self.min_psnr_db.filter(|_| of.point.stream == Some(StreamKind::Color));
         let psnr = psnr.map(|limit| (limit, closeness_db(of))).filter(|(limit, found)| *found < limit - 1e-6);
+        let quality = self.min_quality.zip(of.number("min_quality")).filter(|(limit, found)| *found < limit - 1e-6);
         let untimed = self.decode_ms.filter(|_| of.number("decode_ms_per_frame").is_none());
         let all = [
             more(self.max_error_codes.map(f64::from), 1.0, "max_error_codes", |limit, codes| {
@@ -78,6 +81,10 @@ impl Demands {
             }),
             psnr.map(|(limit, found)| Miss {
                 words: format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB"),
+                ratio: limit / found.max(1.0),
+            }),
+            quality.map(|(limit, found)| Miss {
+                words: format!("--min-quality {limit}: the lowest quality of a frame of a cell is {found:.1}"),
                 ratio: limit / found.max(1.0),
             }),
             more(self.decode_ms, 1e-9, "decode_ms_per_frame", |limit, ms| {

@@ -72,11 +72,13 @@ pub const KNOBS: &[Knob] = &[
     encode("color-codec", "colour codec", &[Color], "transform", &["transform", "cells"]),
     encode("color-chunk", "chunk length of colour (frames)", &[Color], "24", &["6", "12", "24", "48", "96"])
         .with(&[("color-codec", "transform")]),
+    encode("quality", "least quality to the eye", &[Color], "77, of cells none", &["60", "70", "77", "85", "90"])
+        .with(&[("color-codec", "transform")]),
     encode(
         "psnr",
         "PSNR threshold (dB)",
         &[Color],
-        "40, of cells 50, in blocks as psnr-final",
+        "none, of cells 50, in blocks as psnr-final",
         &["30", "35", "40", "45", "50"],
     ),
     encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]),
@@ -138,6 +140,8 @@ const MEASURES: &[Measure] = &[
     Measure::new("psnr_db", DECIBELS).shown("PSNR dB", Format::Decimals(2)),
     Measure::new("min_psnr_db", Source::Number { is_needed: false, may_be_infinite: true })
         .shown("worst cell dB", Format::Decimals(2)),
+    Measure::new("min_quality", Source::Number { is_needed: false, may_be_infinite: false })
+        .shown("worst cell's quality", Format::Decimals(1)),
     Measure::new("ssim", Source::Signed).shown("SSIM", Format::Decimals(4)),
     Measure::new("max_error_codes", Source::Count(None)).shown("max error", Format::Decimals(0)),
     Measure::new("max_error_m", Source::Number { is_needed: false, may_be_infinite: false })
@@ -163,6 +167,7 @@ const PANELS: &[Panel] = &[
     Panel::new("Container", Scale::Bytes, SIZES).mapped(Better::Less),
     Panel::new("PSNR (dB)", Scale::Decibels, PSNRS).for_streams(&[Color]),
     Panel::new("PSNR (dB)", Scale::Decibels, &[PanelLine::of("psnr_db")]).for_streams(&[Depth, Material]),
+    Panel::new("Quality of the worst cell", Scale::Linear, &[PanelLine::of("min_quality")]).for_streams(&[Color]),
     Panel::new("SSIM", Scale::Linear, &[PanelLine::of("ssim")]).for_streams(&[Color]),
     Panel::new("Largest error (16-bit codes)", Scale::Linear, &[PanelLine::of("max_error_codes")])
         .for_streams(&[Depth]),

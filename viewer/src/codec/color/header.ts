@@ -40,11 +40,15 @@ export function parseColorHeader(codec: string, bytes: Uint8Array, stream: Strea
   const fields = new Fields(bytes, SECTION);
   const minPsnrDb = fields.f64();
   if (!Number.isFinite(minPsnrDb)) {
-    throw fields.error("The quality is no finite number");
+    throw fields.error("The PSNR is no finite number");
   }
   const tone = known.isHalf ? readWhite(fields) : readTone(fields);
   let coding: ColorHeader["coding"] = { name: "cells", blocks: known.blocks };
   if (known.isTransform) {
+    const minQuality = fields.f64();
+    if (!(minQuality >= 0 && minQuality <= 100)) {
+      throw fields.error("The quality is not within 0 to 100");
+    }
     const planes = fields.u8();
     if (planes !== PLANES) {
       throw fields.error(`A stream has ${planes} planes of color, ${PLANES} were expected`);

@@ -1,0 +1,175 @@
+//! The quality to the eye that colour keeps: measured anew here, by color.md 5.2 alone.
+
+use half::f16;
+use lightfold::color::quality::Pu21;
+use lightfold::color::{SearchSettings, Target};
+use lightfold::decode::Picture;
+use lightfold::effort::Effort;
+use lightfold::encode::EncodeSettings;
+use lightfold::image::transfer::{EncodeTable, ToneMap};
+use lightfold::image::{ColorPlane, Face, Plane};
+use lightfold::streams::{ColorFormat, convert};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::commands::{fine, lightfold};
+use crate::footage::{Footage, Random, drifting_color};
+use crate::roundtrip::{decoder, encoded};
+
+const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
+const WEIGHTS: [[f64; 4]; 3] = [[0.5, 0.5, 8.0, 1.0], [0.03125, 0.04, 0.09, 0.125], [0.00625, 0.008, 0.018, 0.025]];
+
+/// Quality of pixels of red, green and blue codes.
+fn quality([width, height]: [usize; 2], shown: &[[f64; 3]], source: &[[f64; 3]]) -> f64 {
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (top, left) in (0..height).step_by(8).flat_map(|top| (0..width).step_by(8).map(move |left| (top, left))) {
+        let at = |picture: &[[f64; 3]], x: usize, y: usize| {
+            picture[(top + y).min(height - 1) * width + (left + x).min(width - 1)]
+        };
+        let luma = |[red, green, blue]: [f64; 3]| (red + 2.0 * green + blue) / 4.0;
+        let mut error = 0.0;
+        for (channel, weights) in WEIGHTS.iter().enumerate() {
+            let value = |x: usize, y: usize| {
+                let [shown, source] = [shown, source].map(|picture| at(picture, x, y));
+                let [red, green, blue] = [0, 1, 2].map(|sample| shown[sample] - source[sample]);
+                [luma([red, green, blue]), green - (red + blue) / 2.0, red - blue][channel]
+            };
+            let energy = |side: usize| -> f64 {
+                let starts = || (0..8).step_by(side);
+                let sum = |left: usize, top: usize| -> f64 {
+                    (top..top + side)
+                        .flat_map(|y| (left..left + side).map(move |x| (x, y)))
+                        .map(|(x, y)| value(x, y))
+                        .sum()
+                };
+                starts()
+                    .flat_map(|top| starts().map(move |left| (left, top)))
+                    .map(|(left, top)| sum(left, top).powi(2))
+                    .sum::<f64>()
+                    / (side * side) as f64
+            };
+            let [one, two, four, eight] = [1, 2, 4, 8].map(energy);
+            error +=
+                weights[0] * (one - two) + weights[1] * (two - four) + weights[2] * (four - eight) + weights[3] * eight;
+        }
+        let lumas: Vec<f64> = (0..64).map(|place| luma(at(source, place % 8, place / 8))).collect();
+        let mean = lumas.iter().sum::<f64>() / 64.0;
+        let variance = lumas.iter().map(|luma| (luma - mean).powi(2)).sum::<f64>() / 64.0;
+        sum += error / 64.0 * 140.0 / (40.0 + variance);
+        squares += 1.0;
+    }
+    100.0 - 7.8 * (sum / squares).max(0.0).sqrt()
+}
+
+fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T> {
+    (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y))).map(|(x, y)| plane.get(x, y)).collect()
+}
+
+/// Quality of each frame of each cell.
+fn qualities(color: &dyn Fn(Face, u32) -> ColorPlane, size: [u32; 2], settings: &EncodeSettings) -> Vec<f64> {
+    let folder = TempDir::new().unwrap();
+    let source = Footage { color: Some(color), frames: [0, 6], ..Footage::new(size[0], size[1]) }.open(folder.path());
+    let bytes = encoded(&source, settings);
+    let (decoder, metric) = (decoder(&bytes), Pu21::new(100.0).unwrap());
+    let stream = &decoder.streams()[0];
+    let mut face = decoder.face(stream);
+    let mut all = Vec::new();
+    for frame in stream.frames.iter() {
+        let wanted = source.read_color(&source.groups()[0], frame).unwrap().remove(0);
+        let shown = face.decode(frame).unwrap();
+        for unit in 0..stream.entry.unit_count() {
+            let rect = stream.entry.unit_rect(unit);
+            let [shown, source] = match &shown {
+                Picture::Color8(shown) => {
+                    let (wanted, _) = convert::color_codes(&wanted, &EncodeTable::new(&ToneMap::default()));
+                    [cut(shown, rect), cut(&wanted, rect)]
+                        .map(|pixels| pixels.into_iter().map(|pixel| pixel.map(f64::from)).collect::<Vec<_>>())
+                }
+                Picture::ColorHalf(shown) => {
+                    let least = settings.search.target.min_quality();
+                    let code = |value: f16| f64::from(metric.steps(value)) / 64.0;
+                    let [shown, source] = [cut(shown, rect), cut(&wanted, rect)];
+                    for (shown, source) in shown.as_flattened().iter().zip(source.as_flattened()) {
+                        // 0.005 and 10000 cd/m², which here is light of 0.00005 and 100.
+                        let is_outside = |value: &f16| !(0.00005..=100.0).contains(&value.to_f64());
+                        let error = (code(*shown) - code(*source)).abs();
+                        assert!(
+                            !(is_outside(shown) || is_outside(source)) || error <= (100.0 - least) / 2.0,
+                            "{source} as {shown}"
+                        );
+                    }
+                    [shown, source].map(|pixels| pixels.into_iter().map(|pixel| pixel.map(code)).collect::<Vec<_>>())
+                }
+                _ => panic!("colour was expected"),
+            };
+            all.push(quality([rect[2], rect[3]].map(|side| side as usize), &shown, &source));
+        }
+    }
+    all
+}
+
+fn settings(color: ColorFormat, cell: u32, least: f64) -> EncodeSettings {
+    let search = SearchSettings { target: Target::Quality(least), effort: Effort::Fast, ..SearchSettings::default() };
+    EncodeSettings { cell, color, color_chunk: 4, search, ..EncodeSettings::default() }
+}
+
+fn noise(_: Face, frame: u32) -> ColorPlane {
+    let mut random = Random(u64::from(frame));
+    Plane::from_fn(40, 40, |_, _| [(); 3].map(|()| f16::from_f32(random.below(256) as f32 / 255.0)))
+}
+
+/// A dark ramp with a lamp that moves, and negative light.
+fn lamp(_: Face, frame: u32) -> ColorPlane {
+    Plane::from_fn(40, 40, |x, y| {
+        let light = match (x / 3, y / 3) {
+            (column, row) if [column, row] == [2 + frame, 5] => 40_000.0,
+            (0, 0) => -0.5,
+            _ => 0.000_01 * f32::powi(1.2, x as i32) * (1.0 + 0.01 * y as f32),
+        };
+        [light, 0.9 * light, 0.7 * light].map(f16::from_f32)
+    })
+}
+
+#[test]
+fn each_frame_of_each_cell_keeps_it() {
+    let drifting = |_: Face, frame: u32| drifting_color(43, 37, frame);
+    let kinds: [(&dyn Fn(Face, u32) -> ColorPlane, [u32; 2]); 3] =
+        [(&drifting, [43, 37]), (&noise, [40, 40]), (&lamp, [40, 40])];
+    for (color, size) in kinds {
+        for format in [EncodeSettings::default().color, HALF] {
+            let mut means = Vec::new();
+            for least in [40.0, 77.0, 92.0, 99.0] {
+                let all = qualities(color, size, &settings(format, 16, least));
+                let worst = all.iter().copied().fold(f64::INFINITY, f64::min);
+                assert!(worst >= least - 1e-3, "{worst} of {least} in {format:?}");
+                means.push(all.iter().sum::<f64>() / all.len() as f64);
+            }
+            assert!(means.is_sorted(), "{means:?} in {format:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_lost_at_100() {
+    let all = qualities(&noise, [40, 40], &settings(EncodeSettings::default().color, 16, 100.0));
+    assert!(all.iter().all(|&quality| quality == 100.0), "{all:?}");
+}
+
+#[test]
+fn diff_measures_what_encode_keeps() {
+    let folder = TempDir::new().unwrap();
+    let color = |_: Face, frame: u32| drifting_color(48, 32, frame);
+    Footage { color: Some(&color), ..Footage::new(48, 32) }.write(folder.path());
+    let folder = folder.path();
+    fine("encode . -o film.lfold --quality 70 --color-cell 16 -q", folder);
+    let report: Value = serde_json::from_slice(&fine("diff . film.lfold --json", folder).stdout).unwrap();
+    let least = report["color"]["min_quality"].as_f64().unwrap();
+    assert!(least >= 70.0, "{least}");
+    let at = &report["color"]["min_quality_at"];
+    assert!(at["frame"].is_u64() && at["x"].as_u64().unwrap().is_multiple_of(16), "{at}");
+    fine("diff . film.lfold --min-quality 70", folder);
+    let output = lightfold(&["diff", ".", "film.lfold", "--min-quality", "99.9"], folder);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("--min-quality 99.90 does not hold"), "{said}");
+}
