@@ -9,9 +9,9 @@ const SHOWN: &[(&str, &[&str])] = &[
     ("capture", &["output", "position", "cameras", "frames", "size", "samples", "aov", "resume"]),
     ("decode", &["output", "null", "frames", "stream", "probe", "format", "device", "verify", "keep-going", "json"]),
     ("demo", &["output", "frame-count", "size", "probes", "json"]),
-    ("diff", &["max-error", "min-psnr", "min-cell-psnr", "exact", "common", "frames", "stream", "streams", "json"]),
-    ("encode", &["output", "preset", "max-error", "psnr", "stream", "frames", "hdr", "clip", "resume", "json"]),
-    ("encode-color", &["output", "psnr", "frames", "face", "probe", "hdr", "effort", "resume", "json"]),
+    ("diff", &["max-error", "min-quality", "min-cell-psnr", "exact", "common", "frames", "stream", "streams", "json"]),
+    ("encode", &["output", "preset", "max-error", "quality", "stream", "frames", "hdr", "clip", "resume", "json"]),
+    ("encode-color", &["output", "quality", "frames", "face", "probe", "hdr", "effort", "resume", "json"]),
     (
         "encode-depth",
         &["output", "max-error", "frames", "face", "probe", "depth-codec", "depth-scale", "effort", "resume", "json"],

@@ -23,7 +23,7 @@ const BLOCK: usize = 2048;
 
 /// Largest error in codes of a sample outside the range of PU21 at a quality to the eye.
 pub fn outside_codes(quality: f64) -> f64 {
-    (MOST_QUALITY - quality) / 2.0
+    (MOST_QUALITY - quality) * 0.4
 }
 
 pub trait Quality<S: Sample>: Sync {

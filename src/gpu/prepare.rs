@@ -270,7 +270,7 @@ pub fn of_transform<S: Keyed>(
         let [x, y, width, height] = rect.map(|side| side as u32);
         end += WORKGROUP;
         boxes.push(BoxRow { x, y, width, height, at: 4 * stream.len() as u32, end, ..BoxRow::default() });
-        let steps = Steps::new(header.steps, header.offset_set, delta, &S::DOMAIN);
+        let steps = Steps::new(header.steps, header.offset_set, delta, S::DOMAIN.steps);
         stream.extend(steps.indices().map(|index| index as u32));
         let bytes = &payload[substream];
         match words_from(bytes).as_slice() {

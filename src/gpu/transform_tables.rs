@@ -115,7 +115,10 @@ mod tests {
         assert_eq!(at(layout::ROOTS_AT, INVERSE_ROOTS.len()), INVERSE_ROOTS);
         let offsets = at(layout::OFFSETS_AT, 128 * OFFSET_SETS.len());
         assert!(
-            offsets.iter().zip(OFFSET_SETS.iter().flatten().flatten()).all(|(&word, &offset)| word == u32::from(offset))
+            offsets
+                .iter()
+                .zip(OFFSET_SETS.iter().flatten().flatten())
+                .all(|(&word, &offset)| word == u32::from(offset))
         );
         for points in [1, 24, 32] {
             let first = words[points] >> 8;

@@ -54,10 +54,10 @@ fn families_and_limits_are_those_of_the_code() {
     says_of_sets(format!("| distributions of a table set | {CLUSTERS} |"));
     says_of_sets(format!("| built-in sets | {BUILT_IN}, numbers 0 to {} |", BUILT_IN - 1));
     says_of_sets(format!("| own sets of a stream, in its codec header | 0 to {MOST_OWN}:"));
-    says(format!("| 20 | 1 | u8 | own_set_count | 0 to {MOST_OWN} |"));
+    says(format!("| 28 | 1 | u8 | own_set_count | 0 to {MOST_OWN} |"));
     says(format!("F must be at most {MAX_FRAMES}"));
     assert_eq!(CACHED, 15, "four bits of a payload's header");
-    says(format!("offset_set, 0 or {} (section 6.3)", OFFSET_SETS.len() - 1));
+    says(format!("bits 4 to 6: offset_set, 0 or {} (section 6.3)", OFFSET_SETS.len() - 1));
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn bases_and_steps_are_those_of_the_code() {
     for (domain, (index, set, delta)) in
         [Domain::BYTES, Domain::HALVES].iter().flat_map(|d| indices.clone().map(move |i| (d, i)))
     {
-        let steps = Steps::new(StepIndices { luma: index, chroma: index }, set, delta, domain);
+        let steps = Steps::new(StepIndices { luma: index, chroma: index }, set, delta, domain.steps);
         for (channel, name) in ["Y", "G", "O"].into_iter().enumerate() {
             let offsets = offsets(name);
             assert_eq!(offsets.len(), 64);

@@ -126,7 +126,7 @@ fn every_codec_keeps_the_bound_outside_the_metric() {
         let at = folder.path();
         write(at, light);
         for (options, db) in [
-            ("--hdr", 40.0),
+            ("--hdr --psnr 40", 40.0),
             ("--hdr --psnr 55 --effort fast", 55.0),
             ("--hdr --color-codec cells", 50.0),
             ("--hdr --color-codec cells --psnr 30", 30.0),

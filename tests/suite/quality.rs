@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use lightfold::color::SearchSettings;
+use lightfold::color::{SearchSettings, Target};
 use lightfold::container::{Compression, Reader};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::{Decoder, Picture};
@@ -50,7 +50,10 @@ fn coded() -> Vec<(&'static str, EncodeSettings)> {
         let depth = DepthSettings { codec, effort: Effort::Fast, ..DepthSettings::default() };
         EncodeSettings { kinds: vec![kind], depth, ..EncodeSettings::default() }
     };
-    let transform = of(StreamKind::Color, DepthCodec::Boxes);
+    let transform = |target| EncodeSettings {
+        search: SearchSettings { target, ..SearchSettings::default() },
+        ..of(StreamKind::Color, DepthCodec::Boxes)
+    };
     let color = || EncodeSettings {
         color_codec: ColorCodec::Cells,
         search: SearchSettings::default(),
@@ -65,7 +68,8 @@ fn coded() -> Vec<(&'static str, EncodeSettings)> {
     let bc1 = of(StreamKind::Material, DepthCodec::Boxes);
     vec![
         ("color", color()),
-        ("color-transform", transform),
+        ("color-transform", transform(Target::Psnr(40.0))),
+        ("color-transform-quality", transform(ColorCodec::Transform.usual_target())),
         ("color-bc1", blocks(ColorBlocks::Bc1)),
         ("color-bc7", blocks(ColorBlocks::Bc7)),
         ("depth", of(StreamKind::Depth, DepthCodec::Boxes)),
@@ -189,7 +193,7 @@ fn the_demo_costs_no_more_and_is_no_worse() {
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn real_footage_costs_no_more_and_is_no_worse() {
     let rows = shared();
-    assert_eq!(rows.len(), 58);
+    assert_eq!(rows.len(), 63);
     check(&rows);
 }
 

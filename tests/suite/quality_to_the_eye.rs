@@ -94,7 +94,7 @@ fn qualities(color: &dyn Fn(Face, u32) -> ColorPlane, size: [u32; 2], settings: 
                         let is_outside = |value: &f16| !(0.00005..=100.0).contains(&value.to_f64());
                         let error = (code(*shown) - code(*source)).abs();
                         assert!(
-                            !(is_outside(shown) || is_outside(source)) || error <= (100.0 - least) / 2.0,
+                            !(is_outside(shown) || is_outside(source)) || error <= 0.4 * (100.0 - least),
                             "{source} as {shown}"
                         );
                     }
@@ -144,7 +144,7 @@ fn each_frame_of_each_cell_keeps_it() {
                 assert!(worst >= least - 1e-3, "{worst} of {least} in {format:?}");
                 means.push(all.iter().sum::<f64>() / all.len() as f64);
             }
-            assert!(means.is_sorted(), "{means:?} in {format:?}");
+            assert!(means[2] > means[1] && means[3] > means[2], "{means:?} in {format:?}");
         }
     }
 }
@@ -161,14 +161,15 @@ fn diff_measures_what_encode_keeps() {
     let color = |_: Face, frame: u32| drifting_color(48, 32, frame);
     Footage { color: Some(&color), ..Footage::new(48, 32) }.write(folder.path());
     let folder = folder.path();
-    fine("encode . -o film.lfold --quality 70 --color-cell 16 -q", folder);
-    let report: Value = serde_json::from_slice(&fine("diff . film.lfold --json", folder).stdout).unwrap();
+    fine("encode . --clip -o film.lfold --quality 70 --color-cell 16 -q", folder);
+    let report: Value =
+        serde_json::from_slice(&fine("diff . film.lfold --allow-clipping --json", folder).stdout).unwrap();
     let least = report["color"]["min_quality"].as_f64().unwrap();
     assert!(least >= 70.0, "{least}");
     let at = &report["color"]["min_quality_at"];
     assert!(at["frame"].is_u64() && at["x"].as_u64().unwrap().is_multiple_of(16), "{at}");
-    fine("diff . film.lfold --min-quality 70", folder);
-    let output = lightfold(&["diff", ".", "film.lfold", "--min-quality", "99.9"], folder);
+    fine("diff . film.lfold --allow-clipping --min-quality 70", folder);
+    let output = lightfold(&["diff", ".", "film.lfold", "--allow-clipping", "--min-quality", "99.9"], folder);
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("--min-quality 99.90 does not hold"), "{said}");

@@ -149,7 +149,8 @@ fn sizes_that_are_no_multiple_of_anything() {
         let codecs = [ColorCodec::Cells, ColorCodec::Transform];
         for (color_codec, cell) in codecs.into_iter().flat_map(|codec| [64, 4, 1].map(|cell| (codec, cell))) {
             let compression = Compression::Lzma2(1);
-            let settings = EncodeSettings { color_codec, cell, compression, ..EncodeSettings::default() };
+            let search = SearchSettings { target: Target::Psnr(40.0), ..SearchSettings::default() };
+            let settings = EncodeSettings { color_codec, cell, compression, search, ..EncodeSettings::default() };
             check_color8(&source, &encoded(&source, &settings), settings.search.target.min_psnr_db());
         }
         footage.color = None;

@@ -198,7 +198,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("depth-header-reserved", header(0, 22, &[1]), "a reserved byte is not zero"));
     all.push(("depth-header-interval", header(0, 24, &[0; 4]), "the keyframe interval must be at least 1"));
     all.push(("material-header-window", header(3, 0, &[0]), "the depth window must be 1 to 255"));
-    all.push(("color-header-psnr", header(1, 0, &f64::NAN.to_le_bytes()), "the quality is NaN"));
+    all.push(("color-header-psnr", header(1, 0, &f64::NAN.to_le_bytes()), "the PSNR is NaN"));
     all.push(("color-header-exposure", header(1, 8, &33f32.to_le_bytes()), "an exposure of 33 stops"));
     all.push(("color-header-transfer", header(1, 12, &[2]), "transfer function 2 is unknown"));
     all.push(("half-header-white", header(2, 8, &[0; 8]), "a white of 0 cd/m"));

@@ -125,7 +125,7 @@ fn palettes<S: Keyed>(seed: u64) -> Vec<u8> {
     let streams = (0..).zip([0, 1, 14, 15]).map(|(face, count): (u8, usize)| {
         let colors = (0..count).map(|_| std::array::from_fn(|_| colors.below(most + 1) as i32)).collect();
         let header = Header { colors, ..usual_header(S::BYTES) };
-        random::<S>(face, [40, 17], [5, 1, 2, 9][usize::from(face)], &header, (PALETTES, seed + u64::from(face)))
+        random::<S>(face, [72, 33], [5, 1, 2, 9][usize::from(face)], &header, (PALETTES, seed + u64::from(face)))
     });
     container(&streams.collect::<Vec<_>>())
 }
@@ -313,7 +313,7 @@ fn still(header: &Header) -> Setting<'_> {
 
 /// A payload without colours, of a region without a delta or of two: its header, then these bytes.
 fn headed(rest: &[u8]) -> Vec<u8> {
-    [&[0, 84, 89, 3, 0xf9, 0, 0x88], rest].concat()
+    [&[0, 84, 89, 3, 0xf9, 0x80, 0x88], rest].concat()
 }
 
 /// A payload of one region with these symbols, by context, and raw bits.
@@ -361,12 +361,14 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         stream.entry.codec_header = header.into();
         container(&[stream])
     };
-    all.push(("transform-header-planes", with_header(&|header| header[16] = 4), "4 planes of colour"));
-    all.push(("transform-header-reserved", with_header(&|header| header[18] = 1), "a reserved byte is not zero"));
-    all.push(("transform-header-sets", with_header(&|header| header[20] = 9), "9 table sets"));
-    let beyond = |header: &mut Vec<u8>| drop(header.splice(21.., [0x80, 0x20, 1]));
+    let quality = |header: &mut Vec<u8>| header[16..24].copy_from_slice(&100.5f64.to_le_bytes());
+    all.push(("transform-header-quality", with_header(&|header| quality(header)), "a quality of 100.5"));
+    all.push(("transform-header-planes", with_header(&|header| header[24] = 4), "4 planes of colour"));
+    all.push(("transform-header-reserved", with_header(&|header| header[26] = 1), "a reserved byte is not zero"));
+    all.push(("transform-header-sets", with_header(&|header| header[28] = 9), "9 table sets"));
+    let beyond = |header: &mut Vec<u8>| drop(header.splice(29.., [0x80, 0x20, 1]));
     all.push(("transform-header-frequencies", with_header(&beyond), "sum to more than 4096"));
-    let long = |header: &mut Vec<u8>| drop(header.splice(21..22, [0x80, 0]));
+    let long = |header: &mut Vec<u8>| drop(header.splice(29..30, [0x80, 0]));
     all.push(("transform-header-varint", with_header(&long), "not in its shortest form"));
     all.push(("transform-header-shorter", with_header(&|header| header.truncate(1000)), "more bytes expected"));
     all.push(("transform-header-longer", with_header(&|header| header.push(0)), "1 bytes after the last field"));

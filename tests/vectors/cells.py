@@ -24,6 +24,7 @@ def read_color_header(stream):
         check(fields.take("d") > 0, "a colour header is illegal")
     sets = None
     if stream.codec in TRANSFORMS:
+        check(0 <= fields.take("d") <= 100, "the quality is illegal")
         check(fields.take("B") == 3, "the number of colour planes is illegal")
         fields.zeros(3)
         sets = transform.read_sets(fields)

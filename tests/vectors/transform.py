@@ -16,6 +16,16 @@ OCTAVE = (4096, 4277, 4467, 4664, 4871, 5087, 5312, 5547, 5793, 6049, 6317, 6597
 MAX_FRAMES = 96
 LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24)
 ROOTS = (4096, 2896, 2365, 2048, 1672, 1448, 1182, 1024, 836)
+# By offset_set, for Y and for G and O.
+OFFSETS = (
+    ((0,) * 64,) * 2,
+    (tuple(map(int, """
+        1 3 5 7 8 9 10 10 11 12 12 13 13 14 14 15  15 15 16 16 16 17 17 17 18 18 18 18 19 19 19 19
+        19 20 20 20 20 20 21 21 21 21 21 21 22 22 22 22  22 22 22 23 23 23 23 23 23 23 23 24 24 24 24 24""".split())),
+     tuple(map(int, """
+        2 5 8 10 12 14 15 16 18 19 20 20 21 22 23 23  24 25 25 26 26 27 27 28 28 29 29 29 30 30 30 31
+        31 31 32 32 32 33 33 33 34 34 34 34 35 35 35 35  36 36 36 36 36 37 37 37 37 37 38 38 38 38 38 38""".split()))),
+)
 
 
 def basis(points, k, n):
@@ -67,6 +77,20 @@ def step_of(index, length, domain):
     mantissa = OCTAVE[index % 16] * ROOTS[length] + 2048 >> 12
     shift = 11 - domain.fraction
     return max((mantissa << index // 16) + (1 << shift - 1) >> shift, 1)
+
+
+class Steps:
+    """Steps of the levels of a region."""
+
+    def __init__(self, luma_step, chroma_step, offset_set, delta, domain):
+        self.bases = [base + 4 * delta for base in (luma_step, chroma_step + 3, chroma_step + 8)]
+        self.offsets = (OFFSETS[offset_set][0], *[OFFSETS[offset_set][1]] * 2)
+        self.domain = domain
+
+    def of(self, c, size, length):
+        """By the sum of both frequencies."""
+        indices = [self.bases[c] + self.offsets[c][(2 * f + 1 << 3 - size) >> 1] for f in range((8 << size) - 1)]
+        return [step_of(max(0, min(255, index)), length, self.domain) for index in indices]
 
 
 def coefficient(level, step):
@@ -281,10 +305,10 @@ class Region:
         visible = [max(0, min(side, whole - corner)) for whole, corner in ((len(picture[0]), left), (len(picture), top))]
         time, space = BASES[frames], BASES[4 << size]
         for c, levels in enumerate(read_levels(self.stream, size, frames)):
-            step = self.steps[c][length]
-            predicted = self.predicted(c, left, top, first, size, step)
+            steps = self.steps.of(c, size, length)
+            predicted = self.predicted(c, left, top, first, size, steps[0])
             levels[0, 0, 0] = wrap(levels.get((0, 0, 0), 0) + predicted)
-            coefficients = {at: coefficient(level, step) for at, level in levels.items()}
+            coefficients = {at: coefficient(level, steps[at[1] + at[2]]) for at, level in levels.items()}
             end = sum(value * time[k][frames - 1] for (k, x, y), value in coefficients.items() if x == y == 0)
             mean = (wrap(end + 128) >> 8) >> 2 + size
             for y in range(top // 4, top // 4 + (1 << size)):
@@ -401,21 +425,25 @@ class Region:
 def decode(payload, width, height, frames, size, sets):
     """The keys of each frame, row by row; `size` is that of a sample."""
     domain, fields = Domain(size), Fields(payload)
-    table_set, luma_step, chroma_step, *slopes, color_count = fields.take("BBBbbB")
+    table_set, luma_step, chroma_step, *slopes, choices = fields.take("BBBbbB")
     check(table_set < len(sets), "the table set is unknown")
-    check(color_count <= 15, "there are too many colours")
+    offset_set, color_count = choices >> 4 & 7, choices & 15
+    check(offset_set < len(OFFSETS), "the set of offsets is unknown")
     colors = [fields.take("3B" if size == 1 else "3H") for _ in range(color_count)]
-    indices = (luma_step, min(chroma_step + 3, 255), min(chroma_step + 8, 255))
-    steps = [[step_of(index, length, domain) for length in range(9)] for index in indices]
     regions = [
         (x, y, min(32, width - x), min(32, height - y)) for y in range(0, height, 32) for x in range(0, width, 32)
     ]
+    deltas = [0] * len(regions)
+    if choices & 128:
+        packed = fields.bytes((len(regions) + 1) // 2)
+        deltas = [(packed[at // 2] >> 4 * (at % 2) & 15) - 8 for at in range(len(regions))]
     lengths = [fields.varint() for _ in regions[1:]]
     substreams = [fields.bytes(length) for length in lengths]
     substreams.append(fields.bytes(len(fields.data) - fields.at))
     pictures = [[0] * (3 * width * height) for _ in range(frames)]
-    for (left, top, w, h), data in zip(regions, substreams):
+    for (left, top, w, h), delta, data in zip(regions, deltas, substreams):
         stream = Substream(data, sets[table_set])
+        steps = Steps(luma_step, chroma_step, offset_set, delta, domain)
         region = Region(stream, steps, slopes, colors, domain, w, h, frames)
         for picture, rows in zip(pictures, region.pictures):
             for y, row in enumerate(rows):

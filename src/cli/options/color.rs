@@ -139,8 +139,9 @@ impl ColorArgs {
         if !(-8.0..=8.0).contains(&exposure_ev) {
             return refuse(format!("--exposure {exposure_ev}: -8 to 8 stops were expected"));
         }
-        let psnr = target.min_psnr_db();
-        if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
+        if let (Some(db), Target::Psnr(psnr)) = (self.psnr_final, target)
+            && db > psnr
+        {
             return refuse(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected"));
         }
         settings.cell = self.color_cell;

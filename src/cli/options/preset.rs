@@ -4,14 +4,15 @@ use clap::Args;
 
 use super::choice::one_of;
 use super::{Choices, ColorArgs, DepthArgs, EffortArgs, StoreArgs};
+use crate::color::Target;
 use crate::effort::Effort;
-use crate::encode::{DepthCodec, ErrorBound};
+use crate::encode::{ColorCodec, DepthCodec, ErrorBound};
 
 /// What a preset sets; all else is as by default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Preset {
-    /// In place of --psnr.
-    psnr_db: Option<f64>,
+    /// In place of --quality and --psnr.
+    target: Option<Target>,
     /// In place of --max-error.
     max_error: Option<u16>,
     /// In place of --effort.
@@ -22,19 +23,25 @@ pub struct Preset {
     lzma2: Option<u32>,
 }
 
-const NONE: Preset = Preset { psnr_db: None, max_error: None, effort: None, hdr: false, lzma2: None };
+const NONE: Preset = Preset { target: None, max_error: None, effort: None, hdr: false, lzma2: None };
 
 const PRESETS: &Choices<Preset> = &[
     (
         "small",
-        Preset { psnr_db: Some(36.0), max_error: Some(400), effort: Some(Effort::Exhaustive), lzma2: Some(9), ..NONE },
-        "Fewest bytes: --psnr 36 --max-error 400 --effort exhaustive --lzma2=9",
+        Preset {
+            target: Some(Target::Quality(65.0)),
+            max_error: Some(400),
+            effort: Some(Effort::Exhaustive),
+            lzma2: Some(9),
+            ..NONE
+        },
+        "Fewest bytes: --quality 65 --max-error 400 --effort exhaustive --lzma2=9",
     ),
-    ("balanced", NONE, "The defaults: --psnr 40 --max-error 100 --effort normal"),
+    ("balanced", NONE, "The defaults: --quality 77 --max-error 100 --effort normal"),
     ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fewest seconds: --effort fast"),
     (
         "exact",
-        Preset { psnr_db: Some(200.0), max_error: Some(0), hdr: true, ..NONE },
+        Preset { target: Some(Target::Psnr(200.0)), max_error: Some(0), hdr: true, ..NONE },
         "Colour is exact in every bit of its half floats, depth in every code: --hdr --psnr 200 --max-error 0",
     ),
 ];
@@ -58,10 +65,15 @@ impl PresetArgs {
         (depth, color): (&mut DepthArgs, &mut ColorArgs),
         (effort, store): (&mut EffortArgs, &mut StoreArgs),
     ) {
-        let Preset { psnr_db, max_error, effort: usual_effort, hdr, lzma2 } = self.preset;
+        let Preset { target, max_error, effort: usual_effort, hdr, lzma2 } = self.preset;
         let has_blocks = color.color_block.flatten().is_some();
-        if color.color_qp.is_none() && !has_blocks {
-            color.psnr = color.psnr.or(psnr_db);
+        let is_given = color.quality.is_some() || color.psnr.is_some() || color.color_qp.is_some();
+        match target.filter(|_| !is_given && !has_blocks) {
+            Some(Target::Psnr(db)) => color.psnr = Some(db),
+            Some(Target::Quality(quality)) if color.color_codec != Some(ColorCodec::Cells) => {
+                color.quality = Some(quality)
+            }
+            _ => {}
         }
         let says_8_bits = color.transfer.is_some() || color.exposure.is_some();
         color.hdr |= hdr && !says_8_bits && !has_blocks;

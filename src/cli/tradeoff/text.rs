@@ -71,7 +71,7 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
     }
     for stream in unasked {
         let quality = match stream {
-            StreamKind::Color => "--min-psnr",
+            StreamKind::Color => "--min-quality, --min-psnr",
             StreamKind::Depth => "--max-error, --max-error-m",
             StreamKind::Material | StreamKind::Alpha => "--max-error",
         };

@@ -3,10 +3,8 @@
 //! Based on: Malvar and Sullivan, *YCoCg-R: A color space with RGB reversibility and low dynamic range*, 2003.
 
 use crate::color::blend::{HalfKey, Sample};
+pub use crate::color::transform::steps::CHANNELS;
 use crate::color::transform::steps::{StepTable, step_table};
-
-/// Channels of a pixel: luma, green chroma, orange chroma.
-pub const CHANNELS: usize = 3;
 
 /// What differs between samples of 8 bits and half floats.
 #[derive(Debug, Clone, Copy)]

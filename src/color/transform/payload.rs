@@ -13,6 +13,8 @@ use crate::error::{Error, Result};
 pub const SECTION: &str = "color.md 6.4";
 /// First byte of a payload that holds keyframes and weights (color.md 4) in place of regions.
 pub const CELLS: u8 = 255;
+/// Bit of the choices of a payload whose regions have deltas.
+const HAS_DELTAS: u8 = 0x80;
 
 /// How a cell's chunk is coded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,7 +60,7 @@ impl Layout {
         let steps = StepIndices { luma: fields.u8()?, chroma: fields.u8()? };
         let slopes = ChromaSlopes { green: fields.u8()? as i8, orange: fields.u8()? as i8 };
         let choices = fields.u8()?;
-        let (count, offset_set) = (usize::from(choices & 15), usize::from(choices >> 4));
+        let (count, offset_set) = (usize::from(choices & 15), usize::from(choices >> 4 & 7));
         if offset_set >= OFFSET_SETS.len() {
             return Err(fields.error(format!("set {offset_set} of frequency offsets, there are {}", OFFSET_SETS.len())));
         }
@@ -67,8 +69,12 @@ impl Layout {
             *key = if S::BYTES == 1 { fields.u8()?.into() } else { fields.u16()?.into() };
         }
         let regions = regions(size).len();
-        let nibbles = fields.bytes(regions.div_ceil(2))?.iter().flat_map(|byte| [byte & 15, byte >> 4]);
-        let deltas = nibbles.take(regions).map(|nibble| nibble as i8 + DELTAS.start()).collect();
+        let deltas = if choices & HAS_DELTAS == 0 {
+            vec![0; regions]
+        } else {
+            let nibbles = fields.bytes(regions.div_ceil(2))?.iter().flat_map(|byte| [byte & 15, byte >> 4]);
+            nibbles.take(regions).map(|nibble| nibble as i8 + DELTAS.start()).collect()
+        };
         let mut sizes = Vec::with_capacity(regions.min(fields.remaining() + 1));
         for _ in 1..regions {
             sizes.push(fields.varint_u32()? as usize);
@@ -95,11 +101,12 @@ impl Header {
         let StepIndices { luma, chroma } = self.steps;
         let ChromaSlopes { green, orange } = self.slopes;
         let mut out = vec![self.set as u8, luma, chroma, green as u8, orange as u8];
-        out.push((self.offset_set << 4 | self.colors.len()) as u8);
+        let has_deltas = if deltas.iter().any(|&delta| delta != 0) { HAS_DELTAS } else { 0 };
+        out.push((self.offset_set << 4 | self.colors.len()) as u8 | has_deltas);
         for &key in self.colors.as_flattened() {
             if S::BYTES == 1 { out.push(key as u8) } else { out.put_u16(key as u16) }
         }
-        for pair in deltas.chunks(2) {
+        for pair in deltas.chunks(2).filter(|_| has_deltas != 0) {
             let nibble = |at: usize| pair.get(at).map_or(0, |delta| (delta - DELTAS.start()) as u8);
             out.push(nibble(0) | nibble(1) << 4);
         }

@@ -183,7 +183,7 @@ impl Region {
             coder,
             header,
             domain,
-            steps: Steps::new(header.steps, header.offset_set, delta, domain),
+            steps: Steps::new(header.steps, header.offset_set, delta, domain.steps),
             means: Means::default(),
             cache: ColorCache::new(&header.colors),
             history: History::default(),

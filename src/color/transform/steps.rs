@@ -3,8 +3,9 @@
 use std::ops::RangeInclusive;
 
 use crate::color::transform::basis::LENGTHS;
-use crate::color::transform::domain::{CHANNELS, Domain};
 
+/// Channels of a pixel: luma, green chroma, orange chroma.
+pub const CHANNELS: usize = 3;
 /// round(4096·2^(i/16)).
 pub const OCTAVE: [u32; 16] =
     [4096, 4277, 4467, 4664, 4871, 5087, 5312, 5547, 5793, 6049, 6317, 6597, 6889, 7194, 7512, 7845];
@@ -57,11 +58,11 @@ pub struct Steps {
 }
 
 impl Steps {
-    pub fn new(indices: StepIndices, offset_set: usize, delta: i8, domain: &Domain) -> Steps {
+    pub fn new(indices: StepIndices, offset_set: usize, delta: i8, table: &'static StepTable) -> Steps {
         let [green, orange] = CHROMA_OFFSETS.map(|offset| i32::from(indices.chroma) + i32::from(offset));
         let moved = |index: i32| index + DELTA_UNIT * i32::from(delta);
         let offsets = &OFFSET_SETS[offset_set.min(OFFSET_SETS.len() - 1)];
-        Steps { indices: [indices.luma.into(), green, orange].map(moved), offsets, table: domain.steps }
+        Steps { indices: [indices.luma.into(), green, orange].map(moved), offsets, table }
     }
 
     /// Step indices of the channels without offsets.
@@ -154,9 +155,10 @@ mod tests {
 
     #[test]
     fn an_octave_doubles_a_step() {
-        for domain in [Domain::BYTES, Domain::HALVES] {
-            let at = |luma| Steps::new(StepIndices { luma, chroma: luma }, 0, 0, &domain).of(0, 0, 0).at(0);
-            assert_eq!(at(32), 1 << (domain.fraction_bits + STEP_BITS));
+        static TABLES: [(u32, StepTable); 2] = [(6, step_table(6)), (0, step_table(0))];
+        for (fraction_bits, table) in &TABLES {
+            let at = |luma| Steps::new(StepIndices { luma, chroma: luma }, 0, 0, table).of(0, 0, 0).at(0);
+            assert_eq!(at(32), 1 << (fraction_bits + STEP_BITS));
             assert_eq!(at(64 + 32), 16 * at(32));
             assert!((32..=255).all(|index| at(index) >= at(index - 1)));
         }

@@ -20,7 +20,7 @@ use crate::color::transform::encode::weights::FrameWeights;
 use crate::color::transform::palette::{CACHED, Color, ColorCache};
 use crate::color::transform::payload::Header;
 use crate::color::transform::reconstruct::TransformChunk;
-use crate::color::transform::steps::{OCTAVE, StepIndices, Steps};
+use crate::color::transform::steps::{DELTA_UNIT, OCTAVE, StepIndices, Steps};
 use crate::effort::Effort;
 use crate::entropy::Encoder;
 use crate::metrics::visible::{error_of, visible_error};
@@ -85,6 +85,11 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
     let slopes = fit_slopes(cell);
     let by_eye = !matches!(search.target, Target::Psnr(_));
     let delta = |region| if by_eye { activity::delta(cell, region, quality) } else { 0 };
+    let mut deltas: Vec<i8> = regions(cell.size).map(delta).collect();
+    // A delta that all regions have goes into the step.
+    let shared = deltas.first().copied().filter(|first| deltas.iter().all(|delta| delta == first)).unwrap_or(0);
+    deltas.iter_mut().for_each(|delta| *delta -= shared);
+    let moved = DELTA_UNIT * i32::from(shared);
     let trials = Trials {
         cell,
         quality,
@@ -93,7 +98,8 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
         slopes,
         target: search.target,
         by_eye,
-        deltas: regions(cell.size).map(delta).collect(),
+        moved,
+        deltas,
         regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes)).collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
@@ -135,7 +141,8 @@ struct Trials<'a, S, Q> {
     target: Target,
     /// Whether steps follow the eye; a promise of PSNR counts all errors alike.
     by_eye: bool,
-    /// Deltas of the step index by region.
+    /// What the step index is moved by in all regions, and its deltas by region.
+    moved: i32,
     deltas: Vec<i8>,
     regions: Vec<RegionSource>,
     bases: TimeBases,
@@ -273,11 +280,11 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             Some(trial) => trial.header.colors.clone(),
             None => self.frequent_colors(),
         };
-        let steps = step_indices(start.step, self.slopes);
+        let steps = step_indices(start.step + self.moved, self.slopes);
         let mut header =
             Header { set: start.set, steps, slopes: self.slopes, offset_set: usize::from(self.by_eye), colors };
         let tree = |(at, region): (usize, &RegionSource)| {
-            let steps = Steps::new(header.steps, header.offset_set, self.deltas[at], &S::DOMAIN);
+            let steps = Steps::new(header.steps, header.offset_set, self.deltas[at], S::DOMAIN.steps);
             let context = SearchContext {
                 header: &header,
                 domain: &S::DOMAIN,

@@ -140,8 +140,7 @@ const MEASURES: &[Measure] = &[
     Measure::new("psnr_db", DECIBELS).shown("PSNR dB", Format::Decimals(2)),
     Measure::new("min_psnr_db", Source::Number { is_needed: false, may_be_infinite: true })
         .shown("worst cell dB", Format::Decimals(2)),
-    Measure::new("min_quality", Source::Number { is_needed: false, may_be_infinite: false })
-        .shown("worst cell's quality", Format::Decimals(1)),
+    Measure::new("min_quality", Source::Signed).shown("worst cell's quality", Format::Decimals(1)),
     Measure::new("ssim", Source::Signed).shown("SSIM", Format::Decimals(4)),
     Measure::new("max_error_codes", Source::Count(None)).shown("max error", Format::Decimals(0)),
     Measure::new("max_error_m", Source::Number { is_needed: false, may_be_infinite: false })

@@ -4,7 +4,7 @@ import { FormatError, type Rect } from "../../../format/types.ts";
 import { type EntropyTables, tableSet } from "../../entropy.ts";
 import { Fields } from "../../fields.ts";
 import type { Domain, Slopes } from "./domain.ts";
-import { OFFSET_SETS, regionIndices } from "./steps.ts";
+import { NO_DELTA, OFFSET_SETS, regionIndices } from "./steps.ts";
 
 const SECTION = "color.md 6.4";
 /** First byte of a payload of keyframes and weights. */
@@ -66,7 +66,7 @@ export function parseLayout(
   const [luma, chroma] = [fields.u8(), fields.u8()];
   const slopes = { green: (fields.u8() << 24) >> 24, orange: (fields.u8() << 24) >> 24 };
   const choices = fields.u8();
-  const [count, offsetSet] = [choices & 15, choices >> 4];
+  const [count, offsetSet, hasDeltas] = [choices & 15, (choices >> 4) & 7, choices >= 128];
   if (offsetSet >= OFFSET_SETS.length) {
     throw fields.error(`There is no set ${offsetSet} of frequency offsets`);
   }
@@ -75,10 +75,10 @@ export function parseLayout(
     colors[at] = domain.isHalf ? fields.u16() : fields.u8();
   }
   const regions = Math.ceil(size[0] / REGION) * Math.ceil(size[1] / REGION);
-  const deltas = fields.skip(Math.ceil(regions / 2));
+  const deltas = hasDeltas ? fields.skip(Math.ceil(regions / 2)) : 0;
   const indices = new Int32Array(3 * regions);
   for (let region = 0; region < regions; region++) {
-    const nibble = (payload[deltas + (region >> 1)] >> (4 * (region & 1))) & 15;
+    const nibble = hasDeltas ? (payload[deltas + (region >> 1)] >> (4 * (region & 1))) & 15 : NO_DELTA;
     indices.set(regionIndices(luma, chroma, nibble), 3 * region);
   }
   if (regions - 1 > fields.remaining) {
