@@ -65,8 +65,11 @@ fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T
     (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y))).map(|(x, y)| plane.get(x, y)).collect()
 }
 
+/// Pictures by face and frame.
+type Pictures<'a> = &'a dyn Fn(Face, u32) -> ColorPlane;
+
 /// Quality of each frame of each cell.
-fn qualities(color: &dyn Fn(Face, u32) -> ColorPlane, size: [u32; 2], settings: &EncodeSettings) -> Vec<f64> {
+fn qualities(color: Pictures<'_>, size: [u32; 2], settings: &EncodeSettings) -> Vec<f64> {
     let folder = TempDir::new().unwrap();
     let source = Footage { color: Some(color), frames: [0, 6], ..Footage::new(size[0], size[1]) }.open(folder.path());
     let bytes = encoded(&source, settings);
@@ -133,8 +136,7 @@ fn lamp(_: Face, frame: u32) -> ColorPlane {
 #[test]
 fn each_frame_of_each_cell_keeps_it() {
     let drifting = |_: Face, frame: u32| drifting_color(43, 37, frame);
-    let kinds: [(&dyn Fn(Face, u32) -> ColorPlane, [u32; 2]); 3] =
-        [(&drifting, [43, 37]), (&noise, [40, 40]), (&lamp, [40, 40])];
+    let kinds: [(Pictures<'_>, [u32; 2]); 3] = [(&drifting, [43, 37]), (&noise, [40, 40]), (&lamp, [40, 40])];
     for (color, size) in kinds {
         for format in [EncodeSettings::default().color, HALF] {
             let mut means = Vec::new();

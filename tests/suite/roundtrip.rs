@@ -272,12 +272,7 @@ fn high_dynamic_range_reaches_its_own_quality() {
         let settings = EncodeSettings {
             cell: 10,
             color: ColorFormat::Half { white_cd_m2: 100.0 },
-            search: SearchSettings {
-                target: Target::Psnr(min_psnr_db),
-                effort,
-                lookahead: 16,
-                ..SearchSettings::default()
-            },
+            search: SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead: 16 },
             ..EncodeSettings::default()
         };
         for color_codec in [ColorCodec::Cells, ColorCodec::Transform] {

@@ -85,10 +85,8 @@ fn footage(n: usize, samples: usize) -> Vec<Vec<u8>> {
 fn every_frame_reaches_the_quality_asked_for() {
     for effort in [Effort::Fast, Effort::Normal, Effort::Exhaustive] {
         for (min_psnr_db, lookahead) in [(50.0, 64), (35.0, 64), (50.0, 1), (99.0, 3)] {
-            let count = check(
-                &footage(160, 60),
-                SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead, ..SearchSettings::default() },
-            );
+            let count =
+                check(&footage(160, 60), SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead });
             assert!(count > 1 && count <= 160);
         }
     }
@@ -180,7 +178,7 @@ proptest! {
         let size = [width, height];
         let frames = pictures(size, &recipe);
         let effort = [Effort::Fast, Effort::Normal][effort];
-        let settings = SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead, ..SearchSettings::default() };
+        let settings = SearchSettings { target: Target::Psnr(min_psnr_db), effort, lookahead };
         let final_psnr_db = min_psnr_db - loss;
         for blocks in [KeyframeBlocks::BC1, KeyframeBlocks::BC7] {
             check_blocks(&frames, settings, BlockStage { blocks, size, final_psnr_db }, close_at_bytes, &EightBit);
