@@ -403,7 +403,7 @@ mod tests {
     fn other_planes_than_red_green_and_blue_are_refused() {
         let transforms = samples().into_iter().filter(|header| header.codec_name().starts_with("transform"));
         for header in transforms {
-            for (at, value) in [(23, 0x40), (24, 4), (24, 1), (25, 1), (27, 1), (28, 9)] {
+            for (at, value) in [(23, 0xc0), (24, 4), (24, 1), (25, 1), (27, 1), (28, 9)] {
                 let mut bad = entry(&header);
                 Arc::make_mut(&mut bad.codec_header)[at] = value;
                 assert!(CodecHeader::read(&bad).is_err(), "{} {at} {value}", header.codec_name());

@@ -472,7 +472,7 @@ test("tables of the device are those of the kernels", () => {
 test("codec headers are read, and refused where a field is illegal", () => {
   const shape = { face: 0, width: 8, height: 8, unitWidth: 8, unitHeight: 8 };
   const headerOf = (codec: string) => {
-    const view = new DataView(new ArrayBuffer(codec.startsWith("CTR") ? 21 : 16));
+    const view = new DataView(new ArrayBuffer(codec.startsWith("CTR") ? 29 : 16));
     view.setFloat64(0, 40, true);
     const isHalf = ["CCLH", "CCB6", "CTRH"].includes(codec);
     if (isHalf) {
@@ -482,7 +482,8 @@ test("codec headers are read, and refused where a field is illegal", () => {
       view.setUint32(12, 1, true);
     }
     if (view.byteLength > 16) {
-      view.setUint8(16, 3);
+      view.setFloat64(16, 77, true);
+      view.setUint8(24, 3);
     }
     return { view, bytes: new Uint8Array(view.buffer), isHalf };
   };
@@ -516,11 +517,12 @@ test("codec headers are read, and refused where a field is illegal", () => {
     }
     for (const [at, value] of codec.startsWith("CTR")
       ? [
-          [16, 4],
-          [17, 1],
-          [19, 1],
-          [20, 9],
-          [20, 1],
+          [23, 0xc0],
+          [24, 4],
+          [25, 1],
+          [27, 1],
+          [28, 9],
+          [28, 1],
         ]
       : []) {
       refuse((view) => view.setUint8(at, value), `byte ${at}`);
