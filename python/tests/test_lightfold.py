@@ -27,7 +27,7 @@ class Folder(unittest.TestCase):
 class Decode(Folder):
     def setUp(self):
         super().setUp()
-        film.write(self.path, max_error=0)
+        film.write(self.path, max_error=0, psnr=40)
         self.film = lightfold.open(str(self.path))
 
     def test_what_a_container_tells(self):

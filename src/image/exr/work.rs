@@ -209,7 +209,7 @@ fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<u8>, &[u8])> {
     (lengths.len() == count).then_some((lengths, bits.bytes))
 }
 
-/// Bits of some bytes, highest first, of which the last 128 that were read are held: a code of 58 bits may begin at the last bit of a byte.
+/// Reader of bits, highest first. 128 are held, as a code of 58 bits may begin at the last bit of a byte.
 struct Bits<'a> {
     bytes: &'a [u8],
     held: u128,
