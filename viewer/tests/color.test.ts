@@ -390,12 +390,11 @@ test("a transform chunk on the device is its fields and whole words of its regio
   const { header, payload, area } = exampleChunk();
   const { kernel, stream, records, boxes, timeline } = prepareColor(header, payload, area);
   const words = new Int32Array(stream.buffer);
-  const headerWords = 5 + 3 * 9 + 2;
-  assert.deepEqual([...words.subarray(0, 5)], [0, 4, -8, 1, 2]);
-  // Steps of luma, 2^(96/16 - 2) keys with 6 bits and 3 bits of a fraction, in one frame and in four.
-  assert.deepEqual([words[5], words[8]], [16 * 512, 8 * 512]);
-  assert.deepEqual([...words.subarray(headerWords - 2, headerWords)], [16 | (32 << 16), 48]);
-  assert.deepEqual(bytesOf(new Uint8Array(stream.buffer)).subarray(4 * headerWords), payload.slice(9));
+  const headerWords = 6 + 2;
+  assert.deepEqual([...words.subarray(0, headerWords)], [0, 4, -8, 1, 2, 0, 16 | (32 << 16), 48]);
+  // Indices of the region's steps: luma 96, chroma 90 and 3 and 8 more.
+  assert.deepEqual([...words.subarray(headerWords, headerWords + 3)], [96, 93, 98]);
+  assert.deepEqual(bytesOf(new Uint8Array(stream.buffer)).subarray(4 * (headerWords + 3)), payload.slice(9));
   assert.deepEqual([...boxes], [0, 0, 5, 6, 4 * headerWords, 0, CONSTANTS.WORKGROUP]);
   assert.deepEqual([...records.subarray(0, 6)], [0, 0, 0, 1, CONSTANTS.WORKGROUP, 0]);
   assert.deepEqual([kernel, [...timeline.keyframes]], ["codec", [0, 1]]);
@@ -404,7 +403,7 @@ test("a transform chunk on the device is its fields and whole words of its regio
   const tables = readTables("color", 1, () => frequencies.shift() ?? 0);
   const empty = Uint8Array.of(4, ...payload.subarray(1, 5), 0);
   const short = prepareColor({ ...header, coding: { name: "transform", tables } }, empty, { ...area, frames: 1 });
-  assert.deepEqual([short.stream[0], ...short.stream.subarray(headerWords - 2)], [4 * SET_WORDS, 0x10000]);
+  assert.deepEqual([short.stream[0], ...short.stream.subarray(headerWords - 2)], [4 * SET_WORDS, 96, 93, 98, 0x10000]);
 });
 
 test("tables of the device are those of the kernels", () => {
