@@ -100,7 +100,7 @@ pub fn transforms() -> Vec<Vec<u8>> {
     for file in vectors("valid") {
         let Ok(reader) = Reader::from_memory(file) else { continue };
         for (at, stream) in (0..).zip(&reader.index().streams).filter(|(_, stream)| stream.codec.starts_with(b"CTR")) {
-            let own_sets = stream.codec_header[20..].to_vec();
+            let own_sets = stream.codec_header[28..].to_vec();
             for chunk in reader.index().stream_chunks(at) {
                 let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
                 let Ok(payload) = reader.fetch(chunk) else { continue };
