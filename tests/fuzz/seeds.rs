@@ -13,7 +13,7 @@ use half::f16;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 use lightfold::container::{
-    ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, Writer, compression,
+    ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, StreamEntry, Writer, compression,
 };
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::encode::{EncodeSettings, ScanFile, Shard};
@@ -25,6 +25,7 @@ use lightfold::report::tradeoff::coding::CODING;
 use lightfold::simplify::export::glb as quads_glb;
 use lightfold::simplify::quad_mesh::QuadMesh;
 use lightfold::streams::shard::{ShardEntry, WholeStream};
+use lightfold::streams::{CodecHeader, ColorCoding};
 
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
@@ -100,7 +101,7 @@ pub fn transforms() -> Vec<Vec<u8>> {
     for file in vectors("valid") {
         let Ok(reader) = Reader::from_memory(file) else { continue };
         for (at, stream) in (0..).zip(&reader.index().streams).filter(|(_, stream)| stream.codec.starts_with(b"CTR")) {
-            let own_sets = stream.codec_header[28..].to_vec();
+            let own_sets = own_sets_of(stream);
             for chunk in reader.index().stream_chunks(at) {
                 let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
                 let Ok(payload) = reader.fetch(chunk) else { continue };
@@ -108,13 +109,25 @@ pub fn transforms() -> Vec<Vec<u8>> {
                     is_half: stream.codec == *b"CTRH",
                     size: [width, height].map(|side| side as usize),
                     frames: chunk.key.frame_count,
-                    own_sets: if own_sets == [0] { Vec::new() } else { own_sets.clone() },
+                    own_sets: own_sets.clone(),
                     payload: payload.to_vec(),
                 });
             }
         }
     }
     all.iter().map(transform::Case::write).collect()
+}
+
+/// A stream's own table sets after their number, as its codec header has them; nothing where it has none.
+fn own_sets_of(stream: &StreamEntry) -> Vec<u8> {
+    let CodecHeader::Color(header) = CodecHeader::read(stream).expect("a valid header") else { return Vec::new() };
+    let ColorCoding::Transform(tables) = header.coding else { return Vec::new() };
+    let mut bytes = Vec::new();
+    if tables.own_count() > 0 {
+        bytes.push(tables.own_count());
+        tables.write(&mut bytes);
+    }
+    bytes
 }
 
 /// LZMA2 streams after their sizes.
