@@ -89,8 +89,8 @@ pub struct ColorArgs {
     /// Half floats instead of 8 bits, which clip light above 1 of EXR files. PSNR is then that of the PU21 encoding, with its peak
     /// at 100 cd/m². Infinite light becomes 65504
     ///
-    /// Each sample below 0.005 or above 10000 cd/m² is within four times the RMS error that --psnr allows: bright ones within 16% at
-    /// 40 dB, 5% at 50 dB.
+    /// Samples below 0.005 or above 10000 cd/m² keep a bound of their own (color.md 5): bright ones are within 14% at the default, and
+    /// with --psnr within 16% at 40 dB, 5% at 50 dB.
     #[arg(long)]
     pub hdr: bool,
     /// Luminance of the value 1.0 for --hdr, in cd/m²
