@@ -165,7 +165,7 @@ impl Side {
     pub fn open_bytes(&self) -> u64 {
         match &self.content {
             Content::Container(decoder) => memory::container_bytes(decoder.reader()),
-            Content::Files(_) => 0,
+            Content::Files(source) => source.table_bytes(&source.groups().iter().collect::<Vec<_>>()),
         }
     }
 }

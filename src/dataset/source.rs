@@ -248,15 +248,7 @@ impl Source {
         let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
         let is_cut = self.stereo.is_some() || self.content != Content::Face;
         let cut = if is_cut { pixels * value } else { 0 };
-        // Of each pixel of faces that are resampled, the place or the weights of those in the file.
-        let maps = match (self.content, group.kind) {
-            (Content::Equirect, kind) => {
-                let blends = matches!(kind, StreamKind::Color | StreamKind::Alpha);
-                self.maps.iter().filter(|map| group.faces.contains(&map.face)).map(|map| map.table_bytes(blends)).sum()
-            }
-            _ => 0,
-        };
-        file_pixels * value + decoding.max(alpha).max(cut) + maps
+        file_pixels * value + decoding.max(alpha).max(cut)
     }
 
     /// What can be read: colour, depth, material, alpha; within a kind by probe, then by face.

@@ -11,7 +11,7 @@ use crate::dataset::SourceGroup;
 use crate::decode::memory::compressing_bytes;
 use crate::depth::open_chunk::close_at_bytes;
 use crate::depth::predictive::encoder::FRAME_BYTES_A_PIXEL;
-use crate::encode::source::{FrameSource, GroupRef};
+use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
 use crate::error::Result;
 use crate::image::{Face, StreamKind};
@@ -78,7 +78,9 @@ impl ColorMemory {
 /// Bytes of one group.
 #[derive(Debug, Clone, Copy)]
 struct GroupNeed {
-    /// Encoders with their open chunks.
+    /// Tables that all groups are read with.
+    tables: u64,
+    /// Those, and encoders with their open chunks.
     held: u64,
     /// The units at work.
     work: u64,
@@ -112,11 +114,14 @@ impl GroupNeed {
             (StreamKind::Color, ColorCodec::Cells) => color_state(group, settings),
             _ => tile_state(group, settings),
         };
+        let selected: Vec<_> = selected_groups(source, settings).iter().map(|of| of.group).collect();
+        let tables = source.table_bytes(&selected);
+        let held = tables + held;
         let units = Need { what: "", fixed: held + coded + earlier_bytes(), each: unit, instead: "" };
         // One at least, which is refused later where it does not fit.
         let units_at_once = settings.memory.at_once(&units, rayon::current_num_threads()).unwrap_or(1);
         let work = unit * units_at_once as u64;
-        let need = GroupNeed { held, work, units_at_once, reading, coded, keep: 0 };
+        let need = GroupNeed { tables, held, work, units_at_once, reading, coded, keep: 0 };
         let least = need.need("", group.kind, settings).bytes(1);
         let keep = settings.memory.bytes.map_or(KEEP_BYTES, |bytes| KEEP_BYTES.min(bytes.saturating_sub(least) / 2));
         GroupNeed { keep, ..need }
@@ -190,7 +195,7 @@ pub(super) fn scan_limits(
     let mut limits = ScanLimits { finds_levels: settings.finds_levels(), ..ScanLimits::default() };
     for GroupRef { group, .. } in groups {
         let need = GroupNeed::new(source, group, settings);
-        let scanning = Need { what: "scanning", fixed: need.keep, each: need.reading, instead: "" };
+        let scanning = Need { what: "scanning", fixed: need.tables + need.keep, each: need.reading, instead: "" };
         limits.keep_bytes = limits.keep_bytes.min(need.keep);
         limits.frames_at_once = settings.memory.at_once(&scanning, limits.frames_at_once)?;
     }

@@ -183,6 +183,10 @@ impl FrameSource for Part<'_> {
         self.source.reading_bytes(group)
     }
 
+    fn table_bytes(&self, groups: &[&SourceGroup]) -> u64 {
+        self.source.table_bytes(groups)
+    }
+
     fn primaries(&self) -> Primaries {
         self.source.primaries()
     }

@@ -50,6 +50,11 @@ pub trait FrameSource: Sync {
         u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64 * value
     }
 
+    /// Bytes of the tables that frames of these groups are read with, beside [`Self::reading_bytes`]: they are made once, and kept.
+    fn table_bytes(&self, _groups: &[&SourceGroup]) -> u64 {
+        0
+    }
+
     /// Depth of a frame in metres, one plane a face: +inf for the background, 0 for an invalid depth that becomes near.
     ///
     /// # Errors
@@ -154,6 +159,10 @@ impl FrameSource for Source {
 
     fn reading_bytes(&self, group: &SourceGroup) -> u64 {
         self.reading_bytes(group)
+    }
+
+    fn table_bytes(&self, groups: &[&SourceGroup]) -> u64 {
+        self.table_bytes(groups)
     }
 
     fn primaries(&self) -> Primaries {

@@ -25,6 +25,15 @@ impl Source {
         self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used).collect()
     }
 
+    /// Bytes of the tables that panoramas of these groups are resampled with. Each is made once, and kept.
+    pub fn table_bytes(&self, groups: &[&SourceGroup]) -> u64 {
+        let is_nearest = |group: &SourceGroup| matches!(group.kind, StreamKind::Depth | StreamKind::Material);
+        let is_used = |map: &&FaceMap| groups.iter().any(|group| is_nearest(group) && group.faces.contains(&map.face));
+        let nearest = self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used);
+        let filters = self.filtered_maps(groups).into_iter().map(FaceMap::filter_bytes);
+        filters.chain(nearest.map(FaceMap::nearest_bytes)).sum()
+    }
+
     /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
     pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
         Source::of_manifest(Manifest::read(path)?, &manifest_path(path), options)
