@@ -3,5 +3,7 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    lightfold::run_command_line(std::env::args_os())
+    let arguments: Vec<_> = std::env::args_os().collect();
+    lightfold::cli::freed_memory::give_back(&arguments);
+    lightfold::run_command_line(arguments)
 }

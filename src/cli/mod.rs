@@ -17,6 +17,7 @@ mod encode_advice;
 mod encode_color;
 mod encode_depth;
 mod failure;
+pub mod freed_memory;
 mod global;
 mod init;
 mod inspect;
