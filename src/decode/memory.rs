@@ -1,7 +1,7 @@
 //! Upper bounds of the memory that work on a container takes, from its index alone.
 //!
-//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::held_chunk_bytes`], by which containers are also
-//! refused (container.md 2); decompression, threads and files come on top here.
+//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::kept_chunk_bytes`]; decompression, parsing, threads and files
+//! come on top here.
 
 #[cfg(feature = "encode")]
 use crate::container::Compression;
@@ -28,7 +28,7 @@ pub fn chunk_bytes(header: &CodecHeader, stream: &StreamEntry, chunk: &ChunkEntr
 }
 
 /// Bytes that are freed once a chunk is decompressed.
-fn reading_bytes(chunk: &ChunkEntry) -> u64 {
+pub fn reading_bytes(chunk: &ChunkEntry) -> u64 {
     match chunk.storage {
         Storage::Raw => 0,
         Storage::Lzma2 => u64::from(chunk.stored_bytes) + u64::from(lzma2::dictionary_bytes(chunk.raw_bytes)),
@@ -54,19 +54,20 @@ pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     let chunks = decoder.reader().index().unit_chunks(stream.index, unit);
     CodecHeader::HELD_UNIT_BYTES
         + u64::from(width) * u64::from(height) * stream.header.held_pixel_bytes()
-        + chunks.iter().map(|chunk| stream.header.held_chunk_bytes(&stream.entry, chunk)).max().unwrap_or(0)
-        + most_reading_bytes(chunks)
+        + chunks.iter().map(|chunk| stream.header.kept_chunk_bytes(&stream.entry, chunk)).max().unwrap_or(0)
+        + most_reading_bytes(stream, chunks)
 }
 
-fn most_reading_bytes(chunks: &[ChunkEntry]) -> u64 {
-    chunks.iter().map(reading_bytes).max().unwrap_or(0)
+fn most_reading_bytes(stream: &StreamInfo, chunks: &[ChunkEntry]) -> u64 {
+    let bytes = chunks.iter().map(|chunk| reading_bytes(chunk).max(stream.header.parsing_bytes(&stream.entry, chunk)));
+    bytes.max().unwrap_or(0)
 }
 
 pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
     let index = decoder.reader().index();
     // Each thread reads one chunk at a time.
-    let reading = most_reading_bytes(index.stream_chunks(stream.index)) * rayon::current_num_threads() as u64;
-    stream.memory_bytes(index).saturating_add(reading)
+    let reading = most_reading_bytes(stream, index.stream_chunks(stream.index)) * rayon::current_num_threads() as u64;
+    stream.kept_bytes(index).saturating_add(reading)
 }
 
 /// Pixels of an image.

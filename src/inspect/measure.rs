@@ -14,10 +14,10 @@ use crate::inspect::chunk_counts::{
 use crate::inspect::statistics::{
     Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
 };
-use crate::memory::{Budget, Need};
+use crate::memory::Need;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_at_once;
-use crate::streams::StreamChunk;
+use crate::streams::{CodecHeader, DepthCoding, DepthHeader, StreamChunk};
 
 /// Steps that [`inspect`] advances its monitor by: one for each chunk.
 pub fn steps(decoder: &Decoder, streams: &[&StreamInfo]) -> u64 {
@@ -48,7 +48,7 @@ pub fn inspect<'a>(
     }
     // Where fewer chunks fit than there are threads, streams are measured one by one.
     let threads = rayon::current_num_threads();
-    let at_once = chunks_at_once(decoder, streams, settings.memory, threads)?;
+    let at_once = chunks_at_once(decoder, streams, settings, threads)?;
     let streams_at_once = if at_once < threads { 1 } else { usize::MAX };
     let (storage, unreferenced_bytes) = storage_of(decoder.reader());
     let measured = try_map_at_once(streams.to_vec(), streams_at_once, |stream| {
@@ -74,17 +74,47 @@ pub fn statistics(decoder: &Decoder) -> Result<Inspection<'_>> {
     inspect(decoder, &streams, InspectSettings::default(), &Silent)
 }
 
-fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, threads: usize) -> Result<usize> {
-    if memory.bytes.is_none() {
+fn chunks_at_once(
+    decoder: &Decoder,
+    streams: &[&StreamInfo],
+    settings: InspectSettings,
+    threads: usize,
+) -> Result<usize> {
+    if settings.memory.bytes.is_none() {
         return Ok(usize::MAX);
     }
     let of_stream = |stream: &&StreamInfo| {
         let chunks = decoder.reader().index().stream_chunks(stream.index);
-        chunks.iter().map(|chunk| memory::chunk_bytes(&stream.header, &stream.entry, chunk)).max()
+        chunks.iter().map(|chunk| chunk_bytes(stream, chunk, settings.check)).max()
     };
     let each = streams.iter().filter_map(of_stream).max().unwrap_or(0);
     let fixed = memory::container_bytes(decoder.reader());
-    memory.at_once(&Need { what: "inspecting", fixed, each, instead: "" }, threads)
+    settings.memory.at_once(&Need { what: "inspecting", fixed, each, instead: "" }, threads)
+}
+
+/// Bytes for unpacking, parsing, counting and checking a chunk.
+fn chunk_bytes(stream: &StreamInfo, chunk: &ChunkEntry, check: Check) -> u64 {
+    let (header, raw_bytes) = (&stream.header, u64::from(chunk.raw_bytes));
+    let checks = check == Check::ListAll;
+    // The payload, the same by a second decoder, and its window, which grows.
+    let payloads = if checks && chunk.storage != Storage::Raw { 6 } else { 1 };
+    let pixel_bytes = match header {
+        // Decoded for their counts.
+        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
+            header.held_pixel_bytes()
+        }
+        CodecHeader::Depth(DepthHeader { coding: DepthCoding::Tree(_) | DepthCoding::Blocks, .. })
+        | CodecHeader::Color(_) => 0,
+        _ if !checks => 0,
+        // Two pictures, what a record covers, and when a pixel changed.
+        CodecHeader::Depth(_) => 2 * 2 + 1 + 4,
+        CodecHeader::Material(_) => 2 * 3 + 1 + 4,
+    };
+    let [_, _, width, height] = stream.entry.unit_rect(chunk.key.unit);
+    let parsed = header.kept_chunk_bytes(&stream.entry, chunk)
+        + header.parsing_bytes(&stream.entry, chunk)
+        + u64::from(width) * u64::from(height) * pixel_bytes;
+    parsed.max(memory::reading_bytes(chunk) + payloads * raw_bytes)
 }
 
 fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {

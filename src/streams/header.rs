@@ -9,6 +9,7 @@ use crate::color::transform::{Tables, region};
 use crate::container::PayloadKind;
 use crate::container::{ChunkEntry, StreamEntry};
 use crate::depth::block_tiles::Layout;
+use crate::depth::boxes::MAX_BOXES;
 use crate::depth::predictive::projection::{Projection, Shape};
 use crate::depth::predictive::{self, Levels, PredictiveHeader};
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};
@@ -216,6 +217,20 @@ impl ColorHeader {
     }
 }
 
+/// Most bytes of a record beside the payload: its rows, and the most boxes, of 16 bytes with their places, three times while their list
+/// grows.
+const MOST_RECORD_BYTES: u64 = 64 + 3 * 16 * MAX_BOXES as u64;
+
+/// A payload of keyframes, the next one, and rows of keyframes.
+fn keyframe_bytes(payload_bytes: u64) -> u64 {
+    4 * payload_bytes + (8 * payload_bytes).min(4 << 20)
+}
+
+fn unit_size(stream: &StreamEntry, chunk: &ChunkEntry) -> [usize; 2] {
+    let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
+    [width as usize, height as usize]
+}
+
 impl CodecHeader {
     pub fn kind(&self) -> StreamKind {
         match self {
@@ -295,13 +310,42 @@ impl CodecHeader {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
             CodecHeader::Depth(_) | CodecHeader::Material(_) | CodecHeader::Alpha(_) => 10 * bytes,
             CodecHeader::Color(header) => {
-                let keyframes = 4 * bytes + (8 * bytes).min(4 << 20);
-                let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
-                let size = [width as usize, height as usize];
+                let (keyframes, size) = (keyframe_bytes(bytes), unit_size(stream, chunk));
                 header
                     .tables()
                     .map_or(keyframes, |_| keyframes.max(region::held_bytes(bytes, size, chunk.key.frame_count)))
             }
+        }
+    }
+
+    /// The same for a budget: at most that, and no more than the codec can make of the bytes. The buffer of the payload before may still
+    /// be there. [`CodecHeader::parsing_bytes`] come on top.
+    pub fn kept_chunk_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
+        let bytes = u64::from(chunk.raw_bytes);
+        let in_boxes = 2 * bytes + u64::from(chunk.key.frame_count) * MOST_RECORD_BYTES;
+        let most = match self {
+            CodecHeader::Depth(DepthHeader { coding, .. }) => match coding {
+                DepthCoding::Predictive(_) | DepthCoding::Blocks => 2 * bytes,
+                DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => in_boxes,
+                DepthCoding::Nodes(_) | DepthCoding::Tree(_) => u64::MAX,
+            },
+            CodecHeader::Material(_) => in_boxes,
+            CodecHeader::Alpha(_) => 2 * bytes,
+            CodecHeader::Color(header) if header.tables().is_some() => {
+                keyframe_bytes(bytes).max(region::kept_bytes(bytes, unit_size(stream, chunk), chunk.key.frame_count))
+            }
+            CodecHeader::Color(_) => u64::MAX,
+        };
+        most.min(self.held_chunk_bytes(stream, chunk))
+    }
+
+    /// Bytes that are freed once a chunk is parsed.
+    pub fn parsing_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
+        match self {
+            CodecHeader::Color(header) if header.tables().is_some() => {
+                region::parsing_bytes(unit_size(stream, chunk), chunk.key.frame_count)
+            }
+            _ => 0,
         }
     }
 

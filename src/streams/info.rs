@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::container::{Index, OpenLimits, StreamEntry};
+use crate::container::{ChunkEntry, Index, OpenLimits, StreamEntry};
 use crate::depth::DepthRange;
 use crate::depth::predictive::UnitArea;
 use crate::error::{Error, Result};
@@ -68,8 +68,18 @@ impl StreamInfo {
     /// assembled image, and one payload of each unit (container.md 2).
     #[doc(hidden)]
     pub fn memory_bytes(&self, index: &Index) -> u64 {
+        self.with_chunks(index, |chunk| self.header.held_chunk_bytes(&self.entry, chunk))
+    }
+
+    /// The same of what is known more closely than a container is refused by, without reading and parsing chunks.
+    #[doc(hidden)]
+    pub fn kept_bytes(&self, index: &Index) -> u64 {
+        self.with_chunks(index, |chunk| self.header.kept_chunk_bytes(&self.entry, chunk))
+    }
+
+    fn with_chunks(&self, index: &Index, held: impl Fn(&ChunkEntry) -> u64) -> u64 {
         let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
-        let payloads = index.held_payload_bytes(self.index, |chunk| self.header.held_chunk_bytes(&self.entry, chunk));
+        let payloads = index.held_payload_bytes(self.index, held);
         let units = u64::from(self.entry.unit_count()) * CodecHeader::HELD_UNIT_BYTES;
         (pixels * self.header.held_pixel_bytes() + units).saturating_add(payloads)
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::color::transform::basis::{MAX_LENGTH, length_index};
-use crate::color::transform::blocks::{Block, LEAST, Place, Shape, padded_pixels, regions};
+use crate::color::transform::blocks::{Block, LEAST, Place, REGION, Shape, padded_pixels, regions};
 use crate::color::transform::coder::{Reader, SourceCoder};
 use crate::color::transform::contexts;
 use crate::color::transform::domain::{self, CHANNELS, Domain};
@@ -341,6 +341,28 @@ pub fn held_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
     // An index of a palette for each pixel.
     by_payload.min(by_pixels) + pixels + regions * REGION_BYTES + payload_bytes
 }
+
+/// The same once it is parsed: a leaf has a palette or levels, and each list of levels is as long as they are many.
+pub fn kept_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
+    let regions = regions(size).len() as u64;
+    let pixels = padded_pixels(size) * u64::from(frames);
+    let by_payload = payload_bytes.saturating_mul(ITEMS_A_BYTE * ITEM_BYTES + 8 * size_of::<Level>() as u64);
+    let by_payload = by_payload.saturating_add(regions * FREE_ITEMS * ITEM_BYTES);
+    by_payload.min(pixels * KEPT_BYTES_A_PIXEL) + pixels + regions * REGION_BYTES + payload_bytes
+}
+
+/// Bytes that parsing a chunk takes beside: room for all levels of the region that is read.
+pub fn parsing_bytes(size: [usize; 2], frames: u32) -> u64 {
+    let pixels = padded_pixels(size).min(padded_pixels([REGION, REGION])) * u64::from(frames);
+    pixels * (CHANNELS * size_of::<Level>()) as u64
+}
+
+/// The more of a leaf of the least size with the largest palette, and of one with levels of all coefficients.
+const KEPT_BYTES_A_PIXEL: u64 = {
+    let palette = MOST_LEAF_BYTES / (LEAST * LEAST) as u64;
+    let levels = ITEM_BYTES.div_ceil((LEAST * LEAST) as u64) + (CHANNELS * size_of::<Level>()) as u64;
+    if palette > levels { palette } else { levels }
+};
 
 /// Of leaves of the least size with the largest palettes, and of levels of all coefficients.
 const BYTES_A_PIXEL: u64 = MOST_LEAF_BYTES / (LEAST * LEAST) as u64 + CHANNELS as u64 * LEVEL_BYTES;

@@ -6,7 +6,9 @@ use crate::color::transform::blocks::{Block, MAX_FRAMES, regions};
 use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::contexts::{ALPHABETS, NODE};
 use crate::color::transform::payload::Layout;
-use crate::color::transform::region::{PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, most_items};
+use crate::color::transform::region::{
+    PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, kept_bytes, most_items,
+};
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -52,7 +54,8 @@ impl Limits {
             assert!(region.levels().len() <= 8 * payload_bytes);
         }
         let allocated: usize = chunk.regions().iter().map(Region::allocated_bytes).sum();
-        let bound = held_bytes(payload_bytes as u64, size, frames);
+        let [held, kept] = [held_bytes, kept_bytes].map(|bytes| bytes(payload_bytes as u64, size, frames));
+        let bound = held.min(kept);
         assert!(allocated as u64 <= bound, "{allocated} bytes for {self:?}, the bound is {bound}");
     }
 }
