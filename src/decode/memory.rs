@@ -14,7 +14,7 @@ use crate::streams::{CodecHeader, StreamInfo};
 #[cfg(feature = "encode")]
 const LZMA2_ENCODER_RATIO: u64 = 12;
 /// The same for Zstandard: a table of hashes with twice as many positions of 4 bytes (8), a tree of two positions for each
-/// byte (8).
+/// byte (8). Each level bounds them (see [`zstd_level_bytes`]).
 #[cfg(feature = "encode")]
 const ZSTD_ENCODER_RATIO: u64 = 16;
 /// Tables of fixed size: prices, sequences, literals.
@@ -44,8 +44,31 @@ pub fn compressing_bytes(compression: Compression, raw_bytes: u64) -> u64 {
     match compression {
         Compression::None => 0,
         Compression::Lzma2(_) => LZMA2_ENCODER_RATIO * window + raw_bytes,
-        Compression::Zstd(_) => ZSTD_ENCODER_RATIO * window + ZSTD_ENCODER_BYTES + raw_bytes,
+        Compression::Zstd(level) => {
+            let tables = (ZSTD_ENCODER_RATIO * window + ZSTD_ENCODER_BYTES).min(zstd_level_bytes(level));
+            // The output has room for what cannot be compressed.
+            tables + raw_bytes + raw_bytes / 256
+        }
     }
+}
+
+/// Most bytes that a level of Zstandard allocates for an input of any size: those of its window, hashes and chains, as libzstd 1.5.7
+/// allocates them, in whole MiB.
+#[cfg(feature = "encode")]
+fn zstd_level_bytes(level: u32) -> u64 {
+    let mib = match level {
+        0..=4 => 3,
+        5..=6 => 4,
+        7..=8 => 6,
+        9 => 11,
+        10..=11 => 21,
+        12 => 41,
+        13 | 16 => 33,
+        14 | 17 | 18 => 50,
+        15 => 65,
+        _ => 82,
+    };
+    mib << 20
 }
 
 /// Bytes for decoding one unit: its picture and its largest chunk.

@@ -214,8 +214,10 @@ fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let pending = picture * ((u64::from(memory.search.lookahead) + 2).min(frames) + in_blocks);
     // A chunk grows past its size by a keyframe.
     let open = (units * memory.close_at_bytes as u64 + picture).min(frames * picture);
+    // A frame is pending or in a chunk; the last keyframe is both.
+    let held = (pending + open).min(picture * (frames + 1 + in_blocks));
     let cell = picture.div_ceil(units.max(1));
-    State { held: pending + open, unit: cell + compressing_bytes(settings.compression, open.div_ceil(units.max(1))) }
+    State { held, unit: cell + compressing_bytes(settings.compression, open.div_ceil(units.max(1))) }
 }
 
 /// Cells of the transform codec: the frames of a chunk, and what the search of one cell takes.
