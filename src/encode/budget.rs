@@ -24,8 +24,6 @@ const BATCH_PIXELS: usize = 64 << 20;
 const KEEP_BYTES: u64 = 512 << 20;
 /// Most bytes of pictures that the cells of a group hold while they wait for the next keyframe.
 const PENDING_BYTES: u64 = 768 << 20;
-/// Bytes that the allocators of several threads hold back of the streams before: 10 MB were measured, with two threads and with four.
-const EARLIER_BYTES: u64 = 16 << 20;
 /// Most bytes of keyframes in the open chunks of a group.
 const OPEN_BYTES: usize = 384 << 20;
 
@@ -117,7 +115,7 @@ impl GroupNeed {
         let selected: Vec<_> = selected_groups(source, settings).iter().map(|of| of.group).collect();
         let tables = source.table_bytes(&selected);
         let held = tables + held;
-        let units = Need { what: "", fixed: held + coded + earlier_bytes(), each: unit, instead: "" };
+        let units = Need { what: "", fixed: held + coded, each: unit, instead: "" };
         // One at least, which is refused later where it does not fit.
         let units_at_once = settings.memory.at_once(&units, rayon::current_num_threads()).unwrap_or(1);
         let work = unit * units_at_once as u64;
@@ -146,16 +144,11 @@ impl GroupNeed {
                 Need { what, fixed, each: self.coded, instead }
             }
             _ => {
-                let fixed = self.held + kept + (self.work + self.coded).saturating_sub(self.reading) + earlier_bytes();
+                let fixed = self.held + kept + (self.work + self.coded).saturating_sub(self.reading);
                 Need { what, fixed, each: self.reading, instead }
             }
         }
     }
-}
-
-/// Bytes held back of earlier streams: none with one thread, whose allocator reuses them.
-fn earlier_bytes() -> u64 {
-    if rayon::current_num_threads() > 1 { EARLIER_BYTES } else { 0 }
 }
 
 /// Refuses groups that would not fit into the settings' memory.
