@@ -8,10 +8,10 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
-/// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator of the main thread holds back.
-pub const PROCESS_BYTES: u64 = 36 << 20;
+/// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator holds back of small blocks.
+pub const PROCESS_BYTES: u64 = 30 << 20;
 /// Bytes of each thread of the pool beside these: a stack, and what the allocator of the thread holds back.
-const THREAD_BYTES: u64 = 4 << 20;
+const THREAD_BYTES: u64 = 2 << 20;
 /// Threads that count: more are hardly ever at work at once.
 const MAX_BUSY_THREADS: usize = 8;
 
@@ -167,7 +167,7 @@ mod tests {
         let refused = less.at_once(&need(40_000_000, 30_000_000), 9).unwrap_err().to_string();
         assert!(refused.starts_with("`memory` 100M: the work needs up to 110 MB"), "{refused}");
         let refused = Budget::of(1000).of_process(2).at_once(&need(0, 1), 9).unwrap_err().to_string();
-        assert!(refused.starts_with("`memory` 1000: the work needs up to 47 MB"), "{refused}");
+        assert!(refused.starts_with("`memory` 1000: the work needs up to 36 MB"), "{refused}");
         assert_eq!([budget.at_most(5), budget.at_most(1 << 40), Budget::default().at_most(8)], [5, 100_000_000, 8]);
     }
 }
