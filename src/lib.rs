@@ -116,4 +116,4 @@ pub use modules::streams::{ColorBlocks, ColorFormat};
 
 #[cfg(feature = "cli")]
 #[doc(hidden)]
-pub use modules::cli::{freed_memory::give_back as give_freed_memory_back, run as run_command_line};
+pub use modules::cli::{freed_memory::restart_within_limit, run as run_command_line};

@@ -4,6 +4,6 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments: Vec<_> = std::env::args_os().collect();
-    lightfold::give_freed_memory_back(&arguments);
+    lightfold::restart_within_limit(&arguments);
     lightfold::run_command_line(arguments)
 }

@@ -8,21 +8,29 @@
 use std::ffi::OsString;
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-const SIZE: [&str; 2] = ["MALLOC_MMAP_THRESHOLD_", "131072"];
-
-/// Starts the program again where its memory is limited. Comes back where that is not so, or fails.
+const MMAP_THRESHOLD: [&str; 2] = ["MALLOC_MMAP_THRESHOLD_", "131072"];
+/// Set in a program that was started again: it starts no other.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub fn give_back(arguments: &[OsString]) {
+const STARTED_AGAIN: &str = "LIGHTFOLD_STARTED_AGAIN";
+
+/// Starts the program again with the variable set, where `--memory` is given. Returns where it is not, or where starting fails.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub fn restart_within_limit(arguments: &[OsString]) {
     use std::os::unix::process::CommandExt;
 
-    let [name, value] = SIZE;
     let is_limit = |word: &OsString| word == "--memory" || word.as_encoded_bytes().starts_with(b"--memory=");
-    if !arguments.iter().any(is_limit) || std::env::var_os(name).is_some() {
+    if !arguments.iter().any(is_limit) || std::env::var_os(STARTED_AGAIN).is_some() {
         return;
     }
     let (Ok(program), [typed, words @ ..]) = (std::env::current_exe(), arguments) else { return };
-    let _ = std::process::Command::new(program).arg0(typed).args(words).env(name, value).exec();
+    // A loader that was given the program would take the first word for one.
+    if program.file_name().is_none_or(|name| name.as_encoded_bytes().starts_with(b"ld")) {
+        return;
+    }
+    let [name, value] = MMAP_THRESHOLD;
+    let mut again = std::process::Command::new(program);
+    let _ = again.arg0(typed).args(words).env(name, value).env(STARTED_AGAIN, "1").exec();
 }
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub fn give_back(_: &[OsString]) {}
+pub fn restart_within_limit(_: &[OsString]) {}
