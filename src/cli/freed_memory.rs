@@ -2,7 +2,7 @@
 //!
 //! glibc maps blocks from 128 KiB on and unmaps them when they are freed, but raises that size to each block that it unmaps, up to 32 MiB,
 //! and from then on keeps twice as much of freed memory in the arena of each thread. Budgets count what is in use: with images of 4096x2048
-//! pixels and four threads a process took up to 270 MB more. An environment variable keeps the size as it is, for 3 to 7% of the time of an
+//! pixels and four threads a process took up to 250 MB more. An environment variable keeps the size as it is, for 3 to 7% of the time of an
 //! encode and up to 19% of a decode into files; glibc reads it when a process starts, so the process starts itself again.
 
 use std::ffi::OsString;

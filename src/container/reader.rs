@@ -223,6 +223,10 @@ impl Reader {
             return Err(past_end());
         }
         let length = usize::try_from(count).map_err(|_| past_end())?;
+        // The room of a much larger chunk is not kept beside what this one is made into.
+        if spare.capacity() > 2 * length {
+            spare = Vec::new();
+        }
         if let Some(memory) = self.source.memory() {
             return Ok(Payload::shared(memory, offset as usize..offset as usize + length));
         }

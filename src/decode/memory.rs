@@ -1,6 +1,6 @@
 //! Upper bounds of the memory that work on a container takes, from its index alone.
 //!
-//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::kept_chunk_bytes`]; decompression, parsing, threads and files
+//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::parsed_chunk_bytes`]; decompression, parsing, threads and files
 //! come on top here.
 
 #[cfg(feature = "encode")]
@@ -24,7 +24,7 @@ const ZSTD_DECODER_BYTES: u64 = 256 << 10;
 
 /// Bytes for reading, decompressing and parsing a chunk.
 pub fn chunk_bytes(header: &CodecHeader, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
-    reading_bytes(chunk) + header.held_chunk_bytes(stream, chunk)
+    header.parsed_chunk_bytes(stream, chunk) + reading_bytes(chunk).max(header.parsing_bytes(stream, chunk))
 }
 
 /// Bytes that are freed once a chunk is decompressed.
@@ -66,7 +66,7 @@ fn zstd_level_bytes(level: u32) -> u64 {
         13 | 16 => 33,
         14 | 17 | 18 => 50,
         15 => 65,
-        _ => 82,
+        19.. => 82,
     };
     mib << 20
 }
@@ -77,7 +77,7 @@ pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     let chunks = decoder.reader().index().unit_chunks(stream.index, unit);
     CodecHeader::HELD_UNIT_BYTES
         + u64::from(width) * u64::from(height) * stream.header.held_pixel_bytes()
-        + chunks.iter().map(|chunk| stream.header.kept_chunk_bytes(&stream.entry, chunk)).max().unwrap_or(0)
+        + chunks.iter().map(|chunk| stream.header.parsed_chunk_bytes(&stream.entry, chunk)).max().unwrap_or(0)
         + most_reading_bytes(stream, chunks)
 }
 
@@ -90,7 +90,7 @@ pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
     let index = decoder.reader().index();
     // Each thread reads one chunk at a time.
     let reading = most_reading_bytes(stream, index.stream_chunks(stream.index)) * rayon::current_num_threads() as u64;
-    stream.kept_bytes(index).saturating_add(reading)
+    stream.parsed_bytes(index).saturating_add(reading)
 }
 
 /// Pixels of an image.
@@ -113,4 +113,26 @@ pub fn file_bytes(stream: &StreamInfo) -> u64 {
 pub fn container_bytes(reader: &Reader) -> u64 {
     // As it is read the index is there twice.
     3 * reader.overhead_bytes() + reader.bytes_in_memory()
+}
+
+#[cfg(test)]
+#[cfg(feature = "encode")]
+mod tests {
+    use super::*;
+    use crate::container::compression::MAX_ZSTD_LEVEL;
+    use ::zstd::zstd_safe::{CCtx, compress_bound};
+
+    #[test]
+    fn levels_of_zstandard_allocate_no_more_than_is_counted() {
+        // Past the window of every level but the last ones, whose tables are as large from 8 MiB on.
+        let noise: Vec<u8> =
+            (0..16u64 << 17).flat_map(|at| at.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes()).collect();
+        let mut out = vec![0; compress_bound(noise.len())];
+        for level in 1..=MAX_ZSTD_LEVEL {
+            let mut context = CCtx::create();
+            context.compress(&mut out[..], &noise, level as i32).unwrap();
+            let (taken, counted) = (context.sizeof() as u64, zstd_level_bytes(level));
+            assert!(taken <= counted, "level {level}: {taken} bytes of {counted}");
+        }
+    }
 }

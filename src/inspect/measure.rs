@@ -3,9 +3,12 @@
 //! Chunks are fetched, counted and dropped, units in parallel, so that memory is one chunk for each thread. Counts are those of
 //! a decoder that shows all frames in order.
 
+use std::sync::{Mutex, PoisonError};
+
 use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::mode_statistics::ModeStatistics;
+use crate::depth::predictive::settings::MAX_FRAMES;
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
 use crate::inspect::chunk_counts::{
@@ -48,13 +51,14 @@ pub fn inspect<'a>(
     }
     // Where fewer chunks fit than there are threads, streams are measured one by one.
     let threads = rayon::current_num_threads();
-    let at_once = chunks_at_once(decoder, streams, settings, threads)?;
+    let at_once = chunks_at_once(decoder, streams, settings, row_count, threads)?;
     let streams_at_once = if at_once < threads { 1 } else { usize::MAX };
     let (storage, unreferenced_bytes) = storage_of(decoder.reader());
     let measured = try_map_at_once(streams.to_vec(), streams_at_once, |stream| {
-        let measure = Measure { reader: decoder.reader(), stream, settings, monitor };
+        let rows = Rows::new(stream, listed(stream));
+        let measure = Measure { reader: decoder.reader(), stream, check: settings.check, rows, monitor };
         let units = try_map_at_once((0..stream.entry.unit_count()).collect(), at_once, |unit| measure.unit(unit))?;
-        Ok(Inspection::of_stream(stream, listed(stream), storage[stream.index as usize], units))
+        Ok(Inspection::of_stream(stream, measure.rows, storage[stream.index as usize], units))
     })?;
     let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![], unreferenced_bytes };
     for Inspection { streams, rows, damaged, .. } in measured {
@@ -78,6 +82,7 @@ fn chunks_at_once(
     decoder: &Decoder,
     streams: &[&StreamInfo],
     settings: InspectSettings,
+    row_count: u64,
     threads: usize,
 ) -> Result<usize> {
     if settings.memory.bytes.is_none() {
@@ -85,18 +90,22 @@ fn chunks_at_once(
     }
     let of_stream = |stream: &&StreamInfo| {
         let chunks = decoder.reader().index().stream_chunks(stream.index);
-        chunks.iter().map(|chunk| chunk_bytes(stream, chunk, settings.check)).max()
+        chunks.iter().map(|chunk| measuring_bytes(stream, chunk, settings.check)).max()
     };
     let each = streams.iter().filter_map(of_stream).max().unwrap_or(0);
-    let fixed = memory::container_bytes(decoder.reader());
+    // Rows are there twice while those of all streams are joined.
+    let rows = 2 * row_count * size_of::<FrameRow<'_>>() as u64;
+    let fixed = memory::container_bytes(decoder.reader()) + rows;
     settings.memory.at_once(&Need { what: "inspecting", fixed, each, instead: "" }, threads)
 }
 
+/// Bytes of an event of a chunk, and of its frame's number, three times while their lists double.
+const EVENT_BYTES: u64 = 3 * (size_of::<Event>() + size_of::<u32>()) as u64;
 /// Bytes for unpacking, parsing, counting and checking a chunk.
-fn chunk_bytes(stream: &StreamInfo, chunk: &ChunkEntry, check: Check) -> u64 {
+fn measuring_bytes(stream: &StreamInfo, chunk: &ChunkEntry, check: Check) -> u64 {
     let (header, raw_bytes) = (&stream.header, u64::from(chunk.raw_bytes));
     let checks = check == Check::ListAll;
-    // The payload, the same by a second decoder, and its window, which grows.
+    // The payload (1); what a second decoder makes of it (1), and its window while that grows (4).
     let payloads = if checks && chunk.storage != Storage::Raw { 6 } else { 1 };
     let pixel_bytes = match header {
         // Decoded for their counts.
@@ -111,8 +120,11 @@ fn chunk_bytes(stream: &StreamInfo, chunk: &ChunkEntry, check: Check) -> u64 {
         CodecHeader::Material(_) => 2 * 3 + 1 + 4,
     };
     let [_, _, width, height] = stream.entry.unit_rect(chunk.key.unit);
-    let parsed = header.kept_chunk_bytes(&stream.entry, chunk)
+    // Only frames of predictive and of transform chunks can take less than a byte.
+    let events = u64::from(chunk.key.frame_count).min(raw_bytes.max(MAX_FRAMES.into())) * EVENT_BYTES;
+    let parsed = header.parsed_chunk_bytes(&stream.entry, chunk)
         + header.parsing_bytes(&stream.entry, chunk)
+        + events
         + u64::from(width) * u64::from(height) * pixel_bytes;
     parsed.max(memory::reading_bytes(chunk) + payloads * raw_bytes)
 }
@@ -158,18 +170,40 @@ struct UnitMeasure {
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
-    events: Vec<Event>,
     damaged: Vec<DamagedChunk>,
 }
 
-struct Measure<'a> {
-    reader: &'a Reader,
-    stream: &'a StreamInfo,
-    settings: InspectSettings,
-    monitor: &'a dyn Monitor,
+/// Costs of the listed frames of a stream, to which its units add theirs in any order.
+struct Rows<'a> {
+    frames: Option<FrameRange>,
+    rows: Mutex<Vec<FrameRow<'a>>>,
 }
 
-impl Measure<'_> {
+impl<'a> Rows<'a> {
+    fn new(stream: &'a StreamInfo, frames: Option<FrameRange>) -> Rows<'a> {
+        let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
+        let rows = frames.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
+        Rows { frames, rows: Mutex::new(rows) }
+    }
+
+    fn add(&self, events: &[Event]) {
+        let Some(frames) = self.frames else { return };
+        let mut rows = self.rows.lock().unwrap_or_else(PoisonError::into_inner);
+        for event in events.iter().filter(|event| frames.contains(event.frame)) {
+            rows[(event.frame - frames.first) as usize].cost.add(event.cost);
+        }
+    }
+}
+
+struct Measure<'r, 'a> {
+    reader: &'r Reader,
+    stream: &'a StreamInfo,
+    check: Check,
+    rows: Rows<'a>,
+    monitor: &'r dyn Monitor,
+}
+
+impl Measure<'_, '_> {
     fn unit(&self, unit: u32) -> Result<UnitMeasure> {
         let [_, _, width, height] = self.stream.entry.unit_rect(unit);
         let chunks = self.reader.index().unit_chunks(self.stream.index, unit);
@@ -180,8 +214,11 @@ impl Measure<'_> {
             self.monitor.check()?;
             let counted = self.chunk(chunk, u64::from(width) * u64::from(height));
             self.monitor.advance(1);
-            match (counted, self.settings.check) {
-                (Ok(counted), _) => measure.add(counted, self.settings.rows),
+            match (counted, self.check) {
+                (Ok(counted), _) => {
+                    self.rows.add(&counted.events);
+                    measure.add(&counted);
+                }
                 (Err(error), Check::StopAtFirst) => return Err(self.reader.blame(chunk, error)),
                 (Err(error), Check::ListAll) => measure.damaged.push(DamagedChunk::new(chunk, &error)),
             }
@@ -189,11 +226,12 @@ impl Measure<'_> {
         Ok(measure)
     }
 
-    fn chunk(&self, chunk: &ChunkEntry, pixels: u64) -> Result<ChunkMeasure> {
+    /// The payload of a chunk; where chunks are checked, as both decoders of its compression make it.
+    fn payload(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
         let stored = self.reader.load_stored(chunk)?;
         let raw_bytes = chunk.raw_bytes;
-        let both = self.settings.check == Check::ListAll;
-        let payload = match chunk.storage {
+        let both = self.check == Check::ListAll;
+        Ok(match chunk.storage {
             Storage::Raw => stored,
             Storage::Lzma2 => {
                 let payload = lzma2::decompress(&stored, raw_bytes)?;
@@ -209,10 +247,13 @@ impl Measure<'_> {
                 }
                 payload
             }
-        };
+        })
+    }
+
+    fn chunk(&self, chunk: &ChunkEntry, pixels: u64) -> Result<ChunkMeasure> {
         let frames = chunk.key.frame_count;
-        let parsed = StreamChunk::parse(self.stream, self.reader.index(), chunk, payload.into())?;
-        if self.settings.check == Check::ListAll {
+        let parsed = StreamChunk::parse(self.stream, self.reader.index(), chunk, self.payload(chunk)?.into())?;
+        if self.check == Check::ListAll {
             parsed.check_window(self.stream, frames)?;
         }
         let mut counted = count_chunk(&parsed, pixels, frames)?;
@@ -227,7 +268,7 @@ impl Measure<'_> {
 }
 
 impl UnitMeasure {
-    fn add(&mut self, chunk: ChunkMeasure, rows: FrameRows) {
+    fn add(&mut self, chunk: &ChunkMeasure) {
         for event in &chunk.events {
             self.total.add(event.cost);
         }
@@ -237,9 +278,6 @@ impl UnitMeasure {
         self.predictive.add(&chunk.predictive);
         self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
-        if rows != FrameRows::None {
-            self.events.extend(chunk.events);
-        }
     }
 }
 
@@ -247,13 +285,11 @@ impl<'a> Inspection<'a> {
     /// That of one stream alone.
     fn of_stream(
         stream: &'a StreamInfo,
-        listed: Option<FrameRange>,
+        rows: Rows<'a>,
         storage: StorageStats,
         units: Vec<UnitMeasure>,
     ) -> Inspection<'a> {
         let mut damaged = Vec::new();
-        let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
-        let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
         let (mut total, mut modes, mut blocks) =
             (FrameCost::default(), ModeStatistics::default(), BlockCount::default());
         let (mut transform, mut predictive) = (TransformCount::default(), PredictiveCount::default());
@@ -271,11 +307,6 @@ impl<'a> Inspection<'a> {
             transform.add(unit.transform);
             predictive.add(&unit.predictive);
             damaged.extend(unit.damaged);
-            if let Some(frames) = listed {
-                for event in unit.events.iter().filter(|event| frames.contains(event.frame)) {
-                    rows[(event.frame - frames.first) as usize].cost.add(event.cost);
-                }
-            }
         }
         let mean = total.keyframe_units as f64 / unit_count.max(1) as f64;
         let mut stats = StreamStats {
@@ -295,6 +326,7 @@ impl<'a> Inspection<'a> {
             constant_units,
         };
         stats.raw_bytes = stats.pixels() * stream.header.raw_pixel_bytes();
+        let rows = rows.rows.into_inner().unwrap_or_else(PoisonError::into_inner);
         Inspection { streams: vec![stats], rows, damaged, unreferenced_bytes: 0 }
     }
 }

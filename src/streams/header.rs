@@ -217,9 +217,8 @@ impl ColorHeader {
     }
 }
 
-/// Most bytes of a record beside the payload: its rows, and the most boxes, of 16 bytes with their places, three times while their list
-/// grows.
-const MOST_RECORD_BYTES: u64 = 64 + 3 * 16 * MAX_BOXES as u64;
+/// Most bytes that a record adds to its payload: table rows (64), and boxes of 16 bytes, three times while their list doubles.
+const MAX_RECORD_BYTES: u64 = 64 + 3 * 16 * MAX_BOXES as u64;
 
 /// A payload of keyframes, the next one, and rows of keyframes.
 fn keyframe_bytes(payload_bytes: u64) -> u64 {
@@ -318,11 +317,11 @@ impl CodecHeader {
         }
     }
 
-    /// The same for a budget: at most that, and no more than the codec can make of the bytes. The buffer of the payload before may still
-    /// be there. [`CodecHeader::parsing_bytes`] come on top.
-    pub fn kept_chunk_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
+    /// Upper bound of the bytes of a parsed chunk, for budgets: never above [`CodecHeader::held_chunk_bytes`]. Includes the buffer of the
+    /// payload before; excludes [`CodecHeader::parsing_bytes`].
+    pub fn parsed_chunk_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
         let bytes = u64::from(chunk.raw_bytes);
-        let in_boxes = 2 * bytes + u64::from(chunk.key.frame_count) * MOST_RECORD_BYTES;
+        let in_boxes = 2 * bytes + u64::from(chunk.key.frame_count) * MAX_RECORD_BYTES;
         let most = match self {
             CodecHeader::Depth(DepthHeader { coding, .. }) => match coding {
                 DepthCoding::Predictive(_) | DepthCoding::Blocks => 2 * bytes,
@@ -332,7 +331,7 @@ impl CodecHeader {
             CodecHeader::Material(_) => in_boxes,
             CodecHeader::Alpha(_) => 2 * bytes,
             CodecHeader::Color(header) if header.tables().is_some() => {
-                keyframe_bytes(bytes).max(region::kept_bytes(bytes, unit_size(stream, chunk), chunk.key.frame_count))
+                keyframe_bytes(bytes).max(region::parsed_bytes(bytes, unit_size(stream, chunk), chunk.key.frame_count))
             }
             CodecHeader::Color(_) => u64::MAX,
         };
@@ -343,7 +342,7 @@ impl CodecHeader {
     pub fn parsing_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
         match self {
             CodecHeader::Color(header) if header.tables().is_some() => {
-                region::parsing_bytes(unit_size(stream, chunk), chunk.key.frame_count)
+                region::parsing_bytes(u64::from(chunk.raw_bytes), unit_size(stream, chunk), chunk.key.frame_count)
             }
             _ => 0,
         }

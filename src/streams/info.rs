@@ -68,16 +68,16 @@ impl StreamInfo {
     /// assembled image, and one payload of each unit (container.md 2).
     #[doc(hidden)]
     pub fn memory_bytes(&self, index: &Index) -> u64 {
-        self.with_chunks(index, |chunk| self.header.held_chunk_bytes(&self.entry, chunk))
+        self.bytes_with_chunks(index, |chunk| self.header.held_chunk_bytes(&self.entry, chunk))
     }
 
-    /// The same of what is known more closely than a container is refused by, without reading and parsing chunks.
+    /// As [`StreamInfo::memory_bytes`], for budgets: with the tighter bound of chunks, without reading and parsing them.
     #[doc(hidden)]
-    pub fn kept_bytes(&self, index: &Index) -> u64 {
-        self.with_chunks(index, |chunk| self.header.kept_chunk_bytes(&self.entry, chunk))
+    pub fn parsed_bytes(&self, index: &Index) -> u64 {
+        self.bytes_with_chunks(index, |chunk| self.header.parsed_chunk_bytes(&self.entry, chunk))
     }
 
-    fn with_chunks(&self, index: &Index, held: impl Fn(&ChunkEntry) -> u64) -> u64 {
+    fn bytes_with_chunks(&self, index: &Index, held: impl Fn(&ChunkEntry) -> u64) -> u64 {
         let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
         let payloads = index.held_payload_bytes(self.index, held);
         let units = u64::from(self.entry.unit_count()) * CodecHeader::HELD_UNIT_BYTES;

@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::Command;
 
 use half::f16;
+use lightfold::color::SearchSettings;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Writer};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
@@ -259,6 +261,26 @@ fn a_budget_is_kept_or_refused_by_every_command() {
         assert!(refused.said.contains("leave out one of them"), "{}", refused.said);
     }
     assert_eq!(run("encode . -o a.lfold --memory lots", at).code, 2);
+}
+
+/// A million frames of one pixel, each with another weight.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_chunk_of_many_weights_is_inspected_within_its_budget() {
+    let folder = TempDir::new().unwrap();
+    let mut cell = CellBuilder::default();
+    cell.push_keyframe(&[0u8; 3]);
+    cell.push_weight(7, 1_000_000);
+    cell.push_keyframe(&[9u8; 3]);
+    let frame_count = cell.frame_count();
+    let shape = Shape { face: 0, size: [1, 1], unit: [1, 1], first_frame: 0, frame_count };
+    let stream = samples::cells_by_hand(shape, &samples::color8_header(&SearchSettings::default()), vec![cell]);
+    let film = samples::container(0, samples::probe("a", frame_count - 1), &[stream], Compression::None);
+    std::fs::write(folder.path().join("film.lfold"), film).unwrap();
+    for line in ["inspect film.lfold --verify --threads 1", "inspect film.lfold --per-frame --frames 9 --threads 4"] {
+        let least = Least::of(line, 1, folder.path());
+        assert!(least.peak_bytes > 48 << 20, "{line}: {} bytes, without its events", least.peak_bytes);
+    }
 }
 
 /// Writes a dataset of one face that shows a grid of balls of glass before a wall.

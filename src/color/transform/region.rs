@@ -326,46 +326,45 @@ const ITEM_BYTES: u64 = 88;
 /// A level is held twice when the list is cut to its length.
 const LEVEL_BYTES: u64 = 2 * size_of::<Level>() as u64;
 /// Most bytes of a leaf with a palette of sixteen colours.
-const MOST_LEAF_BYTES: u64 = 384;
+const MAX_LEAF_BYTES: u64 = 384;
 /// Most bytes of a region without its leaves and levels: spare room for leaves, the place of its substream.
 const REGION_BYTES: u64 = 640;
 
 /// Upper bound of the bytes that a chunk of `frames` frames of a cell of `size` pixels holds with its payload, when and while it is
 /// parsed (container.md 2).
 pub fn held_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
-    let regions = regions(size).len() as u64;
-    let pixels = padded_pixels(size) * u64::from(frames);
-    let by_payload = payload_bytes.saturating_mul(ITEMS_A_BYTE * ITEM_BYTES + 8 * LEVEL_BYTES);
-    let by_payload = by_payload.saturating_add(regions * FREE_ITEMS * ITEM_BYTES);
-    let by_pixels = pixels * BYTES_A_PIXEL;
-    // An index of a palette for each pixel.
-    by_payload.min(by_pixels) + pixels + regions * REGION_BYTES + payload_bytes
+    bound(payload_bytes, size, frames, LEVEL_BYTES, BYTES_A_PIXEL)
 }
 
-/// The same once it is parsed: a leaf has a palette or levels, and each list of levels is as long as they are many.
-pub fn kept_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
-    let regions = regions(size).len() as u64;
-    let pixels = padded_pixels(size) * u64::from(frames);
-    let by_payload = payload_bytes.saturating_mul(ITEMS_A_BYTE * ITEM_BYTES + 8 * size_of::<Level>() as u64);
-    let by_payload = by_payload.saturating_add(regions * FREE_ITEMS * ITEM_BYTES);
-    by_payload.min(pixels * KEPT_BYTES_A_PIXEL) + pixels + regions * REGION_BYTES + payload_bytes
+/// Upper bound of the bytes of a parsed chunk with its payload. Levels are counted once: lists are cut to length.
+pub fn parsed_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
+    bound(payload_bytes, size, frames, size_of::<Level>() as u64, PARSED_BYTES_A_PIXEL)
 }
 
-/// Bytes that parsing a chunk takes beside: room for all levels of the region that is read.
-pub fn parsing_bytes(size: [usize; 2], frames: u32) -> u64 {
+/// Bytes that parsing takes on top: a list with room for all levels of one region.
+pub fn parsing_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
     let pixels = padded_pixels(size).min(padded_pixels([REGION, REGION])) * u64::from(frames);
-    pixels * (CHANNELS * size_of::<Level>()) as u64
+    (CHANNELS as u64 * pixels).min(payload_bytes.saturating_mul(8)) * size_of::<Level>() as u64
 }
 
-/// The more of a leaf of the least size with the largest palette, and of one with levels of all coefficients.
-const KEPT_BYTES_A_PIXEL: u64 = {
-    let palette = MOST_LEAF_BYTES / (LEAST * LEAST) as u64;
+fn bound(payload_bytes: u64, size: [usize; 2], frames: u32, level_bytes: u64, bytes_a_pixel: u64) -> u64 {
+    let regions = regions(size).len() as u64;
+    let pixels = padded_pixels(size) * u64::from(frames);
+    let by_payload = payload_bytes.saturating_mul(ITEMS_A_BYTE * ITEM_BYTES + 8 * level_bytes);
+    let by_payload = by_payload.saturating_add(regions * FREE_ITEMS * ITEM_BYTES);
+    // An index of a palette for each pixel.
+    by_payload.min(pixels * bytes_a_pixel) + pixels + regions * REGION_BYTES + payload_bytes
+}
+
+/// Leaves of the least size with the largest palettes, and levels of all coefficients.
+const BYTES_A_PIXEL: u64 = MAX_LEAF_BYTES / (LEAST * LEAST) as u64 + CHANNELS as u64 * LEVEL_BYTES;
+
+/// Leaves of the least size, each with the largest palette or with levels of all coefficients.
+const PARSED_BYTES_A_PIXEL: u64 = {
+    let palette = MAX_LEAF_BYTES / (LEAST * LEAST) as u64;
     let levels = ITEM_BYTES.div_ceil((LEAST * LEAST) as u64) + (CHANNELS * size_of::<Level>()) as u64;
     if palette > levels { palette } else { levels }
 };
-
-/// Of leaves of the least size with the largest palettes, and of levels of all coefficients.
-const BYTES_A_PIXEL: u64 = MOST_LEAF_BYTES / (LEAST * LEAST) as u64 + CHANNELS as u64 * LEVEL_BYTES;
 
 /// Notes the means of a palette's last frame (color.md 6.5).
 pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &Domain, means: &mut Means) {
@@ -406,7 +405,7 @@ mod tests {
         for colors in 1..=MOST_COLORS {
             let bytes = with_room + palette(colors);
             assert!(bytes <= (1 + colors as u64) * ITEM_BYTES, "a leaf with {colors} colours takes {bytes}");
-            assert!(bytes <= MOST_LEAF_BYTES, "a leaf with {colors} colours takes {bytes}");
+            assert!(bytes <= MAX_LEAF_BYTES, "a leaf with {colors} colours takes {bytes}");
         }
         let places = size_of::<Range<usize>>() + size_of::<usize>();
         let region = LEAST_LIST as u64 * leaf + ALLOCATION + (size_of::<Region>() + places) as u64;

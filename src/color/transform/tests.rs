@@ -7,7 +7,7 @@ use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::contexts::{ALPHABETS, NODE};
 use crate::color::transform::payload::Layout;
 use crate::color::transform::region::{
-    PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, kept_bytes, most_items,
+    PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, most_items, parsed_bytes,
 };
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::fields::Fields;
@@ -54,8 +54,8 @@ impl Limits {
             assert!(region.levels().len() <= 8 * payload_bytes);
         }
         let allocated: usize = chunk.regions().iter().map(Region::allocated_bytes).sum();
-        let [held, kept] = [held_bytes, kept_bytes].map(|bytes| bytes(payload_bytes as u64, size, frames));
-        let bound = held.min(kept);
+        let [held, parsed] = [held_bytes, parsed_bytes].map(|bytes| bytes(payload_bytes as u64, size, frames));
+        let bound = held.min(parsed);
         assert!(allocated as u64 <= bound, "{allocated} bytes for {self:?}, the bound is {bound}");
     }
 }
