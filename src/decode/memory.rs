@@ -115,8 +115,8 @@ pub fn container_bytes(reader: &Reader) -> u64 {
     3 * reader.overhead_bytes() + reader.bytes_in_memory()
 }
 
-#[cfg(test)]
 #[cfg(feature = "encode")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::container::compression::MAX_ZSTD_LEVEL;
