@@ -101,12 +101,12 @@ def coefficient(level, step):
 
 # Contexts, symbols and distributions of each family.
 FAMILIES = {
-    "NODE": (40, 4, 8), "PLANES": (36, 16, 8), "CODED": (96, 2, 8), "LAST": (32, 11, 6), "LAST_BITS": (22, 4, 3),
+    "NODE": (40, 4, 8), "PLANES": (324, 16, 12), "CODED": (96, 2, 8), "LAST": (384, 11, 12), "LAST_BITS": (22, 4, 3),
     "LEVELS": (1296, 16, 32), "PALETTE_SIZE": (4, 16, 4), "PALETTE_COLOR": (1, 16, 1), "ROW": (2, 2, 2),
     "PIXEL": (16, 3, 16), "LATER_FRAME": (2, 2, 2), "LATER_ROW": (2, 2, 2), "LATER_PIXEL": (16, 4, 16),
 }
 ALPHABETS = [symbols for _, symbols, count in FAMILIES.values() for _ in range(count)]
-BUILT_IN = 4
+BUILT_IN = 10
 
 
 def slots_of(frequencies):
@@ -207,8 +207,8 @@ POSITION_CLASSES = (0, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4)
 SUM_CLASSES = (0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6)
 
 
-def read_last(stream, chroma, size, kind):
-    e = stream.symbol("LAST", 16 * chroma + 4 * size + kind)
+def read_last(stream, chroma, size, kind, class_before):
+    e = stream.symbol("LAST", 12 * (16 * chroma + 4 * size + kind) + class_before)
     if e == 0:
         return 0
     a = min(e, 2)
@@ -218,18 +218,18 @@ def read_last(stream, chroma, size, kind):
 
 def read_levels(stream, size, frames):
     """{(plane, x, y): level} of each channel."""
-    channels, before, first_planes = [], 0, {}
+    channels, before, first_planes, first_class = [], 0, {}, 0
     for c in range(3):
         chroma, levels = min(c, 1), {}
-        planes = min(stream.number("PLANES", 12 * c + 3 * size + before), frames)
+        planes = min(stream.number("PLANES", 27 * (4 * c + size) + 3 * LENGTHS.index(frames) + before), frames)
         before = min(planes, 2) if planes else before
-        flag, others = 0, dict(first_planes)
+        flag, others, class_before = 0, dict(first_planes), first_class
         for k in range(planes):
             kind = 3 if frames == 1 else min(k, 2)
             flag = 1 if k == planes - 1 else stream.symbol("CODED", 32 * c + 8 * kind + 2 * size + flag)
             known = {}
             if flag:
-                last = read_last(stream, chroma, size, kind)
+                last = read_last(stream, chroma, size, kind, class_before)
                 for at in range(last, -1, -1):
                     x, y = SCANS[size][at]
                     p = POSITION_CLASSES[x + y] if x + y < 12 else 5
@@ -245,7 +245,9 @@ def read_levels(stream, size, frames):
                     if magnitude:
                         levels[k, x, y] = -magnitude if stream.bits(1) else magnitude
                         known[x, y] = min(magnitude, 15)
+            class_before = (last + 1).bit_length() if flag else 0
             if k == 0:
+                first_class = max(first_class, class_before)
                 for at, magnitude in known.items():
                     first_planes[at] = max(first_planes.get(at, 0), magnitude)
             others = known

@@ -4,17 +4,17 @@
 // First contexts of the kinds of symbols.
 const CONTEXT_NODE: u32 = 0u;
 const CONTEXT_PLANES: u32 = 40u;
-const CONTEXT_CODED: u32 = 76u;
-const CONTEXT_LAST: u32 = 172u;
-const CONTEXT_LAST_BITS: u32 = 204u;
-const CONTEXT_LEVELS: u32 = 226u;
-const CONTEXT_PALETTE_SIZE: u32 = 1522u;
-const CONTEXT_PALETTE_COLOR: u32 = 1526u;
-const CONTEXT_ROW: u32 = 1527u;
-const CONTEXT_PIXEL: u32 = 1529u;
-const CONTEXT_LATER_FRAME: u32 = 1545u;
-const CONTEXT_LATER_ROW: u32 = 1547u;
-const CONTEXT_LATER_PIXEL: u32 = 1549u;
+const CONTEXT_CODED: u32 = 364u;
+const CONTEXT_LAST: u32 = 460u;
+const CONTEXT_LAST_BITS: u32 = 844u;
+const CONTEXT_LEVELS: u32 = 866u;
+const CONTEXT_PALETTE_SIZE: u32 = 2162u;
+const CONTEXT_PALETTE_COLOR: u32 = 2166u;
+const CONTEXT_ROW: u32 = 2167u;
+const CONTEXT_PIXEL: u32 = 2169u;
+const CONTEXT_LATER_FRAME: u32 = 2185u;
+const CONTEXT_LATER_ROW: u32 = 2187u;
+const CONTEXT_LATER_PIXEL: u32 = 2189u;
 
 // First words of tables. Word n, for a basis of n points: the index of the length in 8 bits, and from bit 8 the first word of its
 // functions. Classes of sums of magnitudes start here.
@@ -24,9 +24,9 @@ const SCAN_AT: u32 = 109u;
 // First word of each context's distribution in a set.
 const CLUSTERS_AT: u32 = 1469u;
 // Of steps (color.md 6.3): an octave, and the inverse roots of lengths; offsets by frequency of each set, for luma and chroma.
-const OCTAVE_AT: u32 = 3034u;
-const ROOTS_AT: u32 = 3050u;
-const OFFSETS_AT: u32 = 3059u;
+const OCTAVE_AT: u32 = 3674u;
+const ROOTS_AT: u32 = 3690u;
+const OFFSETS_AT: u32 = 3699u;
 
 // Index of a number of frames among the lengths of transforms; of others, the number of lengths.
 fn length_index(frames: u32) -> u32 {
@@ -47,16 +47,16 @@ fn node_context(level: u32, frames: u32) -> u32 {
     return CONTEXT_NODE + 10u * level + length_index(frames);
 }
 
-fn planes_context(channel: u32, level: u32, before: u32) -> u32 {
-    return CONTEXT_PLANES + 3u * (4u * channel + level) + before;
+fn planes_context(channel: u32, level: u32, length: u32, before: u32) -> u32 {
+    return CONTEXT_PLANES + 3u * (9u * (4u * channel + level) + length) + before;
 }
 
 fn coded_context(channel: u32, temporal: u32, level: u32, before: bool) -> u32 {
     return CONTEXT_CODED + 2u * (4u * (4u * channel + temporal) + level) + u32(before);
 }
 
-fn last_context(channel: u32, temporal: u32, level: u32) -> u32 {
-    return CONTEXT_LAST + 4u * (4u * u32(channel > 0u) + level) + temporal;
+fn last_context(channel: u32, temporal: u32, level: u32, class_before: u32) -> u32 {
+    return CONTEXT_LAST + 12u * (4u * (4u * u32(channel > 0u) + level) + temporal) + class_before;
 }
 
 fn last_bits_context(channel: u32, logarithm: u32) -> u32 {

@@ -11,6 +11,7 @@ var<workgroup> magnitudes: array<u32, 1088>;
 fn open_block() {
     reader.first_plane_number = reader.plane_number + 1u;
     reader.planes_before = 0u;
+    reader.first_class = 0u;
     reader.channel = 0u;
 }
 
@@ -20,9 +21,9 @@ fn magnitude_at(position: u32) -> u32 {
     return select(0u, held & 15u, held >> 8u == reader.plane_number);
 }
 
-// Index in the scan of a plane's last level.
-fn last_position(channel: u32, temporal: u32, level: u32) -> u32 {
-    let logarithm = symbol(last_context(channel, temporal, level));
+// Index in the scan of a plane's last level, with the class of that in the plane before.
+fn last_position(channel: u32, temporal: u32, level: u32, class_before: u32) -> u32 {
+    let logarithm = symbol(last_context(channel, temporal, level, class_before));
     if (logarithm == 0u) {
         return 0u;
     }
@@ -36,12 +37,12 @@ fn last_position(channel: u32, temporal: u32, level: u32) -> u32 {
 // Reads the levels of a channel of a block, adds the coefficients of the block's frame `frame` unless that is NONE, and answers
 // the columns and rows that have some.
 fn read_channel(block: Block, channel: u32, frame: u32) -> vec2u {
-    let count = min(number(planes_context(channel, block.level, reader.planes_before)), block.frames);
+    let length = length_index(block.frames);
+    let count = min(number(planes_context(channel, block.level, length, reader.planes_before)), block.frames);
     if (channel == 0u || count > 0u) {
         reader.planes_before = min(count, 2u);
     }
     reader.iterations += count + 2u * (1u << (2u * block.level));
-    let length = length_index(block.frames);
     let scan = scan_at(block.level);
     let functions = basis_at(block.frames);
     let mean_step = step_of(channel, length, block.level, 0u);
@@ -50,16 +51,22 @@ fn read_channel(block: Block, channel: u32, frame: u32) -> vec2u {
     var last_sum = 0;
     var extent = vec2u(1u, 1u);
     var coded = false;
+    var class_before = reader.first_class;
     for (var plane = 0u; plane < count; plane++) {
         reader.plane_number++;
         let temporal = select(min(plane, 2u), 3u, block.frames == 1u);
         if (plane + 1u < count) {
             coded = flag(coded_context(channel, temporal, block.level, coded));
             if (!coded) {
+                class_before = 0u;
                 continue;
             }
         }
-        let last = last_position(channel, temporal, block.level);
+        let last = last_position(channel, temporal, block.level, class_before);
+        class_before = 1u + firstLeadingBit(last + 1u);
+        if (plane == 0u) {
+            reader.first_class = max(reader.first_class, class_before);
+        }
         reader.iterations += last + 1u;
         let row = functions + plane * block.frames;
         var weight = 0;

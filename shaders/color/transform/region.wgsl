@@ -26,6 +26,8 @@ struct Reader {
     first_plane_number: u32,
     // Number of planes of the last channel that had some, at most 2.
     planes_before: u32,
+    // Greatest class of the last position in the first planes of this block's channels before.
+    first_class: u32,
     // Whether the block has a palette of which something is to be read; its colours, next frame, where the indices of the
     // frame before are, and whether that repeated the one before it.
     in_palette: u32,

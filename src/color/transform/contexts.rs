@@ -13,19 +13,21 @@ const PLANE_CLASSES: usize = 4;
 const POSITION_CLASSES: usize = 6;
 const SUM_CLASSES: usize = 8;
 const OTHER_CLASSES: usize = 3;
+/// Logarithms of the last position in a plane of at most 32x32 levels.
+const LOGARITHMS: usize = 11;
 /// Class of a sum of magnitudes; those of greater sums are the last.
 pub const CLASSES_OF_SUMS: [u8; 12] = [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7];
 
 /// Kind of a node.
 pub const NODE: Family = Family::first(SIZES * (LENGTHS.len() + 1), 4, 8);
 /// Number of coded planes of a channel.
-pub const PLANES: Family = Family::after(NODE, 3 * SIZES * 3, 16, 8);
+pub const PLANES: Family = Family::after(NODE, 3 * SIZES * LENGTHS.len() * 3, 16, 12);
 /// Whether a plane before the last has levels.
 pub const CODED: Family = Family::after(PLANES, 3 * PLANE_CLASSES * SIZES * 2, 2, 8);
 /// Logarithm of the last position.
-pub const LAST: Family = Family::after(CODED, COLORS * SIZES * PLANE_CLASSES, 11, 6);
+pub const LAST: Family = Family::after(CODED, COLORS * SIZES * PLANE_CLASSES * (1 + LOGARITHMS), LOGARITHMS, 12);
 /// The two bits below its highest.
-pub const LAST_BITS: Family = Family::after(LAST, COLORS * 11, 4, 3);
+pub const LAST_BITS: Family = Family::after(LAST, COLORS * LOGARITHMS, 4, 3);
 /// Levels: the last of a plane, then all others.
 pub const LEVELS: Family =
     Family::after(LAST_BITS, COLORS * PLANE_CLASSES * POSITION_CLASSES * OTHER_CLASSES * (1 + SUM_CLASSES), 16, 32);
@@ -71,8 +73,14 @@ pub fn node(shape: Shape) -> usize {
 }
 
 /// `before` is the number of planes of the channel that had some last, at most 2.
-pub fn planes(channel: usize, size_class: usize, before: usize) -> usize {
-    PLANES.first_context + (channel * SIZES + size_class) * 3 + before
+pub fn planes(channel: usize, shape: Shape, before: usize) -> usize {
+    let length = length_index(shape.frames).unwrap_or(0);
+    PLANES.first_context + ((channel * SIZES + shape.level) * LENGTHS.len() + length) * 3 + before
+}
+
+/// Class of the index in the scan of a plane's last level, 0 to 11: 1 more than the logarithm of its number; 0 for a plane without levels.
+pub fn last_class(last: Option<usize>) -> usize {
+    last.map_or(0, |last| 1 + (last + 1).ilog2() as usize)
 }
 
 /// A plane of a channel of a block: a temporal frequency.
@@ -106,12 +114,14 @@ impl PlaneContext {
             + usize::from(before)
     }
 
-    pub fn last(&self) -> usize {
-        LAST.first_context + (usize::from(self.channel > 0) * SIZES + self.size_class) * PLANE_CLASSES + self.class
+    /// The logarithm of the last position, with [`last_class`] of the plane before.
+    pub fn last(&self, class_before: usize) -> usize {
+        let row = (usize::from(self.channel > 0) * SIZES + self.size_class) * PLANE_CLASSES + self.class;
+        LAST.first_context + row * (1 + LOGARITHMS) + class_before
     }
 
     pub fn last_bits(&self, class: usize) -> usize {
-        LAST_BITS.first_context + usize::from(self.channel > 0) * 11 + class
+        LAST_BITS.first_context + usize::from(self.channel > 0) * LOGARITHMS + class
     }
 
     /// The level at `position`, with the sum of the magnitudes around it and the one in the plane before.

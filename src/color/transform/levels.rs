@@ -33,14 +33,17 @@ pub struct History {
 impl History {
     pub fn code(&mut self, coder: &mut impl Coder, shape: Shape, levels: &mut impl Levels) {
         let mut before = 0;
+        // The greatest class of the last position in the first planes of the channels before.
+        let mut first_class = 0;
         self.channels.clear(shape.side());
         for channel in 0..CHANNELS {
-            let context = contexts::planes(channel, shape.level, before);
+            let context = contexts::planes(channel, shape, before);
             let planes = coder.number(context, levels.planes(channel) as u32).min(shape.frames as u32) as usize;
             if channel == 0 || planes > 0 {
                 before = planes.min(2);
             }
             let mut coded = false;
+            let mut class_before = first_class;
             for plane in 0..planes {
                 if plane == 0 {
                     self.other.clone_from(&self.channels);
@@ -51,9 +54,15 @@ impl History {
                 let context = PlaneContext::new(channel, shape, plane);
                 let last = levels.last(channel, plane);
                 coded = plane + 1 == planes || coder.flag(context.coded(coded), last.is_some());
-                if coded {
-                    let last = code_last(coder, &context, shape, last.unwrap_or(0));
+                class_before = if coded {
+                    let last = code_last(coder, (&context, class_before), shape, last.unwrap_or(0));
                     self.code_plane(coder, &context, shape, last, &mut PlaneLevels { levels, channel, plane });
+                    contexts::last_class(Some(last))
+                } else {
+                    0
+                };
+                if plane == 0 {
+                    first_class = first_class.max(class_before);
                 }
             }
         }
@@ -107,8 +116,13 @@ impl<L: Levels> PlaneLevels<'_, L> {
 }
 
 /// Codes the scan index of a plane's last level: its logarithm, two bits, and the rest raw.
-fn code_last(coder: &mut impl Coder, context: &PlaneContext, shape: Shape, last: usize) -> usize {
-    let class = coder.symbol(context.last(), (last + 1).ilog2() as usize);
+fn code_last(
+    coder: &mut impl Coder,
+    (context, class_before): (&PlaneContext, usize),
+    shape: Shape,
+    last: usize,
+) -> usize {
+    let class = coder.symbol(context.last(class_before), (last + 1).ilog2() as usize);
     let (high_bits, value) = (class.min(2), (last + 1).wrapping_sub(1 << class));
     let low_bits = class - high_bits;
     let mut index = 1usize;

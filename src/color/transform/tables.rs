@@ -7,7 +7,7 @@ use crate::entropy::built_in::BuiltIn;
 use crate::entropy::{self, Family, Model};
 
 /// Built-in sets.
-pub const BUILT_IN: usize = 4;
+pub const BUILT_IN: usize = 10;
 
 static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
     BuiltIn::parse(include_bytes!("../../../formats/color-tables.txt"), &FAMILIES, &ALPHABETS);

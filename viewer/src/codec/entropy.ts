@@ -74,9 +74,9 @@ const DEPTH: Source<"depth"> = {
 const COLOR: Source<"color"> = {
   families: [
     ["node", 40, 4, 8],
-    ["planes", 36, 16, 8],
+    ["planes", 324, 16, 12],
     ["coded", 96, 2, 8],
-    ["last", 32, 11, 6],
+    ["last", 384, 11, 12],
     ["lastBits", 22, 4, 3],
     ["levels", 1296, 16, 32],
     ["paletteSize", 4, 16, 4],
@@ -87,7 +87,7 @@ const COLOR: Source<"color"> = {
     ["laterRow", 2, 2, 2],
     ["laterPixel", 16, 4, 16],
   ],
-  sets: 4,
+  sets: 10,
   text: colorText,
 };
 

@@ -35,6 +35,8 @@ pub struct Plane<'a> {
     pub other: &'a Magnitudes,
     /// Whether the plane before has levels.
     pub coded_before: bool,
+    /// Class of the last position there ([`PlaneContext::last`]).
+    pub class_before: usize,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +60,7 @@ impl Quantiser<'_> {
         let order = scan::order(plane.shape.level);
         let energy: f32 = plane.coefficients.iter().map(|value| value * value).sum();
         let empty = Cost { error: energy, bits: self.prices.symbol(plane.context.coded(plane.coded_before), 0) };
-        let nothing = Quantised { cost: empty, energy, coded: false };
+        let nothing = Quantised { cost: empty, energy, last: None };
         let Some(first) = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO)
         else {
             return nothing;
@@ -100,7 +102,7 @@ impl Quantiser<'_> {
             }
         }
         match last {
-            Some(_) if cost.total(self.lambda) < empty.total(self.lambda) => Quantised { cost, energy, coded: true },
+            Some(_) if cost.total(self.lambda) < empty.total(self.lambda) => Quantised { cost, energy, last },
             Some(last) => {
                 for &position in &order[..=last] {
                     levels[at(position)] = 0;
@@ -133,7 +135,7 @@ impl Quantiser<'_> {
     fn last_level(&self, plane: &Plane<'_>, index: usize, size: f32, nearest: u32, other: usize) -> Choice {
         let position = scan::order(plane.shape.level)[index];
         let context = plane.context.last_level(position, other);
-        let place = self.last_bits(&plane.context, index);
+        let place = self.last_bits(plane, index);
         let mut best = Choice { magnitude: 0, cost: Cost { error: f32::INFINITY, bits: 0.0 } };
         for magnitude in nearest.saturating_sub(1).max(1)..=nearest {
             self.improve(&mut best, magnitude, size, number_bits(self.prices, context, magnitude - 1) + place);
@@ -151,15 +153,15 @@ impl Quantiser<'_> {
     }
 
     /// Bits of the scan index of a plane's last level.
-    fn last_bits(&self, context: &PlaneContext, index: usize) -> f32 {
+    fn last_bits(&self, plane: &Plane<'_>, index: usize) -> f32 {
         let class = (index + 1).ilog2() as usize;
-        let bits = self.prices.symbol(context.last(), class);
+        let bits = self.prices.symbol(plane.context.last(plane.class_before), class);
         if class == 0 {
             return bits;
         }
         let low_bits = class - class.min(2);
         let high = (index + 1 - (1 << class)) >> low_bits;
-        bits + self.prices.symbol(context.last_bits(class), high) + low_bits as f32
+        bits + self.prices.symbol(plane.context.last_bits(class), high) + low_bits as f32
     }
 }
 
@@ -169,7 +171,8 @@ pub struct Quantised {
     pub cost: Cost,
     /// Σ of the squared coefficients: the error without levels.
     pub energy: f32,
-    pub coded: bool,
+    /// Index in the scan of the last level other than 0.
+    pub last: Option<usize>,
 }
 
 fn signed(magnitude: u32, value: f32) -> i32 {

@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
         let mut channels_before = Magnitudes::default();
         let mut values: [Vec<i32>; CHANNELS] = Default::default();
         let mut cost = Cost::default();
-        let mut planes_before = 0;
+        let (mut planes_before, mut first_class) = (0, 0);
         let mut errors = Vec::new();
         for (channel, values) in values.iter_mut().enumerate() {
             self.source.coefficients(channel, block, bases, scales.of(channel, shape), &mut self.scratch);
@@ -214,7 +214,8 @@ impl<'a> Search<'a> {
             values.resize(pixels * shape.frames, 0);
             errors.clear();
             let mut other = channels_before.clone();
-            let (mut coded, mut planes) = (false, 0);
+            let (mut class_before, mut planes) = (first_class, 0);
+            let mut coded_before = false;
             // Cost of the planes up to the last with levels, and of those behind it.
             let (mut coded_cost, mut tail) = (Cost::default(), Cost::default());
             let mut tail_energy = 0.0;
@@ -225,28 +226,30 @@ impl<'a> Search<'a> {
                 let saved = weights.compensate(plane, coefficients, &mut errors);
                 let context = PlaneContext::new(channel, shape, plane);
                 let mut magnitudes = Magnitudes::default();
-                let plane_of = Plane { coefficients, shape, context, other: &other, coded_before: coded };
+                let plane_of = Plane { coefficients, shape, context, other: &other, coded_before, class_before };
                 let quantiser = Quantiser { prices, lambda: lambda / weight };
                 let mut quantised = quantiser.quantise(&plane_of, levels, &mut magnitudes);
                 weights.subtract(plane, levels, &mut errors);
                 quantised.cost.error = weight * (quantised.cost.error - saved);
                 quantised.energy = weight * (quantised.energy - saved);
-                coded = quantised.coded;
+                coded_before = quantised.last.is_some();
+                class_before = contexts::last_class(quantised.last);
                 tail.add(quantised.cost);
                 tail_energy += quantised.energy;
-                if coded {
+                if coded_before {
                     planes = plane + 1;
                     coded_cost.add(std::mem::take(&mut tail));
                     tail_energy = 0.0;
                 }
                 if plane == 0 && channel + 1 < CHANNELS {
                     channels_before.raise_all(&magnitudes);
+                    first_class = first_class.max(class_before);
                 }
                 other = magnitudes;
             }
             cost.add(coded_cost);
             cost.error += tail_energy;
-            cost.bits += number_bits(prices, contexts::planes(channel, shape.level, planes_before), planes as u32);
+            cost.bits += number_bits(prices, contexts::planes(channel, shape, planes_before), planes as u32);
             if channel == 0 || planes > 0 {
                 planes_before = planes.min(2);
             }

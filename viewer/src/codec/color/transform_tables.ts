@@ -13,7 +13,7 @@ import { SCANS } from "./transform/scan.ts";
 /** Points of the largest basis in space, which is no length of a block. */
 const MOST_POINTS = 32;
 /** Distributions of a table set (formats/color.md 6.7). */
-const DISTRIBUTIONS = 108;
+const DISTRIBUTIONS = 118;
 
 /** Words of a table set: first slot of each symbol, and from bit 16 the slot behind its last. */
 export const SET_WORDS = DISTRIBUTIONS * SYMBOLS;

@@ -3,6 +3,7 @@
 import { colorModel } from "../../entropy.ts";
 import type { RansDecoder } from "../../rans.ts";
 import { CHANNELS } from "./domain.ts";
+import { lengthIndex, LENGTHS } from "./basis.ts";
 import type { Leaves } from "./leaves.ts";
 import { MAGNITUDE_ROW, SCANS } from "./scan.ts";
 
@@ -58,21 +59,25 @@ export class LevelReader {
   read(stream: RansDecoder, size: number, frames: number, leaves: Leaves): void {
     this.#clear(size);
     const { planes: planesAt, coded: codedAt } = this.#contexts;
+    const length = lengthIndex(frames);
     let before = 0;
+    let firstClass = 0;
     for (let channel = 0; channel < CHANNELS; channel++) {
       this.starts[channel] = leaves.levelCount;
-      const symbol = stream.symbol(planesAt + (channel * 4 + size) * 3 + before);
+      const symbol = stream.symbol(planesAt + ((channel * 4 + size) * LENGTHS.length + length) * 3 + before);
       const planes = Math.min(symbol > 11 ? largeNumber(stream, symbol) : symbol, frames);
       if (channel === 0 || planes > 0) {
         before = Math.min(planes, 2);
       }
       let coded = 0;
+      let classBefore = firstClass;
       for (let plane = 0; plane < planes; plane++) {
         const kind = frames === 1 ? 3 : Math.min(plane, 2);
         this.#nextPlane(size);
         coded = plane + 1 === planes ? 1 : stream.symbol(codedAt + ((channel * 4 + kind) * 4 + size) * 2 + coded);
-        if (coded === 1) {
-          this.#readPlane(stream, channel, plane, kind, leaves);
+        classBefore = coded === 1 ? this.#readPlane(stream, channel, [plane, kind, classBefore], leaves) : 0;
+        if (plane === 0) {
+          firstClass = Math.max(firstClass, classBefore);
         }
       }
     }
@@ -96,10 +101,11 @@ export class LevelReader {
     plane.clear(SCANS[size].magnitudes);
   }
 
-  #readPlane(stream: RansDecoder, channel: number, plane: number, kind: number, leaves: Leaves): void {
+  /** Reads the levels of plane `plane` of kind `kind`. Returns the class of its last position; `classBefore` is that in the plane before. */
+  #readPlane(stream: RansDecoder, channel: number, [plane, kind, classBefore]: number[], leaves: Leaves): number {
     const { places, magnitudes, classes } = SCANS[this.#size];
     const chroma = channel > 0 ? 1 : 0;
-    const last = this.#readLast(stream, chroma, kind, places.length - 1);
+    const last = this.#readLast(stream, [chroma, kind, classBefore], places.length - 1);
     leaves.reserveLevels(last + 1);
     const { levels, places: levelPlaces } = leaves;
     let count = leaves.levelCount;
@@ -147,11 +153,12 @@ export class LevelReader {
       this.isStill = false;
     }
     this.extents |= (right | (bottom << 5)) << (10 * channel);
+    return 32 - Math.clz32(last + 1);
   }
 
   /** The index in the scan of a plane's last level other than 0, at most `most`. */
-  #readLast(stream: RansDecoder, chroma: number, kind: number, most: number): number {
-    const e = stream.symbol(this.#contexts.last + 16 * chroma + 4 * this.#size + kind);
+  #readLast(stream: RansDecoder, [chroma, kind, classBefore]: number[], most: number): number {
+    const e = stream.symbol(this.#contexts.last + 12 * (16 * chroma + 4 * this.#size + kind) + classBefore);
     if (e === 0) {
       return 0;
     }
