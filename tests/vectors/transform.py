@@ -48,20 +48,23 @@ class Domain:
     def __init__(self, size):
         self.key_bits, self.middle, self.fraction = (8, 128, 6) if size == 1 else (16, 48128, 0)
         self.shown = (0, 255) if size == 1 else (0x0400, 0xFBFF)
+        # Bits of the fraction of the channels of pixels where offset_set is 1.
+        self.fine = 4 if size == 1 else 0
 
 
 def predict(slope, luma):
     return wrap(slope * luma + 8) >> 4
 
 
-def keys_of(channels, slopes, domain):
+def keys_of(channels, slopes, domain, fraction):
     luma, green, orange = channels
     green = wrap(green + predict(slopes[0], luma))
     orange = wrap(orange + predict(slopes[1], luma))
-    m = wrap(luma + domain.middle - (green >> 1))
+    m = wrap(luma + (domain.middle << fraction) - (green >> 1))
     b = wrap(m - (orange >> 1))
     least, most = domain.shown
-    return [max(least, min(most, wrap(key))) for key in (b + orange, green + m, b)]
+    half = 1 << fraction >> 1
+    return [max(least, min(most, wrap(key + half) >> fraction)) for key in (b + orange, green + m, b)]
 
 
 def channels_of(keys, slopes, domain):
@@ -85,7 +88,7 @@ class Steps:
     def __init__(self, luma_step, chroma_step, offset_set, delta, domain):
         self.bases = [base + 4 * delta for base in (luma_step, chroma_step + 3, chroma_step + 8)]
         self.offsets = (OFFSETS[offset_set][0], *[OFFSETS[offset_set][1]] * 2)
-        self.domain = domain
+        self.domain, self.pixel_fraction = domain, domain.fine if offset_set else 0
 
     def of(self, c, size, length):
         """By the sum of both frequencies."""
@@ -319,7 +322,7 @@ class Region:
         for n in range(frames):
             luma, green, orange = (column[n] for column in columns)
             self.show(left, top, first + n, side, lambda x, y: keys_of(
-                (luma[y][x], green[y][x], orange[y][x]), self.slopes, self.domain))
+                (luma[y][x], green[y][x], orange[y][x]), self.slopes, self.domain, self.steps.pixel_fraction))
 
     def inverse(self, coefficients, time, space, n, size, visible):
         """The rows of a channel in one frame, as far as they lie in the cell."""
@@ -334,7 +337,7 @@ class Region:
             x: [wrap(sum(u * space[y][j] for y, u in column) + 128) >> 8 for j in range(height)]
             for x, column in columns.items()
         }
-        shift = 10 + size + self.domain.fraction
+        shift = 10 + size + self.domain.fraction - self.steps.pixel_fraction
         return [
             [wrap(sum(half[j] * space[x][i] for x, half in halves.items()) + (1 << shift - 1)) >> shift for i in range(width)]
             for j in range(height)

@@ -12,10 +12,11 @@ fn channels_of(keys: vec3i) -> vec3i {
     return vec3i(luma, green - predicted_chroma(slope_of(1u), luma), orange - predicted_chroma(slope_of(2u), luma));
 }
 
-fn keys_of_channels(channels: vec3i) -> vec3i {
+// Channels and keys in units of 2^-fraction.
+fn keys_of_channels(channels: vec3i, fraction: u32) -> vec3i {
     let chroma_green = channels.y + predicted_chroma(slope_of(1u), channels.x);
     let orange = channels.z + predicted_chroma(slope_of(2u), channels.x);
-    let middle = channels.x + MIDDLE - (chroma_green >> 1u);
+    let middle = channels.x + (MIDDLE << fraction) - (chroma_green >> 1u);
     let blue = middle - (orange >> 1u);
     return vec3i(blue + orange, chroma_green + middle, blue);
 }

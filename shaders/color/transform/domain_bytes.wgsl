@@ -1,6 +1,8 @@
 // Samples of 8 bits in the transform codec: `Domain::BYTES` of src/color/transform/domain.rs.
 
 const FRACTION_BITS: u32 = 6u;
+// Of channels of pixels where steps follow the eye.
+const FINE_BITS: u32 = 4u;
 const KEY_BITS: u32 = 8u;
 const MIDDLE: i32 = 128;
 const LEAST_KEY: i32 = 0;

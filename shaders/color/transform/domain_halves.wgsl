@@ -1,6 +1,7 @@
 // Half floats in the transform codec: `Domain::HALVES` of src/color/transform/domain.rs. Needs `bits_of`.
 
 const FRACTION_BITS: u32 = 0u;
+const FINE_BITS: u32 = 0u;
 const KEY_BITS: u32 = 16u;
 const MIDDLE: i32 = 0xbc00;
 const LEAST_KEY: i32 = 0x0400;

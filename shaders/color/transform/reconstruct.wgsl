@@ -40,6 +40,11 @@ fn step_of(channel: u32, length: u32, level: u32, frequency: u32) -> i32 {
     return i32(max(((mantissa << (index >> 4u)) + (1u << (shift - 1u))) >> shift, 1u));
 }
 
+// Bits of the fraction of the channels of pixels.
+fn pixel_fraction() -> u32 {
+    return select(0u, FINE_BITS, stream[chunk + OFFSET_SET] > 0u);
+}
+
 // Fills the cache with the chunk's colours, and answers their number.
 fn open_cache() -> u32 {
     let count = stream[chunk + 3u];
@@ -74,7 +79,8 @@ fn transform_columns(local: u32, level: u32, columns_bits: u32, rows: u32) {
 fn transform_rows(local: u32, block: Block, channel: u32, columns: u32) {
     let side = 4u << block.level;
     let functions = basis_at(side);
-    let shift = 10u + FRACTION_BITS + block.level;
+    let fraction = pixel_fraction();
+    let shift = 10u + FRACTION_BITS - fraction + block.level;
     for (var turn = 0u; turn * WORKGROUP + local < side * side; turn++) {
         let at = turn * WORKGROUP + local;
         let x = at & (side - 1u);
@@ -89,7 +95,8 @@ fn transform_rows(local: u32, block: Block, channel: u32, columns: u32) {
         } else if (channel == 1u) {
             green[turn] = value;
         } else {
-            let keys = keys_of_channels(vec3i(luma[turn], green[turn], value));
+            let fine = keys_of_channels(vec3i(luma[turn], green[turn], value), fraction);
+            let keys = (fine + ((1 << fraction) >> 1u)) >> vec3u(fraction);
             put(4u * block.x + x, 4u * block.y + y, clamp(keys, vec3i(LEAST_KEY), vec3i(MOST_KEY)));
         }
     }

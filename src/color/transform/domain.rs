@@ -11,6 +11,8 @@ use crate::color::transform::steps::{StepTable, step_table};
 pub struct Domain {
     /// Bits of the fraction of coefficients and means.
     pub fraction_bits: u32,
+    /// Bits of the fraction of the channels of pixels where steps follow the eye ([`Domain::pixel_fraction`]).
+    fine_bits: u32,
     /// Bits of a key.
     pub key_bits: u32,
     /// Key that luma counts from.
@@ -26,10 +28,16 @@ static STEPS_OF_HALVES: StepTable = step_table(0);
 
 impl Domain {
     pub const BYTES: Domain =
-        Domain { fraction_bits: 6, key_bits: 8, middle: 128, shown: [0, 255], steps: &STEPS_OF_BYTES };
+        Domain { fraction_bits: 6, fine_bits: 4, key_bits: 8, middle: 128, shown: [0, 255], steps: &STEPS_OF_BYTES };
     /// Keys of half floats; the middle is that of 1.0, and the keys of -65504 to 65504 are shown.
     pub const HALVES: Domain =
-        Domain { fraction_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff], steps: &STEPS_OF_HALVES };
+        Domain { fraction_bits: 0, fine_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff], steps: &STEPS_OF_HALVES };
+
+    /// Bits of the fraction that the channels of pixels have with a set of frequency offsets. Without any, keys come back without loss;
+    /// with them, samples are rounded once, and not luma and chroma before.
+    pub fn pixel_fraction(&self, offset_set: usize) -> u32 {
+        if offset_set > 0 { self.fine_bits } else { 0 }
+    }
 }
 
 /// Samples that the transform codec codes, by their keys.
@@ -86,12 +94,26 @@ pub fn forward([red, green, blue]: [i32; 3], slopes: ChromaSlopes, domain: &Doma
     ]
 }
 
-/// The reverse of [`forward`].
+/// Channels of keys as an encoder aims at where samples are rounded once: without the roundings of [`forward`].
+pub fn forward_fine(keys: [i32; 3], slopes: ChromaSlopes, domain: &Domain) -> [f32; CHANNELS] {
+    let [red, green, blue] = keys.map(|key| key as f32);
+    let middle = 0.5 * (red + blue);
+    let luma = 0.5 * (middle + green) - domain.middle as f32;
+    let [of_green, of_orange] = [slopes.green, slopes.orange].map(|slope| f32::from(slope) / 16.0 * luma);
+    [luma, green - middle - of_green, red - blue - of_orange]
+}
+
+/// The reverse of [`forward`], with channels in units of 2^-`fraction`: keys in these units.
 #[inline(always)]
-pub fn inverse([luma, green, orange]: [i32; CHANNELS], slopes: ChromaSlopes, domain: &Domain) -> [i32; 3] {
+pub fn inverse(
+    [luma, green, orange]: [i32; CHANNELS],
+    slopes: ChromaSlopes,
+    domain: &Domain,
+    fraction: u32,
+) -> [i32; 3] {
     let chroma_green = green.wrapping_add(ChromaSlopes::predict(slopes.green, luma));
     let orange = orange.wrapping_add(ChromaSlopes::predict(slopes.orange, luma));
-    let middle = luma.wrapping_add(domain.middle).wrapping_sub(chroma_green >> 1);
+    let middle = luma.wrapping_add(domain.middle << fraction).wrapping_sub(chroma_green >> 1);
     let green = chroma_green.wrapping_add(middle);
     let blue = middle.wrapping_sub(orange >> 1);
     [blue.wrapping_add(orange), green, blue]
@@ -108,7 +130,10 @@ mod tests {
             for at in 0..20_000i32 {
                 let keys = [7919, 104_729, 1_299_709].map(|prime| at.wrapping_mul(prime) & most);
                 for slopes in [(0, 0), (5, -3), (-128, 127)].map(|(green, orange)| ChromaSlopes { green, orange }) {
-                    assert_eq!(inverse(forward(keys, slopes, &domain), slopes, &domain), keys);
+                    assert_eq!(inverse(forward(keys, slopes, &domain), slopes, &domain, 0), keys);
+                    let fine = forward_fine(keys, slopes, &domain).map(|value| (16.0 * value).round() as i32);
+                    let keys_again = inverse(fine, slopes, &domain, 4).map(|key| (key + 8) >> 4);
+                    assert!(domain.key_bits > 8 || keys_again == keys, "{keys:?}: {keys_again:?}");
                 }
             }
         }

@@ -44,6 +44,8 @@ static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
 pub struct TransformChunk {
     size: [usize; 2],
     slopes: ChromaSlopes,
+    /// Bits of the fraction of the channels of pixels.
+    pixel_fraction: u32,
     regions: Vec<Region>,
 }
 
@@ -61,7 +63,8 @@ impl TransformChunk {
         for region in regions(size).zip(&layout.substreams).zip(&layout.deltas).map(read) {
             read_regions.push(region?);
         }
-        Ok(TransformChunk { size, slopes: layout.header.slopes, regions: read_regions })
+        let pixel_fraction = S::DOMAIN.pixel_fraction(layout.header.offset_set);
+        Ok(TransformChunk { size, slopes: layout.header.slopes, pixel_fraction, regions: read_regions })
     }
 
     pub fn size(&self) -> [usize; 2] {
@@ -85,7 +88,7 @@ impl TransformChunk {
                 Content::Palette(palette) => window.write_palette(palette, shape, frame - place.frame, out),
                 Content::Transform { channels, .. } => {
                     self.decode_channels::<S>(region, channels, (shape, frame - place.frame), &mut planes);
-                    window.write_channels(&planes, self.slopes, out);
+                    window.write_channels(&planes, (self.slopes, self.pixel_fraction), out);
                 }
             }
             updated += (columns * rows) as u64;
@@ -156,7 +159,8 @@ impl TransformChunk {
             let source = FrameLevels { levels: of.of(region), of, weights };
             let coefficients = &mut planes.coefficients;
             source.coefficients(shape.side(), coefficients);
-            let (size_class, extent, fraction_bits) = (shape.level, of.extent(), S::DOMAIN.fraction_bits);
+            let (size_class, extent) = (shape.level, of.extent());
+            let fraction_bits = S::DOMAIN.fraction_bits - self.pixel_fraction;
             planes.vectors.dispatch(InverseTransform { size_class, coefficients, extent, fraction_bits, out: plane });
         }
     }
@@ -196,14 +200,15 @@ impl Window {
         }
     }
 
-    fn write_channels<S: Keyed>(&self, planes: &Planes, slopes: ChromaSlopes, out: &mut [S]) {
+    fn write_channels<S: Keyed>(&self, planes: &Planes, (slopes, fraction): (ChromaSlopes, u32), out: &mut [S]) {
         let [luma, green, orange] = &planes.channels;
         let [least, most] = S::DOMAIN.shown;
+        let half = 1 << fraction >> 1;
         let chroma = green.chunks_exact(self.side).zip(orange.chunks_exact(self.side));
         for ((row, out), (green, orange)) in self.rows(luma, out).zip(chroma) {
             for ((out, &luma), (&green, &orange)) in out.iter_mut().zip(row).zip(green.iter().zip(orange)) {
-                let keys = inverse([luma, green, orange], slopes, &S::DOMAIN);
-                *out = keys.map(|key| S::from_key(key.clamp(least, most)));
+                let keys = inverse([luma, green, orange], slopes, &S::DOMAIN, fraction);
+                *out = keys.map(|key| S::from_key((key.wrapping_add(half) >> fraction).clamp(least, most)));
             }
         }
     }
@@ -279,6 +284,7 @@ struct InverseTransform<'a> {
     coefficients: &'a [i32; MOST_PIXELS],
     /// Columns and rows that have coefficients.
     extent: [usize; 2],
+    /// Bits of the fraction that are rounded off.
     fraction_bits: u32,
     out: &'a mut [i32; MOST_PIXELS],
 }

@@ -66,6 +66,13 @@ impl Magnitudes {
         }
     }
 
+    /// Copies what a block of `side` pixels reads.
+    pub fn copy_from(&mut self, other: &Magnitudes, side: usize) {
+        for (row, other) in self.0.chunks_exact_mut(ROW).zip(other.0.chunks_exact(ROW)).take(side + 2) {
+            row[..side + 2].copy_from_slice(&other[..side + 2]);
+        }
+    }
+
     #[inline(always)]
     pub fn get(&self, position: Position) -> usize {
         usize::from(self.0[Self::index(position)])

@@ -13,6 +13,8 @@ const LEVELS: usize = 4;
 /// Bits of a block, and of a split.
 const BLOCK_BITS: f32 = 8.0;
 const SPLIT_BITS: f32 = 2.0;
+/// Share of the greatest variance of a channel below which a channel is left out.
+const LEAST_VARIANCE: f32 = 0.1;
 
 /// Estimated costs in steps² + λ·bits: of a block as one, and of the best partition below it.
 #[derive(Debug)]
@@ -22,6 +24,8 @@ pub struct Estimates {
     frames: usize,
     whole: Vec<f32>,
     best: Vec<f32>,
+    /// Channels that count.
+    channels: Vec<usize>,
 }
 
 /// Estimates of the ways to code a block: as one, in quarters, in parts.
@@ -69,8 +73,8 @@ impl Estimates {
         let mut runs = vec![None; frames * frames];
         let count = number_runs(source.root, &mut runs, 0);
         let entries = count * LEVELS * SQUARES;
-        let mut estimates =
-            Estimates { runs, frames, whole: vec![f32::INFINITY; entries], best: vec![f32::INFINITY; entries] };
+        let [whole, best] = [(); 2].map(|()| vec![f32::INFINITY; entries]);
+        let mut estimates = Estimates { runs, frames, whole, best, channels: busy_channels(source, pricing.scales) };
         estimates.visit(source, source.root, pricing, &mut Vec::new());
         estimates
     }
@@ -93,7 +97,7 @@ impl Estimates {
                 source.coefficients(channel, block, pricing.bases, factors, scratch);
                 weight * estimate(scratch, pricing.lambda / weight)
             };
-            self.whole[index] = (0..CHANNELS).map(of).sum::<f32>() + pricing.lambda * BLOCK_BITS;
+            self.whole[index] = self.channels.iter().copied().map(of).sum::<f32>() + pricing.lambda * BLOCK_BITS;
         }
         if block.shape.level > 0 {
             block.quarters().into_iter().for_each(|quarter| self.visit(source, quarter, pricing, scratch));
@@ -114,6 +118,16 @@ impl Estimates {
         let parts = if block.shape.frames > 1 { sum(&mut block.parts()) } else { f32::INFINITY };
         Ways { whole: self.whole[self.index(block)], quarters, parts }
     }
+}
+
+/// Channels whose variance, in steps², is no less than [`LEAST_VARIANCE`] of that of the one that varies most: chroma mostly splits where
+/// luma does.
+fn busy_channels(source: &RegionSource, scales: &Scales) -> Vec<usize> {
+    let side = source.root.shape.side();
+    let still = Shape { frames: 1, ..source.root.shape };
+    let variance = |channel: usize| source.variances[channel] * scales.of(channel, still)[side / 2].powi(2);
+    let greatest = (0..CHANNELS).map(variance).fold(0.0, f32::max);
+    (0..CHANNELS).filter(|&channel| variance(channel) >= LEAST_VARIANCE * greatest).collect()
 }
 
 /// Gives each run of frames that a partition can have an index, from `next` on; answers the index after the last.

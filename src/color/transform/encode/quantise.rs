@@ -58,13 +58,13 @@ impl Quantiser<'_> {
         let side = plane.shape.side();
         let at = |position: Position| position.y() * side + position.x();
         let order = scan::order(plane.shape.level);
-        let energy: f32 = plane.coefficients.iter().map(|value| value * value).sum();
+        let Extremes { energy, largest } = Extremes::of(plane.coefficients);
         let empty = Cost { error: energy, bits: self.prices.symbol(plane.context.coded(plane.coded_before), 0) };
         let nothing = Quantised { cost: empty, energy, last: None };
-        let Some(first) = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO)
-        else {
+        if largest <= SURELY_ZERO {
             return nothing;
-        };
+        }
+        let first = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO).unwrap_or(0);
         let reachable: f32 =
             order[..=first].iter().map(|&position| plane.coefficients[at(position)]).map(|value| value * value).sum();
         // Squared error of what lies beyond the scan's current position, if it is all dropped.
@@ -173,6 +173,26 @@ pub struct Quantised {
     pub energy: f32,
     /// Index in the scan of the last level other than 0.
     pub last: Option<usize>,
+}
+
+/// Sum of the squares of coefficients, and the greatest magnitude. Sums have the same order with all kinds of vectors.
+struct Extremes {
+    energy: f32,
+    largest: f32,
+}
+
+impl Extremes {
+    fn of(coefficients: &[f32]) -> Extremes {
+        let (mut sums, mut largest) = ([0.0f32; 16], [0.0f32; 16]);
+        for values in coefficients.as_chunks::<16>().0 {
+            for at in 0..16 {
+                let square = values[at] * values[at];
+                sums[at] += square;
+                largest[at] = if square > largest[at] { square } else { largest[at] };
+            }
+        }
+        Extremes { energy: sums.iter().sum(), largest: largest.into_iter().fold(0.0, f32::max).sqrt() }
+    }
 }
 
 fn signed(magnitude: u32, value: f32) -> i32 {

@@ -44,7 +44,7 @@ impl SearchContext<'_> {
     fn slack(&self) -> f32 {
         match self.effort {
             Effort::Fast => 1.0,
-            Effort::Normal => 1.12,
+            Effort::Normal => 1.06,
             Effort::Exhaustive => f32::INFINITY,
         }
     }
@@ -63,6 +63,16 @@ pub struct Search<'a> {
     estimates: Option<Estimates>,
     state: State,
     scratch: Vec<f32>,
+    magnitudes: Box<PlaneMagnitudes>,
+}
+
+/// Magnitudes while a block is quantised.
+#[derive(Default)]
+struct PlaneMagnitudes {
+    plane: Magnitudes,
+    before: Magnitudes,
+    /// The greatest of the first planes of the channels before.
+    channels: Magnitudes,
 }
 
 struct Found {
@@ -73,7 +83,7 @@ struct Found {
 impl<'a> Search<'a> {
     fn new(source: &'a RegionSource, context: &'a SearchContext<'a>, estimates: Option<Estimates>) -> Search<'a> {
         let state = State { means: Means::default(), cache: ColorCache::new(&context.header.colors) };
-        Search { context, source, estimates, state, scratch: Vec::new() }
+        Search { context, source, estimates, state, scratch: Vec::new(), magnitudes: Box::default() }
     }
 
     /// The best partition.
@@ -201,7 +211,8 @@ impl<'a> Search<'a> {
         let SearchContext { prices, bases, lambda, steps, scales, weights, .. } = self.context;
         let weights = TimeWeights::new(bases, weights.of(block));
         let (shape, pixels) = (block.shape, block.shape.pixels());
-        let mut channels_before = Magnitudes::default();
+        let PlaneMagnitudes { plane: magnitudes, before: other, channels: channels_before } = &mut *self.magnitudes;
+        channels_before.clear(shape.side());
         let mut values: [Vec<i32>; CHANNELS] = Default::default();
         let mut cost = Cost::default();
         let (mut planes_before, mut first_class) = (0, 0);
@@ -213,7 +224,8 @@ impl<'a> Search<'a> {
             self.scratch[0] -= predicted as f32;
             values.resize(pixels * shape.frames, 0);
             errors.clear();
-            let mut other = channels_before.clone();
+            other.copy_from(channels_before, shape.side());
+            magnitudes.clear(shape.side());
             let (mut class_before, mut planes) = (first_class, 0);
             let mut coded_before = false;
             // Cost of the planes up to the last with levels, and of those behind it.
@@ -225,13 +237,13 @@ impl<'a> Search<'a> {
                 let weight = weights.of_plane(plane);
                 let saved = weights.compensate(plane, coefficients, &mut errors);
                 let context = PlaneContext::new(channel, shape, plane);
-                let mut magnitudes = Magnitudes::default();
-                let plane_of = Plane { coefficients, shape, context, other: &other, coded_before, class_before };
+                let plane_of = Plane { coefficients, shape, context, other, coded_before, class_before };
                 let quantiser = Quantiser { prices, lambda: lambda / weight };
-                let mut quantised = quantiser.quantise(&plane_of, levels, &mut magnitudes);
+                let mut quantised = quantiser.quantise(&plane_of, levels, magnitudes);
                 weights.subtract(plane, levels, &mut errors);
                 quantised.cost.error = weight * (quantised.cost.error - saved);
                 quantised.energy = weight * (quantised.energy - saved);
+                let was_coded = coded_before || plane == 0;
                 coded_before = quantised.last.is_some();
                 class_before = contexts::last_class(quantised.last);
                 tail.add(quantised.cost);
@@ -242,10 +254,13 @@ impl<'a> Search<'a> {
                     tail_energy = 0.0;
                 }
                 if plane == 0 && channel + 1 < CHANNELS {
-                    channels_before.raise_all(&magnitudes);
+                    channels_before.raise_all(magnitudes);
                     first_class = first_class.max(class_before);
                 }
-                other = magnitudes;
+                std::mem::swap(magnitudes, other);
+                if was_coded {
+                    magnitudes.clear(shape.side());
+                }
             }
             cost.add(coded_cost);
             cost.error += tail_energy;

@@ -4,7 +4,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::color::transform::basis::{BASIS_BITS, basis, length_index};
 use crate::color::transform::blocks::{Block, LEAST};
-use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, forward};
+use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, forward, forward_fine};
 use crate::color::transform::palette::Color;
 
 /// The samples of a cell: by frame, row by row, three a pixel.
@@ -22,6 +22,8 @@ pub struct RegionSource {
     pub keys: Vec<Color>,
     /// Spatial coefficients by level of the block size: channel, frame, block row by row, row by row.
     spatial: Vec<Vec<f32>>,
+    /// Of the samples of each channel.
+    pub variances: [f32; CHANNELS],
 }
 
 /// An orthonormal basis, one function a row.
@@ -35,6 +37,7 @@ impl RegionSource {
         cell: &CellSource<'_, S>,
         [left, top, width, height]: [usize; 4],
         slopes: ChromaSlopes,
+        offset_set: usize,
     ) -> RegionSource {
         let root = Block::root([width, height], cell.frames.len());
         let side = root.shape.side();
@@ -45,17 +48,27 @@ impl RegionSource {
                 keys.extend((0..side).map(|x| row[left + x.min(width - 1)].map(S::key)));
             }
         }
-        let channels = keys.iter().map(|&keys| forward(keys, slopes, &S::DOMAIN));
+        let is_fine = S::DOMAIN.pixel_fraction(offset_set) > 0;
+        let channels = keys.iter().map(|&keys| match is_fine {
+            true => forward_fine(keys, slopes, &S::DOMAIN),
+            false => forward(keys, slopes, &S::DOMAIN).map(|value| value as f32),
+        });
         let mut samples = vec![0.0; CHANNELS * keys.len()];
         for (at, values) in channels.enumerate() {
             for (channel, value) in values.into_iter().enumerate() {
-                samples[channel * keys.len() + at] = value as f32;
+                samples[channel * keys.len() + at] = value;
             }
         }
         let vectors = Arch::new();
         let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: LEAST << level });
         let spatial = (0..=root.shape.level).map(transform).collect();
-        RegionSource { root, keys, spatial }
+        let variance = |samples: &[f32]| {
+            let count = samples.len() as f32;
+            let mean = samples.iter().sum::<f32>() / count;
+            samples.iter().map(|value| (value - mean) * (value - mean)).sum::<f32>() / count
+        };
+        let variances = std::array::from_fn(|channel| variance(&samples[channel * keys.len()..][..keys.len()]));
+        RegionSource { root, keys, spatial, variances }
     }
 
     /// Coefficients of a channel of a block by temporal frequency, each times the factor of its spatial frequency.

@@ -5,6 +5,8 @@ export interface Domain {
   isHalf: boolean;
   /** Bits of the fraction of coefficients and means. */
   fractionBits: number;
+  /** Bits of the fraction of the channels of pixels where steps follow the eye. */
+  fineBits: number;
   keyBits: number;
   /** The key that luma counts from. */
   middle: number;
@@ -13,12 +15,25 @@ export interface Domain {
   most: number;
 }
 
-const BYTES: Domain = { isHalf: false, fractionBits: 6, keyBits: 8, middle: 128, least: 0, most: 255 };
-const HALVES: Domain = { isHalf: true, fractionBits: 0, keyBits: 16, middle: 0xbc00, least: 0x0400, most: 0xfbff };
+const BYTES: Domain = { isHalf: false, fractionBits: 6, fineBits: 4, keyBits: 8, middle: 128, least: 0, most: 255 };
+const HALVES: Domain = {
+  isHalf: true,
+  fractionBits: 0,
+  fineBits: 0,
+  keyBits: 16,
+  middle: 0xbc00,
+  least: 0x0400,
+  most: 0xfbff,
+};
 
 /** The domain of `CTRH`, or of `CTR8`. */
 export function domainOf(isHalf: boolean): Domain {
   return isHalf ? HALVES : BYTES;
+}
+
+/** Bits of the fraction of the channels of pixels with a set of frequency offsets (formats/color.md 6.3). */
+export function pixelFraction(domain: Domain, offsetSet: number): number {
+  return offsetSet > 0 ? domain.fineBits : 0;
 }
 
 /** Luma, green chroma and orange chroma of a pixel. */

@@ -4,7 +4,7 @@ import { FormatError } from "../../../format/types.ts";
 import { type EntropyTables, tableSet } from "../../entropy.ts";
 import { bitsOf, type Samples } from "../samples.ts";
 import { BASIS_BITS, lengthIndex, TIME_BASES } from "./basis.ts";
-import { CHANNELS, type Domain, domainOf, predictChroma } from "./domain.ts";
+import { CHANNELS, type Domain, domainOf, pixelFraction, predictChroma } from "./domain.ts";
 import { inverseTransform } from "./inverse.ts";
 import * as leaf from "./leaves.ts";
 import { type Layout, parseLayout, regionRect } from "./payload.ts";
@@ -193,15 +193,16 @@ export class TransformChunk {
 
   #writeTransform(window: Window, block: BlockFrame, out: Samples): void {
     const length = lengthIndex(block.frames);
+    const fraction = pixelFraction(this.#domain, this.layout.offsetSet);
     for (let channel = 0; channel < CHANNELS; channel++) {
       const extents = this.#leaves.rows[window.row + leaf.LEAF_EXTENTS] >> (10 * channel);
       const extent: [number, number] = [1 + (extents & 31), 1 + ((extents >> 5) & 31)];
       this.#readCoefficients(window.row, channel, block, length, extent);
-      inverseTransform(coefficients, block.size, extent, this.#domain.fractionBits, planes[channel]);
+      inverseTransform(coefficients, block.size, extent, this.#domain.fractionBits - fraction, planes[channel]);
     }
     writeChannels(
       planes,
-      this.layout.slopes,
+      { ...this.layout.slopes, fraction },
       this.#domain,
       { ...window, side: 4 << block.size, width: this.format.size[0] },
       out,
@@ -245,23 +246,25 @@ export class TransformChunk {
 /** Writes the samples of a block's channels (formats/color.md 6.2). */
 function writeChannels(
   [luma, green, orange]: readonly Int32Array[],
-  slopes: Layout["slopes"],
+  { green: greenSlope, orange: orangeSlope, fraction }: Layout["slopes"] & { fraction: number },
   { isHalf, middle: base, least, most }: Domain,
   window: { left: number; top: number; columns: number; rows: number; side: number; width: number },
   out: Samples,
 ): void {
   const { left, top, columns, rows, side, width } = window;
+  const half = (1 << fraction) >> 1;
+  const keyOf = (fine: number): number => Math.min(Math.max(((fine + half) | 0) >> fraction, least), most);
   for (let y = 0; y < rows; y++) {
     let to = 3 * ((top + y) * width + left);
     for (let at = y * side; at < y * side + columns; at++) {
       const light = luma[at];
-      const chroma = (green[at] + predictChroma(slopes.green, light)) | 0;
-      const warm = (orange[at] + predictChroma(slopes.orange, light)) | 0;
-      const middle = (light + base - (chroma >> 1)) | 0;
+      const chroma = (green[at] + predictChroma(greenSlope, light)) | 0;
+      const warm = (orange[at] + predictChroma(orangeSlope, light)) | 0;
+      const middle = (light + (base << fraction) - (chroma >> 1)) | 0;
       const blue = (middle - (warm >> 1)) | 0;
-      const red = Math.min(Math.max((blue + warm) | 0, least), most);
-      const mid = Math.min(Math.max((chroma + middle) | 0, least), most);
-      const low = Math.min(Math.max(blue, least), most);
+      const red = keyOf(blue + warm);
+      const mid = keyOf(chroma + middle);
+      const low = keyOf(blue);
       out[to] = isHalf ? bitsOf(red) : red;
       out[to + 1] = isHalf ? bitsOf(mid) : mid;
       out[to + 2] = isHalf ? bitsOf(low) : low;
