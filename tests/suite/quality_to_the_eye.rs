@@ -1,13 +1,19 @@
 //! The quality to the eye that colour keeps: measured anew here, by color.md 5.2 alone.
 
+use std::path::Path;
+
 use half::f16;
 use lightfold::color::quality::Pu21;
 use lightfold::color::{SearchSettings, Target};
-use lightfold::decode::Picture;
+use lightfold::container::Reader;
+use lightfold::dataset::{Source, SourceGroup, SourceOptions};
+use lightfold::decode::{Decoder, Picture, StreamInfo};
 use lightfold::effort::Effort;
 use lightfold::encode::EncodeSettings;
 use lightfold::image::transfer::{EncodeTable, ToneMap};
-use lightfold::image::{ColorPlane, Face, Plane};
+use lightfold::image::{ColorPlane, Face, Plane, StreamKind};
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::streams::{ColorFormat, convert};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -175,4 +181,129 @@ fn diff_measures_what_encode_keeps() {
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("--min-quality 99.90 does not hold"), "{said}");
+}
+
+/// Grids that borders of cells, regions and blocks lie on, in pixels, and what is on none of them.
+const GRIDS: [u32; 6] = [64, 32, 16, 8, 4, 1];
+
+/// What is seen where the source is smooth or still, in codes of luma above the source.
+#[derive(Debug)]
+struct Seen {
+    /// Mean steps between neighbours across lines of each grid, above those of the last.
+    borders: [f64; 5],
+    /// Mean difference of two neighbouring frames, of those that differ most.
+    flicker: f64,
+}
+
+/// Values up to `reach` pixels away.
+fn around(plane: &Plane<i32>, [x, y]: [u32; 2], reach: u32) -> impl Iterator<Item = i32> + '_ {
+    let [columns, rows] = [(x, plane.width()), (y, plane.height())]
+        .map(|(at, side)| at.saturating_sub(reach)..(at + reach + 1).min(side));
+    rows.flat_map(move |y| columns.clone().map(move |x| plane.get(x, y)))
+}
+
+/// Luma of a face in all frames, in quarters of a code, of what is shown and of the source.
+type Film = [Vec<Plane<i32>>; 2];
+
+/// Films of all faces of the footage in a folder, coded with some options.
+fn films(folder: &Path, options: &str) -> Vec<Film> {
+    fine(&format!("encode . --clip --stream color -o film.lfold -q {options}"), folder);
+    let source = Source::open(folder, &SourceOptions::default()).unwrap();
+    let decoder = Decoder::new(Reader::open(folder.join("film.lfold")).unwrap()).unwrap();
+    let table = EncodeTable::new(&ToneMap::default());
+    let luma = |&[red, green, blue]: &[u8; 3]| i32::from(red) + 2 * i32::from(green) + i32::from(blue);
+    let film = |stream: &StreamInfo| {
+        let is_same = |group: &&SourceGroup| group.kind == StreamKind::Color && group.faces.contains(&stream.face);
+        let group = source.groups().iter().find(is_same).unwrap();
+        let at = group.faces.iter().position(|face| *face == stream.face).unwrap();
+        let mut face = decoder.face(stream);
+        let lumas = stream.frames.iter().map(|frame| {
+            let Picture::Color8(shown) = face.decode(frame).unwrap() else { panic!("colour of 8 bits") };
+            let wanted = &source.read_color(group, frame).unwrap()[at];
+            (shown.map(luma), convert::color_codes(wanted, &table).0.map(luma))
+        });
+        <[_; 2]>::from(lumas.unzip::<_, _, Vec<_>, Vec<_>>())
+    };
+    decoder.streams().iter().map(film).collect()
+}
+
+fn seen(films: &[Film]) -> Seen {
+    // Sums above the source, and how many.
+    let (mut steps, mut changes) = ([[0.0; 2]; GRIDS.len()], vec![[0.0; 2]; films[0][0].len() - 1]);
+    for [shown, source] in films {
+        let [width, height] = [source[0].width(), source[0].height()];
+        let places = || (0..height - 1).flat_map(move |y| (0..width - 1).map(move |x| [x, y]));
+        let step = |plane: &Plane<i32>, [ax, ay]: [u32; 2], [bx, by]: [u32; 2]| {
+            f64::from((plane.get(ax, ay) - plane.get(bx, by)).abs()) / 4.0
+        };
+        for (shown, source) in shown.iter().zip(source) {
+            let smooth = Plane::from_fn(width, height, |x, y| {
+                around(source, [x, y], 4).max().unwrap() - around(source, [x, y], 4).min().unwrap() <= 6 * 4
+            });
+            for [x, y] in places() {
+                for (to, line) in [([x + 1, y], x + 1), ([x, y + 1], y + 1)] {
+                    if smooth.get(x, y) && smooth.get(to[0], to[1]) {
+                        let grid = GRIDS.iter().position(|&grid| line.is_multiple_of(grid)).unwrap();
+                        steps[grid][0] += step(shown, [x, y], to) - step(source, [x, y], to);
+                        steps[grid][1] += 1.0;
+                    }
+                }
+            }
+        }
+        let moved = Plane::from_fn(width, height, |x, y| {
+            let values = || source.iter().map(move |frame| frame.get(x, y));
+            values().max().unwrap() - values().min().unwrap()
+        });
+        for [x, y] in places().filter(|&place| around(&moved, place, 2).all(|moved| moved <= 2 * 4)) {
+            let change = |two: &[Plane<i32>]| f64::from((two[0].get(x, y) - two[1].get(x, y)).abs()) / 4.0;
+            for ((sum, shown), source) in changes.iter_mut().zip(shown.windows(2)).zip(source.windows(2)) {
+                sum[0] += change(shown) - change(source);
+                sum[1] += 1.0;
+            }
+        }
+    }
+    // Fewer would say nothing.
+    assert!(steps.iter().chain(&changes).all(|[_, count]| *count >= 5000.0), "{steps:?} {changes:?}");
+    let mean = |[sum, count]: [f64; 2]| sum / count;
+    let inside = mean(steps[GRIDS.len() - 1]);
+    Seen {
+        borders: [0, 1, 2, 3, 4].map(|grid| mean(steps[grid]) - inside),
+        flicker: changes.into_iter().map(mean).fold(f64::MIN, f64::max),
+    }
+}
+
+/// Most that may be seen of a scene.
+struct Bounds {
+    kind: DemoKind,
+    /// Lines of cells, regions, and blocks of 16, 8 and 4 pixels.
+    borders: [f64; 5],
+    flicker: f64,
+    /// Flicker where a chunk ends.
+    chunks: f64,
+}
+
+#[test]
+fn no_edges_of_blocks_and_no_flicker_are_seen_at_the_default() {
+    // A little above what was measured.
+    let [interior, courtyard] = [[0.37, 0.4, 0.09, 0.045, 0.01], [0.11, 0.105, 0.015, 0.01, 0.01]];
+    for Bounds { kind, borders, flicker, chunks } in [
+        Bounds { kind: DemoKind::Interior, borders: interior, flicker: 0.01, chunks: 0.4 },
+        Bounds { kind: DemoKind::Courtyard, borders: courtyard, flicker: 0.003, chunks: 0.42 },
+    ] {
+        let folder = TempDir::new().unwrap();
+        FootagePlan { kind, frames: 4, face_size: 256, probes: 1 }.write(folder.path(), &Silent).unwrap();
+        let at = |options: &str| seen(&films(folder.path(), options));
+        let (usual, cut, coarse) = (at(""), at("--color-chunk 2"), at("--quality 40"));
+        println!("{kind:?}: {usual:?}, in two chunks {cut:?}, at 40 {coarse:?}");
+        for (excess, most) in usual.borders.iter().zip(borders) {
+            assert!(*excess <= most, "{kind:?}: {usual:?} of {borders:?}");
+        }
+        assert!(usual.flicker <= flicker && cut.flicker <= chunks, "{kind:?}: {usual:?}, {cut:?}");
+        // The bounds tell a coarser setting from it.
+        assert!(coarse.borders[0] > 1.5 * borders[0] && coarse.borders[1] > 1.5 * borders[1], "{kind:?}: {coarse:?}");
+        assert!(
+            coarse.flicker > flicker && at("--color-chunk 2 --quality 40").flicker > chunks,
+            "{kind:?}: {coarse:?}"
+        );
+    }
 }
