@@ -30,8 +30,14 @@ impl Domain {
     pub const BYTES: Domain =
         Domain { fraction_bits: 6, fine_bits: 4, key_bits: 8, middle: 128, shown: [0, 255], steps: &STEPS_OF_BYTES };
     /// Keys of half floats; the middle is that of 1.0, and the keys of -65504 to 65504 are shown.
-    pub const HALVES: Domain =
-        Domain { fraction_bits: 0, fine_bits: 0, key_bits: 16, middle: 0xbc00, shown: [0x0400, 0xfbff], steps: &STEPS_OF_HALVES };
+    pub const HALVES: Domain = Domain {
+        fraction_bits: 0,
+        fine_bits: 0,
+        key_bits: 16,
+        middle: 0xbc00,
+        shown: [0x0400, 0xfbff],
+        steps: &STEPS_OF_HALVES,
+    };
 
     /// Bits of the fraction that the channels of pixels have with a set of frequency offsets. Without any, keys come back without loss;
     /// with them, samples are rounded once, and not luma and chroma before.

@@ -25,8 +25,8 @@ use crate::effort::Effort;
 use crate::entropy::Encoder;
 use crate::metrics::visible::{error_of, visible_error};
 
-/// Table set that levels are priced with where no chunk before tells.
-const USUAL_SET: usize = 0;
+/// Table set that levels are priced with where no chunk before tells: one that prices levels high, as of sparse chunks, drops textures.
+const USUAL_SET: usize = 1;
 /// λ in steps² a bit.
 const LAMBDA: f32 = 0.09;
 /// The same where steps follow the eye: textures that a larger one drops are seen.
@@ -102,11 +102,13 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
         by_eye,
         moved,
         deltas,
-        regions: regions(cell.size).map(|region| RegionSource::new(cell, region, slopes, usize::from(by_eye))).collect(),
+        regions: regions(cell.size)
+            .map(|region| RegionSource::new(cell, region, slopes, usize::from(by_eye)))
+            .collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
     // A chunk by the eye depends on nothing before it, so that still cells stay as they are.
-    let set = if by_eye { USUAL_SET } else { start.map_or(0, |start| start.set) };
+    let set = if by_eye { USUAL_SET } else { start.map_or(USUAL_SET, |start| start.set) };
     let kept = match search.target {
         Target::Step(step) => trials.at_step(Start { step: i32::from(step), set }),
         // Where that is better than asked for, it stays: the same step for the same appearance.

@@ -64,7 +64,8 @@ impl Quantiser<'_> {
         if largest <= SURELY_ZERO {
             return nothing;
         }
-        let first = order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO).unwrap_or(0);
+        let first =
+            order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO).unwrap_or(0);
         let reachable: f32 =
             order[..=first].iter().map(|&position| plane.coefficients[at(position)]).map(|value| value * value).sum();
         // Squared error of what lies beyond the scan's current position, if it is all dropped.
