@@ -132,8 +132,8 @@ mod tests {
     fn streams_of_equal_tables_share_them() {
         let own = Tables::with_own(Tables::default().sets()[..1].to_vec());
         let tables = TransformTables::new([&Tables::default(), &own, &Tables::default()]);
-        let first = of_format().len() as u32;
-        assert_eq!(tables.first_sets, [first, first + 4 * SET_WORDS as u32, first]);
-        assert_eq!(tables.words.len(), of_format().len() + 9 * SET_WORDS);
+        let (first, sets) = (of_format().len() as u32, BUILT_IN as u32);
+        assert_eq!(tables.first_sets, [first, first + sets * SET_WORDS as u32, first]);
+        assert_eq!(tables.words.len(), of_format().len() + (2 * sets as usize + 1) * SET_WORDS);
     }
 }
