@@ -299,7 +299,7 @@ def x265(film, threads, setting):
 
 
 class Dial(typing.NamedTuple):
-    """A setting of quality, larger is better: where a search starts, and what one more is worth, roughly, in what is searched for."""
+    """A setting of quality, larger is better: where a search starts, and roughly what one more is worth in what is searched for."""
 
     start: float
     slope: float

@@ -59,9 +59,6 @@ class Source:
         payloads = pf.read_dataset(given.kernels, folder, streams)
         self.film = pf.Film("color", width, height, "rgb24", 3, streams, payloads)
 
-    def differences(self, other, *options):
-        return lf.run_json(self.given.binary, "diff", self.container, other, "--allow-clipping", *options, "--json", may_differ=True)
-
     def quality(self, codec):
         """Fields of a row."""
         setting = str(codec.options if isinstance(codec, pc.Lightfold) else getattr(codec, "quality", None))
@@ -76,7 +73,9 @@ class Source:
         return self.known[key]
 
     def fields(self, other):
-        found = self.differences(other, "--ssimulacra2")["color"]
+        report = lf.run_json(self.given.binary, "diff", self.container, other, "--allow-clipping", "--ssimulacra2", "--json",
+                             may_differ=True)
+        found = report["color"]
         names = {"psnr_db": "psnr_db", "lowest_cell_db": "min_cell_psnr_db", "psnr_hvs_m_db": "psnr_hvs_m_db",
                  "ssimulacra2": "ssimulacra2", "ssimulacra2_p10": "ssimulacra2_p10", "butteraugli": "butteraugli_3norm"}
         if found["ssimulacra2"] is None:

@@ -1,5 +1,5 @@
-"""Pictures for the eye in scripts/peers: the smoothest and the busiest place of a set at 4x, of the source, x265, libaom and ours side by
-side, at the bytes of ours. Places are cells of the middle frame of a face, a margin around each.
+"""Pictures for the eye in scripts/peers: the smoothest and the busiest place of a set at 4x, of the source, x265, libaom and
+ours side by side, at the bytes of ours. Places are cells of the middle frame of a face, a margin around each.
 """
 
 import math

@@ -96,8 +96,8 @@ def color_table(rows):
 
 
 def colors(rows):
-    head = ["set", "asked", "codec", "kB", "SSIMULACRA2", "10th percentile", "butteraugli", "PSNR-HVS-M dB", "PSNR dB", "lowest cell dB",
-            "encode Mpixel/s", "decode Mpixel/s"]
+    head = ["set", "asked", "codec", "kB", "SSIMULACRA2", "10th percentile", "butteraugli", "PSNR-HVS-M dB", "PSNR dB",
+            "lowest cell dB", "encode Mpixel/s", "decode Mpixel/s"]
     lines = []
     for row in rows:
         first = [row.dataset, row.asked, row.label]
