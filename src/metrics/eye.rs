@@ -111,7 +111,7 @@ fn copies(side: u32) -> u32 {
 /// A picture and its mirror images, side by side, until no side is too short.
 fn mirrored(picture: &Plane<[u8; 3]>) -> Plane<[u8; 3]> {
     let [width, height] = [picture.width(), picture.height()];
-    let place = |at: u32, side: u32| if at / side % 2 == 0 { at % side } else { side - 1 - at % side };
+    let place = |at: u32, side: u32| if (at / side).is_multiple_of(2) { at % side } else { side - 1 - at % side };
     Plane::from_fn(width * copies(width), height * copies(height), |x, y| {
         picture.get(place(x, width), place(y, height))
     })
