@@ -154,13 +154,6 @@ void compare(const void *reference, const void *got, int wide, size_t pixels, do
     }
 }
 
-/* Sum of squared differences of bytes. */
-double squares(const uint8_t *a, const uint8_t *b, size_t count) {
-    uint64_t sum = 0;
-    for (size_t i = 0; i < count; i++) sum += (uint64_t)((a[i] - b[i]) * (a[i] - b[i]));
-    return (double)sum;
-}
-
 static uint8_t paeth(int left, int above, int corner) {
     int guess = left + above - corner;
     int a = abs(guess - left), b = abs(guess - above), c = abs(guess - corner);

@@ -7,7 +7,7 @@ or in the cache of files, decoders write to nothing, and every codec may use the
 - ffmpeg: encoding, the time of all frames less that of the first alone; decoding, that of playing a film several times
   over less that of playing it once.
 - libjxl: what cjxl and djxl report, which is without their start; an image at a time for each thread.
-- one file for each stream (x265 and libaom of colour): processor time of one thread, less that of a frame of 64x64.
+- one file for each stream (x265, libaom and SVT-AV1 of colour): processor time of one thread, less that of a frame of 64x64.
 - lightfold: the seconds that it reports. Encoding includes reading the source's files, where others find codes ready;
   decoding is the median of passes in one process over a container in memory, after one that does not count. For
   colour, its processor time on one thread: of many passes less that of few.
@@ -56,7 +56,9 @@ def seconds_of(command, clock=time.perf_counter):
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     taken = clock() - start
     if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
+        # SVT-AV1 says what it is, whatever is asked for.
+        lines = [line for line in done.stderr.splitlines() if line.strip() and not line.startswith("Svt[info]")]
+        lines = lines or [f"exit code {done.returncode}"]
         # ffmpeg's first line is the coder's own, behind its address.
         words = re.sub(r"^\[[^]]*\] ", "", lines[0].strip())
         raise NotMeasured(f"{command[0]}: {words}")
@@ -296,48 +298,83 @@ def x265(film, threads, setting):
             "-x265-params", f"{setting}:pools={threads}:log-level=error"]
 
 
+class Dial(typing.NamedTuple):
+    """A setting of quality, larger is better: where a search starts, and roughly what one more is worth in what is searched for."""
+
+    start: float
+    slope: float
+    lowest: float
+    highest: float
+
+    def following(self, wanted, known):
+        """The setting to try next: between the known ones below and above what is wanted, else beyond the nearest."""
+        below = max((at for at, found in known.items() if found < wanted), default=None)
+        above = min((at for at, found in known.items() if found >= wanted), default=None)
+        if not known:
+            at = self.start
+        elif below is not None and above is not None and below < above:
+            share = (wanted - known[below]) / (known[above] - known[below])
+            at = below + (above - below) * min(max(share, 0.1), 0.9)
+        else:
+            nearest = min(known, key=lambda at: abs(known[at] - wanted))
+            at = nearest + (wanted - known[nearest]) / self.slope
+        return round(min(max(at, self.lowest), self.highest), 3)
+
+
 @dataclasses.dataclass
 class Coder:
-    """A coder of ffmpeg with its setting of quality; larger is better."""
+    """A coder of ffmpeg with its setting of quality."""
 
     suffix: str
     decoder: str
     options: typing.Callable
-    lowest: float
-    highest: float
-    # Where a search starts, and the dB that one more is worth, roughly.
-    start: float
-    slope: float
+    dial: Dial
+    pixels: str = "yuv444p"
 
 
-def medium_x265(quality, _):
-    alone = f"crf={51 - quality:.3f}:pools=none:frame-threads=1:info=0:log-level=error"
-    return ["-c:v", "libx265", "-preset", "medium", "-x265-params", alone]
+def x265_of(preset):
+    def options(quality, _):
+        alone = f"crf={51 - quality:.3f}:pools=none:frame-threads=1:info=0:log-level=error"
+        return ["-c:v", "libx265", "-preset", preset, "-x265-params", alone]
+    return options
+
+
+def whole_crf(quality, share):
+    """AV1 takes whole steps alone: what lies between is one step for some streams and the next for the others."""
+    return str(63 - math.floor(quality + share))
 
 
 def libaom(quality, share):
-    """libaom takes whole steps alone: what lies between is one step for some streams and the next for the others."""
-    crf = str(63 - math.floor(quality + share))
+    crf = whole_crf(quality, share)
     return ["-c:v", "libaom-av1", "-cpu-used", "6", "-crf", crf, "-b:v", "0", "-threads", "1", "-row-mt", "0"]
 
 
+def svt_av1(quality, share):
+    return ["-c:v", "libsvtav1", "-preset", "6", "-crf", whole_crf(quality, share), "-svtav1-params", "lp=1"]
+
+
 CODERS = {
-    "x265 medium": Coder(".hevc", "hevc", medium_x265, 0, 51, 30, 0.7),
-    "libaom, cpu-used 6": Coder(".obu", "libdav1d", libaom, 0, 63, 30, 0.4),
+    "x265 medium": Coder(".hevc", "hevc", x265_of("medium"), Dial(35, 2.0, 0, 51)),
+    "x265 slow": Coder(".hevc", "hevc", x265_of("slow"), Dial(35, 2.0, 0, 51)),
+    "libaom, cpu-used 6": Coder(".obu", "libdav1d", libaom, Dial(42, 1.0, 0, 63)),
+    # It codes nothing but 4:2:0.
+    "SVT-AV1, preset 6, 4:2:0": Coder(".obu", "libdav1d", svt_av1, Dial(42, 1.0, 0, 62), "yuv420p"),
 }
 # Rec. 709, as players expect it, with full chroma and exact rounding.
-TO_YUV = "scale=out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_chroma_inp,format=yuv444p"
+TO_YUV = "scale=out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_chroma_inp,format="
 TO_RGB = "scale=in_color_matrix=bt709:flags=accurate_rnd+full_chroma_int+full_chroma_inp,format=rgb24"
 
 
 class PerStream(Played):
-    """A coder of ffmpeg, 4:4:4, in a raw file for each stream."""
+    """A coder of ffmpeg in a raw file for each stream."""
 
     clock = staticmethod(processor_time)
 
     def __init__(self, label, film, work):
         super().__init__(label, film)
-        self.coder, self.quality = CODERS[label], CODERS[label].start
+        self.coder, self.quality = CODERS[label], CODERS[label].dial.start
+        # Files that are coded at once: more than one where no time is taken.
+        self.at_once = 1
         self.folder = pathlib.Path(tempfile.mkdtemp(dir=work))
         self.files = [self.folder / f"{at:06}{self.coder.suffix}" for at in range(len(film.payloads))]
 
@@ -357,12 +394,12 @@ class PerStream(Played):
         source = ["-f", "rawvideo", "-pix_fmt", self.film.pixel_format, "-s", size, "-r", "25", "-i", self.sources[at]]
         # Shares spread evenly, and are not those of neighbouring faces.
         share = (at * 0.618) % 1
-        return [*QUIET, *source, "-vf", TO_YUV, *self.coder.options(self.quality, share), *more]
+        return [*QUIET, *source, "-vf", TO_YUV + self.coder.pixels, *self.coder.options(self.quality, share), *more]
 
     def encode(self):
         start = seconds_of(self.coding(0, "64x64", "-frames:v", "1", self.folder / f"start{self.coder.suffix}"), self.clock)
         size = f"{self.film.width}x{self.film.height}"
-        taken = sum(seconds_of(self.coding(at, size, file), self.clock) for at, file in enumerate(self.files))
+        taken = sum(self.each(lambda at: seconds_of(self.coding(at, size, self.files[at]), self.clock)))
         return taken - start * len(self.files) if taken > start * len(self.files) else None
 
     def size(self):
@@ -374,13 +411,18 @@ class PerStream(Played):
         source = ["-threads", "1", "-c:v", self.coder.decoder, "-i", film]
         return seconds_of([*QUIET, *source, "-fps_mode", "passthrough", "-f", "null", "-"], self.clock)
 
+    def each(self, work):
+        """What `work` answers for the place of every file."""
+        with concurrent.futures.ThreadPoolExecutor(self.at_once) as pool:
+            return list(pool.map(work, range(len(self.files))))
+
     def payloads(self):
-        back, found = self.folder / "back", b""
-        for file in self.files:
-            decoder = ["-c:v", self.coder.decoder, "-i", file]
+        def decoded(at):
+            back = self.folder / f"{at:06}.back"
+            decoder = ["-threads", "1", "-c:v", self.coder.decoder, "-i", self.files[at]]
             seconds_of([*QUIET, *decoder, "-fps_mode", "passthrough", "-vf", TO_RGB, "-f", "rawvideo", back])
-            found += back.read_bytes()
-        return self.film.split(found)
+            return back.read_bytes()
+        return self.film.split(b"".join(self.each(decoded)))
 
 
 class Jxl(Codec):

@@ -1,59 +1,47 @@
-"""Colour in scripts/peers: bytes at a mean PSNR, and at a promise for every frame of every cell.
+"""Colour in scripts/peers: bytes at a mean SSIMULACRA2, and at a promise for every frame of every cell.
 
-Codecs with a setting of quality are asked again and again until the mean PSNR of all frames is met. HAP, which stores each
-frame as BC1 (hap) or as BC3 of YCoCg (hap_q), and lossless codecs have none.
+Codecs with a setting of quality are asked again and again until the mean score of the first, the middle and the last frame of
+each stream is met. HAP, which stores each frame as BC1 (hap) or as BC3 of YCoCg (hap_q), and lossless codecs have none.
 """
 
-import math
-from typing import NamedTuple
+import collections
 
 import lightfold_runs as lf
 import peers_codecs as pc
 import peers_frames as pf
-from peers_measure import Contest, psnr
+from peers_codecs import Dial
+from peers_measure import Contest
 
-MEANS, PROMISES = [38.5, 41.5, 45.0], [40, 50]
-# How near a search comes, in dB, and its tries.
-NEAR, TRIES = 0.1, 10
+SCORES, PROMISES = [70, 80, 90], [40, 50]
+# How near a search comes, in points of the score, and what it may try for each.
+NEAR, TRIES = 0.5, 8
 CELLS, TRANSFORM = ["--color-codec", "cells"], ["--color-codec", "transform"]
 BLOCKS = ["--color-block", "bc7", "--lzma2"]
+# Ours with a setting of quality: the options, and the one that is searched.
+OURS = {
+    "lightfold, transform": ([*TRANSFORM, "--quality"], Dial(78, 1.0, 0, 100)),
+    "lightfold, bc7 + LZMA2": ([*BLOCKS, "--psnr-final", "20", "--psnr"], Dial(38, 2.0, 20, 70)),
+}
 
 
-class Setting(NamedTuple):
-    """An option of ours that mean PSNR grows with, in dB for each 1, or falls with."""
-    option: str
-    start: float
-    slope: float
-    limits: tuple
+def search(measure, wanted, dial, known):
+    """The setting at which `measure`, which grows with it, is nearest to what is wanted and not more than NEAR below; None
+    where there is none.
 
-    def arguments(self, value):
-        return [self.option, value if self.slope > 0 else round(value)]
-
-
-PSNR, QP = Setting("--psnr", 38, 1.0, (20, 70)), Setting("--color-qp", 100, -0.3, (0, 240))
-
-
-def search(measure, start, slope, limits):
-    """The setting at which `measure`, which grows with it, is nearest to 0 and not below -NEAR; None where there is none.
-
-    `slope` is a guess of the growth; then it is known from two sides.
+    `known` has what was measured with this dial before, and gets what is measured now.
     """
-    low, high, known, at = *limits, {}, start
-    while len(known) < TRIES and at not in known:
-        found = known[at] = measure(at)
-        if abs(found) <= NEAR:
-            return at
-        if found < 0:
-            low = max(low, at)
-        else:
-            high = min(high, at)
-        if low < high and low in known and high in known:
-            share = -known[low] / (known[high] - known[low]) if math.isfinite(known[high]) else 0.5
-            at = round(low + (high - low) * min(max(share, 0.1), 0.9), 3)
-        else:
-            at = round(min(max(at - found / slope, low), high), 3)
-    reaching = {setting: above for setting, above in known.items() if above >= -NEAR}
-    return min(reaching, key=reaching.get) if reaching else None
+    for _ in range(TRIES):
+        found = reaching(wanted, known)
+        at = dial.following(wanted, known)
+        if found is not None and known[found] <= wanted + NEAR or at in known:
+            return found
+        known[at] = measure(at)
+    return reaching(wanted, known)
+
+
+def reaching(wanted, known):
+    """The setting with the lowest value that is enough."""
+    return min((at for at, found in known.items() if found >= wanted - NEAR), key=known.get, default=None)
 
 
 class Source:
@@ -61,6 +49,8 @@ class Source:
 
     def __init__(self, given):
         self.given, self.container, folder = given, given.work / "source.lfold", given.work / "source"
+        # Fields of codecs at settings that a search has measured.
+        self.known = {}
         lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", "--clip", *CELLS, "--psnr", "200", "-o", self.container,
                     "--json")
         streams, width, height = pf.streams_of(lf.run_json(given.binary, "inspect", self.container, "--json"))
@@ -69,60 +59,66 @@ class Source:
         payloads = pf.read_dataset(given.kernels, folder, streams)
         self.film = pf.Film("color", width, height, "rgb24", 3, streams, payloads)
 
-    def differences(self, other, ssim="none"):
-        return lf.run_json(self.given.binary, "diff", self.container, other, "--allow-clipping", "--ssim", ssim, "--json",
-                           may_differ=True)
-
     def quality(self, codec):
         """Fields of a row."""
-        if isinstance(codec, pc.Lightfold):
-            other = codec.file
-        else:
+        setting = str(codec.options if isinstance(codec, pc.Lightfold) else getattr(codec, "quality", None))
+        key = (codec.label, setting)
+        if key not in self.known:
             other = self.given.work / "shown"
-            pf.write_dataset(other, self.manifest, self.film, codec.payloads())
-        found = self.differences(other, "every")["color"]
-        return {"psnr_db": float(found["psnr_db"]), "lowest_cell_db": float(found["min_cell_psnr_db"]), "ssim": found["ssim"],
-                "psnr_hvs_m_db": float(found["psnr_hvs_m_db"])}
+            if isinstance(codec, pc.Lightfold):
+                other = codec.file
+            else:
+                pf.write_dataset(other, self.manifest, self.film, codec.payloads())
+            self.known[key] = self.fields(other)
+        return self.known[key]
+
+    def fields(self, other):
+        report = lf.run_json(self.given.binary, "diff", self.container, other, "--allow-clipping", "--ssimulacra2", "--json",
+                             may_differ=True)
+        found = report["color"]
+        names = {"psnr_db": "psnr_db", "lowest_cell_db": "min_cell_psnr_db", "psnr_hvs_m_db": "psnr_hvs_m_db",
+                 "ssimulacra2": "ssimulacra2", "ssimulacra2_p10": "ssimulacra2_p10", "butteraugli": "butteraugli_3norm"}
+        if found["ssimulacra2"] is None:
+            raise pf.NotMeasured("no frame has a score")
+        return {name: float(found[key]) for name, key in names.items()}
+
+    def score(self, codec):
+        return self.quality(codec)["ssimulacra2"]
 
     def ours(self, label, options):
         return pc.OneThread(label, self.film, self.given, "color", options)
 
-    def encoded(self, options):
-        """A container by these options, for a search."""
-        container = self.given.work / "search.lfold"
-        lf.run_json(self.given.binary, "encode", self.given.manifest, "--stream", "color", "--clip", *options,
-                    "-o", container, "--json")
-        return container
-
-    def mean_psnr(self, container):
-        return float(self.differences(container)["color"]["psnr_db"])
-
-    def rival_at(self, label, value, wanted):
-        """A coder of ffmpeg where `value` of it, in dB, is what is wanted; None where no setting has it."""
+    def rival_at(self, label, value, wanted, known):
+        """A coder of ffmpeg where `value` of it is what is wanted; None where no setting has it."""
         codec = pc.PerStream(label, self.film, self.given.work)
         codec.open()
+        codec.at_once = int(self.given.threads)
 
-        def above(quality):
+        def measure(quality):
             codec.quality = quality
             codec.encode()
-            return value(codec) - wanted
-        coder = codec.coder
-        codec.quality = search(above, coder.start, coder.slope, (coder.lowest, coder.highest))
+            return value(codec)
+        codec.quality = search(measure, wanted, codec.coder.dial, known)
+        codec.at_once = 1
         return None if codec.quality is None else codec
 
-    def ours_at(self, label, options, setting, value, wanted):
-        """Ours where `value` of the container, in dB, is what is wanted; None where nothing that is set has it."""
-        sign = math.copysign(1, setting.slope)
-        above = lambda at: value(self.encoded([*options, *setting.arguments(sign * at)])) - wanted
-        at = search(above, sign * setting.start, abs(setting.slope), sorted(sign * limit for limit in setting.limits))
-        return None if at is None else self.ours(label, [*options, *setting.arguments(sign * at)])
+    def ours_at(self, label, value, wanted, known):
+        """Ours where `value` of it is what is wanted; None where no setting has it."""
+        options, dial = OURS[label]
+
+        def measure(setting):
+            codec = pc.Lightfold(label, self.film, self.given, "color", [*options, setting])
+            codec.encode()
+            return value(codec)
+        at = search(measure, wanted, dial, known)
+        return None if at is None else self.ours(label, [*options, at])
 
 
 def add(contest, label, asked, find):
     """The row of a codec that `find` answers, or one that says why there is none."""
     try:
         codec = find()
-        row = contest.add(codec) if codec else contest.missing(label, "no setting has this PSNR")
+        row = contest.add(codec) if codec else contest.missing(label, "no setting has this score")
     except pf.NotMeasured as error:
         row = contest.missing(label, error)
     except lf.Failed as error:
@@ -137,18 +133,16 @@ def one_thread(kind, label, source, coder):
     return codec
 
 
-def at_means(contest, source):
-    """Codecs with a setting of quality at each mean PSNR, the others as they are."""
-    film, given = source.film, source.given
+def at_scores(contest, source):
+    """Codecs with a setting of quality at each score, the others as they are."""
     for label, coder in (("hap", ["hap", "-format", "hap"]), ("hap_q", ["hap", "-format", "hap_q"])):
         add(contest, label, "–", lambda: one_thread(pc.Ffmpeg, label, source, ["-pix_fmt", "rgba", "-c:v", *coder]))
-    mean = lambda codec: psnr(given.kernels, film.payloads, codec.payloads())
-    for wanted in MEANS:
-        for label in pc.CODERS:
-            add(contest, label, f"{wanted}", lambda: source.rival_at(label, mean, wanted))
-        for label, options, setting in (("bc7 + LZMA2", [*BLOCKS, "--psnr-final", "20"], PSNR), ("transform", TRANSFORM, QP)):
-            label = f"lightfold, {label}"
-            add(contest, label, f"{wanted}", lambda: source.ours_at(label, options, setting, source.mean_psnr, wanted))
+    known = collections.defaultdict(dict)
+    for wanted in SCORES:
+        for labels, find in ((pc.CODERS, source.rival_at), (OURS, source.ours_at)):
+            for label in labels:
+                add(contest, label, f"{wanted}", lambda: find(label, source.score, wanted, known[label]))
+                contest.note(f"{label} at {wanted} {contest.rows[-1].note}".rstrip())
     add(contest, "ffv1", "lossless", lambda: one_thread(pc.Ffv1, "ffv1", source, ["-pix_fmt", "bgr0"]))
     for label, more in (("lightfold, cells + zstd", "--zstd"), ("lightfold, cells + LZMA2", "--lzma2")):
         add(contest, label, "lossless", lambda: source.ours(label, [*CELLS, "--psnr", "200", more]))
@@ -167,7 +161,7 @@ def at_promises(contest, source):
 def measure(source, name, runs):
     """The rows of a set's colour."""
     contest = Contest(name, "color")
-    at_means(contest, source)
+    at_scores(contest, source)
     at_promises(contest, source)
     contest.encode(runs[0])
     contest.check(source.quality)

@@ -16,7 +16,6 @@ SIGNATURES = [
     ("unswizzle", None, [None, ctypes.c_int, SIZE, None]),
     ("codes24", None, [None, None, SIZE, REAL, REAL, None]),
     ("compare", None, [None, None, ctypes.c_int, SIZE, REAL, REAL, None, None]),
-    ("squares", REAL, [None, None, SIZE]),
     ("png_rows", ctypes.c_int, [None, SIZE, SIZE, SIZE, None]),
     ("exr_unpredict", None, [None, SIZE, None]),
 ]
@@ -85,12 +84,6 @@ class Kernels:
         out = (REAL * 6)()
         self.c.compare(reference, got, wide, len(reference) // (4 if wide else 2), *near_far, source, out)
         return tuple(out)
-
-    def squares(self, a, b):
-        """Sum of squared differences of bytes."""
-        if len(a) != len(b):
-            raise ValueError(f"{len(b)} bytes came back of {len(a)}")
-        return self.c.squares(a, b, len(a))
 
     def png_rows(self, filtered, rows, row_bytes, step):
         """Rows of a PNG without their filters."""

@@ -5,7 +5,6 @@ import math
 import statistics
 import sys
 
-import png_images
 from peers_frames import NotMeasured
 
 
@@ -38,8 +37,11 @@ class Row:
     background_wrong: object = None
     psnr_db: object = None
     lowest_cell_db: object = None
-    ssim: object = None
     psnr_hvs_m_db: object = None
+    # Means of pictures, and the 10th percentile.
+    ssimulacra2: object = None
+    ssimulacra2_p10: object = None
+    butteraugli: object = None
     written_percent: object = None
     # Colour: what the codec was asked for, and pixels of all frames.
     asked: str = ""
@@ -79,13 +81,6 @@ def depth_errors(kernels, depth, codec):
     mean = lambda total: math.sqrt(total / compared) if compared else 0.0
     return {"max_error_codes": largest, "rms_error_codes": mean(squares), "max_error_m": largest_m,
             "rms_error_m": mean(squares_m), "background_wrong": int(background)}
-
-
-def psnr(kernels, wanted, found):
-    """dB of all samples of all frames."""
-    squares = sum(kernels.squares(a, b) for a, b in zip(wanted, found))
-    samples = sum(map(len, wanted))
-    return png_images.psnr_db(squares, samples)
 
 
 def add(times, seconds):
@@ -155,4 +150,7 @@ class Contest:
             self.say("decode", turn, runs + 1)
 
     def say(self, what, turn, turns):
-        print(f"{self.dataset} {self.stream}: {what} {turn + 1} of {turns}", file=sys.stderr)
+        self.note(f"{what} {turn + 1} of {turns}")
+
+    def note(self, words):
+        print(f"{self.dataset} {self.stream}: {words}", file=sys.stderr)

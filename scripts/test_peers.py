@@ -23,9 +23,9 @@ import peers_crops
 import peers_frames as pf
 import peers_table
 import png_images
-from peers_codecs import CODERS, Ffv1, PerStream, Rvl, Xz, Zstd, key_frames, x265
+from peers_codecs import CODERS, Dial, Ffv1, PerStream, Rvl, Xz, Zstd, key_frames, x265
 from peers_kernels import Kernels
-from peers_measure import Contest, Depth, Row, depth_errors, psnr
+from peers_measure import Contest, Depth, Row, depth_errors
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -148,10 +148,6 @@ class ErrorTest(unittest.TestCase):
         found = KERNELS.compare(packed([0], True), packed([2**24 - 2], True), (1.0, 2.0), None, True)
         self.assertAlmostEqual(found[0], 65534)
 
-    def test_psnr(self):
-        self.assertEqual(psnr(KERNELS, [b"abc"], [b"abc"]), math.inf)
-        self.assertAlmostEqual(psnr(KERNELS, [b"\0\0", b"\0\0"], [b"\xff\0", b"\0\0"]), 10 * math.log10(4))
-
 
 def filtered(rows, step):
     """Rows of a PNG, with every filter in turn."""
@@ -253,22 +249,22 @@ def color_film():
 
 class ColorTest(unittest.TestCase):
     def test_a_search_comes_near_from_both_sides(self):
-        tried = []
-
-        def measure(at):
-            tried.append(at)
-            return 10 * math.log(at) - 20
-        for start in (0.5, 7.0, 40.0):
-            tried.clear()
-            found = peers_color.search(measure, start, 1.0, (0.1, 60))
-            self.assertLessEqual(abs(measure(found)), peers_color.NEAR)
-            self.assertLessEqual(len(tried), peers_color.TRIES)
+        measure = lambda at: 100 - 50 * math.exp(-at / 20)
+        for start in (0.5, 7.0, 59.0):
+            known = {}
+            for wanted in (70, 80, 90):
+                found = peers_color.search(measure, wanted, Dial(start, 1.0, 0, 60), known)
+                self.assertLessEqual(abs(measure(found) - wanted), peers_color.NEAR)
+            # What is known of one score serves the next.
+            self.assertLessEqual(len(known), 2 * peers_color.TRIES)
 
     def test_a_search_knows_what_cannot_be_reached(self):
-        self.assertIsNone(peers_color.search(lambda at: at - 70, 30, 1.0, (0, 63)))
-        # A step in what is measured: the lowest setting above it.
-        found = peers_color.search(lambda at: -2.0 if at < 21.5 else 3.0, 30, 1.0, (0, 63))
+        dial = Dial(30, 1.0, 0, 63)
+        self.assertIsNone(peers_color.search(lambda at: at, 70, dial, {}))
+        # A step in what is measured: the lowest setting above it. What does not come down is shown at its fewest.
+        found = peers_color.search(lambda at: 60.0 if at < 21.5 else 75.0, 70, dial, {})
         self.assertGreaterEqual(found, 21.5)
+        self.assertEqual(peers_color.search(lambda at: 80 + at, 70, dial, {}), 0)
 
     def test_coders_have_a_file_for_each_stream(self):
         film = color_film()
@@ -285,11 +281,20 @@ class ColorTest(unittest.TestCase):
                 sizes.append(codec.size())
             self.assertLess(*sizes)
             self.assertEqual(len({file.read_bytes()[:4] for file in codec.files}), 1)
-            self.assertGreater(psnr(KERNELS, film.payloads, codec.payloads()), 30)
+            wanted, found = (b"".join(payloads) for payloads in (film.payloads, codec.payloads()))
+            squares = sum((a - b) ** 2 for a, b in zip(wanted, found))
+            self.assertGreater(png_images.psnr_db(squares, len(wanted)), 30)
 
     def test_libaom_mixes_whole_steps(self):
         steps = [CODERS["libaom, cpu-used 6"].options(30.25, at / 8)[5] for at in range(8)]
         self.assertEqual(steps, ["33"] * 6 + ["32"] * 2)
+
+    def test_the_smoothest_and_the_busiest_place_are_found(self):
+        plain, slope, noise = (bytes(of(x, y) for y in range(64) for x in range(64) for _ in range(3)) for of in (
+            lambda x, y: 9, lambda x, y: x // 2, lambda x, y: (x * 37 + y * 91) % 251))
+        streams = [pf.Stream("a", face, 0, 1) for face in ("px", "nx", "py")]
+        film = pf.Film("color", 64, 64, "rgb24", 3, streams, [noise, plain, slope])
+        self.assertEqual(peers_crops.places(film), {"smoothest": (2, 0, 0, 0), "busiest": (0, 0, 0, 0)})
 
     def test_crops_show_each_pixel_many_times(self):
         film = color_film()
@@ -359,7 +364,7 @@ class TableTest(unittest.TestCase):
         lossy = Row("set", "depth", "x265 crf 10", None, 1_000_000, [1.0], [0.008], 12.5, 1.25, 0.5, 0.125, 3, written_percent=100.0)
         why = "not measured: cjxl is not installed (apt-get install libjxl-tools)"
         missing = Row("set", "depth", "libjxl -d 0", 0, note=why)
-        color = Row("set", "color", "hap", None, 5400, [2.0], [0.5], psnr_db=math.inf, asked="–", pixels=3_000_000)
+        color = Row("set", "color", "hap", None, 5400, [2.0], [0.5], ssimulacra2=81.25, psnr_db=math.inf, asked="–", pixels=3_000_000)
         promised = Row("set", "color", "lightfold", None, 5400, asked="every cell 40", lowest_cell_db=40.011)
         return [found, lossy, missing, color, promised]
 
@@ -376,9 +381,9 @@ class TableTest(unittest.TestCase):
         text, colors = (peers_table.markdown(self.rows(), "a machine", stream) for stream in ("depth", "color"))
         for table in (part for part in f"{text}\n\n{colors}".split("\n\n") if part.startswith("|")):
             self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
-        self.assertIn("| set | – | hap | 5 | inf |  |  |  | 1.5 | 6 |", colors)
-        self.assertIn("|\n\n| set | dB asked |", colors)
-        self.assertIn("| set | every cell 40 | lightfold | 5 |  | 40.01 |", colors)
+        self.assertIn("| set | – | hap | 5 | 81.25 |  |  |  | inf |  | 1.5 | 6 |", colors)
+        self.assertIn("|\n\n| set | asked |", colors)
+        self.assertIn("| set | every cell 40 | lightfold | 5 |  |  |  |  |  | 40.01 |", colors)
         self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 100.0 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
         self.assertNotIn("<details>", text)
         second = [Row("other", "depth", "lightfold --max-error 0", 0, 5, [1.0], [1.0])]

@@ -7,7 +7,7 @@ use crate::cli::{ExitStatus, GlobalArgs, diff_text};
 use crate::color::quality::MOST_QUALITY;
 use crate::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::decode::Selection;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::report::coding_map::counted;
@@ -68,6 +68,9 @@ pub struct Args {
     /// Frames of each stream to compute SSIM and PSNR-HVS-M for (8-bit colour; slow)
     #[arg(long, value_parser = one_of(SSIM), default_value = "sampled")]
     pub ssim: SsimFrames,
+    /// Score the same frames by SSIMULACRA2 and butteraugli, too, where sides below 256 pixels are mirrored (8-bit sRGB; slower)
+    #[arg(long)]
+    pub ssimulacra2: bool,
     /// Print a row for every stream [default: up to 12 streams]
     #[arg(long)]
     pub streams: bool,
@@ -113,6 +116,11 @@ fn parse_quality(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
+    if args.ssimulacra2 && (args.hdr || args.ssim == SsimFrames::None) {
+        return Err(Error::Usage(
+            "--ssimulacra2 scores 8-bit frames of --ssim: leave out --hdr and --ssim none".into(),
+        ));
+    }
     let selection = Selection {
         probes: args.probe.clone(),
         faces: args.face.clone(),
@@ -125,6 +133,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         measure: if args.exact { Measure::Bits } else { Measure::Codes },
         color: if args.hdr { ColorDomain::Half { white_cd_m2: args.white } } else { ColorDomain::AsCoded },
         ssim: args.ssim,
+        ssimulacra2: args.ssimulacra2,
         allow_clipping: args.allow_clipping,
         memory: args.memory.get(),
     };
@@ -148,6 +157,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             "{} of both sides did not fit 8 bits and were clipped: --hdr compares half floats",
             counted(total.clipped_pixels, "colour pixel")
         ));
+    }
+    if args.ssimulacra2 && comparison.color().is_some_and(|total| total.eye.pictures() == 0) {
+        output::note("nothing was scored by SSIMULACRA2: codes of 8-bit sRGB alone are");
     }
     output::print_either(args.json, &output::with_memory(comparison.report(&sides, &judgement)), text)?;
     Ok(if judgement.failed { ExitStatus::Failed } else { ExitStatus::Passed })

@@ -236,6 +236,15 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     ];
     let counts = counts.into_iter().filter(|(_, count, _)| *count > 0);
     let mut notes: Vec<String> = counts.map(|(of, count, what)| format!("{of} {}", counted(count, what))).collect();
+    if let Some(eye) = color.as_ref().map(|total| &total.eye)
+        && let [Some(mean), Some(p10), Some(butteraugli)] =
+            [eye.ssimulacra2(), eye.ssimulacra2_p10(), eye.butteraugli_3norm()]
+    {
+        notes.push(format!(
+            "SSIMULACRA2 {mean:.2}, 10th percentile {p10:.2}, butteraugli (3-norm) {butteraugli:.3}: of {}",
+            counted(eye.pictures(), "image")
+        ));
+    }
     for missing in comparison.missing.iter().take(MISSING_LINES) {
         notes.push(format!("only in {}: {} frames {}", side_name(missing.only_in), missing.id, range(missing.frames)));
     }

@@ -7,7 +7,7 @@ use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::StreamId;
 use crate::image::{FrameRange, StreamKind};
 use crate::metrics::depth_error::{DepthErrors, Spot, finite_or_nan};
-use crate::metrics::{HvsError, SquaredError};
+use crate::metrics::{EyeScores, HvsError, SquaredError};
 
 /// Frames of a stream that only one side has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -33,7 +33,7 @@ pub fn side_name(side: usize) -> &'static str {
     if side == 0 { "A" } else { "B" }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Measured {
     Depth(DepthErrors),
     Color(SampleErrors),
@@ -135,6 +135,7 @@ pub struct SampleTotal {
     pub ssim_frames: u64,
     /// Of the same frames.
     pub psnr_hvs_m_db: Option<f64>,
+    pub eye: EyeScores,
     pub differing_pixels: u64,
     /// Pixels that 8 bits clipped.
     pub clipped_pixels: u64,
@@ -201,7 +202,11 @@ impl Comparison {
         let ssim_frames = sum(|errors| errors.ssim_frames);
         let ssim_sum: f64 = all.iter().map(|(_, errors)| errors.ssim_sum).sum();
         let mut hvs = HvsError::default();
-        all.iter().for_each(|(_, errors)| hvs.merge(&errors.hvs));
+        let mut eye = EyeScores::default();
+        for (_, errors) in &all {
+            hvs.merge(&errors.hvs);
+            eye.merge(&errors.eye);
+        }
         (!all.is_empty()).then(|| SampleTotal {
             psnr_db: finite_or_nan(psnr_of_all(all.iter().map(|(_, errors)| errors.error)), has_other_bits),
             lowest_frame: lowest(|errors| errors.lowest_frame),
@@ -212,6 +217,7 @@ impl Comparison {
             ssim: (ssim_frames > 0).then(|| ssim_sum / ssim_frames as f64),
             ssim_frames,
             psnr_hvs_m_db: hvs.psnr_db(),
+            eye,
             differing_pixels: sum(|errors| errors.differing_pixels),
             clipped_pixels: sum(|errors| errors.clipped_pixels),
         })

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::image::{ColorPlane, Plane};
 use crate::metrics::depth_error::{Spot, finite_or_nan};
 use crate::metrics::visible::{quality_of, visible_error};
-use crate::metrics::{HvsError, SquaredError, U8_PEAK};
+use crate::metrics::{EyeScores, HvsError, SquaredError, U8_PEAK};
 
 pub trait Level: Copy + PartialEq {
     fn steps(self) -> i32;
@@ -55,7 +55,7 @@ pub struct Lowest {
     pub spot: Spot,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SampleErrors {
     /// Largest error of a sample in the metric's steps: 8-bit codes, or 64ths of PU21.
     pub max_error: u32,
@@ -72,6 +72,8 @@ pub struct SampleErrors {
     pub ssim_frames: u64,
     /// Of the same frames.
     pub hvs: HvsError,
+    /// Of the same frames in 8-bit sRGB, where they are asked for.
+    pub eye: EyeScores,
     /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,
     /// Whether values differ, of both sides' files or where bits were compared.
@@ -106,6 +108,7 @@ impl SampleErrors {
             ssim_sum: 0.0,
             ssim_frames: 0,
             hvs: HvsError::default(),
+            eye: EyeScores::default(),
             clipped_pixels: 0,
             has_other_bits: false,
         }

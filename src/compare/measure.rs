@@ -14,9 +14,11 @@ use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideForm, SideReader, SideStream, Values};
 use crate::depth::DepthRange;
 use crate::error::{Error, Result};
+use crate::image::primaries::Primaries;
+use crate::image::transfer::Transfer;
 use crate::image::{FrameRange, Plane, StreamKind};
 use crate::memory::{Budget, Need};
-use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, ssim_rgb8};
+use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, scoring_bytes, ssim_rgb8};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::ColorFormat;
@@ -63,6 +65,8 @@ pub struct CompareSettings {
     pub measure: Measure,
     pub color: ColorDomain,
     pub ssim: SsimFrames,
+    /// Scores the same frames by SSIMULACRA2 and butteraugli, too.
+    pub ssimulacra2: bool,
     /// Compares clipped codes of light that does not fit 8 bits. Otherwise codes go on beyond 255 and below 0; SSIM and PSNR-HVS-M
     /// are always of clipped codes.
     pub allow_clipping: bool,
@@ -82,7 +86,7 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
             .collect::<Result<Vec<_>>>()?;
         let alone: Vec<Pair<'_>> = pairs.iter().map(|(pair, _)| *pair).collect();
         visit(pairing.sides, &alone, monitor, |at, frame, images| {
-            work[at].add(frame, images, settings.ssim)?;
+            work[at].add(frame, images, settings)?;
             monitor.advance(1);
             Ok(())
         })?;
@@ -107,14 +111,24 @@ fn streams_at_once(pairing: &Pairing<'_>, settings: &CompareSettings) -> Result<
             if pairing.sides[at].form == SideForm::Container { bytes.sum() } else { bytes.max().unwrap_or(0) }
         };
         let of_pair = |pair: &Pair<'_>| {
-            let [width, height] = pair.streams[0].size.map(u64::from);
-            width * height * comparing_bytes(pair, settings)
+            let stream = pair.streams[0];
+            let [width, height] = stream.size.map(u64::from);
+            let scores = settings.ssimulacra2 && stream.id.kind == StreamKind::Color;
+            width * height * comparing_bytes(pair, settings) + if scores { scoring_bytes(stream.size) } else { 0 }
         };
         of_side(0) + of_side(1) + pairs.iter().map(of_pair).max().unwrap_or(0)
     };
     let each = pairing.pairs.chunk_by(Pair::shares_files).map(of_run).max().unwrap_or(0);
     let fixed = pairing.sides.iter().map(Side::open_bytes).sum();
-    memory.at_once(&Need { what: "comparing", fixed, each, instead: "" }, rayon::current_num_threads())
+    memory.at_once(
+        &Need {
+            what: "comparing",
+            fixed,
+            each,
+            instead: if settings.ssimulacra2 { "leave out `ssimulacra2`" } else { "" },
+        },
+        rayon::current_num_threads(),
+    )
 }
 
 fn visit(
@@ -178,6 +192,8 @@ struct PairComparison {
     report: StreamReport,
     converters: [Converter; 2],
     metric: Option<Pu21>,
+    /// Whether codes are those of sRGB.
+    is_srgb: bool,
 }
 
 impl PairComparison {
@@ -202,12 +218,19 @@ impl PairComparison {
             },
             bits: (settings.measure == Measure::Bits).then(BitErrors::default),
         };
-        let color = ComparedColor { primaries: domain.primaries(sides), allows_clipping: settings.allow_clipping };
+        let primaries = domain.primaries(sides);
+        let is_srgb = match domain.coding {
+            Coding::Color(ColorFormat::EightBit(tone), _) => {
+                tone.transfer == Transfer::Srgb && primaries == Primaries::REC709
+            }
+            _ => false,
+        };
+        let color = ComparedColor { primaries, allows_clipping: settings.allow_clipping };
         let converters = [0, 1].map(|at| Converter::new(domain.coding, (&sides[at], pair.streams[at]), color));
-        Ok(PairComparison { report, converters, metric })
+        Ok(PairComparison { report, converters, metric, is_srgb })
     }
 
-    fn add(&mut self, frame: u32, images: [Image; 2], wanted: SsimFrames) -> Result<()> {
+    fn add(&mut self, frame: u32, images: [Image; 2], settings: &CompareSettings) -> Result<()> {
         if let Some(bits) = &mut self.report.bits {
             let values: [Values; 2] = [0, 1].map(|at| self.converters[at].values(&images[at]));
             bits.add(frame, &values[0], &values[1])?;
@@ -247,12 +270,15 @@ impl PairComparison {
                     }
                 }
                 errors.clipped_pixels += a.clipped_pixels + b.clipped_pixels;
-                if wants_ssim(wanted, frame, self.report.frames) {
+                if wants_ssim(settings.ssim, frame, self.report.frames) {
                     if let Some(ssim) = ssim(plane, other)? {
                         errors.ssim_sum += ssim;
                         errors.ssim_frames += 1;
                     }
                     errors.hvs.merge(&HvsError::of_rgb8(plane, other)?);
+                    if settings.ssimulacra2 && self.is_srgb {
+                        errors.eye.add(plane, other)?;
+                    }
                 }
             }
             (Measured::Color(errors), Converted::Half(a), Converted::Half(b)) => {

@@ -14,6 +14,7 @@ use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{Coding, Side, StreamId};
 use crate::image::{FrameRange, StreamKind};
 use crate::json::Number;
+use crate::metrics::EyeScores;
 use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::streams::ColorFormat;
 
@@ -66,6 +67,13 @@ struct DepthTotal<'a> {
 }
 
 #[derive(Debug, Serialize)]
+struct Eye {
+    ssimulacra2: Option<f64>,
+    ssimulacra2_p10: Option<f64>,
+    butteraugli_3norm: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
 struct ColorTotal<'a> {
     psnr_db: Number,
     min_psnr_db: Option<Number>,
@@ -77,6 +85,8 @@ struct ColorTotal<'a> {
     ssim: Option<f64>,
     ssim_frames: u64,
     psnr_hvs_m_db: Option<Number>,
+    #[serde(flatten)]
+    eye: Eye,
     differing_pixels: u64,
     clipped_pixels: u64,
     worst: Option<Place<'a>>,
@@ -145,6 +155,8 @@ struct ColorErrors {
     ssim: Option<f64>,
     ssim_frames: u64,
     psnr_hvs_m_db: Option<Number>,
+    #[serde(flatten)]
+    eye: Eye,
     clipped_pixels: u64,
 }
 
@@ -234,6 +246,7 @@ impl Comparison {
             ssim: total.ssim,
             ssim_frames: total.ssim_frames,
             psnr_hvs_m_db: total.psnr_hvs_m_db.map(Number),
+            eye: Eye::new(&total.eye),
             differing_pixels: total.differing_pixels,
             clipped_pixels: total.clipped_pixels,
             worst: self.worst_of(total),
@@ -274,6 +287,16 @@ impl<'a> StreamErrors<'a> {
     }
 }
 
+impl Eye {
+    fn new(scores: &EyeScores) -> Eye {
+        Eye {
+            ssimulacra2: scores.ssimulacra2(),
+            ssimulacra2_p10: scores.ssimulacra2_p10(),
+            butteraugli_3norm: scores.butteraugli_3norm(),
+        }
+    }
+}
+
 impl LevelErrors {
     fn new(errors: &SampleErrors, domain: &Domain) -> LevelErrors {
         let is_half = matches!(domain.coding, Coding::Color(ColorFormat::Half { .. }, _));
@@ -300,6 +323,7 @@ impl ColorErrors {
             ssim: errors.ssim(),
             ssim_frames: errors.ssim_frames,
             psnr_hvs_m_db: errors.hvs.psnr_db().map(Number),
+            eye: Eye::new(&errors.eye),
             clipped_pixels: errors.clipped_pixels,
         }
     }

@@ -290,6 +290,7 @@ fn bounds_that_were_encoded_hold_and_tighter_ones_do_not() {
         assert_eq!(report["color"]["ssim_frames"], 16);
         assert!(number("color", "ssim") < 1.0);
         assert!((30.0..100.0).contains(&number("color", "psnr_hvs_m_db")), "{report}");
+        assert_eq!(report["color"]["ssimulacra2"], Value::Null);
         for broken in [format!("--min-psnr {}", frame + 1e-6), format!("--min-cell-psnr {}", cell + 1e-6)] {
             let (code, report) = bench.json(&format!("set {b} {broken} --ssim none"));
             assert_eq!((code, report["broken"].as_array().unwrap().len()), (1, 1));
@@ -299,6 +300,22 @@ fn bounds_that_were_encoded_hold_and_tighter_ones_do_not() {
     }
     assert_eq!(bench.run("out lossy.lfold --exact").0, 0);
     assert_eq!(bench.run("set lossy.lfold --exact").0, 1);
+}
+
+#[test]
+fn pictures_are_scored_where_it_is_asked_for() {
+    let bench = Bench::new();
+    bench.encode("set", "lossy.lfold", |settings| settings.search.target = Target::Psnr(30.0));
+    let (code, report) = bench.json("set lossy.lfold --stream color --ssimulacra2");
+    assert_eq!(code, 0, "{report}");
+    let of = |key: &str| report["color"][key].as_f64().unwrap();
+    assert!(of("ssimulacra2_p10") <= of("ssimulacra2") && of("ssimulacra2") < 100.0, "{report}");
+    assert!(of("butteraugli_3norm") > 0.0, "{report}");
+    let (_, report) = bench.json("lossy.lfold lossy.lfold --stream color --ssimulacra2");
+    assert_eq!((&report["color"]["ssimulacra2"], &report["color"]["butteraugli_3norm"]), (&100.0.into(), &0.0.into()));
+    for refused in ["--ssim none", "--hdr"] {
+        bench.refused(&format!("set lossy.lfold --ssimulacra2 {refused}"), "leave out --hdr and --ssim none");
+    }
 }
 
 #[test]

@@ -43,7 +43,7 @@ const REPORTS: &[(&str, &str)] = &[
     ("decode", "decode room.lfold --null --keep-going --json"),
     ("decode", "decode room.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats --json"),
     ("diff", "diff room decoded --json"),
-    ("diff", "diff room exact.lfold --json --streams --max-error 0 --ssim every"),
+    ("diff", "diff room exact.lfold --json --streams --max-error 0 --ssim every --ssimulacra2"),
     ("diff", "diff decoded decoded --exact --json"),
     ("render", "render room.lfold --eye 0,1.5,0.1 --look-at 2,1.3,0 --size 16 --null --json"),
     ("render", "render room.lfold --reference room --reference-probe 00 --null --stats --json"),
