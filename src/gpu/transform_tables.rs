@@ -79,6 +79,7 @@ pub fn of_format() -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::color::transform::contexts::{CONTEXTS, FAMILIES};
+    use crate::color::transform::tables::BUILT_IN;
     use crate::gpu::layout;
 
     #[test]

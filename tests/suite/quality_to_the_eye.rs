@@ -272,14 +272,15 @@ fn seen(films: &[Film]) -> Seen {
     }
 }
 
+/// Most flicker where a chunk ends.
+const MAX_FLICKER_OF_CHUNKS: f64 = 0.2;
+
 /// Most that may be seen of a scene.
 struct Bounds {
     kind: DemoKind,
     /// Lines of cells, regions, and blocks of 16, 8 and 4 pixels.
     borders: [f64; 5],
     flicker: f64,
-    /// Flicker where a chunk ends.
-    chunks: f64,
 }
 
 #[test]

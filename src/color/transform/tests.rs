@@ -9,6 +9,7 @@ use crate::color::transform::payload::Layout;
 use crate::color::transform::region::{
     PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, most_items, parsed_bytes,
 };
+use crate::color::transform::tables::BUILT_IN;
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -28,7 +29,7 @@ fn certain(of: impl Fn(usize) -> usize) -> Tables {
 
 /// A payload of the stream's own set for so many regions, whose substreams are all the same.
 fn payload(regions: usize, substream: &[u8]) -> Vec<u8> {
-    let mut bytes = [vec![4, 80, 80, 3, 0xfd, 0x80], vec![0x88; regions.div_ceil(2)]].concat();
+    let mut bytes = [vec![BUILT_IN as u8, 80, 80, 3, 0xfd, 0x80], vec![0x88; regions.div_ceil(2)]].concat();
     (1..regions).for_each(|_| bytes.put_varint(substream.len() as u64));
     (0..regions).for_each(|_| bytes.extend_from_slice(substream));
     bytes
