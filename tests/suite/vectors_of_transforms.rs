@@ -375,7 +375,11 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 
     let (small, wide) = (|payload| by_hand([6, 5], 2, payload), |payload| by_hand([40, 5], 2, payload));
     all.push(("transform-no-bytes", small(vec![]), "1 more bytes expected"));
-    all.push(("transform-table-set", small([vec![4], headed(&[])[1..].to_vec()].concat()), "table set 4"));
+    all.push((
+        "transform-table-set",
+        small([vec![BUILT_IN as u8], headed(&[])[1..].to_vec()].concat()),
+        "table set 10",
+    ));
     all.push(("transform-header-cut", small(headed(&[])[..5].to_vec()), "1 more bytes expected"));
     all.push(("transform-offset-set", small(vec![0, 84, 89, 3, 0, 0x20, 0x88]), "set 2 of frequency offsets"));
     all.push(("transform-deltas-cut", small(headed(&[])[..6].to_vec()), "1 more bytes expected"));
