@@ -401,9 +401,13 @@ test("a transform chunk on the device is its fields and whole words of its regio
   // A substream of no bytes is the first state: all symbols are 0, and take no bits.
   const frequencies = [...colorModel().alphabets].flatMap((count) => [4096, ...Array<number>(count - 2).fill(0)]);
   const tables = readTables("color", 1, () => frequencies.shift() ?? 0);
-  const empty = Uint8Array.of(4, ...payload.subarray(1, 5), 0);
+  const sets = colorModel().builtIn.length;
+  const empty = Uint8Array.of(sets, ...payload.subarray(1, 5), 0);
   const short = prepareColor({ ...header, coding: { name: "transform", tables } }, empty, { ...area, frames: 1 });
-  assert.deepEqual([short.stream[0], ...short.stream.subarray(headerWords - 2)], [4 * SET_WORDS, 96, 93, 98, 0x10000]);
+  assert.deepEqual(
+    [short.stream[0], ...short.stream.subarray(headerWords - 2)],
+    [sets * SET_WORDS, 96, 93, 98, 0x10000],
+  );
 });
 
 test("tables of the device are those of the kernels", () => {
@@ -413,8 +417,9 @@ test("tables of the device are those of the kernels", () => {
   );
   const { words, firstSets } = transformTables(headers);
   const first = firstSets[0];
-  assert.deepEqual(firstSets, [first, first + 4 * SET_WORDS, first, first + 4 * SET_WORDS]);
-  assert.equal(words.length, first + 9 * SET_WORDS);
+  const sets = colorModel().builtIn.length;
+  assert.deepEqual(firstSets, [first, first + sets * SET_WORDS, first, first + sets * SET_WORDS]);
+  assert.equal(words.length, first + (2 * sets + 1) * SET_WORDS);
   const { SUM_CLASSES_AT, SCAN_AT, CLUSTERS_AT } = CONSTANTS;
   assert.deepEqual([...words.subarray(SUM_CLASSES_AT, SUM_CLASSES_AT + 12)], [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7]);
   // Places of 4x4 in the order of color.md 6.6.
