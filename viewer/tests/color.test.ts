@@ -453,7 +453,7 @@ test("tables of the device are those of the kernels", () => {
     assert.equal(words[at + points * points - 1] | 0, Math.round(expected));
   }
   // Symbols of an own set with frequencies of 7 but for the last: four of a node, then none.
-  const nodes = Array.from(words.subarray(firstSets[1] + 4 * SET_WORDS, firstSets[1] + 4 * SET_WORDS + 5));
+  const nodes = Array.from(words.subarray(firstSets[1] + sets * SET_WORDS, firstSets[1] + sets * SET_WORDS + 5));
   assert.deepEqual(
     nodes.map((word) => [word & 0xffff, word >>> 16]),
     [
