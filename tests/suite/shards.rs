@@ -145,7 +145,7 @@ fn what_is_missing_or_does_not_belong_is_named() {
     assert!(other_cut.is_none(), "two probes cannot make four shards");
     let message = refused(&[&shards(&footage, 2, ShardBy::Time).unwrap()[..1], &files[..1]].concat());
     assert!(message.contains("different divisions") || message.contains("overlap"), "{message}");
-    footage.settings.search.target = Target::Quality(78.0);
+    footage.settings.search.target = Target::Quality(79.0);
     let others = shards(&footage, 4, ShardBy::Segment).unwrap();
     let message = refused(&[&files[..3], &others[3..]].concat());
     assert!(message.contains("a shard of another encode"), "{message}");
