@@ -72,7 +72,7 @@ pub struct SampleErrors {
     pub ssim_frames: u64,
     /// Of the same frames.
     pub hvs: HvsError,
-    /// Of the same frames in 8-bit sRGB, where they are asked for.
+    /// SSIMULACRA2 and butteraugli of the same frames in 8-bit sRGB, where they are asked for.
     pub eye: EyeScores,
     /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,

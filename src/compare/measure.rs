@@ -192,7 +192,7 @@ struct PairComparison {
     report: StreamReport,
     converters: [Converter; 2],
     metric: Option<Pu21>,
-    /// Whether codes are those of sRGB.
+    /// True where codes are those of sRGB.
     is_srgb: bool,
 }
 

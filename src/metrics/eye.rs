@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::image::Plane;
 
 /// Shortest side that is scored as it is. SSIMULACRA2 weighs six scales, and is void with fewer: shorter sides are mirrored.
-const LEAST_SIDE: u32 = 256;
+const MIN_SIDE: u32 = 256;
 /// Bytes that scoring takes for each pixel of a pair of pictures, as measured.
 const PIXEL_BYTES: u64 = 160;
 
 /// Scores of pictures.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EyeScores {
-    /// Of each picture; 100 where both are equal.
+    /// SSIMULACRA2 of each picture; 100 where both are equal.
     ssimulacra2: Vec<f64>,
     /// Sum of the 3-norms of all pictures; 0 where both are equal.
     butteraugli: f64,
@@ -105,7 +105,7 @@ fn butteraugli_3norm(pictures: &[Plane<[u8; 3]>; 2]) -> Result<f64> {
 
 /// How often a side is repeated.
 fn copies(side: u32) -> u32 {
-    LEAST_SIDE.div_ceil(side.max(1)).next_power_of_two()
+    MIN_SIDE.div_ceil(side.max(1)).next_power_of_two()
 }
 
 /// A picture and its mirror images, side by side, until no side is too short.

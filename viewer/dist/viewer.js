@@ -1222,7 +1222,7 @@ fn keys_of_channels(channels: vec3i, fraction: u32) -> vec3i {
 `;var rn=`// Samples of 8 bits in the transform codec: \`Domain::BYTES\` of src/color/transform/domain.rs.
 
 const FRACTION_BITS: u32 = 6u;
-// Of channels of pixels where steps follow the eye.
+// Fraction bits of the channels of pixels where steps follow the eye.
 const FINE_BITS: u32 = 4u;
 const KEY_BITS: u32 = 8u;
 const MIDDLE: i32 = 128;

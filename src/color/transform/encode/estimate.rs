@@ -14,7 +14,7 @@ const LEVELS: usize = 4;
 const BLOCK_BITS: f32 = 8.0;
 const SPLIT_BITS: f32 = 2.0;
 /// Share of the greatest variance of a channel below which a channel is left out.
-const LEAST_VARIANCE: f32 = 0.1;
+const MIN_VARIANCE: f32 = 0.1;
 
 /// Estimated costs in steps² + λ·bits: of a block as one, and of the best partition below it.
 #[derive(Debug)]
@@ -120,14 +120,14 @@ impl Estimates {
     }
 }
 
-/// Channels whose variance, in steps², is no less than [`LEAST_VARIANCE`] of that of the one that varies most: chroma mostly splits where
+/// Channels whose variance, in steps², is no less than [`MIN_VARIANCE`] of that of the one that varies most: chroma mostly splits where
 /// luma does.
 fn busy_channels(source: &RegionSource, scales: &Scales) -> Vec<usize> {
     let side = source.root.shape.side();
     let still = Shape { frames: 1, ..source.root.shape };
     let variance = |channel: usize| source.variances[channel] * scales.of(channel, still)[side / 2].powi(2);
     let greatest = (0..CHANNELS).map(variance).fold(0.0, f32::max);
-    (0..CHANNELS).filter(|&channel| variance(channel) >= LEAST_VARIANCE * greatest).collect()
+    (0..CHANNELS).filter(|&channel| variance(channel) >= MIN_VARIANCE * greatest).collect()
 }
 
 /// Gives each run of frames that a partition can have an index, from `next` on; answers the index after the last.

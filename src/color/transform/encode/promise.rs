@@ -25,7 +25,7 @@ use crate::effort::Effort;
 use crate::entropy::Encoder;
 use crate::metrics::visible::{error_of, visible_error};
 
-/// Table set that levels are priced with where no chunk before tells: one that prices levels high, as of sparse chunks, drops textures.
+/// Table set whose prices the first search uses. Sets of sparse chunks price levels too high, and textures are lost.
 const USUAL_SET: usize = 1;
 /// λ in steps² a bit.
 const LAMBDA: f32 = 0.09;

@@ -22,7 +22,7 @@ pub struct RegionSource {
     pub keys: Vec<Color>,
     /// Spatial coefficients by level of the block size: channel, frame, block row by row, row by row.
     spatial: Vec<Vec<f32>>,
-    /// Of the samples of each channel.
+    /// Variance of the samples of each channel.
     pub variances: [f32; CHANNELS],
 }
 
