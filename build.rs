@@ -102,17 +102,24 @@ fn binding_source(row: &Value) -> String {
     rows(&row["bindings"]).iter().map(name_and_type).map(binding).collect()
 }
 
+/// The static of a kernel or drawing.
+#[cfg(feature = "gpu")]
+fn constant_name(name: &str) -> String {
+    name.to_uppercase().replace('-', "_")
+}
+
 /// The kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
 #[cfg(feature = "gpu")]
 fn kernel_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
     for row in rows(&table["kernels"]) {
         let name = text(&row["name"]);
-        let constant = name.to_uppercase().replace('-', "_");
+        let constant = constant_name(name);
         let (files, bindings) = (file_source(row), binding_source(row));
+        let reader = row.get("reader").map_or("None".into(), |name| format!("Some(&{})", constant_name(text(name))));
         out += &format!(
             "/// {}\npub static {constant}: Kernel = Kernel {{ name: {name:?}, entry: {:?}, files: &[{files}], \
-             bindings: &[{bindings}], workgroup: {} }};\n",
+             bindings: &[{bindings}], workgroup: {}, reader: {reader} }};\n",
             text(&row["about"]),
             text(&row["entry"]),
             row["workgroup"],
@@ -128,7 +135,7 @@ fn drawing_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
     for row in rows(&table["drawings"]) {
         let name = text(&row["name"]);
-        let constant = name.to_uppercase().replace('-', "_");
+        let constant = constant_name(name);
         let mut targets = String::new();
         for (name, blending) in rows(&row["targets"]).iter().map(name_and_type) {
             let blending = match blending {

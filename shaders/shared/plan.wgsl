@@ -1,12 +1,16 @@
 // What planning kernels share: the size of the dispatch that follows. Needs `items`, `jobs` and `dispatch`.
 
+// Workgroups along x and y for so many in all.
+fn groups_of(count: u32) -> vec2u {
+    let across = clamp(count, 1u, MAX_GROUPS);
+    return vec2u(across, (count + across - 1u) / across);
+}
+
 // Says how much work there is; one invocation calls it.
 fn finish_plan(total: u32) {
     jobs.total = total;
     jobs.count = items.count;
-    let groups = (total + WORKGROUP - 1u) / WORKGROUP;
-    let across = clamp(groups, 1u, MAX_GROUPS);
-    dispatch.x = across;
-    dispatch.y = (groups + across - 1u) / across;
-    dispatch.z = 1u;
+    let shared_groups = groups_of((total + WORKGROUP - 1u) / WORKGROUP);
+    let own_groups = groups_of(total);
+    dispatch = Dispatch(shared_groups.x, shared_groups.y, 1u, own_groups.x, own_groups.y, 1u);
 }

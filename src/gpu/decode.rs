@@ -20,7 +20,8 @@ use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::Pipeline;
 use crate::gpu::family::{Family, PixelWords};
-use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, list_of, words_of};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WORDS, State, Unit, list_of, words_of};
 use crate::gpu::prepare::{self, KernelOf, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, ResidentChunk};
 use crate::gpu::transform_tables::TransformTables;
@@ -38,6 +39,8 @@ const ROUNDS_TOGETHER: u32 = 64;
 /// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there
 /// are pixels.
 const MOST_WORK: u64 = 1 << 31;
+/// Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more.
+const SCRATCH_BYTES: u64 = 256 << 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitFrame {
@@ -73,8 +76,6 @@ pub struct GpuDecoder<'a> {
     /// Pixels that the last call wrote, by unit.
     written: Vec<u64>,
     buffers: Buffers,
-    plan: Arc<Pipeline>,
-    kernel: Arc<Pipeline>,
     /// Cost so far; the time of the device counts where it was waited for.
     pub cost: DecodeCost,
     /// Pixels of the units of all calls so far.
@@ -92,17 +93,36 @@ struct Buffers {
     dispatch: wgpu::Buffer,
     items: Growing,
     jobs: wgpu::Buffer,
+    /// Between a kernel and its reader.
+    scratch: wgpu::Buffer,
 }
 
-/// A list of units whose chunks are resident.
+/// Units whose chunks are resident.
 #[derive(Default)]
 struct Batch {
-    items: Vec<Item>,
+    codec: List,
     /// Those of chunks of keyframes, where the codec has others.
-    keyframes: Vec<Item>,
+    keyframes: List,
+}
+
+/// Units of one kernel.
+#[derive(Default)]
+struct List {
+    items: Vec<Item>,
     rounds: u32,
+    /// Passes of the kernel's reader.
+    passes: u32,
     /// No dispatch takes more invocations than this.
     work: u64,
+}
+
+impl Batch {
+    fn of(&mut self, kernel: KernelOf) -> &mut List {
+        match kernel {
+            KernelOf::Codec => &mut self.codec,
+            KernelOf::Keyframes => &mut self.keyframes,
+        }
+    }
 }
 
 /// Words of the pictures of a stream, where rows of 8-bit colours take a multiple of `row_words` words.
@@ -173,7 +193,11 @@ impl<'a> GpuDecoder<'a> {
             dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
             items: Growing::new(gpu, "items")?,
             jobs: gpu.buffer("jobs", 4, none)?,
+            scratch: gpu.buffer("scratch", 0, none)?,
         };
+        for kernel in [Some(family.plan()), family.kernel.reader, Some(family.kernel)].into_iter().flatten() {
+            gpu.pipeline(kernel)?;
+        }
         Ok(GpuDecoder {
             gpu,
             decoder,
@@ -188,8 +212,6 @@ impl<'a> GpuDecoder<'a> {
             most_work: MOST_WORK,
             kept_words: usize::MAX,
             buffers,
-            plan: gpu.pipeline(family.plan())?,
-            kernel: gpu.pipeline(family.kernel)?,
             cost: DecodeCost::default(),
             wanted_pixels: 0,
             monitor: &Silent,
@@ -211,6 +233,18 @@ impl<'a> GpuDecoder<'a> {
     /// Sets the most invocations of a list: for tests.
     pub fn limit_work(&mut self, invocations: u64) {
         self.most_work = invocations.min(MOST_WORK);
+    }
+
+    /// Most invocations of a list of units of a kernel.
+    fn most_work(&self, kernel: &Kernel) -> u64 {
+        let scratch_bytes = SCRATCH_BYTES.min(self.gpu.info.max_binding_bytes);
+        let by_scratch = kernel.reader.map_or(MOST_WORK, |_| scratch_bytes / (4 * u64::from(SCRATCH_WORDS)));
+        self.most_work.min(by_scratch)
+    }
+
+    /// The kernel that decodes chunks of the family.
+    fn kernel(&self, of: KernelOf) -> &'static Kernel {
+        self.family.keyframes.filter(|_| of == KernelOf::Keyframes).unwrap_or(self.family.kernel)
     }
 
     pub fn decode(&mut self, frame: u32) -> Result<()> {
@@ -332,8 +366,8 @@ impl<'a> GpuDecoder<'a> {
     }
 
     pub fn bytes(&self) -> u64 {
-        let Buffers { units, states, pictures, log2_table, tables, dispatch, items, jobs } = &self.buffers;
-        let buffers = [units, states, pictures, log2_table, tables, dispatch, &items.buffer, jobs];
+        let Buffers { units, states, pictures, log2_table, tables, dispatch, items, jobs, scratch } = &self.buffers;
+        let buffers = [units, states, pictures, log2_table, tables, dispatch, &items.buffer, jobs, scratch];
         self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
     }
 
@@ -439,15 +473,16 @@ impl<'a> GpuDecoder<'a> {
             return Err(self.gpu.failed("a tile", &why));
         }
         let Some(resident) = self.resident.chunk(key) else { return Ok(false) };
-        let ResidentChunk { row: chunk, most_work, kernel, .. } = *resident;
+        let ResidentChunk { row: chunk, most_work, kernel, passes, .. } = *resident;
         let timeline = Arc::clone(&resident.timeline);
-        if batch.work + u64::from(most_work) > self.most_work {
+        if batch.of(kernel).work + u64::from(most_work) > self.most_work(self.kernel(kernel)) {
             self.submit(batch)?;
         }
-        let items = if kernel == KernelOf::Keyframes { &mut batch.keyframes } else { &mut batch.items };
-        items.push(Item { unit: unit as u32, chunk, next, frame, key });
-        batch.work += u64::from(most_work);
-        batch.rounds = batch.rounds.max(rounds);
+        let list = batch.of(kernel);
+        list.items.push(Item { unit: unit as u32, chunk, next, frame, key });
+        list.work += u64::from(most_work);
+        list.rounds = list.rounds.max(rounds);
+        list.passes = list.passes.max(passes);
         self.shown[unit] = Some(Shown { key, frame, timeline });
         self.written[unit] = pixels;
         self.cost.updated_pixels += pixels;
@@ -470,17 +505,13 @@ impl<'a> GpuDecoder<'a> {
     }
 
     fn submit(&mut self, batch: &mut Batch) -> Result<()> {
-        let Batch { items, keyframes, rounds, .. } = std::mem::take(batch);
-        self.submit_items(&items, rounds, &Arc::clone(&self.kernel))?;
-        if let (Some(kernel), false) = (self.family.keyframes, keyframes.is_empty()) {
-            let pipeline = self.gpu.pipeline(kernel)?;
-            self.submit_items(&keyframes, rounds, &pipeline)?;
-        }
-        Ok(())
+        let Batch { codec, keyframes } = std::mem::take(batch);
+        self.submit_list(&codec, self.kernel(KernelOf::Codec))?;
+        self.submit_list(&keyframes, self.kernel(KernelOf::Keyframes))
     }
 
-    fn submit_items(&mut self, items: &[Item], rounds: u32, kernel: &Pipeline) -> Result<()> {
-        if items.is_empty() {
+    fn submit_list(&mut self, list: &List, kernel: &'static Kernel) -> Result<()> {
+        if list.items.is_empty() {
             return Ok(());
         }
         let gpu = self.gpu;
@@ -488,20 +519,36 @@ impl<'a> GpuDecoder<'a> {
         self.resident.flush(gpu)?;
         self.cost.fetching += start.elapsed();
         let start = Instant::now();
-        self.buffers.list(gpu, items)?;
-        let [plan_group, kernel_group] = [&self.plan, kernel].map(|pipeline| self.bind(pipeline));
-        let mut left = rounds;
+        self.buffers.list(gpu, &list.items)?;
+        if kernel.reader.is_some() {
+            self.buffers.fit_scratch(gpu, list.work)?;
+        }
+        // Bytes of the rows of `Dispatch`: invocations for the parts of the work, or workgroups.
+        let (invocations, workgroups) = (0, std::mem::offset_of!(Dispatch, own_x) as u64);
+        let of_kernel = if kernel.reader.is_some() { workgroups } else { invocations };
+        let steps = [(kernel.reader, list.passes, invocations), (Some(kernel), 1, of_kernel)];
+        let mut decoding = Vec::new();
+        for (kernel, times, size) in steps {
+            let Some(kernel) = kernel else { continue };
+            let pipeline = gpu.pipeline(kernel)?;
+            decoding.push((self.bind(&pipeline), pipeline, times, size));
+        }
+        let plan = gpu.pipeline(self.family.plan())?;
+        let plan_group = self.bind(&plan);
+        let mut left = list.rounds;
         while left > 0 {
             let now = left.min(ROUNDS_TOGETHER);
             gpu.submit(self.family.kernel.name, |encoder| {
                 for _ in 0..now {
                     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                    pass.set_pipeline(&self.plan.pipeline);
+                    pass.set_pipeline(&plan.pipeline);
                     pass.set_bind_group(0, &plan_group, &[]);
                     pass.dispatch_workgroups(1, 1, 1);
-                    pass.set_pipeline(&kernel.pipeline);
-                    pass.set_bind_group(0, &kernel_group, &[]);
-                    pass.dispatch_workgroups_indirect(&self.buffers.dispatch, 0);
+                    for (group, pipeline, times, size) in &decoding {
+                        pass.set_pipeline(&pipeline.pipeline);
+                        pass.set_bind_group(0, group, &[]);
+                        (0..*times).for_each(|_| pass.dispatch_workgroups_indirect(&self.buffers.dispatch, *size));
+                    }
                 }
             })?;
             left -= now;
@@ -524,6 +571,7 @@ impl<'a> GpuDecoder<'a> {
             "dispatch" => &self.buffers.dispatch,
             "log2_table" => &self.buffers.log2_table,
             "tables" => &self.buffers.tables,
+            "scratch" => &self.buffers.scratch,
             name => {
                 let table = self.resident.tables.iter().find(|table| table.label == name);
                 table.map_or(&self.buffers.pictures, |table| &table.buffer)
@@ -548,6 +596,15 @@ impl Buffers {
         let job_words = LIST_HEAD_WORDS + items.len() * Job::WORDS;
         if 4 * job_words as u64 > self.jobs.size() {
             self.jobs = gpu.buffer("jobs", job_words, wgpu::BufferUsages::empty())?;
+        }
+        Ok(())
+    }
+
+    /// Makes room for the scratch memory of so many invocations of a reader. What is there is all 0.
+    fn fit_scratch(&mut self, gpu: &Gpu, invocations: u64) -> Result<()> {
+        let words = invocations as usize * SCRATCH_WORDS as usize;
+        if 4 * words as u64 > self.scratch.size() {
+            self.scratch = gpu.buffer("scratch", words, wgpu::BufferUsages::empty())?;
         }
         Ok(())
     }

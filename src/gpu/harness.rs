@@ -14,8 +14,10 @@ pub struct Case {
     pub label: String,
     /// Bindings that a kernel does not have count for nothing.
     pub buffers: HashMap<&'static str, Vec<u32>>,
-    /// Invocations, rounded up to whole workgroups.
+    /// Invocations, rounded up to whole workgroups; of a kernel with a reader, those of the reader and its own workgroups.
     pub invocations: u32,
+    /// Passes of the kernel's reader, where it has one.
+    pub passes: u32,
     /// The words that bindings begin with afterwards.
     pub expected: Vec<(&'static str, Vec<u32>)>,
     /// Inputs that it stands for: nodes, boxes, cells, blocks.
@@ -69,22 +71,31 @@ impl KernelReport {
 
     /// Runs a case and adds its result. With a `clock` it is repeated for about so long, and timed.
     pub fn run(&mut self, gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Option<Duration>) -> Result<()> {
-        let pipeline = gpu.pipeline(kernel)?;
         let mut buffers = HashMap::new();
         for binding in kernel.bindings {
             let words = case.buffers.get(binding.name).map_or(&[][..], Vec::as_slice);
             buffers.insert(binding.name, gpu.filled(binding.name, words)?);
         }
+        let shared = case.invocations.div_ceil(kernel.workgroup);
+        let own = if kernel.reader.is_some() { case.invocations } else { shared };
+        let mut steps = Vec::new();
+        for (kernel, times, workgroups) in [(kernel.reader, case.passes, shared), (Some(kernel), 1, own)] {
+            let Some(kernel) = kernel else { continue };
+            let pipeline = gpu.pipeline(kernel)?;
+            let group = gpu.bind(&pipeline, |name| buffers.get(name).map(wgpu::Buffer::as_entire_binding));
+            steps.push((group, pipeline, times, groups(workgroups)));
+        }
         let dispatch = |times: u32| {
             gpu.compute(kernel.name, |pass| {
-                let group = gpu.bind(&pipeline, |name| buffers.get(name).map(wgpu::Buffer::as_entire_binding));
-                pass.set_pipeline(&pipeline.pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                let [x, y] = groups(case.invocations.div_ceil(kernel.workgroup));
-                (0..times).for_each(|_| pass.dispatch_workgroups(x, y, 1));
+                for (group, pipeline, passes, [x, y]) in (0..times).flat_map(|_| &steps) {
+                    pass.set_pipeline(&pipeline.pipeline);
+                    pass.set_bind_group(0, group, &[]);
+                    (0..*passes).for_each(|_| pass.dispatch_workgroups(*x, *y, 1));
+                }
             })
         };
-        dispatch(1)?;
+        // Twice where a reader leaves scratch memory to the next frame.
+        dispatch(1 + u32::from(kernel.reader.is_some()))?;
         self.inputs += case.inputs;
         for (name, expected) in &case.expected {
             let found = gpu.read(&buffers[name], expected.len())?;

@@ -37,6 +37,9 @@ pub struct Kernel {
     pub bindings: &'static [Binding],
     /// Invocations per workgroup, at most 256.
     pub workgroup: u32,
+    /// The kernel that reads what this one shows, if there is one: it runs before it, in passes, with an invocation where this one
+    /// has a workgroup. `scratch` is between them.
+    pub reader: Option<&'static Kernel>,
 }
 
 /// Kernels have different names.

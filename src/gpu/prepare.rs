@@ -5,8 +5,9 @@
 
 use crate::block;
 use crate::color::cells::Blend;
-use crate::color::transform::blocks::regions;
+use crate::color::transform::blocks::{Shape, regions};
 use crate::color::transform::payload::{Header, Layout};
+use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region};
 use crate::color::transform::steps::Steps;
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
@@ -19,7 +20,8 @@ use crate::depth::{TemporalChunk, Texel};
 use crate::entropy::rans;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{
-    BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record, WORKGROUP,
+    BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, LEAST_ITERATIONS, PASS_ITERATIONS,
+    Record,
 };
 use crate::gpu::pictures::{code_stride, pack_halves};
 use crate::gpu::transform_tables::SET_WORDS;
@@ -89,6 +91,8 @@ pub struct Prepared {
     pub boxes: Vec<BoxRow>,
     /// Byte at which the weights start, and their number.
     pub weights: [u32; 2],
+    /// Passes in which the kernel's reader reads it, at most, where the kernel has one.
+    pub passes: u32,
     pub timeline: Timeline,
 }
 
@@ -158,6 +162,7 @@ pub fn of_nodes(runtime: &Runtime) -> Prepared {
         stream: words_from(&runtime.buffer),
         boxes: Vec::new(),
         weights: [0; 2],
+        passes: 0,
         timeline: Timeline { records: pixels.collect(), ..Timeline::default() },
     }
 }
@@ -198,7 +203,8 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     }
     let pixels = chunk.records.iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
     let timeline = Timeline { records: pixels.collect(), ..Timeline::default() };
-    Prepared { kernel: KernelOf::Codec, stream: words_from(&chunk.payload), records, boxes, weights: [0; 2], timeline }
+    let stream = words_from(&chunk.payload);
+    Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes: 0, timeline }
 }
 
 /// Predictive coding is decoded here, to boxes of the codes that each frame changes: its symbols depend on those before, and a
@@ -230,7 +236,8 @@ fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
     })?;
     let timeline = Timeline { records: pixels, ..Timeline::default() };
     let stream = codes.chunks(2).map(|pair| pair.iter().rev().fold(0, |word, &code| word << 16 | u32::from(code)));
-    Ok(Prepared { kernel: KernelOf::Codec, stream: stream.collect(), records, boxes, weights: [0; 2], timeline })
+    let stream = stream.collect();
+    Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes: 0, timeline })
 }
 
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
@@ -250,6 +257,7 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
         stream: words_from(&chunk.payload),
         boxes: Vec::new(),
         weights: [weights_at as u32, weights.len() as u32],
+        passes: 0,
         timeline: Timeline { keyframes: chunk.keyframes.to_vec(), weights: weights.to_vec(), ..Timeline::default() },
     }
 }
@@ -265,10 +273,10 @@ pub fn of_transform<S: Keyed>(
     let size = chunk.size();
     let Layout { header, deltas, substreams } = Layout::parse::<S>(payload, size, tables)?;
     let mut stream = header_words(&header, frames);
-    let (mut boxes, mut end) = (Vec::new(), 0);
+    let mut boxes = Vec::new();
     for ((rect, substream), delta) in regions(size).zip(substreams).zip(deltas) {
         let [x, y, width, height] = rect.map(|side| side as u32);
-        end += WORKGROUP;
+        let end = boxes.len() as u32 + 1;
         boxes.push(BoxRow { x, y, width, height, at: 4 * stream.len() as u32, end, ..BoxRow::default() });
         let steps = Steps::new(header.steps, header.offset_set, delta, S::DOMAIN.steps);
         stream.extend(steps.indices().map(|index| index as u32));
@@ -278,17 +286,47 @@ pub fn of_transform<S: Keyed>(
             short => stream.push(rans::LOW + short.first().unwrap_or(&0)),
         }
     }
-    let record = Record { count: boxes.len() as u32, work: end, ..Record::default() };
+    let (count, work) = (boxes.len() as u32, boxes.len() as u32);
+    let record = Record { count, work, ..Record::default() };
     let pixels_of_frames = chunk.pixels_of_frames().into_iter().collect();
     let all = Timeline { pixels_of_frames, ..Timeline::default() };
     let differs = |&frame: &u32| all.changed_pixels(frame, frame.checked_sub(1), 1) > 0;
     let keyframes: Vec<u32> = (0..frames).filter(differs).collect();
     let records = keyframes.iter().map(|&frame| Record { frame, ..record }).collect();
     let timeline = Timeline { keyframes, ..all };
-    Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], timeline })
+    let passes = chunk.regions().iter().map(passes_of).max().unwrap_or(1);
+    Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes, timeline })
 }
 
-/// What the kernel reads of a chunk before its regions: `shaders/color/transform/reconstruct.wgsl`.
+/// Passes in which a region is read, at most: an upper bound of the iterations that `shaders/color/transform/region.wgsl` counts.
+fn passes_of(region: &Region) -> u32 {
+    let iterations = |leaf: &Leaf| {
+        let Shape { frames, .. } = leaf.block().shape;
+        let pixels = leaf.block().shape.pixels() as u32;
+        // At most one node that is split for each leaf.
+        2 * LEAST_ITERATIONS
+            + match &leaf.content {
+                Content::Palette(palette) => {
+                    let colors = 17 * palette.colors.len() as u32;
+                    colors + (frames as u32 + 1) * (LEAST_ITERATIONS + 2 * pixels)
+                }
+                Content::Transform { channels, .. } => {
+                    let of_channel = |levels: &ChannelLevels| {
+                        // Positions are in the order of their diagonals.
+                        let [columns, rows] = levels.extent().map(|side| side as u32);
+                        let diagonals = columns + rows - 1;
+                        let positions = (diagonals * (diagonals + 1) / 2).min(pixels);
+                        let planes = levels.of(region).last().map_or(0, |level| u32::from(level.plane) + 1);
+                        LEAST_ITERATIONS + pixels / 8 + planes * (LEAST_ITERATIONS + positions)
+                    };
+                    channels.iter().map(of_channel).sum()
+                }
+            }
+    };
+    1 + region.leaves().map(iterations).sum::<u32>() / PASS_ITERATIONS
+}
+
+/// What the kernels read of a chunk before its regions: `shaders/color/transform/chunk.wgsl`.
 fn header_words(header: &Header, frames: u32) -> Vec<u32> {
     let Header { set, slopes, offset_set, colors, .. } = header;
     let slopes = [slopes.green, slopes.orange].map(|slope| i32::from(slope) as u32);

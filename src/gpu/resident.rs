@@ -164,6 +164,8 @@ pub struct ResidentChunk {
     /// Invocations that the largest of its records takes.
     pub most_work: u32,
     pub kernel: KernelOf,
+    /// As of [`Prepared`].
+    pub passes: u32,
     pub timeline: Arc<Timeline>,
     /// The call that needed it last.
     last_used: u64,
@@ -254,8 +256,9 @@ impl Resident {
         for ((table, place), words) in self.tables.iter_mut().zip(&places).zip([stream].into_iter().chain(rows)) {
             table.put(place.start, words);
         }
-        let (kernel, timeline) = (chunk.kernel, Arc::new(chunk.timeline));
-        self.resident.insert(key, ResidentChunk { row: number, most_work, kernel, timeline, last_used: call, places });
+        let (kernel, passes, timeline) = (chunk.kernel, chunk.passes, Arc::new(chunk.timeline));
+        let resident = ResidentChunk { row: number, most_work, kernel, passes, timeline, last_used: call, places };
+        self.resident.insert(key, resident);
     }
 
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {

@@ -116,11 +116,12 @@ pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::kernels::KERNELS;
+    use crate::gpu::kernels::{Binding, KERNELS};
 
     #[test]
     fn every_kernel_has_inputs_that_fit_its_bindings() {
-        for kernel in KERNELS {
+        let readers: Vec<&Kernel> = KERNELS.iter().filter_map(|kernel| kernel.reader).collect();
+        for kernel in KERNELS.into_iter().filter(|kernel| !readers.contains(kernel)) {
             let row = ROWS.iter().find(|row| row.kernel.name == kernel.name);
             let row = row.unwrap_or_else(|| panic!("{} has no inputs in selftest", kernel.name));
             let Words(cases) = row.inputs else { continue };
@@ -129,11 +130,13 @@ mod tests {
             for case in cases {
                 let has_words = kernel.bindings.iter().all(|binding| case.buffers.contains_key(binding.name));
                 assert!(has_words && case.inputs > 0, "{}: {}", kernel.name, case.label);
-                let written = kernel.bindings.iter().filter(|binding| binding.is_written()).map(|binding| binding.name);
+                // What is between a kernel and its reader is no output.
+                let is_output = |binding: &&Binding| binding.is_written() && binding.name != "scratch";
+                let written = kernel.bindings.iter().filter(is_output).map(|binding| binding.name);
                 let expected = case.expected.iter().map(|(name, _)| *name);
                 assert!(written.eq(expected), "{}: {}", kernel.name, case.label);
             }
         }
-        assert_eq!(ROWS.len(), KERNELS.len());
+        assert_eq!(ROWS.len() + readers.len(), KERNELS.len());
     }
 }

@@ -298,6 +298,7 @@ fn refusals() -> Result<(), Failed> {
         files: &[ShaderFile { path: "broken.wgsl", text: "fn main( {" }],
         bindings: &[],
         workgroup: 1,
+        reader: None,
     };
     with_gpu(|gpu| {
         let words = gpu.info.max_binding_bytes as usize / 4 + 1;

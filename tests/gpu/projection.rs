@@ -47,6 +47,7 @@ static PROJECT: Kernel = Kernel {
         binding("places", BindingKind::Storage),
     ],
     workgroup: 64,
+    reader: None,
 };
 
 /// A view with these images, `intrinsics` for a perspective one.

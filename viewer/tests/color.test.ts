@@ -395,8 +395,8 @@ test("a transform chunk on the device is its fields and whole words of its regio
   // Indices of the region's steps: luma 96, chroma 90 and 3 and 8 more.
   assert.deepEqual([...words.subarray(headerWords, headerWords + 3)], [96, 93, 98]);
   assert.deepEqual(bytesOf(new Uint8Array(stream.buffer)).subarray(4 * (headerWords + 3)), payload.slice(9));
-  assert.deepEqual([...boxes], [0, 0, 5, 6, 4 * headerWords, 0, CONSTANTS.WORKGROUP]);
-  assert.deepEqual([...records.subarray(0, 6)], [0, 0, 0, 1, CONSTANTS.WORKGROUP, 0]);
+  assert.deepEqual([...boxes], [0, 0, 5, 6, 4 * headerWords, 0, 1]);
+  assert.deepEqual([...records.subarray(0, 6)], [0, 0, 0, 1, 1, 0]);
   assert.deepEqual([kernel, [...timeline.keyframes]], ["codec", [0, 1]]);
   // A substream of no bytes is the first state: all symbols are 0, and take no bits.
   const frequencies = [...colorModel().alphabets].flatMap((count) => [4096, ...Array<number>(count - 2).fill(0)]);

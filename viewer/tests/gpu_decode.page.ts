@@ -163,6 +163,7 @@ function countingChunk(frames: number): Prepared {
   return {
     kernel: "codec",
     isNodes: false,
+    passes: 0,
     stream: new Uint32Array(bytes.buffer),
     records: rowsOf(
       "Record",

@@ -51,8 +51,8 @@ fn planes_context(channel: u32, level: u32, length: u32, before: u32) -> u32 {
     return CONTEXT_PLANES + 3u * (9u * (4u * channel + level) + length) + before;
 }
 
-fn coded_context(channel: u32, temporal: u32, level: u32, before: bool) -> u32 {
-    return CONTEXT_CODED + 2u * (4u * (4u * channel + temporal) + level) + u32(before);
+fn coded_context(channel: u32, temporal: u32, level: u32, before: u32) -> u32 {
+    return CONTEXT_CODED + 2u * (4u * (4u * channel + temporal) + level) + before;
 }
 
 fn last_context(channel: u32, temporal: u32, level: u32, class_before: u32) -> u32 {

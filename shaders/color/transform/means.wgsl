@@ -1,8 +1,15 @@
-// Means of squares of 4x4 pixels, and the levels predicted from them (color.md 6.5). Mirrors src/color/transform/means.rs and
-// src/color/transform/steps.rs.
+// Steps (color.md 6.3), means of squares of 4x4 pixels, and the levels predicted from them (6.5). Mirrors
+// src/color/transform/steps.rs and src/color/transform/means.rs.
 
-// By channel, then row by row.
-var<workgroup> means: array<i32, 192>;
+// The step of a sum of spatial frequencies of blocks of a size and length.
+fn step_of(channel: u32, length: u32, level: u32, frequency: u32) -> i32 {
+    let table = 2u * stream[chunk + OFFSET_SET] + min(channel, 1u);
+    let offset = tables[OFFSETS_AT + 64u * table + (((2u * frequency + 1u) << (3u - level)) >> 1u)];
+    let index = u32(clamp(i32(stream[region.at / 4u + channel] + offset), 0, 255));
+    let mantissa = (tables[OCTAVE_AT + (index & 15u)] * tables[ROOTS_AT + length] + 2048u) >> 12u;
+    let shift = 11u - FRACTION_BITS;
+    return i32(max(((mantissa << (index >> 4u)) + (1u << (shift - 1u))) >> shift, 1u));
+}
 
 fn dequantise(level: i32, step: i32) -> i32 {
     return (level * step + 4) >> 3u;
@@ -33,7 +40,7 @@ fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
             // The squares on the left, then those above.
             square = select(first - 8u + x, first + 8u * x - 1u, has_left && y == 0u);
         }
-        sum += means[square];
+        sum += scratch[own].means[square];
     }
     let scaled = (sum >> shift) * i32(32u << block.level) + (step >> 1u);
     // Rounded down.
@@ -42,9 +49,9 @@ fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
 }
 
 fn note_square(square: u32, channels: vec3i) {
-    means[square] = channels.x;
-    means[64u + square] = channels.y;
-    means[128u + square] = channels.z;
+    scratch[own].means[square] = channels.x;
+    scratch[own].means[64u + square] = channels.y;
+    scratch[own].means[128u + square] = channels.z;
 }
 
 // Notes the mean of a block from the sum of its constant coefficients in its last frame.
@@ -52,6 +59,6 @@ fn note_block(block: Block, channel: u32, sum: i32) {
     let mean = ((sum + 128) >> 8u) >> (2u + block.level);
     let first = first_square(block, channel);
     for (var at = 0u; at < (1u << (2u * block.level)); at++) {
-        means[first + 8u * (at >> block.level) + (at & ((1u << block.level) - 1u))] = mean;
+        scratch[own].means[first + 8u * (at >> block.level) + (at & ((1u << block.level) - 1u))] = mean;
     }
 }

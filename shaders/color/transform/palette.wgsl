@@ -1,17 +1,26 @@
-// Blocks of few colours (color.md 6.8). Mirrors src/color/transform/palette.rs. Colours are two words: keys of red and green,
-// key of blue.
+// Blocks of few colours (color.md 6.8). Mirrors src/color/transform/palette.rs.
 
-var<workgroup> cache: array<vec2u, 15>;
-var<workgroup> palette: array<vec2u, 16>;
-
-// The indices of two frames are in turns in the low and the high half of the bytes of `scratch`.
 fn index_in(position: u32, of_slot: u32) -> u32 {
-    return (u32(scratch[position]) >> (4u * of_slot)) & 15u;
+    return (scratch[own].indices[position >> 2u] >> (8u * (position & 3u) + 4u * of_slot)) & 15u;
 }
 
 fn put_index(position: u32, index: u32) {
-    let shift = 4u * reader.slot;
-    scratch[position] = i32((u32(scratch[position]) & ~(15u << shift)) | (index << shift));
+    let shift = 8u * (position & 3u) + 4u * reader.slot;
+    let held = scratch[own].indices[position >> 2u];
+    scratch[own].indices[position >> 2u] = (held & ~(15u << shift)) | (index << shift);
+}
+
+// Fills the cache with the chunk's colours, and with 0 behind them.
+fn open_cache() {
+    reader.cached = stream[chunk + 3u];
+    for (var at = 0u; at < 15u; at++) {
+        var color = vec2u();
+        if (at < reader.cached) {
+            let first = chunk + COLORS + 2u * at;
+            color = vec2u(stream[first], stream[first + 1u]);
+        }
+        scratch[own].cache[at] = color;
+    }
 }
 
 // Moves a colour to the front of the cache; the last one is dropped where it is new and the cache is full.
@@ -19,8 +28,8 @@ fn touch(color: vec2u) {
     var moved = color;
     var at = 0u;
     loop {
-        let held = cache[at];
-        cache[at] = moved;
+        let held = scratch[own].cache[at];
+        scratch[own].cache[at] = moved;
         moved = held;
         if (at == min(reader.cached, 14u) || all(held == color)) {
             break;
@@ -35,20 +44,21 @@ fn open_palette(level: u32) {
     for (var at = 0u; at < reader.color_count; at++) {
         let place = symbol(CONTEXT_PALETTE_COLOR);
         if (place < 15u) {
-            palette[at] = cache[place];
+            scratch[own].palette[at] = scratch[own].cache[place];
         } else {
             let red = bits(KEY_BITS);
             let green = bits(KEY_BITS);
-            palette[at] = vec2u(red | (green << 16u), bits(KEY_BITS));
+            scratch[own].palette[at] = vec2u(red | (green << 16u), bits(KEY_BITS));
         }
     }
     for (var at = reader.color_count; at > 0u; at--) {
-        touch(palette[at - 1u]);
+        touch(scratch[own].palette[at - 1u]);
     }
     reader.next_frame = 0u;
     reader.slot = 0u;
     reader.frame_repeats = 0u;
-    reader.in_palette = 1u;
+    reader.iterations += 17u * reader.color_count;
+    reader.next = NEXT_FRAME;
 }
 
 // Reads an index: that of the first, second or third of the different ones among a, b and c, or another one.
@@ -121,14 +131,13 @@ fn read_indices(side: u32, is_first: bool) {
     }
 }
 
-// Reads the next frame of the palette's block.
-fn read_frame(side: u32) {
+// Reads the indices of the next frame.
+fn read_next_indices(side: u32) {
     let is_first = reader.next_frame == 0u;
     reader.next_frame++;
     if (reader.color_count == 1u) {
         return;
     }
-    reader.iterations += side * side;
     if (!is_first) {
         reader.frame_repeats = symbol(CONTEXT_LATER_FRAME + reader.frame_repeats);
         if (reader.frame_repeats == 1u) {
@@ -136,28 +145,56 @@ fn read_frame(side: u32) {
         }
         reader.slot ^= 1u;
     }
+    reader.iterations += side * side;
     read_indices(side, is_first);
+}
+
+// Reads the next frame of the palette's block, and writes its pixels if it is the wanted one; behind the last frame notes means.
+fn read_frame() {
+    let block = reader.block;
+    let side = 4u << block.level;
+    if (reader.next_frame == block.frames) {
+        note_palette(block);
+        reader.next = NEXT_NODE;
+        return;
+    }
+    read_next_indices(side);
+    if (reader.next_frame == frame_in(block) + 1u) {
+        reader.iterations += side * side;
+        for (var at = 0u; at < side * side; at++) {
+            let x = at & (side - 1u);
+            let y = at >> (2u + block.level);
+            put(4u * block.x + x, 4u * block.y + y, palette_keys(x, y));
+        }
+        count_shown(block);
+    }
 }
 
 fn keys_of_color(color: vec2u) -> vec3i {
     return vec3i(vec3u(color.x & 0xffffu, color.x >> 16u, color.y));
 }
 
-// Keys of a pixel of a block with a palette.
-fn palette_keys(x: u32, y: u32, color_count: u32, of_slot: u32) -> vec3i {
+// Keys of a pixel of the palette's block.
+fn palette_keys(x: u32, y: u32) -> vec3i {
     var index = 0u;
-    if (color_count > 1u) {
-        index = index_in(32u * y + x, of_slot);
+    if (reader.color_count > 1u) {
+        index = index_in(32u * y + x, reader.slot);
     }
-    return keys_of_color(palette[index]);
+    return keys_of_color(scratch[own].palette[index]);
 }
 
-// Notes the mean of square (x, y) of a block with a palette (color.md 6.5).
-fn note_palette(block: Block, x: u32, y: u32, color_count: u32, of_slot: u32) {
-    var sums = vec3i(0);
-    for (var at = 0u; at < 16u; at++) {
-        sums += palette_keys(4u * x + at % 4u, 4u * y + at / 4u, color_count, of_slot);
+// Notes the means of the palette's block (color.md 6.5).
+fn note_palette(block: Block) {
+    let squares = 1u << block.level;
+    reader.iterations += 17u * squares * squares;
+    for (var square = 0u; square < squares * squares; square++) {
+        let x = square & (squares - 1u);
+        let y = square >> block.level;
+        var sums = vec3i(0);
+        for (var at = 0u; at < 16u; at++) {
+            sums += palette_keys(4u * x + at % 4u, 4u * y + at / 4u);
+        }
+        let channels = channels_of((sums + 8) >> vec3u(4u)) << vec3u(FRACTION_BITS);
+        note_square(first_square(block, 0u) + 8u * y + x, channels);
     }
-    let channels = channels_of((sums + 8) >> vec3u(4u)) << vec3u(FRACTION_BITS);
-    note_square(first_square(block, 0u) + 8u * y + x, channels);
 }

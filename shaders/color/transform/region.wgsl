@@ -1,87 +1,21 @@
-// The tree of blocks of a region (color.md 6.4). Mirrors src/color/transform/region.rs and src/color/transform/blocks.rs. One
-// invocation reads, and stops where all of them have something to do.
-
-// A node: place in squares of 4x4 pixels, size 4*2^level pixels, frames of the chunk.
-struct Block {
-    x: u32,
-    y: u32,
-    level: u32,
-    frame: u32,
-    frames: u32,
-}
-
-// Where reading is.
-struct Reader {
-    // State of the rANS decoder, and the next 16 bits of the stream.
-    state: u32,
-    next_half: u32,
-    node_count: u32,
-    // Pixels that are still to show.
-    pixels_left: u32,
-    block: Block,
-    // Next channel of the block; 3 where it is read.
-    channel: u32,
-    // Planes so far, of all blocks; number of the first one of this block.
-    plane_number: u32,
-    first_plane_number: u32,
-    // Number of planes of the last channel that had some, at most 2.
-    planes_before: u32,
-    // Greatest class of the last position in the first planes of this block's channels before.
-    first_class: u32,
-    // Whether the block has a palette of which something is to be read; its colours, next frame, where the indices of the
-    // frame before are, and whether that repeated the one before it.
-    in_palette: u32,
-    color_count: u32,
-    next_frame: u32,
-    slot: u32,
-    frame_repeats: u32,
-    // Colours in the cache.
-    cached: u32,
-    // Iterations of loops in this turn, about.
-    iterations: u32,
-    turn: u32,
-}
-
-// What to do with what was read last.
-struct Stop {
-    // READ_ON or one of STOP_….
-    reason: u32,
-    turn: u32,
-    block: Block,
-    channel: u32,
-    // Columns and rows of the channel's coefficients.
-    extent: vec2u,
-    color_count: u32,
-    slot: u32,
-}
-
-const READ_ON: u32 = 0u;
-const STOP_END: u32 = 1u;
-// A channel of a transformed block that shows the frame.
-const STOP_CHANNEL: u32 = 2u;
-// The frame of a block with a palette.
-const STOP_PALETTE: u32 = 3u;
-// All frames of a block with a palette.
-const STOP_MEANS: u32 = 4u;
+// The tree of blocks of a region (color.md 6.4), an invocation each. Mirrors src/color/transform/region.rs and
+// src/color/transform/blocks.rs. Reading takes several passes where it is long, and ends when all pixels of the frame are known.
 
 const NODE_QUARTERS: u32 = 1u;
 const NODE_PARTS: u32 = 2u;
 const NODE_PALETTE: u32 = 3u;
 
-// Iterations after which another invocation goes on: Mesa's software Vulkan ends all loops of 8 invocations after 65535
-// iterations in all. It counts one for a loop that none of them enters, and so about ten for the least that is read.
-const MOST_ITERATIONS: u32 = 8192u;
-const LEAST_ITERATIONS: u32 = 10u;
-const TURN_INVOCATIONS: u32 = 8u;
+// Iterations after which a pass ends: Mesa's software Vulkan ends all loops of 8 invocations after 65535 iterations in all. What is
+// read at once takes at most 2200 more. It counts one for a loop that none of them enters, and so about twelve for the least
+// that is read. The host counts passes by the same numbers.
+const PASS_ITERATIONS: u32 = 5000u;
+const LEAST_ITERATIONS: u32 = 12u;
 
-// Nodes to read, the next one last: three quarters of each of three sizes, a half of each of five lengths, and three frames.
-var<workgroup> nodes: array<u32, 17>;
-var<workgroup> saved: Reader;
 var<private> reader: Reader;
 var<private> wanted_frame: u32;
 
 fn push_node(x: u32, y: u32, level: u32, frame: u32, frames: u32) {
-    nodes[reader.node_count] = x | (y << 3u) | (level << 6u) | (frame << 8u) | (frames << 16u);
+    scratch[own].nodes[reader.node_count] = x | (y << 3u) | (level << 6u) | (frame << 8u) | (frames << 16u);
     reader.node_count++;
 }
 
@@ -89,14 +23,14 @@ fn node_of(word: u32) -> Block {
     return Block(word & 7u, (word >> 3u) & 7u, (word >> 6u) & 3u, (word >> 8u) & 255u, word >> 16u);
 }
 
-fn open_region(size: vec2u, frames: u32) {
-    let squares = (max(size.x, size.y) + 3u) / 4u;
+fn open_region() {
+    open_substream(region.at / 4u + 3u);
+    let squares = (max(region.width, region.height) + 3u) / 4u;
     let level = firstLeadingBit(2u * squares - 1u);
-    push_node(0u, 0u, level, 0u, frames);
+    push_node(0u, 0u, level, 0u, stream[chunk + 4u]);
     reader.pixels_left = 16u << (2u * level);
-    reader.channel = 3u;
-    reader.cached = open_cache();
-    saved = reader;
+    open_cache();
+    reader.next = NEXT_NODE;
 }
 
 fn push_children(block: Block, kind: u32) {
@@ -119,8 +53,12 @@ fn push_children(block: Block, kind: u32) {
 }
 
 fn read_node() {
+    if (reader.node_count == 0u) {
+        reader.next = NEXT_END;
+        return;
+    }
     reader.node_count--;
-    reader.block = node_of(nodes[reader.node_count]);
+    reader.block = node_of(scratch[own].nodes[reader.node_count]);
     let kind = symbol(node_context(reader.block.level, reader.block.frames));
     if (kind == NODE_PALETTE) {
         open_palette(reader.block.level);
@@ -131,62 +69,50 @@ fn read_node() {
     }
 }
 
-// Reads a node, a channel of a block or a frame of a palette's block.
-fn read_some(extent: ptr<function, vec2u>) -> u32 {
-    let block = reader.block;
-    let frame = wanted_frame - block.frame;
-    let shows = frame < block.frames;
+// Counts the pixels of a block that shows the frame.
+fn count_shown(block: Block) {
+    reader.pixels_left -= 16u << (2u * block.level);
     if (reader.pixels_left == 0u) {
-        return STOP_END;
+        reader.next = NEXT_END;
     }
-    if (reader.channel < 3u) {
-        *extent = read_channel(block, reader.channel, select(NONE, frame, shows));
-        reader.channel++;
-        if (!shows) {
-            return READ_ON;
-        }
-        if (reader.channel == 3u) {
-            reader.pixels_left -= 16u << (2u * block.level);
-        }
-        return STOP_CHANNEL;
-    }
-    if (reader.in_palette == 1u) {
-        if (reader.next_frame == block.frames) {
-            reader.in_palette = 0u;
-            if (block.level > 0u) {
-                return STOP_MEANS;
-            }
-            // 4×4 pixels: cheaper in one invocation than a barrier.
-            note_palette(block, 0u, 0u, reader.color_count, reader.slot);
-            return READ_ON;
-        }
-        read_frame(4u << block.level);
-        if (reader.next_frame != frame + 1u) {
-            return READ_ON;
-        }
-        reader.pixels_left -= 16u << (2u * block.level);
-        return STOP_PALETTE;
-    }
-    if (reader.node_count == 0u) {
-        return STOP_END;
-    }
-    read_node();
-    return READ_ON;
 }
 
-// Reads until there is something to do for all invocations, or another one goes on.
-fn read_region() -> Stop {
-    reader = saved;
-    var reason = READ_ON;
-    var extent = vec2u();
-    while (reason == READ_ON && reader.iterations < MOST_ITERATIONS) {
+// Number of the wanted frame in a block; NONE if it shows others.
+fn frame_in(block: Block) -> u32 {
+    let frame = wanted_frame - block.frame;
+    return select(NONE, frame, frame < block.frames);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn read_regions(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let number = invocation_of(id, groups);
+    if (number >= jobs.total || scratch[number].reader.next == NEXT_END) {
+        return;
+    }
+    let record = find_region(number);
+    distributions = unit.base + stream[chunk];
+    wanted_frame = record.frame;
+    reader = scratch[own].reader;
+    if (reader.next == NEXT_OPEN) {
+        open_region();
+    }
+    reader.iterations = 0u;
+    while (reader.next != NEXT_END && reader.iterations < PASS_ITERATIONS) {
         reader.iterations += LEAST_ITERATIONS;
-        reason = read_some(&extent);
+        switch (reader.next) {
+            case NEXT_CHANNEL: {
+                open_channel();
+            }
+            case NEXT_PLANE: {
+                read_plane();
+            }
+            case NEXT_FRAME: {
+                read_frame();
+            }
+            default: {
+                read_node();
+            }
+        }
     }
-    if (reader.iterations >= MOST_ITERATIONS) {
-        reader.iterations = 0u;
-        reader.turn++;
-    }
-    saved = reader;
-    return Stop(reason, reader.turn, reader.block, reader.channel - 1u, extent, reader.color_count, reader.slot);
+    scratch[own].reader = reader;
 }

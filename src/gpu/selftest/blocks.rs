@@ -109,6 +109,7 @@ fn case<const BYTES: usize>(label: &str, blocks: &[[u8; BYTES]], decode: impl Fn
         label: label.to_owned(),
         buffers: [("blocks", words), ("texels", vec![0xdead_beef; expected.len()])].into(),
         invocations: blocks.len() as u32,
+        passes: 0,
         inputs: blocks.len() as u64,
         pixels: 16 * blocks.len() as u64,
         expected: vec![("texels", expected)],

@@ -2,7 +2,7 @@
 
 use crate::depth::domain::LOG2_TABLE;
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{BoxRow, Job, Record, Unit, list_of, words_of};
+use crate::gpu::layout::{BoxRow, Job, Record, SCRATCH_WORDS, Unit, list_of, words_of};
 
 #[derive(Default)]
 pub struct Gathered {
@@ -11,8 +11,9 @@ pub struct Gathered {
     pub boxes: Vec<BoxRow>,
     pub jobs: Vec<Job>,
     pub stream: Vec<u32>,
-    /// Of the transform codec.
+    /// Of the transform codec; passes of its reader.
     pub tables: Vec<u32>,
+    pub passes: u32,
     /// Pictures before the dispatch, as far as they are not 0.
     pub before: Vec<u32>,
     /// Pictures after it.
@@ -52,9 +53,11 @@ impl Gathered {
 
     pub fn case(mut self, label: &str) -> Case {
         self.before.resize(self.expected.len(), 0);
+        let scratch = if self.passes > 0 { self.work() * SCRATCH_WORDS } else { 0 };
         Case {
             label: label.to_owned(),
             invocations: self.work(),
+            passes: self.passes,
             buffers: [
                 ("units", words_of(&self.units)),
                 ("records", words_of(&self.records)),
@@ -63,6 +66,7 @@ impl Gathered {
                 ("stream", self.stream),
                 ("tables", self.tables),
                 ("log2_table", LOG2_TABLE.to_vec()),
+                ("scratch", vec![0; scratch as usize]),
                 ("pictures", self.before),
             ]
             .into(),

@@ -30,14 +30,17 @@ impl Planned {
 
     fn case(self, label: &str) -> Case {
         let (count, total) = (self.items.len() as u32, self.all.work());
+        let across = |groups: u32| groups.clamp(1, MAX_GROUPS);
         let groups = total.div_ceil(WORKGROUP);
-        let x = groups.clamp(1, MAX_GROUPS);
-        let dispatch = words_of(&[Dispatch { x, y: groups.div_ceil(x), z: 1 }]);
+        let (x, own_x) = (across(groups), across(total));
+        let (y, own_y) = (groups.div_ceil(x), total.div_ceil(own_x));
+        let dispatch = words_of(&[Dispatch { x, y, z: 1, own_x, own_y, own_z: 1 }]);
         let jobs = self.all.job_words();
         Case {
             label: label.to_owned(),
             // One workgroup plans everything.
             invocations: 1,
+            passes: 0,
             buffers: [
                 ("units", words_of(&self.all.units)),
                 ("chunks", words_of(&self.chunks)),

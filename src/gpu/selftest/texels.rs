@@ -98,6 +98,7 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
             ]
             .into(),
             invocations: total,
+            passes: 0,
             expected: vec![("planes", planes)],
             pixels: u64::from(total),
         });
@@ -153,6 +154,7 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
                 label: format!("level {level} of {} x {} texels", size[0], size[1]),
                 buffers: [("jobs", list_of([job.end, 1], &[job])), ("planes", planes)].into(),
                 invocations: job.end,
+                passes: 0,
                 expected: vec![("planes", after)],
                 inputs: 1,
                 pixels: u64::from(job.end),

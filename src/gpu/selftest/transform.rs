@@ -56,7 +56,9 @@ fn push<S: Keyed + CellSample>(all: &mut Gathered, tables: &Tables, cell: &Cell,
     let Cell { payload, size, frames } = cell;
     let chunk = TransformChunk::parse::<S>(payload, *size, *frames, tables)?;
     let [width, height] = size.map(|side| side as u32);
-    let Prepared { stream, records, boxes, .. } = prepare::of_transform::<S>(&chunk, payload, *frames, tables)?;
+    let prepared = prepare::of_transform::<S>(&chunk, payload, *frames, tables)?;
+    let Prepared { stream, records, boxes, passes, .. } = prepared;
+    all.passes = all.passes.max(passes);
     let (bytes, first, first_box) = (4 * all.stream.len() as u32, all.records.len(), all.boxes.len() as u32);
     all.records.extend(records.iter().map(|row| Record { at: row.at + bytes, first: row.first + first_box, ..*row }));
     all.boxes.extend(boxes.iter().map(|row| BoxRow { at: row.at + bytes, ..*row }));

@@ -48,6 +48,8 @@ export interface Prepared {
   boxes: Words;
   /** Byte at which the weights start, and their number. */
   weights: [number, number];
+  /** Passes in which the kernel's reader reads it, at most, where the kernel has one. */
+  passes: number;
   timeline: Timeline;
 }
 

@@ -15,6 +15,8 @@ import { DeviceError } from "./device.ts";
 import type { Gpu, Pipeline } from "./device.ts";
 import { familyOf, pictureWords, rowStride, unitMembers } from "./family.ts";
 import type { Family } from "./family.ts";
+import { kernel as kernelRow } from "./kernels.ts";
+import type { KernelName } from "./kernels.ts";
 import { CONSTANTS, LIST_HEAD_WORDS, listOf, memberOffset, putRow, rowWords, rowsOf } from "./layout.ts";
 import { Resident } from "./resident.ts";
 import type { ResidentChunk } from "./resident.ts";
@@ -29,6 +31,9 @@ const MAX_ROUNDS = 1 << 14;
 /** Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there are
  *  pixels. */
 const MOST_WORK = 2 ** 31;
+
+/** Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more. */
+const SCRATCH_BYTES = 2 ** 28;
 
 /** A unit, a frame, and the chunk that holds it. */
 export interface Wanted {
@@ -88,7 +93,15 @@ interface Batch {
   kernel: ResidentChunk["kernel"];
   items: { unit: number; chunk: number; next: number; frame: number; key: number }[];
   rounds: number;
+  /** Passes of the kernel's reader. */
+  passes: number;
   work: number;
+}
+
+/** A kernel, and the one that reads before it if there is one. */
+interface Kernels {
+  reader: Pipeline | undefined;
+  kernel: Pipeline;
 }
 
 const UNIT = {
@@ -143,7 +156,7 @@ export class FamilyDecoder {
   pixelsWanted = 0;
   readonly #gpu: Gpu;
   readonly #plan: Pipeline;
-  readonly #kernels: Record<ResidentChunk["kernel"], Pipeline>;
+  readonly #kernels: Record<ResidentChunk["kernel"], Kernels>;
   readonly #units: Units;
   readonly #shown = new Map<number, Shown>();
   readonly #resident: Resident;
@@ -151,12 +164,19 @@ export class FamilyDecoder {
   readonly #buffers: Record<"units" | "states" | "log2_table" | "tables" | "dispatch", GPUBuffer>;
   #items: GPUBuffer;
   #jobs: GPUBuffer;
+  /** Between a kernel and its reader. */
+  #scratch: GPUBuffer;
   #listBytes = 0;
   #calls = 0;
 
-  private constructor(gpu: Gpu, streams: readonly Stream[], pipelines: Pipeline[], rowMultiple: number) {
+  private constructor(
+    gpu: Gpu,
+    streams: readonly Stream[],
+    plan: Pipeline,
+    kernels: Record<ResidentChunk["kernel"], Kernels>,
+    rowMultiple: number,
+  ) {
     const family = familyOf(streams[0]!.header);
-    const [plan, codec, keyframes = codec] = pipelines as [Pipeline, Pipeline, Pipeline?];
     const tables = transformTables(streams.map(({ header }) => header).filter((header) => header.kind === "color"));
     const words = familyWords(streams, rowMultiple);
     const count = streams.reduce((sum, stream) => sum + unitCountOf(stream), 0);
@@ -166,7 +186,7 @@ export class FamilyDecoder {
     this.streams = streams;
     this.family = family;
     this.#plan = plan;
-    this.#kernels = { codec, keyframes };
+    this.#kernels = kernels;
     this.#units = unitsOf(streams, family, tables.firstSets, rowMultiple);
     this.pictures = gpu.buffer("pictures", words);
     this.#buffers = {
@@ -178,6 +198,7 @@ export class FamilyDecoder {
     };
     this.#items = gpu.buffer("items", 0);
     this.#jobs = gpu.buffer("jobs", 0);
+    this.#scratch = gpu.buffer("scratch", 0);
     this.#resident = new Resident(gpu, Math.floor(gpu.maxBindingBytes / 4));
   }
 
@@ -188,9 +209,17 @@ export class FamilyDecoder {
     if (first === undefined || others.some(({ kernel }) => kernel !== first.kernel)) {
       throw new DeviceError("Streams of different families cannot be decoded together.");
     }
-    const names = [first.plan, first.kernel, ...(first.keyframes === undefined ? [] : [first.keyframes])];
-    const pipelines = await Promise.all(names.map((name) => gpu.pipeline(name)));
-    return new FamilyDecoder(gpu, streams, pipelines, rowMultiple);
+    const pipelines = async (name: KernelName): Promise<Kernels> => {
+      const { reader } = kernelRow(name);
+      const [of, ...others] = [name, ...(reader === undefined ? [] : [reader])].map((each) => gpu.pipeline(each));
+      return { kernel: await of!, reader: await others[0] };
+    };
+    const [plan, codec, keyframes] = await Promise.all([
+      gpu.pipeline(first.plan),
+      pipelines(first.kernel),
+      pipelines(first.keyframes ?? first.kernel),
+    ]);
+    return new FamilyDecoder(gpu, streams, plan, { codec, keyframes }, rowMultiple);
   }
 
   /** Whether a chunk is on the device. */
@@ -222,7 +251,7 @@ export class FamilyDecoder {
 
   /** Bytes of its buffers. */
   get bytes(): number {
-    const buffers = [this.pictures, this.#items, this.#jobs, ...Object.values(this.#buffers)];
+    const buffers = [this.pictures, this.#items, this.#jobs, this.#scratch, ...Object.values(this.#buffers)];
     return this.#resident.bytes + buffers.reduce((sum, buffer) => sum + buffer.size, 0);
   }
 
@@ -283,7 +312,7 @@ export class FamilyDecoder {
   /** Frees its buffers. */
   destroy(): void {
     this.#resident.destroy();
-    [this.pictures, this.#items, this.#jobs, ...Object.values(this.#buffers)].forEach((buffer) =>
+    [this.pictures, this.#items, this.#jobs, this.#scratch, ...Object.values(this.#buffers)].forEach((buffer) =>
       this.#gpu.release(buffer),
     );
   }
@@ -314,19 +343,28 @@ export class FamilyDecoder {
       return;
     }
     let batch = batches.findLast(({ kernel }) => kernel === chunk.kernel);
-    if (batch === undefined || batch.work + chunk.mostWork > MOST_WORK) {
-      batch = { kernel: chunk.kernel, items: [], rounds: 0, work: 0 };
+    if (batch === undefined || batch.work + chunk.mostWork > this.#mostWork(chunk.kernel)) {
+      batch = { kernel: chunk.kernel, items: [], rounds: 0, passes: 0, work: 0 };
       batches.push(batch);
     }
     batch.items.push({ unit, chunk: chunk.row, next: next === chunk ? CONSTANTS.NONE : next.row, frame, key: one.key });
     batch.work += chunk.mostWork;
     batch.rounds = Math.max(batch.rounds, way.rounds);
+    batch.passes = Math.max(batch.passes, chunk.passes);
     this.#shown.set(unit, { key: one.key, frame: way.reached, timeline: chunk.timeline });
     done.pixels += way.pixels;
     done.written.push({ wanted: one, pixels: way.pixels });
     if (way.reached !== frame) {
       done.behind.push(one);
     }
+  }
+
+  /** Most invocations of a list of units of a kernel. */
+  #mostWork(kernel: ResidentChunk["kernel"]): number {
+    if (this.#kernels[kernel].reader === undefined) {
+      return MOST_WORK;
+    }
+    return Math.floor(Math.min(SCRATCH_BYTES, this.#gpu.maxBindingBytes) / (4 * CONSTANTS.SCRATCH_WORDS));
   }
 
   /** What a call does for a unit; `undefined` if its frame is too many rounds away. */
@@ -358,23 +396,40 @@ export class FamilyDecoder {
     };
   }
 
-  #submit({ kernel, items, rounds }: Batch, timing: GPUComputePassTimestampWrites | undefined): void {
+  #submit(
+    { kernel: name, items, rounds, passes, work }: Batch,
+    timing: GPUComputePassTimestampWrites | undefined,
+  ): void {
     const list = listOf([items.length, 0], rowsOf("Item", items));
     this.#items = this.#atLeast(this.#items, list.length);
     this.#jobs = this.#atLeast(this.#jobs, LIST_HEAD_WORDS + items.length * rowWords("Job"));
     this.#gpu.write(this.#items, 0, list);
     this.#listBytes += list.byteLength;
-    const decode = this.#kernels[kernel];
-    const [planGroup, group] = [this.#bind(this.#plan), this.#bind(decode)];
+    const { reader, kernel } = this.#kernels[name];
+    if (reader !== undefined) {
+      // What is there is all 0.
+      this.#scratch = this.#atLeast(this.#scratch, work * CONSTANTS.SCRATCH_WORDS);
+    }
+    // Bytes of the rows of `Dispatch`: invocations for the parts of the work, or workgroups.
+    const [invocations, workgroups] = [0, 4 * memberOffset("Dispatch", "own_x")];
+    const decoding = [
+      ...(reader === undefined ? [] : [{ ...reader, times: passes, size: invocations }]),
+      { ...kernel, times: 1, size: reader === undefined ? invocations : workgroups },
+    ].map((step) => ({ ...step, group: this.#bind(step) }));
+    const planGroup = this.#bind(this.#plan);
     this.#gpu.submit((encoder) => {
       const pass = encoder.beginComputePass(timing === undefined ? {} : { timestampWrites: timing });
       for (let round = 0; round < rounds; round += 1) {
         pass.setPipeline(this.#plan.pipeline);
         pass.setBindGroup(0, planGroup);
         pass.dispatchWorkgroups(1);
-        pass.setPipeline(decode.pipeline);
-        pass.setBindGroup(0, group);
-        pass.dispatchWorkgroupsIndirect(this.#buffers.dispatch, 0);
+        for (const { pipeline, group, times, size } of decoding) {
+          pass.setPipeline(pipeline);
+          pass.setBindGroup(0, group);
+          for (let at = 0; at < times; at += 1) {
+            pass.dispatchWorkgroupsIndirect(this.#buffers.dispatch, size);
+          }
+        }
       }
       pass.end();
     });
@@ -395,6 +450,7 @@ export class FamilyDecoder {
       ...this.#buffers,
       items: this.#items,
       jobs: this.#jobs,
+      scratch: this.#scratch,
       pictures: this.pictures,
     };
     return this.#gpu.bind(pipeline, (name) => {

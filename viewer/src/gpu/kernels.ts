@@ -17,6 +17,7 @@ import colorKeyframesBc6h from "../../../shaders/color/keyframes_bc6h.wgsl";
 import colorKeyframesBc7 from "../../../shaders/color/keyframes_bc7.wgsl";
 import colorSamples8 from "../../../shaders/color/samples_8.wgsl";
 import colorSamplesHalf from "../../../shaders/color/samples_half.wgsl";
+import colorTransformChunk from "../../../shaders/color/transform/chunk.wgsl";
 import colorTransformCoder from "../../../shaders/color/transform/coder.wgsl";
 import colorTransformContexts from "../../../shaders/color/transform/contexts.wgsl";
 import colorTransformDomain from "../../../shaders/color/transform/domain.wgsl";
@@ -78,7 +79,9 @@ export const KERNEL_NAMES = [
   "cells-bc1",
   "cells-bc7",
   "cells-bc6h",
+  "transform-read-8bit",
   "transform-8bit",
+  "transform-read-half",
   "transform-half",
   "plan-records",
   "plan-cells",
@@ -109,6 +112,7 @@ const TEXTS: Readonly<Record<string, string>> = {
   "color/keyframes_bc7.wgsl": colorKeyframesBc7,
   "color/samples_8.wgsl": colorSamples8,
   "color/samples_half.wgsl": colorSamplesHalf,
+  "color/transform/chunk.wgsl": colorTransformChunk,
   "color/transform/coder.wgsl": colorTransformCoder,
   "color/transform/contexts.wgsl": colorTransformContexts,
   "color/transform/domain.wgsl": colorTransformDomain,
@@ -174,6 +178,9 @@ export interface Kernel {
   bindings: readonly Binding[];
   /** Invocations per workgroup. */
   workgroup: number;
+  /** The kernel that reads what this one shows, if there is one: it runs before it, in passes, with an invocation where this one has a
+   *  workgroup. `scratch` is between them. */
+  reader: KernelName | undefined;
 }
 
 const KINDS: readonly string[] = ["read-only-storage", "storage", "uint", "unfilterable-float"] satisfies BindingKind[];
@@ -192,7 +199,7 @@ function row(name: KernelName): (typeof table.kernels)[number] {
 
 /** The row of a kernel. */
 export function kernel(name: KernelName): Kernel {
-  const { entry, workgroup, bindings } = row(name);
+  const { entry, workgroup, bindings, reader } = row(name);
   const parsed = bindings.map((binding) => {
     const [label = "", kind = ""] = binding.split(": ");
     if (!isKind(kind)) {
@@ -200,7 +207,7 @@ export function kernel(name: KernelName): Kernel {
     }
     return { name: label, kind };
   });
-  return { name, entry, workgroup, bindings: parsed };
+  return { name, entry, workgroup, bindings: parsed, reader: KERNEL_NAMES.find((other) => other === reader) };
 }
 
 /** The WGSL of a kernel: its files one behind the other. */

@@ -123,6 +123,7 @@ export interface ResidentChunk {
   /** Invocations that the largest of its records takes. */
   mostWork: number;
   kernel: Prepared["kernel"];
+  passes: number;
   timeline: Timeline;
   /** Number of the call that used it last. */
   lastUsed: number;
@@ -247,6 +248,7 @@ export class Resident {
       row: at / CHUNK_WORDS,
       mostWork,
       kernel: chunk.kernel,
+      passes: chunk.passes,
       timeline: chunk.timeline,
       lastUsed: call,
       places: [

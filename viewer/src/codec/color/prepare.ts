@@ -58,6 +58,7 @@ function prepareCells(chunk: CellChunk, kernel: Prepared["kernel"]): Prepared {
     records: rowsOf("Record", rows),
     boxes: new Uint32Array(),
     weights: [weightsAt, weights.length],
+    passes: 0,
     timeline: { ...emptyTimeline(), keyframes, weights: weights.slice() },
   };
 }
@@ -71,7 +72,7 @@ function prepareTransform(chunk: TransformChunk, payload: Uint8Array, frames: nu
   const boxes: RowValues[] = [];
   for (let region = 0; region + 1 < substreams.length; region++) {
     const [x, y, width, height] = regionRect(chunk.format.size, region);
-    boxes.push({ x, y, width, height, at: 4 * words, end: CONSTANTS.WORKGROUP * (region + 1) });
+    boxes.push({ x, y, width, height, at: 4 * words, end: region + 1 });
     const bytes = payload.subarray(substreams[region], substreams[region + 1]);
     const [short = 0] = bytes.length < 4 ? wordsOf(bytes) : [];
     const part = bytes.length < 4 ? Uint32Array.of(LEAST_STATE + short) : wordsOf(bytes);
@@ -86,7 +87,7 @@ function prepareTransform(chunk: TransformChunk, payload: Uint8Array, frames: nu
     at += part.length;
   }
   const timeline = timelineOf(chunk, frames);
-  const [count, work] = [boxes.length, CONSTANTS.WORKGROUP * boxes.length];
+  const [count, work] = [boxes.length, boxes.length];
   const records = Array.from(timeline.keyframes, (frame): RowValues => ({ frame, count, work }));
   return {
     kernel: "codec",
@@ -95,6 +96,7 @@ function prepareTransform(chunk: TransformChunk, payload: Uint8Array, frames: nu
     records: rowsOf("Record", records),
     boxes: rowsOf("BoxRow", boxes),
     weights: [0, 0],
+    passes: chunk.passes,
     timeline,
   };
 }
@@ -109,7 +111,7 @@ function timelineOf(chunk: TransformChunk, frames: number): Timeline {
   return { ...timeline, keyframes: Uint32Array.from(Array.from({ length: frames }, (_, at) => at).filter(differs)) };
 }
 
-/** What the kernel reads of a chunk before its regions: `shaders/color/transform/reconstruct.wgsl`. */
+/** What the kernels read of a chunk before its regions: `shaders/color/transform/chunk.wgsl`. */
 function headerWords({ layout }: TransformChunk, frames: number): Uint32Array<ArrayBuffer> {
   const { set, slopes, colors, offsetSet } = layout;
   const words = [set * SET_WORDS, slopes.green, slopes.orange, colors.length / 3, frames, offsetSet];

@@ -48,7 +48,7 @@ class BoxRows {
     const records = Uint32Array.from(this.#records);
     const boxes = Uint32Array.from(this.#boxes);
     const timeline = timelineOf(this.#frames, this.#pixels);
-    return { kernel: "codec", isNodes: false, stream, records, boxes, weights: [0, 0], timeline };
+    return { kernel: "codec", isNodes: false, stream, records, boxes, weights: [0, 0], passes: 0, timeline };
   }
 }
 
@@ -85,6 +85,7 @@ export function preparedNodes(chunk: NodeChunk): Prepared {
     records: Uint32Array.from(records),
     boxes: new Uint32Array(),
     weights: [0, 0],
+    passes: 0,
     timeline: timelineOf(frames, pixels),
   };
 }

@@ -7,6 +7,7 @@ import { BASIS_BITS, lengthIndex, TIME_BASES } from "./basis.ts";
 import { CHANNELS, type Domain, domainOf, pixelFraction, predictChroma } from "./domain.ts";
 import { inverseTransform } from "./inverse.ts";
 import * as leaf from "./leaves.ts";
+import { passesOf } from "./passes.ts";
 import { type Layout, parseLayout, regionRect } from "./payload.ts";
 import { RegionReader } from "./region.ts";
 
@@ -78,6 +79,11 @@ export class TransformChunk {
         this.#writeTransform(window, block, out);
       }
     }
+  }
+
+  /** Passes in which a device reads its regions, at most. */
+  get passes(): number {
+    return passesOf(this.#leaves);
   }
 
   /** Pixels of blocks that look the same in a set of frames, by that set: bit f is frame f. */
