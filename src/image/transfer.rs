@@ -77,8 +77,15 @@ impl EncodeTable {
         let gain = tone.gain();
         let entry = |bits: u16| {
             let value = f16::from_bits(bits).to_f64() * gain;
+            // Few values need the power function.
             if value.is_nan() {
                 return 0;
+            }
+            if value >= 2.0 {
+                return 255 | CLIPPED;
+            }
+            if value <= -0.002 {
+                return CLIPPED;
             }
             let code = tone.transfer.encode(value) * 255.0;
             // Above 1 by no more than a half float rounds is still the brightest code, which decoding may have made.

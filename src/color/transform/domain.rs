@@ -101,6 +101,7 @@ pub fn forward([red, green, blue]: [i32; 3], slopes: ChromaSlopes, domain: &Doma
 }
 
 /// Channels of keys as an encoder aims at where samples are rounded once: without the roundings of [`forward`].
+#[inline(always)]
 pub fn forward_fine(keys: [i32; 3], slopes: ChromaSlopes, domain: &Domain) -> [f32; CHANNELS] {
     let [red, green, blue] = keys.map(|key| key as f32);
     let middle = 0.5 * (red + blue);

@@ -88,7 +88,9 @@ impl TransformChunk {
                 Content::Palette(palette) => window.write_palette(palette, shape, frame - place.frame, out),
                 Content::Transform { channels, .. } => {
                     self.decode_channels::<S>(region, channels, (shape, frame - place.frame), &mut planes);
-                    window.write_channels(&planes, (self.slopes, self.pixel_fraction), out);
+                    let (slopes, fraction) = (self.slopes, self.pixel_fraction);
+                    let channels = &planes.channels;
+                    planes.vectors.dispatch(PixelWriter { window, channels, slopes, fraction, out });
                 }
             }
             updated += (columns * rows) as u64;
@@ -176,6 +178,7 @@ struct Window {
 
 impl Window {
     /// Rows of the block, and where they go.
+    #[inline(always)]
     fn rows<'a, T, S>(&self, block: &'a [T], out: &'a mut [S]) -> impl Iterator<Item = (&'a [T], &'a mut [[S; 3]])> {
         let columns = self.columns;
         let rows = block.chunks_exact(self.side).zip(out.chunks_mut(self.stride)).take(self.rows);
@@ -199,13 +202,29 @@ impl Window {
             }
         }
     }
+}
 
-    fn write_channels<S: Keyed>(&self, planes: &Planes, (slopes, fraction): (ChromaSlopes, u32), out: &mut [S]) {
-        let [luma, green, orange] = &planes.channels;
+/// Writes what of a block lies in its cell, from its channels.
+struct PixelWriter<'a, S> {
+    window: Window,
+    channels: &'a [[i32; MOST_PIXELS]; CHANNELS],
+    slopes: ChromaSlopes,
+    /// Bits of the fraction of the channels.
+    fraction: u32,
+    out: &'a mut [S],
+}
+
+// All of it is inlined, so that it is compiled for each kind of vectors.
+impl<S: Keyed> NullaryFnOnce for PixelWriter<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let PixelWriter { window, channels: [luma, green, orange], slopes, fraction, out } = self;
         let [least, most] = S::DOMAIN.shown;
         let half = 1 << fraction >> 1;
-        let chroma = green.chunks_exact(self.side).zip(orange.chunks_exact(self.side));
-        for ((row, out), (green, orange)) in self.rows(luma, out).zip(chroma) {
+        let chroma = green.chunks_exact(window.side).zip(orange.chunks_exact(window.side));
+        for ((row, out), (green, orange)) in window.rows(luma, out).zip(chroma) {
             for ((out, &luma), (&green, &orange)) in out.iter_mut().zip(row).zip(green.iter().zip(orange)) {
                 let keys = inverse([luma, green, orange], slopes, &S::DOMAIN, fraction);
                 *out = keys.map(|key| S::from_key((key.wrapping_add(half) >> fraction).clamp(least, most)));

@@ -13,8 +13,6 @@ const LEVELS: usize = 4;
 /// Bits of a block, and of a split.
 const BLOCK_BITS: f32 = 8.0;
 const SPLIT_BITS: f32 = 2.0;
-/// Share of the greatest variance of a channel below which a channel is left out.
-const MIN_VARIANCE: f32 = 0.1;
 
 /// Estimated costs in steps² + λ·bits: of a block as one, and of the best partition below it.
 #[derive(Debug)]
@@ -42,6 +40,8 @@ pub struct Pricing<'a> {
     pub scales: &'a Scales,
     pub lambda: f32,
     pub weights: &'a FrameWeights,
+    /// Share of the greatest variance of a channel below which a channel is left out.
+    pub min_variance: f32,
 }
 
 /// Factors from coefficients to steps, by channel, size class and index of the length, for each spatial frequency.
@@ -74,7 +74,7 @@ impl Estimates {
         let count = number_runs(source.root, &mut runs, 0);
         let entries = count * LEVELS * SQUARES;
         let [whole, best] = [(); 2].map(|()| vec![f32::INFINITY; entries]);
-        let mut estimates = Estimates { runs, frames, whole, best, channels: busy_channels(source, pricing.scales) };
+        let mut estimates = Estimates { runs, frames, whole, best, channels: busy_channels(source, pricing) };
         estimates.visit(source, source.root, pricing, &mut Vec::new());
         estimates
     }
@@ -120,14 +120,14 @@ impl Estimates {
     }
 }
 
-/// Channels whose variance, in steps², is no less than [`MIN_VARIANCE`] of that of the one that varies most: chroma mostly splits where
-/// luma does.
-fn busy_channels(source: &RegionSource, scales: &Scales) -> Vec<usize> {
+/// Channels whose variance, in steps², is no less than a share of that of the one that varies most: chroma mostly splits where luma
+/// does.
+fn busy_channels(source: &RegionSource, pricing: &Pricing<'_>) -> Vec<usize> {
     let side = source.root.shape.side();
     let still = Shape { frames: 1, ..source.root.shape };
-    let variance = |channel: usize| source.variances[channel] * scales.of(channel, still)[side / 2].powi(2);
+    let variance = |channel: usize| source.variances[channel] * pricing.scales.of(channel, still)[side / 2].powi(2);
     let greatest = (0..CHANNELS).map(variance).fold(0.0, f32::max);
-    (0..CHANNELS).filter(|&channel| variance(channel) >= MIN_VARIANCE * greatest).collect()
+    (0..CHANNELS).filter(|&channel| variance(channel) >= pricing.min_variance * greatest).collect()
 }
 
 /// Gives each run of frames that a partition can have an index, from `next` on; answers the index after the last.

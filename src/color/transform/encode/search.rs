@@ -37,7 +37,8 @@ pub struct SearchContext<'a> {
 impl SearchContext<'_> {
     fn pricing(&self) -> Pricing<'_> {
         let SearchContext { bases, scales, lambda, weights, .. } = self;
-        Pricing { bases, scales, lambda: *lambda, weights }
+        let min_variance = if self.effort == Effort::Fast { 1.0 } else { 0.1 };
+        Pricing { bases, scales, lambda: *lambda, weights, min_variance }
     }
 
     /// Ways whose estimate is within this factor of the best are tried.

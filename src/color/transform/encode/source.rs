@@ -49,24 +49,18 @@ impl RegionSource {
             }
         }
         let is_fine = S::DOMAIN.pixel_fraction(offset_set) > 0;
-        let channels = keys.iter().map(|&keys| match is_fine {
-            true => forward_fine(keys, slopes, &S::DOMAIN),
-            false => forward(keys, slopes, &S::DOMAIN).map(|value| value as f32),
-        });
         let mut samples = vec![0.0; CHANNELS * keys.len()];
-        for (at, values) in channels.enumerate() {
-            for (channel, value) in values.into_iter().enumerate() {
-                samples[channel * keys.len() + at] = value;
-            }
+        let (luma, chroma) = samples.split_at_mut(keys.len());
+        let (green, orange) = chroma.split_at_mut(keys.len());
+        for (((&keys, luma), green), orange) in keys.iter().zip(luma).zip(green).zip(orange) {
+            [*luma, *green, *orange] = match is_fine {
+                true => forward_fine(keys, slopes, &S::DOMAIN),
+                false => forward(keys, slopes, &S::DOMAIN).map(|value| value as f32),
+            };
         }
         let vectors = Arch::new();
         let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: LEAST << level });
         let spatial = (0..=root.shape.level).map(transform).collect();
-        let variance = |samples: &[f32]| {
-            let count = samples.len() as f32;
-            let mean = samples.iter().sum::<f32>() / count;
-            samples.iter().map(|value| (value - mean) * (value - mean)).sum::<f32>() / count
-        };
         let variances = std::array::from_fn(|channel| variance(&samples[channel * keys.len()..][..keys.len()]));
         RegionSource { root, keys, spatial, variances }
     }
@@ -77,7 +71,6 @@ impl RegionSource {
         let first = (channel * root.frames + block.place.frame) * root.pixels();
         // A row of blocks above this one, and blocks to its left.
         let before = block.place.y * root.side() + block.place.x * side;
-        out.clear();
         out.resize(frames * block.shape.pixels(), 0.0);
         Arch::new().dispatch(TimeTransform {
             spatial: &self.spatial[block.shape.level][first + before..],
@@ -100,6 +93,7 @@ struct TimeTransform<'a> {
     /// By the sum of the vertical and the horizontal frequency.
     factors: &'a [f32],
     side: usize,
+    /// As many as there are coefficients in all frames of the block.
     out: &'a mut [f32],
 }
 
@@ -109,18 +103,50 @@ impl NullaryFnOnce for TimeTransform<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let TimeTransform { spatial, between, basis, factors, side, out } = self;
-        let frames = basis.len().isqrt();
-        let pixels = out.len() / frames;
-        for (weights, out) in basis.chunks_exact(frames).zip(out.chunks_exact_mut(pixels)) {
+        match self.side {
+            4 => transform_in_time::<4>(self),
+            8 => transform_in_time::<8>(self),
+            16 => transform_in_time::<16>(self),
+            _ => transform_in_time::<32>(self),
+        }
+    }
+}
+
+#[inline(always)]
+fn transform_in_time<const SIDE: usize>(of: TimeTransform<'_>) {
+    let TimeTransform { spatial, between, basis, factors, out, .. } = of;
+    let frames = basis.len().isqrt();
+    for (weights, out) in basis.chunks_exact(frames).zip(out.chunks_exact_mut(SIDE * SIDE)) {
+        for (y, out) in out.as_chunks_mut::<SIDE>().0.iter_mut().enumerate() {
+            let mut sums = [0.0; SIDE];
             for (weight, frame) in weights.iter().zip(spatial.chunks(between)) {
-                out.iter_mut().zip(frame).for_each(|(out, value)| *out += weight * value);
+                let row = &frame[SIDE * y..][..SIDE];
+                sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
             }
-            for (row, factors) in out.chunks_exact_mut(side).zip(factors.windows(side)) {
-                row.iter_mut().zip(factors).for_each(|(out, factor)| *out *= factor);
+            let factors = &factors[y..][..SIDE];
+            for ((out, sum), factor) in out.iter_mut().zip(sums).zip(factors) {
+                *out = sum * factor;
             }
         }
     }
+}
+
+/// Variance of samples.
+fn variance(samples: &[f32]) -> f32 {
+    let mean = mean_of(samples, |sample| sample);
+    mean_of(samples, |sample| (sample - mean) * (sample - mean))
+}
+
+/// Mean of what a function makes of samples. Sums have the same order with all kinds of vectors.
+#[inline(always)]
+fn mean_of(samples: &[f32], value: impl Fn(f32) -> f32) -> f32 {
+    let (chunks, rest) = samples.as_chunks::<16>();
+    let mut sums = [0.0; 16];
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, &sample)| *sum += value(sample));
+    }
+    let rest = rest.iter().map(|&sample| value(sample)).sum::<f32>();
+    (sums.iter().sum::<f32>() + rest) / samples.len() as f32
 }
 
 /// Orthonormal bases in time.
@@ -163,31 +189,25 @@ impl NullaryFnOnce for SpatialTransform<'_> {
 
 #[inline(always)]
 fn transform<const SIZE: usize>(samples: &[f32], side: usize) -> Vec<f32> {
-    let size = SIZE;
-    let rows = orthonormal(size);
-    let mut columns = vec![0.0; size * size];
-    for (k, n) in (0..size).flat_map(|k| (0..size).map(move |n| (k, n))) {
-        columns[n * size + k] = rows[k * size + n];
+    let rows = orthonormal(SIZE);
+    let mut columns = [[0.0; SIZE]; SIZE];
+    for (k, n) in (0..SIZE).flat_map(|k| (0..SIZE).map(move |n| (k, n))) {
+        columns[n][k] = rows[k * SIZE + n];
     }
-    let mut out = vec![0.0; samples.len()];
-    let mut half = vec![0.0; size * side];
-    for (image, out) in samples.chunks_exact(side * side).zip(out.chunks_exact_mut(side * side)) {
-        for (band, out) in image.chunks_exact(size * side).zip(out.chunks_exact_mut(size * side)) {
-            half.fill(0.0);
-            for (k, half) in half.chunks_exact_mut(side).enumerate() {
-                for (row, weight) in band.chunks_exact(side).zip(&rows[k * size..]) {
-                    half.iter_mut().zip(row).for_each(|(half, value)| *half += weight * value);
-                }
+    let mut out = Vec::with_capacity(samples.len());
+    for band in samples.chunks_exact(side * SIZE) {
+        for (left, row) in
+            (0..side).step_by(SIZE).flat_map(|left| rows.as_chunks::<SIZE>().0.iter().map(move |row| (left, row)))
+        {
+            let mut half = [0.0; SIZE];
+            for (weight, row) in row.iter().zip(band.chunks_exact(side)) {
+                half.iter_mut().zip(&row[left..][..SIZE]).for_each(|(half, value)| *half += weight * value);
             }
-            // Of each row of `half`, a part goes to each block.
-            for (at, half) in half.as_chunks::<SIZE>().0.iter().enumerate() {
-                let (row, block) = (at / (side / size), at % (side / size));
-                let mut sums = [0.0; SIZE];
-                for (value, column) in half.iter().zip(columns.as_chunks::<SIZE>().0) {
-                    sums.iter_mut().zip(column).for_each(|(sum, weight)| *sum += value * weight);
-                }
-                out[(block * size + row) * size..][..size].copy_from_slice(&sums);
+            let mut sums = [0.0; SIZE];
+            for (value, column) in half.iter().zip(&columns) {
+                sums.iter_mut().zip(column).for_each(|(sum, weight)| *sum += value * weight);
             }
+            out.extend_from_slice(&sums);
         }
     }
     out
