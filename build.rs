@@ -102,7 +102,7 @@ fn binding_source(row: &Value) -> String {
     rows(&row["bindings"]).iter().map(name_and_type).map(binding).collect()
 }
 
-/// The static of a kernel or drawing.
+/// Name of the static of a kernel or drawing.
 #[cfg(feature = "gpu")]
 fn constant_name(name: &str) -> String {
     name.to_uppercase().replace('-', "_")

@@ -92,14 +92,14 @@ struct Job {
     weight: u32,
 }
 
-// Workgroups of the next dispatch: with an invocation for each part of the work, and with a workgroup for each.
+// Workgroups of the next dispatch: with an invocation for each part of the work (x, y, z), or a workgroup for each (part_x, …).
 struct Dispatch {
     x: u32,
     y: u32,
     z: u32,
-    own_x: u32,
-    own_y: u32,
-    own_z: u32,
+    part_x: u32,
+    part_y: u32,
+    part_z: u32,
 }
 
 // A rectangle of texels whose inverse depths are written.

@@ -10,7 +10,7 @@ fn groups_of(count: u32) -> vec2u {
 fn finish_plan(total: u32) {
     jobs.total = total;
     jobs.count = items.count;
-    let shared_groups = groups_of((total + WORKGROUP - 1u) / WORKGROUP);
-    let own_groups = groups_of(total);
-    dispatch = Dispatch(shared_groups.x, shared_groups.y, 1u, own_groups.x, own_groups.y, 1u);
+    let invocation_groups = groups_of((total + WORKGROUP - 1u) / WORKGROUP);
+    let part_groups = groups_of(total);
+    dispatch = Dispatch(invocation_groups.x, invocation_groups.y, 1u, part_groups.x, part_groups.y, 1u);
 }

@@ -1,4 +1,4 @@
-//! Decodes streams of one family on a graphics device: all their tiles and cells in one dispatch.
+//! Decodes streams of one family on a graphics device: all their tiles and cells together.
 //!
 //! Enters: units, each with a frame. The device keeps the chunks ([`crate::gpu::resident`]), the pictures, and which frame each
 //! shows; a call sends only the list of units. A planning kernel finds the next record of each unit and sums up the work; the
@@ -13,6 +13,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::color::cells::LEADS_NOWHERE;
+use crate::color::transform::blocks::REGION;
 use crate::container::ChunkEntry;
 use crate::decode::{AllUnits, DecodeCost, Decoder, StreamInfo, UnitFilter};
 use crate::depth::record_table;
@@ -40,7 +41,7 @@ const ROUNDS_TOGETHER: u32 = 64;
 /// are pixels.
 const MOST_WORK: u64 = 1 << 31;
 /// Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more.
-const SCRATCH_BYTES: u64 = 256 << 20;
+const MAX_SCRATCH_BYTES: u64 = 128 << 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitFrame {
@@ -93,7 +94,7 @@ struct Buffers {
     dispatch: wgpu::Buffer,
     items: Growing,
     jobs: wgpu::Buffer,
-    /// Between a kernel and its reader.
+    /// Between a kernel and its reader; all decoders of a device share it.
     scratch: wgpu::Buffer,
 }
 
@@ -140,7 +141,19 @@ pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
     let units: u64 = streams.iter().map(|stream| u64::from(stream.entry.unit_count())).sum();
     let lists = [(0, Unit::WORDS), (0, State::WORDS), (LIST_HEAD_WORDS, Item::WORDS), (LIST_HEAD_WORDS, Job::WORDS)];
     let tables = TransformTables::of(streams).words.len() as u64;
-    lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(pictures.max(tables), u64::max)
+    let largest = pictures.max(tables).max(scratch_words(streams));
+    lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(largest, u64::max)
+}
+
+/// Words of the scratch memory that the largest unit takes: 0 where the kernel has no reader.
+fn scratch_words(streams: &[&StreamInfo]) -> u64 {
+    let regions = |stream: &&StreamInfo| {
+        let entry = &stream.entry;
+        let sides = [entry.unit_width.min(entry.width), entry.unit_height.min(entry.height)];
+        let [columns, rows] = sides.map(|side| u64::from(side.div_ceil(REGION as u32)));
+        if Family::of(&stream.header).kernel.reader.is_some() { columns * rows } else { 0 }
+    };
+    streams.iter().map(regions).max().unwrap_or(0) * u64::from(SCRATCH_WORDS)
 }
 
 /// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
@@ -193,7 +206,7 @@ impl<'a> GpuDecoder<'a> {
             dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
             items: Growing::new(gpu, "items")?,
             jobs: gpu.buffer("jobs", 4, none)?,
-            scratch: gpu.buffer("scratch", 0, none)?,
+            scratch: gpu.scratch(scratch_words(streams) as usize)?,
         };
         for kernel in [Some(family.plan()), family.kernel.reader, Some(family.kernel)].into_iter().flatten() {
             gpu.pipeline(kernel)?;
@@ -237,7 +250,7 @@ impl<'a> GpuDecoder<'a> {
 
     /// Most invocations of a list of units of a kernel.
     fn most_work(&self, kernel: &Kernel) -> u64 {
-        let scratch_bytes = SCRATCH_BYTES.min(self.gpu.info.max_binding_bytes);
+        let scratch_bytes = MAX_SCRATCH_BYTES.min(self.gpu.info.max_binding_bytes);
         let by_scratch = kernel.reader.map_or(MOST_WORK, |_| scratch_bytes / (4 * u64::from(SCRATCH_WORDS)));
         self.most_work.min(by_scratch)
     }
@@ -366,8 +379,8 @@ impl<'a> GpuDecoder<'a> {
     }
 
     pub fn bytes(&self) -> u64 {
-        let Buffers { units, states, pictures, log2_table, tables, dispatch, items, jobs, scratch } = &self.buffers;
-        let buffers = [units, states, pictures, log2_table, tables, dispatch, &items.buffer, jobs, scratch];
+        let Buffers { units, states, pictures, log2_table, tables, dispatch, items, jobs, scratch: _ } = &self.buffers;
+        let buffers = [units, states, pictures, log2_table, tables, dispatch, &items.buffer, jobs];
         self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
     }
 
@@ -521,10 +534,10 @@ impl<'a> GpuDecoder<'a> {
         let start = Instant::now();
         self.buffers.list(gpu, &list.items)?;
         if kernel.reader.is_some() {
-            self.buffers.fit_scratch(gpu, list.work)?;
+            self.buffers.scratch = gpu.scratch(list.work as usize * SCRATCH_WORDS as usize)?;
         }
         // Bytes of the rows of `Dispatch`: invocations for the parts of the work, or workgroups.
-        let (invocations, workgroups) = (0, std::mem::offset_of!(Dispatch, own_x) as u64);
+        let (invocations, workgroups) = (0, std::mem::offset_of!(Dispatch, part_x) as u64);
         let of_kernel = if kernel.reader.is_some() { workgroups } else { invocations };
         let steps = [(kernel.reader, list.passes, invocations), (Some(kernel), 1, of_kernel)];
         let mut decoding = Vec::new();
@@ -596,15 +609,6 @@ impl Buffers {
         let job_words = LIST_HEAD_WORDS + items.len() * Job::WORDS;
         if 4 * job_words as u64 > self.jobs.size() {
             self.jobs = gpu.buffer("jobs", job_words, wgpu::BufferUsages::empty())?;
-        }
-        Ok(())
-    }
-
-    /// Makes room for the scratch memory of so many invocations of a reader. What is there is all 0.
-    fn fit_scratch(&mut self, gpu: &Gpu, invocations: u64) -> Result<()> {
-        let words = invocations as usize * SCRATCH_WORDS as usize;
-        if 4 * words as u64 > self.scratch.size() {
-            self.scratch = gpu.buffer("scratch", words, wgpu::BufferUsages::empty())?;
         }
         Ok(())
     }

@@ -145,6 +145,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     lost: Arc<OnceLock<String>>,
     pipelines: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
+    scratch: Mutex<Option<wgpu::Buffer>>,
 }
 
 impl Gpu {
@@ -190,7 +191,7 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             let _ = reason.set(error.to_string());
         }));
-        Ok(Gpu { info, device, queue, lost, pipelines: Mutex::new(HashMap::new()) })
+        Ok(Gpu { info, device, queue, lost, pipelines: Mutex::new(HashMap::new()), scratch: Mutex::new(None) })
     }
 
     /// Runs work on the device; a refusal becomes an error that begins with `what`.
@@ -241,6 +242,16 @@ impl Gpu {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC | more;
         let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
         self.guard(label, || self.device.create_buffer(&descriptor))
+    }
+
+    /// Scratch memory of at least so many words, which all decoders share: a submission leaves it to the next as it found it. A new one
+    /// is zeroed.
+    pub fn scratch(&self, words: usize) -> Result<wgpu::Buffer> {
+        let mut held = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*held {
+            Some(scratch) if scratch.size() >= 4 * words as u64 => Ok(scratch.clone()),
+            _ => Ok(held.insert(self.buffer("scratch", words, wgpu::BufferUsages::empty())?).clone()),
+        }
     }
 
     pub fn filled(&self, label: &str, words: &[u32]) -> Result<wgpu::Buffer> {

@@ -1,4 +1,4 @@
-//! Families of streams that one dispatch can decode together: those of one kernel.
+//! Families of streams that are decoded together: those of one kernel.
 
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::Unit;

@@ -14,7 +14,7 @@ pub struct Case {
     pub label: String,
     /// Bindings that a kernel does not have count for nothing.
     pub buffers: HashMap<&'static str, Vec<u32>>,
-    /// Invocations, rounded up to whole workgroups; of a kernel with a reader, those of the reader and its own workgroups.
+    /// Invocations, rounded up to whole workgroups. With a reader: its invocations, and the kernel's workgroups.
     pub invocations: u32,
     /// Passes of the kernel's reader, where it has one.
     pub passes: u32,
@@ -76,10 +76,12 @@ impl KernelReport {
             let words = case.buffers.get(binding.name).map_or(&[][..], Vec::as_slice);
             buffers.insert(binding.name, gpu.filled(binding.name, words)?);
         }
-        let shared = case.invocations.div_ceil(kernel.workgroup);
-        let own = if kernel.reader.is_some() { case.invocations } else { shared };
+        let invocation_groups = case.invocations.div_ceil(kernel.workgroup);
+        let part_groups = if kernel.reader.is_some() { case.invocations } else { invocation_groups };
         let mut steps = Vec::new();
-        for (kernel, times, workgroups) in [(kernel.reader, case.passes, shared), (Some(kernel), 1, own)] {
+        for (kernel, times, workgroups) in
+            [(kernel.reader, case.passes, invocation_groups), (Some(kernel), 1, part_groups)]
+        {
             let Some(kernel) = kernel else { continue };
             let pipeline = gpu.pipeline(kernel)?;
             let group = gpu.bind(&pipeline, |name| buffers.get(name).map(wgpu::Buffer::as_entire_binding));
@@ -94,8 +96,12 @@ impl KernelReport {
                 }
             })
         };
-        // Twice where a reader leaves scratch memory to the next frame.
-        dispatch(1 + u32::from(kernel.reader.is_some()))?;
+        if kernel.reader.is_some() {
+            // The second run finds the scratch memory of the first, and the pictures of before.
+            dispatch(1)?;
+            gpu.write("pictures", &buffers["pictures"], &case.buffers["pictures"])?;
+        }
+        dispatch(1)?;
         self.inputs += case.inputs;
         for (name, expected) in &case.expected {
             let found = gpu.read(&buffers[name], expected.len())?;

@@ -37,8 +37,7 @@ pub struct Kernel {
     pub bindings: &'static [Binding],
     /// Invocations per workgroup, at most 256.
     pub workgroup: u32,
-    /// The kernel that reads what this one shows, if there is one: it runs before it, in passes, with an invocation where this one
-    /// has a workgroup. `scratch` is between them.
+    /// Kernel that runs before this one, in passes, with an invocation for each of its workgroups; `scratch` carries the result.
     pub reader: Option<&'static Kernel>,
 }
 

@@ -158,6 +158,19 @@ mod tests {
     }
 
     #[test]
+    fn scratch_words_are_those_of_the_struct() {
+        let mut spans = Vec::new();
+        for Row { module, .. } in rows() {
+            let of_scratch = module.types.iter().filter(|(_, found)| found.name.as_deref() == Some("Scratch"));
+            spans.extend(of_scratch.map(|(_, found)| match found.inner {
+                naga::TypeInner::Struct { span, .. } => span,
+                _ => 0,
+            }));
+        }
+        assert_eq!(spans, [4 * SCRATCH_WORDS; 4]);
+    }
+
+    #[test]
     fn constants_are_those_of_the_format() {
         assert_eq!([DOMAIN_LOG, DOMAIN_LINEAR, DOMAIN_INVERSE], DomainKind::ALL.map(|kind| kind as u32));
         assert_eq!(LEVELS as usize, runtime::LEVELS);

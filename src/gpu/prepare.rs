@@ -20,8 +20,8 @@ use crate::depth::{TemporalChunk, Texel};
 use crate::entropy::rans;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{
-    BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, LEAST_ITERATIONS, PASS_ITERATIONS,
-    Record,
+    BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, PASS_ITERATIONS, Record,
+    STEP_ITERATIONS,
 };
 use crate::gpu::pictures::{code_stride, pack_halves};
 use crate::gpu::transform_tables::SET_WORDS;
@@ -91,7 +91,7 @@ pub struct Prepared {
     pub boxes: Vec<BoxRow>,
     /// Byte at which the weights start, and their number.
     pub weights: [u32; 2],
-    /// Passes in which the kernel's reader reads it, at most, where the kernel has one.
+    /// Upper bound of the passes of the kernel's reader; 0 without one.
     pub passes: u32,
     pub timeline: Timeline,
 }
@@ -298,17 +298,18 @@ pub fn of_transform<S: Keyed>(
     Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes, timeline })
 }
 
-/// Passes in which a region is read, at most: an upper bound of the iterations that `shaders/color/transform/region.wgsl` counts.
+/// Upper bound of the passes in which a region is read, by the iterations that `shaders/color/transform/region.wgsl` counts. At most some
+/// 470: a region has 98,304 pixels in 96 frames, and one takes at most 24 iterations (leaves of 4x4 pixels in one frame, with 16 colours).
 fn passes_of(region: &Region) -> u32 {
     let iterations = |leaf: &Leaf| {
         let Shape { frames, .. } = leaf.block().shape;
         let pixels = leaf.block().shape.pixels() as u32;
         // At most one node that is split for each leaf.
-        2 * LEAST_ITERATIONS
+        2 * STEP_ITERATIONS
             + match &leaf.content {
                 Content::Palette(palette) => {
                     let colors = 17 * palette.colors.len() as u32;
-                    colors + (frames as u32 + 1) * (LEAST_ITERATIONS + 2 * pixels)
+                    colors + (frames as u32 + 1) * (STEP_ITERATIONS + 2 * pixels)
                 }
                 Content::Transform { channels, .. } => {
                     let of_channel = |levels: &ChannelLevels| {
@@ -317,7 +318,7 @@ fn passes_of(region: &Region) -> u32 {
                         let diagonals = columns + rows - 1;
                         let positions = (diagonals * (diagonals + 1) / 2).min(pixels);
                         let planes = levels.of(region).last().map_or(0, |level| u32::from(level.plane) + 1);
-                        LEAST_ITERATIONS + pixels / 8 + planes * (LEAST_ITERATIONS + positions)
+                        STEP_ITERATIONS + 3 * pixels / 16 + planes * (STEP_ITERATIONS + positions)
                     };
                     channels.iter().map(of_channel).sum()
                 }

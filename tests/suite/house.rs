@@ -149,7 +149,9 @@ fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
             assert!(root().join(source).exists(), "{} mirrors {source}, which is not there", path.display());
         }
     }
-    let rows: BTreeSet<_> = ROWS.iter().map(|row| row.kernel.name).collect();
+    // A reader runs with its kernel.
+    let run = ROWS.iter().flat_map(|row| row.kernel.reader.into_iter().chain([row.kernel]));
+    let rows: BTreeSet<_> = run.map(|kernel| kernel.name).collect();
     let kernels: BTreeSet<_> = KERNELS.iter().map(|kernel| kernel.name).collect();
     assert_eq!(rows, kernels, "kernels, and rows of inputs in src/gpu/selftest.rs");
 }

@@ -1,4 +1,4 @@
-// What the two kernels of the transform codec share: the words of a chunk, and the scratch memory of a region, in which
+// Declarations of both kernels of the transform codec: the words of a chunk, and the scratch memory of a region, in which
 // `transform-read-…` leaves the blocks that `transform-…` shows. A chunk is words: its table set, from the first of its stream's
 // sets; slopes of chroma; number of colours; number of frames; set of frequency offsets; the colours, two words each. A region is
 // the step indices of its channels and its substream. Needs `put_pixel`.
@@ -21,7 +21,7 @@ struct Block {
     frames: u32,
 }
 
-// Where reading is.
+// State of reading.
 struct Reader {
     // What is read next: one of NEXT_….
     next: u32,
@@ -72,7 +72,8 @@ struct Leaf {
     extents: u32,
 }
 
-// A region between the kernels and their passes. All 0 before the first pass.
+// State of a region between passes and kernels. `reader`, `leaf_count`, `magnitudes` and `coefficients` are 0 before the first pass,
+// and `transform-…` sets them to 0 again; all else is written before it is read.
 struct Scratch {
     // Of palettes; colours are two words: keys of red and green, key of blue.
     cache: array<vec2u, 15>,
@@ -94,6 +95,7 @@ struct Scratch {
     coefficients: array<i32, 3072>,
 }
 
+// Words of a `Scratch`.
 const SCRATCH_WORDS: u32 = 4848u;
 
 const NEXT_OPEN: u32 = 0u;
@@ -107,14 +109,14 @@ const OFFSET_SET: u32 = 5u;
 const COLORS: u32 = 6u;
 
 // Number of this region in `scratch`, and first word of its chunk.
-var<private> own: u32;
+var<private> region_slot: u32;
 var<private> chunk: u32;
 var<private> unit: Unit;
 var<private> region: BoxRow;
 
-// Finds the work of a region, and answers its record.
+// Finds the work of a region, and returns its record.
 fn find_region(number: u32) -> Record {
-    own = number;
+    region_slot = number;
     let place = job_of(number);
     let job = jobs.list[place];
     let record = records[job.record];
@@ -133,7 +135,7 @@ fn pixel_fraction() -> u32 {
     return select(0u, FINE_BITS, stream[chunk + OFFSET_SET] > 0u);
 }
 
-// Where the coefficients of a channel of a block start.
+// Index of the first coefficient of a channel of a block.
 fn coefficients_at(channel: u32, x: u32, y: u32) -> u32 {
     return 1024u * channel + 128u * y + 4u * x;
 }

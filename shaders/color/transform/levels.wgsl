@@ -12,7 +12,7 @@ fn open_block() {
 
 // Magnitude of a neighbour in this plane.
 fn magnitude_at(position: u32) -> u32 {
-    let held = scratch[own].magnitudes[position];
+    let held = scratch[region_slot].magnitudes[position];
     return select(0u, held & 15u, held >> 8u == reader.plane_number);
 }
 
@@ -38,7 +38,7 @@ fn open_channel() {
     if (channel == 0u || reader.plane_count > 0u) {
         reader.planes_before = min(reader.plane_count, 2u);
     }
-    reader.iterations += 2u << (2u * block.level);
+    reader.iterations += 3u << (2u * block.level);
     reader.mean_level = predicted_level(block, channel, step_of(channel, length, block.level, 0u));
     reader.last_sum = 0;
     reader.extent = vec2u(1u, 1u);
@@ -87,7 +87,7 @@ fn read_plane() {
     for (var left = last + 1u; left > 0u; left--) {
         let entry = tables[scan + left - 1u];
         let position = entry & 0xffffu;
-        let held = scratch[own].magnitudes[position];
+        let held = scratch[region_slot].magnitudes[position];
         let number_of_held = held >> 8u;
         let channels = select(0u, (held >> 4u) & 15u, number_of_held >= reader.first_plane_number);
         var other = channels;
@@ -106,7 +106,7 @@ fn read_plane() {
         let magnitude = number(context) + u32(is_last);
         let counted = min(magnitude, 15u);
         let greatest = select(channels, max(channels, counted), plane == 0u);
-        scratch[own].magnitudes[position] = (reader.plane_number << 8u) | (greatest << 4u) | counted;
+        scratch[region_slot].magnitudes[position] = (reader.plane_number << 8u) | (greatest << 4u) | counted;
         if (magnitude == 0u) {
             continue;
         }
@@ -122,7 +122,7 @@ fn read_plane() {
         let frequency = (position & 31u) + (position >> 5u);
         let coefficient = dequantise(level, step_of(channel, length, block.level, frequency));
         if (frame != NONE) {
-            scratch[own].coefficients[first + position] += coefficient * weight;
+            scratch[region_slot].coefficients[first + position] += coefficient * weight;
         }
         if (position == 0u) {
             reader.last_sum += coefficient * last_weight;
@@ -143,7 +143,7 @@ fn close_channel() {
     note_block(block, channel, reader.last_sum + mean);
     let shows = frame_in(block) != NONE;
     if (shows) {
-        scratch[own].coefficients[coefficients_at(channel, block.x, block.y)] += mean;
+        scratch[region_slot].coefficients[coefficients_at(channel, block.x, block.y)] += mean;
     }
     reader.extents |= ((reader.extent.x - 1u) | ((reader.extent.y - 1u) << 5u)) << (10u * channel);
     reader.channel++;
@@ -153,9 +153,9 @@ fn close_channel() {
     }
     reader.next = NEXT_NODE;
     if (shows) {
-        let at = scratch[own].leaf_count;
-        scratch[own].leaves[at] = Leaf(block.x | (block.y << 3u) | (block.level << 6u), reader.extents);
-        scratch[own].leaf_count = at + 1u;
+        let at = scratch[region_slot].leaf_count;
+        scratch[region_slot].leaves[at] = Leaf(block.x | (block.y << 3u) | (block.level << 6u), reader.extents);
+        scratch[region_slot].leaf_count = at + 1u;
         count_shown(block);
     }
 }

@@ -40,7 +40,7 @@ fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
             // The squares on the left, then those above.
             square = select(first - 8u + x, first + 8u * x - 1u, has_left && y == 0u);
         }
-        sum += scratch[own].means[square];
+        sum += scratch[region_slot].means[square];
     }
     let scaled = (sum >> shift) * i32(32u << block.level) + (step >> 1u);
     // Rounded down.
@@ -49,9 +49,9 @@ fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
 }
 
 fn note_square(square: u32, channels: vec3i) {
-    scratch[own].means[square] = channels.x;
-    scratch[own].means[64u + square] = channels.y;
-    scratch[own].means[128u + square] = channels.z;
+    scratch[region_slot].means[square] = channels.x;
+    scratch[region_slot].means[64u + square] = channels.y;
+    scratch[region_slot].means[128u + square] = channels.z;
 }
 
 // Notes the mean of a block from the sum of its constant coefficients in its last frame.
@@ -59,6 +59,6 @@ fn note_block(block: Block, channel: u32, sum: i32) {
     let mean = ((sum + 128) >> 8u) >> (2u + block.level);
     let first = first_square(block, channel);
     for (var at = 0u; at < (1u << (2u * block.level)); at++) {
-        scratch[own].means[first + 8u * (at >> block.level) + (at & ((1u << block.level) - 1u))] = mean;
+        scratch[region_slot].means[first + 8u * (at >> block.level) + (at & ((1u << block.level) - 1u))] = mean;
     }
 }

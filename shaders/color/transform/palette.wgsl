@@ -1,13 +1,13 @@
 // Blocks of few colours (color.md 6.8). Mirrors src/color/transform/palette.rs.
 
 fn index_in(position: u32, of_slot: u32) -> u32 {
-    return (scratch[own].indices[position >> 2u] >> (8u * (position & 3u) + 4u * of_slot)) & 15u;
+    return (scratch[region_slot].indices[position >> 2u] >> (8u * (position & 3u) + 4u * of_slot)) & 15u;
 }
 
 fn put_index(position: u32, index: u32) {
     let shift = 8u * (position & 3u) + 4u * reader.slot;
-    let held = scratch[own].indices[position >> 2u];
-    scratch[own].indices[position >> 2u] = (held & ~(15u << shift)) | (index << shift);
+    let held = scratch[region_slot].indices[position >> 2u];
+    scratch[region_slot].indices[position >> 2u] = (held & ~(15u << shift)) | (index << shift);
 }
 
 // Fills the cache with the chunk's colours, and with 0 behind them.
@@ -19,7 +19,7 @@ fn open_cache() {
             let first = chunk + COLORS + 2u * at;
             color = vec2u(stream[first], stream[first + 1u]);
         }
-        scratch[own].cache[at] = color;
+        scratch[region_slot].cache[at] = color;
     }
 }
 
@@ -28,8 +28,8 @@ fn touch(color: vec2u) {
     var moved = color;
     var at = 0u;
     loop {
-        let held = scratch[own].cache[at];
-        scratch[own].cache[at] = moved;
+        let held = scratch[region_slot].cache[at];
+        scratch[region_slot].cache[at] = moved;
         moved = held;
         if (at == min(reader.cached, 14u) || all(held == color)) {
             break;
@@ -44,15 +44,15 @@ fn open_palette(level: u32) {
     for (var at = 0u; at < reader.color_count; at++) {
         let place = symbol(CONTEXT_PALETTE_COLOR);
         if (place < 15u) {
-            scratch[own].palette[at] = scratch[own].cache[place];
+            scratch[region_slot].palette[at] = scratch[region_slot].cache[place];
         } else {
             let red = bits(KEY_BITS);
             let green = bits(KEY_BITS);
-            scratch[own].palette[at] = vec2u(red | (green << 16u), bits(KEY_BITS));
+            scratch[region_slot].palette[at] = vec2u(red | (green << 16u), bits(KEY_BITS));
         }
     }
     for (var at = reader.color_count; at > 0u; at--) {
-        touch(scratch[own].palette[at - 1u]);
+        touch(scratch[region_slot].palette[at - 1u]);
     }
     reader.next_frame = 0u;
     reader.slot = 0u;
@@ -180,13 +180,13 @@ fn palette_keys(x: u32, y: u32) -> vec3i {
     if (reader.color_count > 1u) {
         index = index_in(32u * y + x, reader.slot);
     }
-    return keys_of_color(scratch[own].palette[index]);
+    return keys_of_color(scratch[region_slot].palette[index]);
 }
 
 // Notes the means of the palette's block (color.md 6.5).
 fn note_palette(block: Block) {
     let squares = 1u << block.level;
-    reader.iterations += 17u * squares * squares;
+    reader.iterations += 18u * squares * squares;
     for (var square = 0u; square < squares * squares; square++) {
         let x = square & (squares - 1u);
         let y = square >> block.level;

@@ -4,6 +4,7 @@
 // Columns transformed of the coefficients, 32 a row.
 var<workgroup> columns: array<i32, 1024>;
 var<workgroup> leaf_count: u32;
+var<workgroup> next: u32;
 var<workgroup> leaves: array<Leaf, 64>;
 
 // Luma and green chroma of this invocation's pixels.
@@ -24,7 +25,7 @@ fn transform_columns(local: u32, level: u32, first: u32, extent: vec2u) {
         let y = at >> columns_bits;
         var sum = 128;
         for (var k = 0u; k < extent.y; k++) {
-            let coefficient = scratch[own].coefficients[first + 32u * k + x];
+            let coefficient = scratch[region_slot].coefficients[first + 32u * k + x];
             sum += ((coefficient + 128) >> 8u) * i32(tables[functions + side * k + y]);
         }
         columns[32u * y + x] = sum >> 8u;
@@ -60,18 +61,18 @@ fn transform_rows(local: u32, place: vec2u, level: u32, channel: u32, column_cou
 fn clear_coefficients(local: u32, first: u32, extent: vec2u) {
     let columns_bits = firstLeadingBit(2u * extent.x - 1u);
     for (var at = local; at < (extent.y << columns_bits); at += WORKGROUP) {
-        scratch[own].coefficients[first + 32u * (at >> columns_bits) + (at & ((1u << columns_bits) - 1u))] = 0;
+        scratch[region_slot].coefficients[first + 32u * (at >> columns_bits) + (at & ((1u << columns_bits) - 1u))] = 0;
     }
 }
 
-// Leaves the region's scratch memory to the next one.
+// Sets to 0 what the next frame expects to be 0.
 fn clear_scratch(local: u32) {
     for (var at = local; at < 1088u; at += WORKGROUP) {
-        scratch[own].magnitudes[at] = 0u;
+        scratch[region_slot].magnitudes[at] = 0u;
     }
     if (local == 0u) {
-        scratch[own].reader = Reader();
-        scratch[own].leaf_count = 0u;
+        scratch[region_slot].reader = Reader();
+        scratch[region_slot].leaf_count = 0u;
     }
 }
 
@@ -86,9 +87,10 @@ fn show_regions(
         return;
     }
     _ = find_region(number);
-    leaves[local] = scratch[own].leaves[local];
+    leaves[local] = scratch[region_slot].leaves[local];
     if (local == 0u) {
-        leaf_count = scratch[own].leaf_count;
+        leaf_count = scratch[region_slot].leaf_count;
+        next = scratch[region_slot].reader.next;
     }
     let count = workgroupUniformLoad(&leaf_count);
     for (var at = 0u; at < count; at++) {
@@ -103,6 +105,12 @@ fn show_regions(
             transform_rows(local, place, level, channel, extent.x);
             clear_coefficients(local, first, extent);
             workgroupBarrier();
+        }
+    }
+    if (workgroupUniformLoad(&next) != NEXT_END) {
+        // Reading did not end: the block that was being read has coefficients and is no leaf.
+        for (var at = local; at < 3072u; at += WORKGROUP) {
+            scratch[region_slot].coefficients[at] = 0;
         }
     }
     clear_scratch(local);

@@ -5,17 +5,18 @@ const NODE_QUARTERS: u32 = 1u;
 const NODE_PARTS: u32 = 2u;
 const NODE_PALETTE: u32 = 3u;
 
-// Iterations after which a pass ends: Mesa's software Vulkan ends all loops of 8 invocations after 65535 iterations in all. What is
-// read at once takes at most 2200 more. It counts one for a loop that none of them enters, and so about twelve for the least
-// that is read. The host counts passes by the same numbers.
+// Iterations after which a pass ends. Mesa's software Vulkan ends all loops of 8 invocations after 65535 iterations in all, a loop
+// that none of them enters counting one. A step counts its iterations and STEP_ITERATIONS, the number of loops in `read_regions`; the
+// longest, a frame of a palette, counts 2060. So 8 invocations take at most 8 * (4999 + 2060). The host counts passes by the same
+// numbers.
 const PASS_ITERATIONS: u32 = 5000u;
-const LEAST_ITERATIONS: u32 = 12u;
+const STEP_ITERATIONS: u32 = 12u;
 
 var<private> reader: Reader;
 var<private> wanted_frame: u32;
 
 fn push_node(x: u32, y: u32, level: u32, frame: u32, frames: u32) {
-    scratch[own].nodes[reader.node_count] = x | (y << 3u) | (level << 6u) | (frame << 8u) | (frames << 16u);
+    scratch[region_slot].nodes[reader.node_count] = x | (y << 3u) | (level << 6u) | (frame << 8u) | (frames << 16u);
     reader.node_count++;
 }
 
@@ -58,7 +59,7 @@ fn read_node() {
         return;
     }
     reader.node_count--;
-    reader.block = node_of(scratch[own].nodes[reader.node_count]);
+    reader.block = node_of(scratch[region_slot].nodes[reader.node_count]);
     let kind = symbol(node_context(reader.block.level, reader.block.frames));
     if (kind == NODE_PALETTE) {
         open_palette(reader.block.level);
@@ -92,13 +93,13 @@ fn read_regions(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     let record = find_region(number);
     distributions = unit.base + stream[chunk];
     wanted_frame = record.frame;
-    reader = scratch[own].reader;
+    reader = scratch[region_slot].reader;
     if (reader.next == NEXT_OPEN) {
         open_region();
     }
     reader.iterations = 0u;
     while (reader.next != NEXT_END && reader.iterations < PASS_ITERATIONS) {
-        reader.iterations += LEAST_ITERATIONS;
+        reader.iterations += STEP_ITERATIONS;
         switch (reader.next) {
             case NEXT_CHANNEL: {
                 open_channel();
@@ -114,5 +115,5 @@ fn read_regions(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
             }
         }
     }
-    scratch[own].reader = reader;
+    scratch[region_slot].reader = reader;
 }

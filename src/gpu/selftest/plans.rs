@@ -32,9 +32,9 @@ impl Planned {
         let (count, total) = (self.items.len() as u32, self.all.work());
         let across = |groups: u32| groups.clamp(1, MAX_GROUPS);
         let groups = total.div_ceil(WORKGROUP);
-        let (x, own_x) = (across(groups), across(total));
-        let (y, own_y) = (groups.div_ceil(x), total.div_ceil(own_x));
-        let dispatch = words_of(&[Dispatch { x, y, z: 1, own_x, own_y, own_z: 1 }]);
+        let (x, part_x) = (across(groups), across(total));
+        let (y, part_y) = (groups.div_ceil(x), total.div_ceil(part_x));
+        let dispatch = words_of(&[Dispatch { x, y, z: 1, part_x, part_y, part_z: 1 }]);
         let jobs = self.all.job_words();
         Case {
             label: label.to_owned(),

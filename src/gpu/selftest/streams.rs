@@ -105,7 +105,7 @@ fn compare(
         on_gpu.limit_resident(of.fold(1 << 15, usize::max))?;
     }
     if random.one_in(8) {
-        on_gpu.limit_work(1000);
+        on_gpu.limit_work(random.pick(&[1, 20, 1000]).unwrap_or(1));
     }
     let mut on_cpu: Vec<FaceDecoder<'_>> = streams.iter().map(|stream| decoder.face(stream)).collect();
     let mut frames: Vec<u32> = streams.iter().map(|stream| stream.frames.first).collect();

@@ -48,7 +48,7 @@ export interface Prepared {
   boxes: Words;
   /** Byte at which the weights start, and their number. */
   weights: [number, number];
-  /** Passes in which the kernel's reader reads it, at most, where the kernel has one. */
+  /** Upper bound of the passes of the kernel's reader; 0 without one. */
   passes: number;
   timeline: Timeline;
 }

@@ -1,4 +1,4 @@
-// Decodes streams of one family on the graphics device: all their tiles and cells in one dispatch. Mirrors src/gpu/decode.rs.
+// Decodes streams of one family on the graphics device: all their tiles and cells together. Mirrors src/gpu/decode.rs.
 //
 // The device keeps chunks, pictures, and which frame each picture shows; a call sends only the list of units. A planning kernel finds
 // the next record of each unit and sums up the work; the decoding kernel, whose size the plan sets, finds its part by bisection. Units
@@ -33,7 +33,7 @@ const MAX_ROUNDS = 1 << 14;
 const MOST_WORK = 2 ** 31;
 
 /** Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more. */
-const SCRATCH_BYTES = 2 ** 28;
+const MAX_SCRATCH_BYTES = 2 ** 27;
 
 /** A unit, a frame, and the chunk that holds it. */
 export interface Wanted {
@@ -144,6 +144,14 @@ function familyWords(streams: readonly Stream[], rowMultiple: number): number {
   return streams.reduce((sum, stream) => sum + pictureWords(stream, rowMultiple), 0);
 }
 
+/** Words of the scratch memory that the largest unit takes: 0 where the kernel has no reader. */
+function scratchWords(streams: readonly Stream[], { reader }: Kernels): number {
+  const regions = streams.map(({ width, height, unitWidth, unitHeight }) => {
+    return Math.ceil(Math.min(unitWidth, width) / 32) * Math.ceil(Math.min(unitHeight, height) / 32);
+  });
+  return reader === undefined ? 0 : Math.max(0, ...regions) * CONSTANTS.SCRATCH_WORDS;
+}
+
 /** Streams of one family on the device. */
 export class FamilyDecoder {
   readonly streams: readonly Stream[];
@@ -164,8 +172,6 @@ export class FamilyDecoder {
   readonly #buffers: Record<"units" | "states" | "log2_table" | "tables" | "dispatch", GPUBuffer>;
   #items: GPUBuffer;
   #jobs: GPUBuffer;
-  /** Between a kernel and its reader. */
-  #scratch: GPUBuffer;
   #listBytes = 0;
   #calls = 0;
 
@@ -181,6 +187,7 @@ export class FamilyDecoder {
     const words = familyWords(streams, rowMultiple);
     const count = streams.reduce((sum, stream) => sum + unitCountOf(stream), 0);
     gpu.check("pictures", words);
+    gpu.check("scratch", scratchWords(streams, kernels.codec));
     gpu.check("units", count * UNIT.words);
     this.#gpu = gpu;
     this.streams = streams;
@@ -198,7 +205,6 @@ export class FamilyDecoder {
     };
     this.#items = gpu.buffer("items", 0);
     this.#jobs = gpu.buffer("jobs", 0);
-    this.#scratch = gpu.buffer("scratch", 0);
     this.#resident = new Resident(gpu, Math.floor(gpu.maxBindingBytes / 4));
   }
 
@@ -210,9 +216,12 @@ export class FamilyDecoder {
       throw new DeviceError("Streams of different families cannot be decoded together.");
     }
     const pipelines = async (name: KernelName): Promise<Kernels> => {
-      const { reader } = kernelRow(name);
-      const [of, ...others] = [name, ...(reader === undefined ? [] : [reader])].map((each) => gpu.pipeline(each));
-      return { kernel: await of!, reader: await others[0] };
+      const { reader: readerName } = kernelRow(name);
+      const [kernel, reader] = await Promise.all([
+        gpu.pipeline(name),
+        readerName === undefined ? undefined : gpu.pipeline(readerName),
+      ]);
+      return { kernel, reader };
     };
     const [plan, codec, keyframes] = await Promise.all([
       gpu.pipeline(first.plan),
@@ -251,7 +260,7 @@ export class FamilyDecoder {
 
   /** Bytes of its buffers. */
   get bytes(): number {
-    const buffers = [this.pictures, this.#items, this.#jobs, this.#scratch, ...Object.values(this.#buffers)];
+    const buffers = [this.pictures, this.#items, this.#jobs, ...Object.values(this.#buffers)];
     return this.#resident.bytes + buffers.reduce((sum, buffer) => sum + buffer.size, 0);
   }
 
@@ -312,7 +321,7 @@ export class FamilyDecoder {
   /** Frees its buffers. */
   destroy(): void {
     this.#resident.destroy();
-    [this.pictures, this.#items, this.#jobs, this.#scratch, ...Object.values(this.#buffers)].forEach((buffer) =>
+    [this.pictures, this.#items, this.#jobs, ...Object.values(this.#buffers)].forEach((buffer) =>
       this.#gpu.release(buffer),
     );
   }
@@ -364,7 +373,7 @@ export class FamilyDecoder {
     if (this.#kernels[kernel].reader === undefined) {
       return MOST_WORK;
     }
-    return Math.floor(Math.min(SCRATCH_BYTES, this.#gpu.maxBindingBytes) / (4 * CONSTANTS.SCRATCH_WORDS));
+    return Math.floor(Math.min(MAX_SCRATCH_BYTES, this.#gpu.maxBindingBytes) / (4 * CONSTANTS.SCRATCH_WORDS));
   }
 
   /** What a call does for a unit; `undefined` if its frame is too many rounds away. */
@@ -407,11 +416,10 @@ export class FamilyDecoder {
     this.#listBytes += list.byteLength;
     const { reader, kernel } = this.#kernels[name];
     if (reader !== undefined) {
-      // What is there is all 0.
-      this.#scratch = this.#atLeast(this.#scratch, work * CONSTANTS.SCRATCH_WORDS);
+      this.#gpu.scratch(work * CONSTANTS.SCRATCH_WORDS);
     }
     // Bytes of the rows of `Dispatch`: invocations for the parts of the work, or workgroups.
-    const [invocations, workgroups] = [0, 4 * memberOffset("Dispatch", "own_x")];
+    const [invocations, workgroups] = [0, 4 * memberOffset("Dispatch", "part_x")];
     const decoding = [
       ...(reader === undefined ? [] : [{ ...reader, times: passes, size: invocations }]),
       { ...kernel, times: 1, size: reader === undefined ? invocations : workgroups },
@@ -450,7 +458,7 @@ export class FamilyDecoder {
       ...this.#buffers,
       items: this.#items,
       jobs: this.#jobs,
-      scratch: this.#scratch,
+      scratch: this.#gpu.scratch(0),
       pictures: this.pictures,
     };
     return this.#gpu.bind(pipeline, (name) => {

@@ -81,6 +81,7 @@ export class Gpu {
   /** Called with errors that no caller waits for. */
   onError: (message: string) => void = () => undefined;
   #bytes = 0;
+  #scratch: GPUBuffer | undefined;
   readonly #pipelines = new Map<KernelName, Promise<Pipeline>>();
 
   private constructor(device: GPUDevice, adapter: GPUAdapter) {
@@ -156,6 +157,20 @@ export class Gpu {
     const made = this.device.createBuffer({ label, size, usage: storage | usage });
     this.#bytes += size;
     return made;
+  }
+
+  /** Scratch memory of at least so many words, which all decoders share: a submission leaves it to the next as it found it. A new one is
+   *  zeroed. */
+  scratch(words: number): GPUBuffer {
+    const held = this.#scratch;
+    if (held !== undefined && 4 * words <= held.size) {
+      return held;
+    }
+    this.#scratch = this.buffer("scratch", words);
+    if (held !== undefined) {
+      this.release(held);
+    }
+    return this.#scratch;
   }
 
   /** A buffer of these words. */

@@ -1,4 +1,4 @@
-// Families of streams that one dispatch can decode together: those of one kernel. Mirrors src/gpu/family.rs.
+// Families of streams that are decoded together: those of one kernel. Mirrors src/gpu/family.rs.
 
 import type { CodecHeader, Stream } from "../format/types.ts";
 import { UnsupportedError } from "../format/types.ts";

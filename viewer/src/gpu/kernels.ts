@@ -178,8 +178,7 @@ export interface Kernel {
   bindings: readonly Binding[];
   /** Invocations per workgroup. */
   workgroup: number;
-  /** The kernel that reads what this one shows, if there is one: it runs before it, in passes, with an invocation where this one has a
-   *  workgroup. `scratch` is between them. */
+  /** Kernel that runs before this one, in passes, with an invocation for each of its workgroups; `scratch` carries the result. */
   reader: KernelName | undefined;
 }
 
@@ -207,7 +206,11 @@ export function kernel(name: KernelName): Kernel {
     }
     return { name: label, kind };
   });
-  return { name, entry, workgroup, bindings: parsed, reader: KERNEL_NAMES.find((other) => other === reader) };
+  const found = KERNEL_NAMES.find((other) => other === reader);
+  if (found !== reader) {
+    throw new Error(`shaders/kernels.json: ${reader} is no kernel of the player`);
+  }
+  return { name, entry, workgroup, bindings: parsed, reader: found };
 }
 
 /** The WGSL of a kernel: its files one behind the other. */

@@ -4,7 +4,7 @@ import { CONSTANTS } from "../../../gpu/layout.ts";
 import * as leaf from "./leaves.ts";
 import type { Leaves } from "./leaves.ts";
 
-const { LEAST_ITERATIONS, PASS_ITERATIONS } = CONSTANTS;
+const { STEP_ITERATIONS, PASS_ITERATIONS } = CONSTANTS;
 
 /** Upper bound of the iterations that `shaders/color/transform/region.wgsl` counts for a leaf. */
 function iterationsOf({ rows, places }: Leaves, row: number): number {
@@ -12,9 +12,9 @@ function iterationsOf({ rows, places }: Leaves, row: number): number {
   const frames = rows[row + leaf.LEAF_FRAMES] >> 8;
   const pixels = 16 << (2 * ((place >> 16) & 3));
   // At most one node that is split for each leaf.
-  let sum = 2 * LEAST_ITERATIONS;
+  let sum = 2 * STEP_ITERATIONS;
   if ((place & leaf.IS_PALETTE) !== 0) {
-    return sum + 17 * rows[row + leaf.LEAF_COLOR_COUNT] + (frames + 1) * (LEAST_ITERATIONS + 2 * pixels);
+    return sum + 17 * rows[row + leaf.LEAF_COLOR_COUNT] + (frames + 1) * (STEP_ITERATIONS + 2 * pixels);
   }
   for (let channel = 0; channel < 3; channel++) {
     const extent = rows[row + leaf.LEAF_EXTENTS] >> (10 * channel);
@@ -23,7 +23,7 @@ function iterationsOf({ rows, places }: Leaves, row: number): number {
     const positions = Math.min((diagonals * (diagonals + 1)) / 2, pixels);
     const [start, end] = [rows[row + leaf.LEAF_LEVELS + channel], rows[row + leaf.LEAF_LEVELS + channel + 1]];
     const planes = start === end ? 0 : (places[end - 1] >> 10) + 1;
-    sum += LEAST_ITERATIONS + pixels / 8 + planes * (LEAST_ITERATIONS + positions);
+    sum += STEP_ITERATIONS + (3 * pixels) / 16 + planes * (STEP_ITERATIONS + positions);
   }
   return sum;
 }
