@@ -39,7 +39,7 @@ const MAX_ROUNDS: u32 = 1 << 14;
 const ROUNDS_TOGETHER: u32 = 64;
 /// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there
 /// are pixels.
-const MOST_WORK: u64 = 1 << 31;
+const MAX_WORK: u64 = 1 << 31;
 /// Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more.
 const MAX_SCRATCH_BYTES: u64 = 128 << 20;
 
@@ -222,7 +222,7 @@ impl<'a> GpuDecoder<'a> {
             units,
             resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
             calls: 0,
-            most_work: MOST_WORK,
+            most_work: MAX_WORK,
             kept_words: usize::MAX,
             buffers,
             cost: DecodeCost::default(),
@@ -245,13 +245,13 @@ impl<'a> GpuDecoder<'a> {
 
     /// Sets the most invocations of a list: for tests.
     pub fn limit_work(&mut self, invocations: u64) {
-        self.most_work = invocations.min(MOST_WORK);
+        self.most_work = invocations.min(MAX_WORK);
     }
 
     /// Most invocations of a list of units of a kernel.
     fn most_work(&self, kernel: &Kernel) -> u64 {
         let scratch_bytes = MAX_SCRATCH_BYTES.min(self.gpu.info.max_binding_bytes);
-        let by_scratch = kernel.reader.map_or(MOST_WORK, |_| scratch_bytes / (4 * u64::from(SCRATCH_WORDS)));
+        let by_scratch = kernel.reader.map_or(MAX_WORK, |_| scratch_bytes / (4 * u64::from(SCRATCH_WORDS)));
         self.most_work.min(by_scratch)
     }
 

@@ -327,7 +327,7 @@ fn passes_of(region: &Region) -> u32 {
     1 + region.leaves().map(iterations).sum::<u32>() / PASS_ITERATIONS
 }
 
-/// What the kernels read of a chunk before its regions: `shaders/color/transform/chunk.wgsl`.
+/// Words of a chunk before its regions, as the kernels read them: `shaders/color/transform/chunk.wgsl`.
 fn header_words(header: &Header, frames: u32) -> Vec<u32> {
     let Header { set, slopes, offset_set, colors, .. } = header;
     let slopes = [slopes.green, slopes.orange].map(|slope| i32::from(slope) as u32);

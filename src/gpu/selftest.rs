@@ -130,7 +130,7 @@ mod tests {
             for case in cases {
                 let has_words = kernel.bindings.iter().all(|binding| case.buffers.contains_key(binding.name));
                 assert!(has_words && case.inputs > 0, "{}: {}", kernel.name, case.label);
-                // What is between a kernel and its reader is no output.
+                // Scratch memory is no output.
                 let is_output = |binding: &&Binding| binding.is_written() && binding.name != "scratch";
                 let written = kernel.bindings.iter().filter(is_output).map(|binding| binding.name);
                 let expected = case.expected.iter().map(|(name, _)| *name);

@@ -1072,7 +1072,7 @@ struct Block {
 
 // State of reading.
 struct Reader {
-    // What is read next: one of NEXT_….
+    // Next thing to read: one of NEXT_….
     next: u32,
     // State of the rANS decoder, and the next 16 bits of the stream.
     state: u32,
@@ -1085,7 +1085,7 @@ struct Reader {
     channel: u32,
     plane_count: u32,
     plane: u32,
-    // Whether the plane before has levels; class of its last position, 0 without levels.
+    // 1 if the plane before has levels; class of its last position, 0 without levels.
     coded: u32,
     class_before: u32,
     // Level of the channel's mean, and sum of the constant coefficients in the block's last frame.
@@ -1117,14 +1117,14 @@ struct Reader {
 struct Leaf {
     // x | y << 3 | level << 6.
     place: u32,
-    // Of each channel, from bit 10 * channel: columns of coefficients less 1 | rows less 1 << 5.
+    // Extents of the channels, each from bit 10 * channel: columns of coefficients less 1 | rows less 1 << 5.
     extents: u32,
 }
 
 // State of a region between passes and kernels. \`reader\`, \`leaf_count\`, \`magnitudes\` and \`coefficients\` are 0 before the first pass,
 // and \`transform-…\` sets them to 0 again; all else is written before it is read.
 struct Scratch {
-    // Of palettes; colours are two words: keys of red and green, key of blue.
+    // Colours are two words: keys of red and green, key of blue.
     cache: array<vec2u, 15>,
     palette: array<vec2u, 16>,
     reader: Reader,
@@ -1132,11 +1132,11 @@ struct Scratch {
     nodes: array<u32, 17>,
     leaf_count: u32,
     leaves: array<Leaf, 64>,
-    // Of palettes, a byte each: indices of two frames in turns in the low and the high half.
+    // Indices of a palette, a byte for each pixel: two frames in turns in the low and the high half.
     indices: array<u32, 256>,
-    // Of squares of 4x4 pixels, by channel, then row by row.
+    // Means of squares of 4x4 pixels, by channel, then row by row.
     means: array<i32, 192>,
-    // Of a position in the plane that was the last to read it: the plane's number, the greatest magnitude in the first planes of
+    // For each position, of the plane that was the last to read it: the plane's number, the greatest magnitude in the first planes of
     // this block's channels (4 bits), and the magnitude (4 bits). Two more rows, as neighbours lie below; those on the right of
     // the last column are on the left of a row, where this plane has not been yet.
     magnitudes: array<u32, 1088>,

@@ -11,8 +11,9 @@ pub struct Gathered {
     pub boxes: Vec<BoxRow>,
     pub jobs: Vec<Job>,
     pub stream: Vec<u32>,
-    /// Of the transform codec; passes of its reader.
+    /// Tables of the transform codec.
     pub tables: Vec<u32>,
+    /// Passes of its reader.
     pub passes: u32,
     /// Pictures before the dispatch, as far as they are not 0.
     pub before: Vec<u32>,

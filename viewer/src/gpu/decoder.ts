@@ -30,7 +30,7 @@ const MAX_ROUNDS = 1 << 14;
 
 /** Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there are
  *  pixels. */
-const MOST_WORK = 2 ** 31;
+const MAX_WORK = 2 ** 31;
 
 /** Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more. */
 const MAX_SCRATCH_BYTES = 2 ** 27;
@@ -371,7 +371,7 @@ export class FamilyDecoder {
   /** Most invocations of a list of units of a kernel. */
   #mostWork(kernel: ResidentChunk["kernel"]): number {
     if (this.#kernels[kernel].reader === undefined) {
-      return MOST_WORK;
+      return MAX_WORK;
     }
     return Math.floor(Math.min(MAX_SCRATCH_BYTES, this.#gpu.maxBindingBytes) / (4 * CONSTANTS.SCRATCH_WORDS));
   }

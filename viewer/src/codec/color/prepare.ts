@@ -111,7 +111,7 @@ function timelineOf(chunk: TransformChunk, frames: number): Timeline {
   return { ...timeline, keyframes: Uint32Array.from(Array.from({ length: frames }, (_, at) => at).filter(differs)) };
 }
 
-/** What the kernels read of a chunk before its regions: `shaders/color/transform/chunk.wgsl`. */
+/** Words of a chunk before its regions, as the kernels read them: `shaders/color/transform/chunk.wgsl`. */
 function headerWords({ layout }: TransformChunk, frames: number): Uint32Array<ArrayBuffer> {
   const { set, slopes, colors, offsetSet } = layout;
   const words = [set * SET_WORDS, slopes.green, slopes.orange, colors.length / 3, frames, offsetSet];
