@@ -48,11 +48,13 @@ impl Distribution {
     /// The symbol that owns a slot.
     #[inline(always)]
     pub fn symbol(&self, slot: u16) -> usize {
-        let mut symbol = 0;
-        while symbol < SYMBOLS - 1 && slot >= self.starts[symbol + 1] {
-            symbol += 1;
+        if slot < self.starts[1] {
+            return 0;
         }
-        symbol
+        // Counted in vectors: later symbols start beyond the slot.
+        let [starts @ .., _] = &self.starts;
+        let count = starts.iter().fold(0, |count, &start| count + i16::from(start as i16 <= slot as i16));
+        count as usize - 1
     }
 
     pub fn starts(&self) -> &[u16; SYMBOLS + 1] {

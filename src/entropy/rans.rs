@@ -65,10 +65,16 @@ impl<'a> Decoder<'a> {
     /// Reads `count` raw bits, at most 24.
     #[inline(always)]
     pub fn bits(&mut self, count: u32) -> u32 {
-        if count > RAW_BITS {
-            let high = self.bits(count - RAW_BITS);
-            return high << RAW_BITS | self.bits(RAW_BITS);
+        if count <= RAW_BITS {
+            return self.few_bits(count);
         }
+        let high = self.few_bits(count - RAW_BITS);
+        high << RAW_BITS | self.few_bits(RAW_BITS)
+    }
+
+    /// At most [`RAW_BITS`] bits.
+    #[inline(always)]
+    fn few_bits(&mut self, count: u32) -> u32 {
         let value = self.state & ((1 << count) - 1);
         self.state >>= count;
         self.renormalise();

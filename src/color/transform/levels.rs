@@ -23,40 +23,38 @@ pub trait Levels {
 /// Magnitudes that contexts look at.
 #[derive(Debug, Default)]
 pub struct History {
-    /// Of this plane.
-    plane: Magnitudes,
-    /// Of the plane before; for a channel's first, the greatest of the first planes of the channels before.
-    other: Magnitudes,
+    /// Planes of a channel, in turns: one and the one before it.
+    planes: [Magnitudes; 2],
+    /// The greatest of the first planes of the channels so far.
     channels: Magnitudes,
 }
 
 impl History {
     pub fn code(&mut self, coder: &mut impl Coder, shape: Shape, levels: &mut impl Levels) {
-        let mut before = 0;
+        let mut planes_before = 0;
         // The greatest class of the last position in the first planes of the channels before.
         let mut first_class = 0;
         self.channels.clear(shape.side());
         for channel in 0..CHANNELS {
-            let context = contexts::planes(channel, shape, before);
+            let context = contexts::planes(channel, shape, planes_before);
             let planes = coder.number(context, levels.planes(channel) as u32).min(shape.frames as u32) as usize;
             if channel == 0 || planes > 0 {
-                before = planes.min(2);
+                planes_before = planes.min(2);
             }
             let mut coded = false;
             let mut class_before = first_class;
             for plane in 0..planes {
-                if plane == 0 {
-                    self.other.clone_from(&self.channels);
-                } else {
-                    std::mem::swap(&mut self.plane, &mut self.other);
-                }
-                self.plane.clear(shape.side());
                 let context = PlaneContext::new(channel, shape, plane);
+                let [even, odd] = &mut self.planes;
+                let (magnitudes, before) = if plane % 2 == 0 { (even, odd) } else { (odd, even) };
+                magnitudes.clear(shape.side());
                 let last = levels.last(channel, plane);
                 coded = plane + 1 == planes || coder.flag(context.coded(coded), last.is_some());
                 class_before = if coded {
                     let last = code_last(coder, (&context, class_before), shape, last.unwrap_or(0));
-                    self.code_plane(coder, &context, shape, last, &mut PlaneLevels { levels, channel, plane });
+                    let other = if plane == 0 { &mut self.channels } else { before };
+                    let positions = &scan::order(shape.level)[..=last];
+                    PlaneCoder { context, levels, channel, plane, magnitudes, other }.code(coder, positions);
                     contexts::last_class(Some(last))
                 } else {
                     0
@@ -67,51 +65,47 @@ impl History {
             }
         }
     }
-
-    #[inline(always)]
-    fn code_plane<L: Levels>(
-        &mut self,
-        coder: &mut impl Coder,
-        context: &PlaneContext,
-        shape: Shape,
-        last: usize,
-        levels: &mut PlaneLevels<'_, L>,
-    ) {
-        for (at, &position) in scan::order(shape.level)[..=last].iter().enumerate().rev() {
-            let level = levels.get(position);
-            let other = self.other.get(position);
-            let magnitude = if at == last {
-                coder.number(context.last_level(position, other), level.unsigned_abs().wrapping_sub(1)) + 1
-            } else {
-                coder.number(context.level(position, self.plane.sum(position), other), level.unsigned_abs())
-            };
-            if magnitude > 0 {
-                let negative = coder.bits(u32::from(level < 0), 1) == 1;
-                levels.put(position, if negative { -(magnitude as i32) } else { magnitude as i32 });
-                self.plane.set(position, magnitude);
-                if levels.plane == 0 {
-                    self.channels.raise(position, magnitude);
-                }
-            }
-        }
-    }
 }
 
-struct PlaneLevels<'a, L> {
+/// Codes the levels of a plane.
+struct PlaneCoder<'a, L> {
+    context: PlaneContext,
     levels: &'a mut L,
     channel: usize,
     plane: usize,
+    magnitudes: &'a mut Magnitudes,
+    /// The plane before; for a channel's first, the greatest of the first planes of the channels so far.
+    other: &'a mut Magnitudes,
 }
 
-impl<L: Levels> PlaneLevels<'_, L> {
+impl<L: Levels> PlaneCoder<'_, L> {
+    /// `positions` end with the last level other than 0, which comes first.
     #[inline(always)]
-    fn get(&self, position: Position) -> i32 {
-        self.levels.get(self.channel, self.plane, position)
+    fn code(mut self, coder: &mut impl Coder, positions: &[Position]) {
+        let Some((&last, positions)) = positions.split_last() else { return };
+        let context = self.context.last_level(last, self.other.get(last));
+        let level = self.levels.get(self.channel, self.plane, last);
+        let magnitude = coder.number(context, level.unsigned_abs().wrapping_sub(1)) + 1;
+        self.code_sign(coder, last, level, magnitude);
+        for &position in positions.iter().rev() {
+            let (sum, other) = (self.magnitudes.sum(position), self.other.get(position));
+            let level = self.levels.get(self.channel, self.plane, position);
+            let magnitude = coder.number(self.context.level(position, sum, other), level.unsigned_abs());
+            if magnitude > 0 {
+                self.code_sign(coder, position, level, magnitude);
+            }
+        }
     }
 
     #[inline(always)]
-    fn put(&mut self, position: Position, level: i32) {
+    fn code_sign(&mut self, coder: &mut impl Coder, position: Position, level: i32, magnitude: u32) {
+        let negative = coder.bits(u32::from(level < 0), 1) == 1;
+        let level = if negative { -(magnitude as i32) } else { magnitude as i32 };
         self.levels.put(self.channel, self.plane, position, level);
+        self.magnitudes.set(position, magnitude);
+        if self.plane == 0 {
+            self.other.raise(position, magnitude);
+        }
     }
 }
 

@@ -14,11 +14,9 @@ use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region, Sett
 use crate::color::transform::tables::Tables;
 use crate::error::Result;
 
-static BASIS_4: [[i32; 4]; 4] = matrix();
-static BASIS_8: [[i32; 8]; 8] = matrix();
-static BASIS_16: [[i32; 16]; 16] = matrix();
-static BASIS_32: [[i32; 32]; 32] = matrix();
-const MOST_PIXELS: usize = 32 * 32;
+/// Frequencies from one row to the next, as of [`Position`].
+const ROW: usize = 32;
+const MOST_PIXELS: usize = ROW * ROW;
 
 /// Weights of planes by frame, for each length: [`MAX_LENGTH`] of them a frame.
 static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
@@ -160,7 +158,7 @@ impl TransformChunk {
             let of = &channels[channel];
             let source = FrameLevels { levels: of.of(region), of, weights };
             let coefficients = &mut planes.coefficients;
-            source.coefficients(shape.side(), coefficients);
+            source.coefficients(coefficients);
             let (size_class, extent) = (shape.level, of.extent());
             let fraction_bits = S::DOMAIN.fraction_bits - self.pixel_fraction;
             planes.vectors.dispatch(InverseTransform { size_class, coefficients, extent, fraction_bits, out: plane });
@@ -273,22 +271,16 @@ struct FrameLevels<'a> {
 }
 
 impl FrameLevels<'_> {
-    /// The inverse transform in time: the frame's spatial coefficients, in units of 2^-fraction.
-    fn coefficients(&self, side: usize, out: &mut [i32; MOST_PIXELS]) {
+    /// The inverse transform in time: the frame's spatial coefficients, times 256, by [`Position`].
+    fn coefficients(&self, out: &mut [i32; MOST_PIXELS]) {
         let [columns, rows] = self.of.extent();
-        for row in out.chunks_exact_mut(side).take(rows) {
+        for row in out.as_chunks_mut::<ROW>().0.iter_mut().take(rows) {
             row[..columns].fill(0);
         }
         out[0] = self.of.mean << BASIS_BITS;
-        for level in self.levels.iter().filter(|level| !level.is_mean()) {
-            let weight = self.weights[usize::from(level.plane)];
-            let at = &mut out[level.position.y() * side + level.position.x()];
-            *at = at.wrapping_add(level.value.wrapping_mul(weight));
-        }
-        for row in out.chunks_exact_mut(side).take(rows) {
-            for value in &mut row[..columns] {
-                *value = value.wrapping_add(1 << (BASIS_BITS - 1)) >> BASIS_BITS;
-            }
+        for level in self.levels {
+            let at = &mut out[usize::from(level.position.0) % MOST_PIXELS];
+            *at = at.wrapping_add(level.value.wrapping_mul(self.weights[usize::from(level.plane)]));
         }
     }
 }
@@ -300,6 +292,7 @@ impl FrameLevels<'_> {
 struct InverseTransform<'a> {
     /// As of [`Shape`].
     size_class: usize,
+    /// Times 256, by [`Position`].
     coefficients: &'a [i32; MOST_PIXELS],
     /// Columns and rows that have coefficients.
     extent: [usize; 2],
@@ -315,58 +308,87 @@ impl NullaryFnOnce for InverseTransform<'_> {
     #[inline(always)]
     fn call(self) {
         match self.size_class {
-            0 => inverse_transform(&BASIS_4, self),
-            1 => inverse_transform(&BASIS_8, self),
-            2 => inverse_transform(&BASIS_16, self),
-            _ => inverse_transform(&BASIS_32, self),
+            0 => inverse_transform::<4, 2, 8>(self),
+            1 => inverse_transform::<8, 4, 8>(self),
+            2 => inverse_transform::<16, 8, 8>(self),
+            _ => inverse_transform::<32, 16, 16>(self),
         }
     }
 }
 
 #[inline(always)]
-fn inverse_transform<const N: usize>(basis: &[[i32; N]; N], of: InverseTransform<'_>) {
+fn inverse_transform<const N: usize, const HALF: usize, const LANES: usize>(of: InverseTransform<'_>) {
     let InverseTransform { coefficients, extent: [columns, rows], fraction_bits, out, .. } = of;
     let shift = BASIS_BITS + fraction_bits + N.trailing_zeros();
-    let round = 1 << (shift - 1);
     let scale = |value: i32| i32::wrapping_add(value, 1 << (BASIS_BITS - 1)) >> BASIS_BITS;
     if [columns, rows] == [1, 1] {
-        let mean = scale(coefficients[0].wrapping_shl(BASIS_BITS));
-        out[..N * N].fill(i32::wrapping_add(mean.wrapping_shl(BASIS_BITS), round) >> shift);
+        let mean = scale(coefficients[0]).wrapping_shl(BASIS_BITS);
+        out[..N * N].fill(i32::wrapping_add(mean, 1 << (shift - 1)) >> shift);
         return;
     }
+    let coefficients = coefficients.as_chunks::<ROW>().0;
     let mut half = [[0; N]; N];
-    for (column, half) in half.iter_mut().enumerate().take(columns) {
-        for (row, function) in coefficients.chunks_exact(N).zip(basis).take(rows) {
-            let coefficient = row[column];
-            if coefficient != 0 {
-                for (sum, &weight) in half.iter_mut().zip(function) {
-                    *sum = i32::wrapping_add(*sum, weight.wrapping_mul(coefficient));
-                }
+    let used = columns.next_multiple_of(LANES / HALF);
+    let value = |row: usize, column: usize| scale(coefficients[row][column]);
+    inverse_lines::<N, HALF, LANES>(rows, BASIS_BITS, value, half[..used].as_flattened_mut());
+    inverse_lines::<N, HALF, LANES>(columns, shift, |column, row| half[column][row], &mut out[..N * N]);
+}
+
+/// Inverse transforms of lines of N samples, from their first frequencies: `value` is that of a frequency and a line.
+///
+/// `HALF` is N / 2. `LANES` hold half a line as often as it fits, so that short lines are computed together.
+#[inline(always)]
+fn inverse_lines<const N: usize, const HALF: usize, const LANES: usize>(
+    frequencies: usize,
+    shift: u32,
+    value: impl Fn(usize, usize) -> i32,
+    out: &mut [i32],
+) {
+    for (band, out) in out.chunks_exact_mut(N * LANES / HALF).enumerate() {
+        let first = band * LANES / HALF;
+        let values =
+            |frequency: usize| -> [i32; LANES] { std::array::from_fn(|lane| value(frequency, first + lane / HALF)) };
+        let mut even = values(0).map(|value| value.wrapping_shl(BASIS_BITS).wrapping_add(1 << (shift - 1)));
+        let mut odd = [0; LANES];
+        for frequency in (1..frequencies).step_by(2) {
+            add_product(&mut odd, &values(frequency), &Halves::<N, LANES>::FUNCTIONS[frequency]);
+            if frequency + 1 < frequencies {
+                add_product(&mut even, &values(frequency + 1), &Halves::<N, LANES>::FUNCTIONS[frequency + 1]);
             }
         }
-        for value in half.iter_mut() {
-            *value = scale(*value);
-        }
-    }
-    for (y, out) in out.chunks_exact_mut(N).take(N).enumerate() {
-        let (mut even, mut odd) = ([round; N], [0; N]);
-        for (column, functions) in half[..columns].chunks(2).zip(basis.chunks_exact(2)) {
-            add_product(&mut even, column[0][y], &functions[0]);
-            if let Some(second) = column.get(1) {
-                add_product(&mut odd, second[y], &functions[1]);
+        for (line, out) in out.chunks_exact_mut(N).enumerate() {
+            for x in 0..HALF {
+                let (even, odd) = (even[line * HALF + x], odd[line * HALF + x]);
+                out[x] = i32::wrapping_add(even, odd) >> shift;
+                out[N - 1 - x] = i32::wrapping_sub(even, odd) >> shift;
             }
-        }
-        for x in 0..N / 2 {
-            out[x] = i32::wrapping_add(even[x], odd[x]) >> shift;
-            out[N - 1 - x] = i32::wrapping_sub(even[x], odd[x]) >> shift;
         }
     }
 }
 
-/// Adds a multiple of the first half of a function.
+/// The first half of each function of N points, as often as it fits.
+struct Halves<const N: usize, const LANES: usize>;
+
+impl<const N: usize, const LANES: usize> Halves<N, LANES> {
+    const FUNCTIONS: &[[i32; LANES]; N] = &{
+        let mut functions = [[0; LANES]; N];
+        let mut k = 0;
+        while k < N {
+            let mut lane = 0;
+            while lane < LANES {
+                functions[k][lane] = basis(N, k, lane % (N / 2));
+                lane += 1;
+            }
+            k += 1;
+        }
+        functions
+    };
+}
+
+/// Adds products, lane by lane.
 #[inline(always)]
-fn add_product<const N: usize>(sums: &mut [i32; N], value: i32, function: &[i32; N]) {
-    for (sum, &weight) in sums[..N / 2].iter_mut().zip(&function[..N / 2]) {
+fn add_product<const LANES: usize>(sums: &mut [i32; LANES], values: &[i32; LANES], weights: &[i32; LANES]) {
+    for ((sum, &value), &weight) in sums.iter_mut().zip(values).zip(weights) {
         *sum = i32::wrapping_add(*sum, value.wrapping_mul(weight));
     }
 }

@@ -89,7 +89,7 @@ pub enum Content {
 pub struct ChannelLevels {
     /// Where they are among the region's.
     levels: Range<u32>,
-    /// Coefficient of the mean.
+    /// Coefficient of the mean; the level that is coded for it counts 0.
     pub mean: i32,
     extent: [u8; 2],
 }
@@ -285,8 +285,9 @@ impl<C: SourceCoder> RegionReader<'_, C> {
             let mut mean_level = self.means.predict(channel, block, steps.at(0));
             while let Some(level) = levels.get_mut(end).filter(|level| usize::from(level.channel) == channel) {
                 let [x, y] = [level.position.x(), level.position.y()];
-                if level.position.0 == 0 && level.plane == 0 {
+                if level.is_mean() {
                     mean_level = mean_level.wrapping_add(level.value);
+                    level.value = 0;
                 }
                 level.value = steps.coefficient(x + y, level.value);
                 if level.position.0 == 0 {

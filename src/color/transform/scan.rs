@@ -61,9 +61,7 @@ impl Magnitudes {
 
     /// Clears what a block of `side` pixels reads.
     pub fn clear(&mut self, side: usize) {
-        for row in self.0.chunks_exact_mut(ROW).take(side + 2) {
-            row[..side + 2].fill(0);
-        }
+        self.0[..ROW * (side + 2)].fill(0);
     }
 
     /// Copies what a block of `side` pixels reads.
