@@ -34,21 +34,6 @@ pub const fn basis(points: usize, k: usize, n: usize) -> i32 {
     if half > 96 { -COSINES[192 - half] } else { COSINES[half] }
 }
 
-/// The basis of N points, one function a row.
-pub const fn matrix<const N: usize>() -> [[i32; N]; N] {
-    let mut rows = [[0; N]; N];
-    let mut k = 0;
-    while k < N {
-        let mut n = 0;
-        while n < N {
-            rows[k][n] = basis(N, k, n);
-            n += 1;
-        }
-        k += 1;
-    }
-    rows
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

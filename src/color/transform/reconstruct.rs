@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::color::transform::basis::{BASIS_BITS, LENGTHS, MAX_LENGTH, basis, length_index, matrix};
+use crate::color::transform::basis::{BASIS_BITS, LENGTHS, MAX_LENGTH, basis, length_index};
 use crate::color::transform::blocks::{Block, Shape, regions};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, inverse};
 use crate::color::transform::levels::Level;
@@ -287,7 +287,7 @@ impl FrameLevels<'_> {
 
 /// The inverse transform in space: all columns that have coefficients, then all rows.
 ///
-/// Functions of even frequency are symmetric, those of odd frequency antisymmetric: half of each row is computed, and the
+/// Functions of even frequency are symmetric, those of odd frequency antisymmetric: half of each line is computed, and the
 /// other half is the difference where this one is the sum. Sums wrap, so that their order does not matter.
 struct InverseTransform<'a> {
     /// As of [`Shape`].
@@ -390,5 +390,45 @@ impl<const N: usize, const LANES: usize> Halves<N, LANES> {
 fn add_product<const LANES: usize>(sums: &mut [i32; LANES], values: &[i32; LANES], weights: &[i32; LANES]) {
     for ((sum, &value), &weight) in sums.iter_mut().zip(values).zip(weights) {
         *sum = i32::wrapping_add(*sum, value.wrapping_mul(weight));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The two passes of color.md 6.3 as they are written.
+    fn plain(side: usize, coefficients: &[i32; MOST_PIXELS], extent: [usize; 2], fraction_bits: u32) -> Vec<i32> {
+        let round = |value: i64, bits: u32| (value + (1 << (bits - 1))) >> bits;
+        let shift = BASIS_BITS + fraction_bits + side.trailing_zeros();
+        let product = |k: usize, n: usize, value: i64| i64::from(basis(side, k, n)) * value;
+        let half = |column: usize, y: usize| {
+            let of = |row: usize| product(row, y, round(coefficients[ROW * row + column].into(), BASIS_BITS));
+            round((0..extent[1]).map(of).sum(), BASIS_BITS)
+        };
+        let pixel =
+            |(y, x)| round((0..extent[0]).map(|column| product(column, x, half(column, y))).sum(), shift) as i32;
+        (0..side).flat_map(|y| (0..side).map(move |x| (y, x))).map(pixel).collect()
+    }
+
+    #[test]
+    fn lines_in_vectors_are_those_of_the_document() {
+        let mut noise = 1u32;
+        let mut next = || {
+            noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            noise >> 8
+        };
+        for (size_class, round) in (0..4).flat_map(|size_class| (0..50).map(move |round| (size_class, round))) {
+            let side = 4 << size_class;
+            // What lies beyond the extent may be anything.
+            let mut coefficients = [0; MOST_PIXELS];
+            coefficients.fill_with(|| (next() as i32 - (1 << 23)) >> (round % 4));
+            let extent = if round == 0 { [1, 1] } else { [(); 2].map(|()| 1 + next() as usize % side) };
+            let fraction_bits = [0, 2, 6][round % 3];
+            let mut out = [0; MOST_PIXELS];
+            let coefficients = &coefficients;
+            Arch::new().dispatch(InverseTransform { size_class, coefficients, extent, fraction_bits, out: &mut out });
+            assert_eq!(out[..side * side], plain(side, coefficients, extent, fraction_bits), "{side} {extent:?}");
+        }
     }
 }
