@@ -65,7 +65,7 @@ pub struct FoundDepth {
     pub has_invalid: bool,
     /// The distances of surfaces, ascending; `None` where these are more than [`MAX_LEVELS`], or were not looked for.
     pub distances_m: Option<Vec<f32>>,
-    /// Pixels with a surface, where distances are given.
+    /// Pixels with a surface where distances are given, else 0: scanning stops at too many distances, by threads at different pixels.
     pub surfaces: u64,
     pub spread: Spread,
 }
@@ -96,8 +96,8 @@ impl FoundDepth {
         FoundDepth {
             extent,
             has_invalid: self.has_invalid || other.has_invalid,
+            surfaces: if distances.is_some() { self.surfaces + other.surfaces } else { 0 },
             distances_m: distances,
-            surfaces: self.surfaces + other.surfaces,
             spread: self.spread.union(&other.spread),
         }
     }
@@ -148,7 +148,8 @@ impl Distances {
     pub fn into_found(self) -> FoundDepth {
         let found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner);
         let distances_m = found.map(|found| sorted(found.into_iter().map(f32::from_bits).collect()));
-        FoundDepth { distances_m, surfaces: self.surfaces.into_inner(), ..FoundDepth::nothing() }
+        let surfaces = if distances_m.is_some() { self.surfaces.into_inner() } else { 0 };
+        FoundDepth { distances_m, surfaces, ..FoundDepth::nothing() }
     }
 }
 
@@ -212,6 +213,10 @@ mod tests {
         let distances = Distances::new(true);
         (0..100).for_each(|frame| distances.add((0..10_000).map(|at| (1 + frame * 50 + at % 50) as f32)));
         assert_eq!(few(distances), None);
+        // How far scanning came is not kept.
+        let distances = Distances::new(true);
+        distances.add((0..10_000).map(|at| 1.0 + at as f32));
+        assert_eq!(distances.into_found(), FoundDepth { distances_m: None, ..FoundDepth::nothing() });
     }
 
     fn few(distances: Distances) -> Option<Vec<f32>> {
