@@ -14,9 +14,9 @@ use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region, Sett
 use crate::color::transform::tables::Tables;
 use crate::error::Result;
 
-/// Frequencies from one row to the next, as of [`Position`].
+/// Frequencies from one row to the next, as of `Position`.
 const ROW: usize = 32;
-const MOST_PIXELS: usize = ROW * ROW;
+const MAX_PIXELS: usize = ROW * ROW;
 
 /// Weights of planes by frame, for each length: [`MAX_LENGTH`] of them a frame.
 static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
@@ -205,7 +205,7 @@ impl Window {
 /// Writes what of a block lies in its cell, from its channels.
 struct PixelWriter<'a, S> {
     window: Window,
-    channels: &'a [[i32; MOST_PIXELS]; CHANNELS],
+    channels: &'a [[i32; MAX_PIXELS]; CHANNELS],
     slopes: ChromaSlopes,
     /// Bits of the fraction of the channels.
     fraction: u32,
@@ -252,13 +252,13 @@ impl Leaf {
 struct Planes {
     /// The widest vectors of the processor, with which the same code is compiled again.
     vectors: Arch,
-    coefficients: [i32; MOST_PIXELS],
-    channels: [[i32; MOST_PIXELS]; CHANNELS],
+    coefficients: [i32; MAX_PIXELS],
+    channels: [[i32; MAX_PIXELS]; CHANNELS],
 }
 
 impl Default for Planes {
     fn default() -> Self {
-        Planes { vectors: Arch::new(), coefficients: [0; MOST_PIXELS], channels: [[0; MOST_PIXELS]; CHANNELS] }
+        Planes { vectors: Arch::new(), coefficients: [0; MAX_PIXELS], channels: [[0; MAX_PIXELS]; CHANNELS] }
     }
 }
 
@@ -271,15 +271,15 @@ struct FrameLevels<'a> {
 }
 
 impl FrameLevels<'_> {
-    /// The inverse transform in time: the frame's spatial coefficients, times 256, by [`Position`].
-    fn coefficients(&self, out: &mut [i32; MOST_PIXELS]) {
+    /// The inverse transform in time: the frame's spatial coefficients, times 256, by `Position`.
+    fn coefficients(&self, out: &mut [i32; MAX_PIXELS]) {
         let [columns, rows] = self.of.extent();
         for row in out.as_chunks_mut::<ROW>().0.iter_mut().take(rows) {
             row[..columns].fill(0);
         }
         out[0] = self.of.mean << BASIS_BITS;
         for level in self.levels {
-            let at = &mut out[usize::from(level.position.0) % MOST_PIXELS];
+            let at = &mut out[usize::from(level.position.0) % MAX_PIXELS];
             *at = at.wrapping_add(level.value.wrapping_mul(self.weights[usize::from(level.plane)]));
         }
     }
@@ -292,13 +292,13 @@ impl FrameLevels<'_> {
 struct InverseTransform<'a> {
     /// As of [`Shape`].
     size_class: usize,
-    /// Times 256, by [`Position`].
-    coefficients: &'a [i32; MOST_PIXELS],
+    /// Times 256, by `Position`.
+    coefficients: &'a [i32; MAX_PIXELS],
     /// Columns and rows that have coefficients.
     extent: [usize; 2],
     /// Bits of the fraction that are rounded off.
     fraction_bits: u32,
-    out: &'a mut [i32; MOST_PIXELS],
+    out: &'a mut [i32; MAX_PIXELS],
 }
 
 // All of it is inlined, so that it is compiled for each kind of vectors.
@@ -398,7 +398,7 @@ mod tests {
     use super::*;
 
     /// The two passes of color.md 6.3 as they are written.
-    fn plain(side: usize, coefficients: &[i32; MOST_PIXELS], extent: [usize; 2], fraction_bits: u32) -> Vec<i32> {
+    fn plain(side: usize, coefficients: &[i32; MAX_PIXELS], extent: [usize; 2], fraction_bits: u32) -> Vec<i32> {
         let round = |value: i64, bits: u32| (value + (1 << (bits - 1))) >> bits;
         let shift = BASIS_BITS + fraction_bits + side.trailing_zeros();
         let product = |k: usize, n: usize, value: i64| i64::from(basis(side, k, n)) * value;
@@ -420,12 +420,12 @@ mod tests {
         };
         for (size_class, round) in (0..4).flat_map(|size_class| (0..50).map(move |round| (size_class, round))) {
             let side = 4 << size_class;
-            // What lies beyond the extent may be anything.
-            let mut coefficients = [0; MOST_PIXELS];
+            // Coefficients beyond the extent do not count.
+            let mut coefficients = [0; MAX_PIXELS];
             coefficients.fill_with(|| (next() as i32 - (1 << 23)) >> (round % 4));
             let extent = if round == 0 { [1, 1] } else { [(); 2].map(|()| 1 + next() as usize % side) };
             let fraction_bits = [0, 2, 6][round % 3];
-            let mut out = [0; MOST_PIXELS];
+            let mut out = [0; MAX_PIXELS];
             let coefficients = &coefficients;
             Arch::new().dispatch(InverseTransform { size_class, coefficients, extent, fraction_bits, out: &mut out });
             assert_eq!(out[..side * side], plain(side, coefficients, extent, fraction_bits), "{side} {extent:?}");
