@@ -109,7 +109,7 @@ impl ColorCodec {
     /// What every frame of every cell reaches unless something else is asked for.
     pub fn usual_target(self) -> Target {
         match self {
-            ColorCodec::Transform => Target::Quality(78.0),
+            ColorCodec::Transform => Target::Quality(79.0),
             ColorCodec::Cells => Target::Psnr(50.0),
         }
     }

@@ -31,6 +31,8 @@ const USUAL_SET: usize = 1;
 const LAMBDA: f32 = 0.09;
 /// The same where steps follow the eye: textures that a larger one drops are seen.
 const LAMBDA_BY_EYE: f32 = 0.063;
+/// Step indices by which chroma is coarser than luma where steps follow the eye: a quarter of an octave.
+const COARSER_CHROMA: i32 = 4;
 /// What a step index changes the squared error by, as a logarithm to base 2.
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// A partition is searched anew where the step moves by more indices than this.
@@ -285,7 +287,8 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             Some(trial) => trial.header.colors.clone(),
             None => self.frequent_colors(),
         };
-        let steps = step_indices(start.step + self.moved, self.slopes);
+        let coarser_chroma = if self.by_eye { COARSER_CHROMA } else { 0 };
+        let steps = step_indices(start.step + self.moved, self.slopes, coarser_chroma);
         let mut header =
             Header { set: start.set, steps, slopes: self.slopes, offset_set: usize::from(self.by_eye), colors };
         let tree = |(at, region): (usize, &RegionSource)| {
@@ -417,8 +420,8 @@ fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
     ChromaSlopes { green: slope(0), orange: slope(1) }
 }
 
-/// Step indices of channels, so that an error of a step counts the same in red, green and blue.
-fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
+/// Step indices of channels: an error of a step counts the same in red, green and blue, and chroma is coarser by some indices.
+fn step_indices(step: i32, slopes: ChromaSlopes, coarser_chroma: i32) -> StepIndices {
     let (green, orange) = (f64::from(slopes.green) / 32.0, f64::from(slopes.orange) / 32.0);
     // Change of red, green and blue for a change of 1 in luma.
     let change = [1.0 + orange - green, 1.0 + green, 1.0 - orange - green];
@@ -428,7 +431,7 @@ fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
         energy >= f64::from(OCTAVE[(2 * at - 1) % 16]) / 4096.0 * f64::from(1u32 << ((2 * at - 1) / 16))
     });
     let clamp = |index: i32| index.clamp(0, 255) as u8;
-    StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step) }
+    StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step + coarser_chroma) }
 }
 
 /// Visible errors are compared in units of 2^-16.
